@@ -1,0 +1,61 @@
+#include "api/byte_range.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "api/target.hpp"
+
+namespace divemesh::api {
+
+RangeAnswer parse_range(std::string_view header, std::int64_t size) {
+    const RangeAnswer whole{ByteRange{0, size}, false};
+    constexpr std::string_view kUnit = "bytes=";
+    if (!header.starts_with(kUnit)) return whole;
+    header.remove_prefix(kUnit.size());
+    const auto dash = header.find('-');
+    if (dash == std::string_view::npos || header.find(',') != std::string_view::npos) return whole;
+    const auto first = parse_count(header.substr(0, dash));
+    const auto last = parse_count(header.substr(dash + 1));
+    if (dash == 0) {  // the last so many bytes
+        if (!last) return whole;
+        if (*last == 0 || size == 0) return {std::nullopt, true};
+        const std::int64_t length = std::min(*last, size);
+        return {ByteRange{size - length, length}, true};
+    }
+    if (!first || (!last && dash + 1 != header.size()) || (last && *last < *first)) return whole;
+    if (*first >= size) return {std::nullopt, true};
+    const std::int64_t end = last ? std::min(*last, size - 1) : size - 1;
+    return {ByteRange{*first, end - *first + 1}, true};
+}
+
+bool matches_etag(std::string_view list, std::string_view etag) {
+    for (std::size_t start = 0; start < list.size();) {
+        const auto end = std::min(list.find(',', start), list.size());
+        auto tag = list.substr(start, end - start);
+        start = end + 1;
+        while (!tag.empty() && tag.front() == ' ') tag.remove_prefix(1);
+        while (!tag.empty() && tag.back() == ' ') tag.remove_suffix(1);
+        if (tag.starts_with("W/")) tag.remove_prefix(2);
+        if (tag == etag || tag == "*") return true;
+    }
+    return false;
+}
+
+std::string content_disposition(std::string_view type, std::string_view filename) {
+    constexpr char kDigits[] = "0123456789ABCDEF";
+    filename.remove_prefix(filename.find_last_of('/') + 1);
+    std::string plain;
+    std::string encoded;
+    for (const char c : filename) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool safe = std::isalnum(byte) != 0 || c == '.' || c == '_' || c == '-';
+        plain += safe ? c : '_';
+        if (safe)
+            encoded += c;
+        else
+            encoded += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+    return std::string(type) + "; filename=\"" + plain + "\"; filename*=UTF-8''" + encoded;
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace divemesh::api {
+
+struct ByteRange {
+    std::int64_t offset = 0;
+    std::int64_t length = 0;
+};
+
+// What a Range header asks of a body of `size` bytes (RFC 9110, 14.2): all of it when there is no
+// header, its unit or form is not ours, or it asks for several; nothing when it lies outside (416).
+struct RangeAnswer {
+    std::optional<ByteRange> range;
+    bool partial = false;
+};
+RangeAnswer parse_range(std::string_view header, std::int64_t size);
+
+// Whether a list of tags (If-None-Match) names `etag`, compared weakly; "*" names every one.
+bool matches_etag(std::string_view list, std::string_view etag);
+
+// Content-Disposition whose file name no client can misread (RFC 6266, 8187).
+std::string content_disposition(std::string_view type, std::string_view filename);
+
+}  // namespace divemesh::api

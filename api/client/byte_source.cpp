@@ -1,0 +1,63 @@
+#include "api/client/byte_source.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api::client {
+namespace {
+
+FileStamp stamp_from(const struct stat& status) {
+    return {status.st_size,
+            std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
+}
+
+}  // namespace
+
+FileStamp stamp_of(const std::filesystem::path& path) {
+    struct stat status {};
+    if (::lstat(path.c_str(), &status) != 0)
+        throw Error(ErrorCode::NotFound, "cannot open " + path.string() + ": " + strerror(errno));
+    return stamp_from(status);
+}
+
+OpenFile::OpenFile(const std::filesystem::path& path)
+    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {
+    if (descriptor_ < 0)
+        throw Error(ErrorCode::NotFound, "cannot open " + path.string() + ": " + strerror(errno));
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
+        ::close(descriptor_);
+        throw Error(ErrorCode::InvalidArgument, path.string() + " is not a regular file");
+    }
+    stamp_ = stamp_from(status);
+}
+
+OpenFile::~OpenFile() { ::close(descriptor_); }
+
+std::size_t OpenFile::read_at(std::int64_t offset, std::span<char> buffer) const {
+    while (true) {
+        const ssize_t count = ::pread(descriptor_, buffer.data(), buffer.size(), offset);
+        if (count >= 0) return static_cast<std::size_t>(count);
+        if (errno != EINTR)
+            throw Error(ErrorCode::Unavailable,
+                        "cannot read " + path_.string() + ": " + strerror(errno));
+    }
+}
+
+FileSource::FileSource(const std::filesystem::path& path)
+    : path_(std::filesystem::canonical(path)), file_(path_) {}
+
+std::size_t FileSource::read_at(std::int64_t offset, std::span<char> buffer) {
+    const std::size_t count = file_.read_at(offset, buffer);
+    if (count == 0 && !buffer.empty() && offset < size_bytes())
+        throw Error(ErrorCode::Conflict,
+                    path_.string() + " became shorter while it was read; start again");
+    return count;
+}
+
+}  // namespace divemesh::api::client

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "api/client/byte_source.hpp"
+
+namespace divemesh::api::client {
+
+// The two hashes an upload states: of the bytes that are sent, and the dive's identity.
+struct DiveHashes {
+    std::string archive_sha256;
+    std::string content_sha256;  // "" when only the archive was hashed
+};
+
+using BytesDone = std::function<void(std::int64_t bytes_done)>;
+
+// The tar of a dive's folder, made on the fly: names sorted by bytes, fixed times, owners and
+// modes, so that it is the same bytes on every machine and can be read from any offset. Names are
+// relative to the dive's root (schemas/content_hash.hpp).
+class DiveTar : public ByteSource {
+public:
+    // Lists the folder; reads no file. Throws Error{NotFound} without mav0/ or cam0/ in it.
+    explicit DiveTar(const std::filesystem::path& folder);
+
+    std::int64_t size_bytes() const override { return size_bytes_; }
+    std::size_t read_at(std::int64_t offset, std::span<char> buffer) override;
+
+    // One pass over every file.
+    DiveHashes hash(const BytesDone& bytes_done);
+
+    std::size_t num_files() const { return files_.size(); }
+    // Links and special files are never sent: one name of each, for a warning.
+    const std::vector<std::string>& left_out() const { return left_out_; }
+
+private:
+    struct File {
+        std::string name;              // in the tar
+        std::filesystem::path source;  // on disk
+        FileStamp stamp;
+        std::int64_t offset = 0;  // of its header in the tar
+    };
+
+    void list_files(const std::filesystem::path& folder);
+    void lay_out();
+    const OpenFile& open(const File& file);
+    std::size_t read_content(const File& file, std::int64_t offset, std::span<char> buffer);
+
+    std::vector<File> files_;
+    std::vector<std::string> left_out_;
+    std::int64_t size_bytes_ = 0;
+    const File* open_of_ = nullptr;
+    std::unique_ptr<OpenFile> open_;
+};
+
+// One pass over an archive that is sent as it is.
+DiveHashes hash_archive(ByteSource& archive, const BytesDone& bytes_done);
+
+}  // namespace divemesh::api::client

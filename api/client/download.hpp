@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "api/client/backoff.hpp"
+#include "api/client/rest_client.hpp"
+#include "schemas/artifact.hpp"
+
+namespace divemesh::api::client {
+
+struct DownloadObserver {
+    std::function<void(std::int64_t bytes_done, std::int64_t bytes_total)> on_progress;
+    Backoff::OnWait on_wait;
+};
+
+// Fetches artifacts of a job into `folder` under their names. What is there already with the right
+// hash is left; what was cut goes on by Range; a file appears under its name only when its sha256
+// is the stated one. Throws Error{BadData} when it never is.
+void download_artifacts(const Account& account,
+                        const std::vector<Artifact>& artifacts,
+                        const std::filesystem::path& folder,
+                        const DownloadObserver& observer);
+
+}  // namespace divemesh::api::client

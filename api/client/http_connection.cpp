@@ -1,0 +1,267 @@
+#include "api/client/http_connection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/use_future.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
+#include <future>
+#include <optional>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api::client {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
+constexpr std::uint64_t kMaxBufferedBody = std::uint64_t{64} << 20;
+constexpr std::string_view kScheme = "http://";
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) {
+        return static_cast<char>(std::tolower(c));
+    });
+    return result;
+}
+
+template <typename Fields>
+HttpResponse header_of(const Fields& message) {
+    HttpResponse response;
+    response.status = static_cast<int>(message.result_int());
+    for (const auto& field : message)
+        response.headers[lower(field.name_string())] = std::string(field.value());
+    return response;
+}
+
+}  // namespace
+
+ServerAddress parse_server_url(const std::string& url) {
+    const auto refuse = [&](const std::string& why) {
+        throw Error(ErrorCode::InvalidArgument,
+                    "server address " + url + " " + why + "; give http://host:port");
+    };
+    if (!url.starts_with(kScheme)) refuse("does not begin with http://");
+    const std::string rest = url.substr(kScheme.size());
+    const std::size_t slash = std::min(rest.find('/'), rest.size());
+    std::string authority = rest.substr(0, slash);
+    ServerAddress server{"", "80", rest.substr(slash)};
+    while (server.base_path.ends_with('/')) server.base_path.pop_back();
+    const std::size_t colon = authority.rfind(':');
+    if (colon != std::string::npos && authority.find(']', colon) == std::string::npos) {
+        server.port = authority.substr(colon + 1);
+        authority.resize(colon);
+    }
+    if (authority.starts_with('[') && authority.ends_with(']'))
+        authority = authority.substr(1, authority.size() - 2);
+    server.host = authority;
+    if (server.host.empty() || server.host.find_first_of(" @?#") != std::string::npos)
+        refuse("has no host name");
+    if (server.port.empty() || server.port.find_first_not_of("0123456789") != std::string::npos)
+        refuse("has a port that is not a number");
+    return server;
+}
+
+std::string ServerAddress::url() const {
+    const bool is_ipv6 = host.find(':') != std::string::npos;
+    return std::string(kScheme) + (is_ipv6 ? "[" + host + "]" : host) + ":" + port + base_path;
+}
+
+std::string HttpResponse::header(const std::string& name) const {
+    const auto found = headers.find(name);
+    return found == headers.end() ? std::string() : found->second;
+}
+
+struct HttpConnection::Implementation {
+    ServerAddress server;
+    std::chrono::milliseconds stall;
+    asio::io_context context;
+    std::optional<beast::tcp_stream> stream;
+    beast::flat_buffer buffer;
+    bool answer_began = false;  // of the exchange under way
+    bool body_cut = false;
+
+    // Runs one asynchronous operation to its end: the only way Beast has timeouts.
+    template <typename Start>
+    auto run(Start&& start, std::chrono::milliseconds patience = {}) {
+        stream->expires_after(stall + patience);
+        auto result = start();
+        context.restart();
+        context.run();
+        return result.get();
+    }
+
+    void connect() {
+        stream.reset();
+        buffer.clear();
+        stream.emplace(context);
+        asio::ip::tcp::resolver resolver(context);
+        const auto endpoints = resolver.resolve(server.host, server.port);
+        run([&] { return stream->async_connect(endpoints, asio::use_future); });
+        stream->socket().set_option(asio::ip::tcp::no_delay(true));
+    }
+
+    template <typename Body>
+    http::request<Body> make_request(const HttpRequest& request) const {
+        http::request<Body> message;
+        message.method_string(request.method);
+        message.target(server.base_path + request.target);
+        message.version(11);
+        const bool is_ipv6 = server.host.find(':') != std::string::npos;
+        message.set(http::field::host,
+                    (is_ipv6 ? "[" + server.host + "]" : server.host) + ":" + server.port);
+        message.set(http::field::user_agent, "divemesh");
+        for (const auto& [name, value] : request.headers) message.set(name, value);
+        return message;
+    }
+
+    void write(const HttpRequest& request) {
+        auto message = make_request<http::string_body>(request);
+        message.body() = request.body;
+        if (!request.body.empty() || (request.method != "GET" && request.method != "HEAD"))
+            message.content_length(request.body.size());
+        run([&] { return http::async_write(*stream, message, asio::use_future); });
+    }
+
+    void write(const HttpRequest& request, const BodyRange& body) {
+        auto message = make_request<http::empty_body>(request);
+        message.content_length(static_cast<std::uint64_t>(body.length));
+        http::request_serializer<http::empty_body> header(message);
+        run([&] { return http::async_write_header(*stream, header, asio::use_future); });
+        std::vector<char> piece(kPieceBytes);
+        for (std::int64_t sent = 0; sent < body.length;) {
+            if (stream->socket().available() > 0) {  // refused before all of it was sent
+                body_cut = true;
+                return;
+            }
+            const auto wanted = static_cast<std::size_t>(
+                std::min<std::int64_t>(body.length - sent, static_cast<std::int64_t>(kPieceBytes)));
+            std::size_t filled = 0;
+            while (filled < wanted)
+                filled +=
+                    body.source->read_at(body.offset + sent + static_cast<std::int64_t>(filled),
+                                         std::span(piece).subspan(filled, wanted - filled));
+            run([&] {
+                return asio::async_write(
+                    *stream, asio::buffer(piece.data(), filled), asio::use_future);
+            });
+            sent += static_cast<std::int64_t>(filled);
+            if (body.on_sent) body.on_sent(sent);
+        }
+    }
+
+    HttpResponse read(const HttpRequest& request, const BodySink* sink) {
+        http::response_parser<http::buffer_body> parser;
+        parser.body_limit(boost::none);
+        if (request.method == "HEAD") parser.skip(true);
+        run([&] { return http::async_read_header(*stream, buffer, parser, asio::use_future); },
+            request.patience);
+        answer_began = true;
+        HttpResponse response = header_of(parser.get());
+        const bool to_sink = sink != nullptr && sink->on_header(response);
+        std::array<char, kPieceBytes> piece;
+        while (!parser.is_done()) {
+            parser.get().body() = {piece.data(), piece.size(), true};
+            read_some(parser);
+            const std::span<const char> bytes(piece.data(),
+                                              piece.size() - parser.get().body().size);
+            if (to_sink)
+                sink->on_bytes(bytes);
+            else
+                response.body.append(bytes.data(), bytes.size());
+            if (response.body.size() > kMaxBufferedBody)
+                throw Error(ErrorCode::TooLarge, "the server's answer is too large");
+        }
+        if (!parser.keep_alive() || body_cut) stream.reset();
+        return response;
+    }
+
+    void read_some(http::response_parser<http::buffer_body>& parser) {
+        try {
+            run([&] { return http::async_read_some(*stream, buffer, parser, asio::use_future); });
+        } catch (const beast::system_error& error) {
+            if (error.code() != http::error::need_buffer) throw;
+        }
+    }
+
+    // A server that refuses a body may close before it has read all of it: its answer counts.
+    template <typename Write>
+    HttpResponse attempt(const HttpRequest& request, Write&& write_request, const BodySink* sink) {
+        answer_began = false;
+        body_cut = false;
+        std::exception_ptr write_failure;
+        try {
+            write_request();
+        } catch (const beast::system_error& error) {
+            if (error.code() == beast::error::timeout) throw;
+            write_failure = std::current_exception();
+            body_cut = true;
+        }
+        try {
+            return read(request, sink);
+        } catch (const beast::system_error&) {
+            if (write_failure) std::rethrow_exception(write_failure);
+            throw;
+        }
+    }
+
+    // A kept-alive connection may have been closed meanwhile; that is no failure of the request as
+    // long as nothing of an answer came. A POST is never sent twice: it always gets a fresh one.
+    template <typename Write>
+    HttpResponse exchange(const HttpRequest& request, Write&& write_request, const BodySink* sink) {
+        try {
+            const bool reused = stream.has_value() && request.method != "POST";
+            if (!reused) connect();
+            try {
+                return attempt(request, write_request, sink);
+            } catch (const beast::system_error& error) {
+                if (!reused || answer_began || error.code() == beast::error::timeout) throw;
+            }
+            connect();
+            return attempt(request, write_request, sink);
+        } catch (const beast::system_error& error) {
+            stream.reset();
+            throw Error(ErrorCode::Unavailable,
+                        "connection to " + server.url() + ": " + error.code().message());
+        } catch (...) {
+            stream.reset();
+            throw;
+        }
+    }
+};
+
+HttpConnection::HttpConnection(ServerAddress server, std::chrono::milliseconds stall)
+    : implementation_(std::make_unique<Implementation>()) {
+    implementation_->server = std::move(server);
+    implementation_->stall = stall;
+}
+
+HttpConnection::~HttpConnection() = default;
+HttpConnection::HttpConnection(HttpConnection&&) noexcept = default;
+
+HttpResponse HttpConnection::send(const HttpRequest& request) {
+    return implementation_->exchange(
+        request, [&] { implementation_->write(request); }, nullptr);
+}
+
+HttpResponse HttpConnection::send(const HttpRequest& request, const BodyRange& body) {
+    return implementation_->exchange(
+        request, [&] { implementation_->write(request, body); }, nullptr);
+}
+
+HttpResponse HttpConnection::receive(const HttpRequest& request, const BodySink& sink) {
+    return implementation_->exchange(
+        request, [&] { implementation_->write(request); }, &sink);
+}
+
+const ServerAddress& HttpConnection::server() const { return implementation_->server; }
+
+}  // namespace divemesh::api::client

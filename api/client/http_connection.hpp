@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "api/client/byte_source.hpp"
+
+namespace divemesh::api::client {
+
+// http://host[:port][/base]; the port is 80 when it is not given.
+struct ServerAddress {
+    std::string host;
+    std::string port;
+    std::string base_path;  // "" or "/prefix"
+
+    std::string url() const;
+};
+ServerAddress parse_server_url(const std::string& url);  // throws Error{InvalidArgument}
+
+struct HttpRequest {
+    std::string method;
+    std::string target;  // below the server's base path: "/api/v1/dives?state=ready"
+    std::vector<std::pair<std::string, std::string>> headers;
+    std::string body;
+    std::chrono::milliseconds patience{0};  // for the answer to begin, beyond the usual stall
+};
+
+struct HttpResponse {
+    int status = 0;
+    std::map<std::string, std::string> headers;  // names in lower case
+    std::string body;
+
+    std::string header(const std::string& name) const;  // "" when it is not there
+};
+
+// A stretch of a source as the body of a request.
+struct BodyRange {
+    ByteSource* source = nullptr;
+    std::int64_t offset = 0;
+    std::int64_t length = 0;
+    std::function<void(std::int64_t bytes_sent)> on_sent;
+};
+
+// Takes a body as it comes in. `on_header` is asked first whether it wants this response; when it
+// does not, the body lands in HttpResponse::body.
+struct BodySink {
+    std::function<bool(const HttpResponse& header)> on_header;
+    std::function<void(std::span<const char> bytes)> on_bytes;
+};
+
+// One connection to a server, kept alive between requests and made anew when it is gone. Calls
+// block; one that moves no byte for `stall` fails. Throws Error{Unavailable} for whatever the
+// network does; an answer of any status is an answer. One thread at a time.
+class HttpConnection {
+public:
+    HttpConnection(ServerAddress server, std::chrono::milliseconds stall);
+    ~HttpConnection();
+    HttpConnection(HttpConnection&&) noexcept;
+
+    HttpResponse send(const HttpRequest& request);
+    HttpResponse send(const HttpRequest& request, const BodyRange& body);
+    HttpResponse receive(const HttpRequest& request, const BodySink& sink);
+
+    const ServerAddress& server() const;
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace divemesh::api::client

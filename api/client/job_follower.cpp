@@ -1,0 +1,85 @@
+#include "api/client/job_follower.hpp"
+
+#include <optional>
+#include <thread>
+
+#include "api/client/event_stream.hpp"
+#include "schemas/json.hpp"
+
+namespace divemesh::api::client {
+namespace {
+
+constexpr std::chrono::minutes kGiveUpAfter{10};
+constexpr std::chrono::seconds kPollPause{1};
+constexpr std::chrono::seconds kEventPatience{5};  // then the job is asked for all the same
+
+// Says when it is worth asking again; what an event holds beyond its subject is not relied on.
+class Watch {
+public:
+    explicit Watch(const Account& account) : account_(account) {}
+
+    void wait_for(const std::string& subject) {
+        try {
+            if (!stream_) stream_.emplace(account_, sequence_);
+            const auto end = std::chrono::steady_clock::now() + kEventPatience;
+            while (std::chrono::steady_clock::now() < end) {
+                const auto event = stream_->next(kPollPause);
+                if (!event) continue;
+                sequence_ = event->sequence;
+                if (event->subject == subject) return;
+            }
+        } catch (const Error&) {
+            stream_.reset();
+            std::this_thread::sleep_for(kPollPause);
+        }
+    }
+
+private:
+    const Account& account_;
+    std::optional<std::int64_t> sequence_;  // of the last event seen
+    std::optional<EventStream> stream_;
+};
+
+// Asks until `done`, waiting for news between; a server that is away is waited for.
+template <typename Value, typename Done>
+Value follow(RestClient& rest,
+             const std::string& path,
+             const std::string& subject,
+             const Backoff::OnWait& on_wait,
+             Done&& done) {
+    Backoff backoff(kGiveUpAfter, on_wait);
+    Watch watch(rest.account());
+    while (true) {
+        try {
+            auto value = rest.get(path).template get<Value>();
+            backoff.moved();
+            if (done(value)) return value;
+            watch.wait_for(subject);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::Unavailable) throw;
+            backoff.wait(error);
+        }
+    }
+}
+
+}  // namespace
+
+Job follow_job(RestClient& rest,
+               const std::string& job_id,
+               const OnJob& on_job,
+               const Backoff::OnWait& on_wait) {
+    return follow<Job>(
+        rest, "/api/v1/jobs/" + percent_encode(job_id), job_id, on_wait, [&](const Job& job) {
+            on_job(job);
+            return is_finished(job.state);
+        });
+}
+
+Dive follow_dive(RestClient& rest, const std::string& dive_id, const Backoff::OnWait& on_wait) {
+    return follow<Dive>(
+        rest, "/api/v1/dives/" + percent_encode(dive_id), dive_id, on_wait, [](const Dive& dive) {
+            return dive.state != DiveState::Checking;
+        });
+}
+
+}  // namespace divemesh::api::client

@@ -1,0 +1,126 @@
+#include "api/client/rest_client.hpp"
+
+#include <cctype>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api::client {
+namespace {
+
+constexpr std::chrono::seconds kStall{60};
+
+ErrorCode code_of(int status) {
+    switch (status) {
+        case 400: return ErrorCode::InvalidArgument;
+        case 401: return ErrorCode::Unauthorized;
+        case 403: return ErrorCode::Forbidden;
+        case 404:
+        case 410: return ErrorCode::NotFound;
+        case 409:
+        case 423: return ErrorCode::Conflict;
+        case 412:
+        case 415: return ErrorCode::Unsupported;
+        case 413: return ErrorCode::TooLarge;
+        case 422: return ErrorCode::BadData;
+        case 507: return ErrorCode::OutOfSpace;
+        default:
+            return status == 429 || status >= 500 ? ErrorCode::Unavailable
+                                                  : ErrorCode::InvalidArgument;
+    }
+}
+
+std::string text_of(const nlohmann::json& problem, const char* key) {
+    if (!problem.is_object()) return "";
+    const auto found = problem.find(key);
+    return found != problem.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+std::string query_text(const QueryParameters& query) {
+    std::string text;
+    for (const auto& [name, value] : query)
+        text += (text.empty() ? "?" : "&") + name + "=" + percent_encode(value);
+    return text;
+}
+
+}  // namespace
+
+std::string percent_encode(std::string_view text) {
+    constexpr char digits[] = "0123456789ABCDEF";
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (std::isalnum(byte) != 0 || c == '-' || c == '.' || c == '_' || c == '~') {
+            result += c;
+        } else {
+            result += '%';
+            result += digits[byte >> 4];
+            result += digits[byte & 15];
+        }
+    }
+    return result;
+}
+
+Error error_of(const HttpResponse& response) {
+    std::string message = "the server answered " + std::to_string(response.status);
+    const auto problem = nlohmann::json::parse(response.body, nullptr, false);
+    for (const char* key : {"detail", "title"}) {
+        const std::string text = text_of(problem, key);
+        if (text.empty()) continue;
+        message += ": " + text;
+        break;
+    }
+    if (response.status == 401) message += " (give a token by DIVEMESH_TOKEN or --token-file)";
+    return Error(code_of(response.status), message);
+}
+
+std::vector<std::pair<std::string, std::string>> authorization(const Account& account) {
+    if (account.token.empty()) return {};
+    return {{"Authorization", "Bearer " + account.token}};
+}
+
+RestClient::RestClient(Account account)
+    : account_(std::move(account)), connection_(account_.server, kStall) {}
+
+HttpResponse RestClient::send(HttpRequest request) {
+    for (auto& header : authorization(account_)) request.headers.push_back(std::move(header));
+    HttpResponse response = connection_.send(request);
+    if (response.status < 200 || response.status > 299) throw error_of(response);
+    return response;
+}
+
+nlohmann::json RestClient::get(const std::string& path, const QueryParameters& query) {
+    return nlohmann::json::parse(send({"GET", path + query_text(query), {}, ""}).body);
+}
+
+nlohmann::json RestClient::post(const std::string& path,
+                                const nlohmann::json& body,
+                                std::chrono::milliseconds patience) {
+    const auto response =
+        send({"POST", path, {{"Content-Type", "application/json"}}, body.dump(), patience});
+    return response.body.empty() ? nlohmann::json() : nlohmann::json::parse(response.body);
+}
+
+std::string RestClient::get_text(const std::string& path) {
+    return send({"GET", path, {}, ""}).body;
+}
+
+void RestClient::remove(const std::string& path) { send({"DELETE", path, {}, ""}); }
+
+std::vector<nlohmann::json> RestClient::list(const std::string& path,
+                                             QueryParameters query,
+                                             std::size_t limit) {
+    std::vector<nlohmann::json> items;
+    while (true) {
+        const auto page = get(path, query);
+        for (const auto& item : page.at("items")) {
+            if (items.size() == limit) return items;
+            items.push_back(item);
+        }
+        const std::string cursor = page.value("next_cursor", "");
+        if (cursor.empty()) return items;
+        std::erase_if(query, [](const auto& parameter) { return parameter.first == "cursor"; });
+        query.emplace_back("cursor", cursor);
+    }
+}
+
+}  // namespace divemesh::api::client

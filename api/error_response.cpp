@@ -1,0 +1,74 @@
+#include "api/error_response.hpp"
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+http::status status_of(ErrorCode code) {
+    switch (code) {  // no default: the compiler lists a code that is missing here
+        case ErrorCode::InvalidArgument: return http::status::bad_request;
+        case ErrorCode::BadData: return http::status::unprocessable_entity;
+        case ErrorCode::NotFound: return http::status::not_found;
+        case ErrorCode::Conflict: return http::status::conflict;
+        case ErrorCode::TooLarge: return http::status::payload_too_large;
+        case ErrorCode::Unauthorized: return http::status::unauthorized;
+        case ErrorCode::Forbidden: return http::status::forbidden;
+        case ErrorCode::Unsupported: return http::status::unsupported_media_type;
+        case ErrorCode::Cancelled: return http::status::conflict;
+        case ErrorCode::OutOfSpace: return http::status::insufficient_storage;
+        case ErrorCode::Unavailable: return http::status::service_unavailable;
+    }
+    return http::status::internal_server_error;
+}
+
+Response problem(const Request& request,
+                 http::status status,
+                 const std::string& type,
+                 const std::string& detail) {
+    Response response = json_response(status,
+                                      {{"type", type},
+                                       {"title", http::obsolete_reason(status)},
+                                       {"status", static_cast<int>(status)},
+                                       {"detail", detail},
+                                       {"instance", request.path},
+                                       {"request_id", request.id}});
+    response.headers = {{"Content-Type", "application/problem+json"},
+                        {"Cache-Control", "no-store"}};
+    return response;
+}
+
+}  // namespace
+
+Response error_response(const Request& request, const std::exception_ptr& failure) {
+    try {
+        std::rethrow_exception(failure);
+    } catch (const Error& error) {
+        Response response = problem(request,
+                                    status_of(error.code()),
+                                    "urn:divemesh:error:" + std::string(to_string(error.code())),
+                                    error.what());
+        if (error.code() == ErrorCode::Unauthorized) response.set("WWW-Authenticate", "Bearer");
+        if (error.code() == ErrorCode::Unavailable) response.set("Retry-After", "2");
+        return response;
+    } catch (const std::exception& error) {
+        spdlog::error(nlohmann::json{{"event", "internal_error"},
+                                     {"request_id", request.id},
+                                     {"path", request.path},
+                                     {"what", error.what()}}
+                          .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+    } catch (...) {
+        spdlog::error(
+            nlohmann::json{{"event", "internal_error"}, {"request_id", request.id}}.dump());
+    }
+    return problem_response(request, http::status::internal_server_error, "internal error");
+}
+
+Response problem_response(const Request& request, http::status status, const std::string& detail) {
+    return problem(request, status, "about:blank", detail);
+}
+
+}  // namespace divemesh::api

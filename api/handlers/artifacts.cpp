@@ -1,0 +1,97 @@
+#include "api/handlers/artifacts.hpp"
+
+#include "api/byte_range.hpp"
+#include "api/error_response.hpp"
+#include "api/in_pool.hpp"
+#include "api/visible.hpp"
+#include "schemas/artifact.hpp"
+#include "storage/dive_store.hpp"
+#include "storage/job_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+struct StoredFile {
+    std::string name;
+    std::string media_type;
+    std::string etag;
+    std::shared_ptr<storage::BlobReader> reader;
+};
+
+// What a browser would run or render as a page is handed over as a file, in a sandbox.
+bool is_active(const std::string& media_type) {
+    return media_type.starts_with("text/html") || media_type.find("svg") != std::string::npos ||
+           media_type.find("xml") != std::string::npos;
+}
+
+void describe(Response& response, const StoredFile& file) {
+    response.set("ETag", file.etag);
+    response.set("Accept-Ranges", "bytes");
+    response.set("Cache-Control", "private, no-cache");
+    response.set("Content-Type", file.media_type);
+    const bool active = is_active(file.media_type);
+    response.set("Content-Disposition",
+                 content_disposition(active ? "attachment" : "inline", file.name));
+    if (active) response.set("Content-Security-Policy", "sandbox; default-src 'none'");
+}
+
+Response file_response(const Request& request, const StoredFile& file) {
+    if (matches_etag(request.header("if-none-match"), file.etag)) {
+        Response response = empty_response(http::status::not_modified);
+        response.set("ETag", file.etag);
+        return response;
+    }
+    const std::string if_range = request.header("if-range");
+    const bool take_range = if_range.empty() || if_range == file.etag;
+    const std::int64_t size = file.reader->size_bytes();
+    const auto answer = parse_range(take_range ? request.header("range") : "", size);
+    if (!answer.range) {
+        Response response = problem_response(request,
+                                             http::status::range_not_satisfiable,
+                                             "the file has " + std::to_string(size) + " bytes");
+        response.set("Content-Range", "bytes */" + std::to_string(size));
+        return response;
+    }
+    const auto [offset, length] = *answer.range;
+    Response response =
+        empty_response(answer.partial ? http::status::partial_content : http::status::ok);
+    describe(response, file);
+    if (answer.partial)
+        response.set("Content-Range",
+                     "bytes " + std::to_string(offset) + "-" + std::to_string(offset + length - 1) +
+                         "/" + std::to_string(size));
+    response.body = FilePart{file.reader, offset, length};
+    return response;
+}
+
+}  // namespace
+
+Awaitable<Response> get_artifact(Request request, Services services) {
+    auto work = [services, request] {
+        const Job job = visible_job(request, services);
+        const Artifact artifact = storage::JobStore(services.catalog)
+                                      .artifact(job.id, request.parameter("artifact_name"));
+        return StoredFile{artifact.name,
+                          artifact.media_type,
+                          '"' + artifact.sha256 + '"',
+                          services.blobs.open(artifact.blob)};
+    };
+    const StoredFile file = co_await in_pool(services.pool, std::move(work));
+    co_return file_response(request, file);
+}
+
+// A dive has one thumbnail and keeps it: its key in the blob store serves as the tag.
+Awaitable<Response> get_thumbnail(Request request, Services services) {
+    auto work = [services, request] {
+        const Dive dive = visible_dive(request, services);
+        const std::string blob = storage::DiveStore(services.catalog).thumbnail_blob(dive.id);
+        return StoredFile{"thumbnail.jpg",
+                          "image/jpeg",
+                          '"' + sha256_hex(blob).substr(0, 32) + '"',
+                          services.blobs.open(blob)};
+    };
+    const StoredFile file = co_await in_pool(services.pool, std::move(work));
+    co_return file_response(request, file);
+}
+
+}  // namespace divemesh::api

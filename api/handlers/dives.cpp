@@ -1,0 +1,130 @@
+#include "api/handlers/dives.hpp"
+
+#include "api/authorization.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/make_dive.hpp"
+#include "api/upload_metadata.hpp"
+#include "api/upload_writer.hpp"
+#include "api/visible.hpp"
+#include "schemas/json.hpp"
+#include "schemas/reconstruction_options.hpp"
+#include "storage/dive_store.hpp"
+#include "storage/job_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 200;
+constexpr int kMaxPriority = 10;
+
+storage::DiveFilter filter_of(const Request& request) {
+    storage::DiveFilter filter{visible_project(request.token),
+                               query_value(request, "content_sha256"),
+                               query_value(request, "archive_sha256"),
+                               query_value(request, "site")};
+    if (!filter.content_sha256.empty()) check_sha256(filter.content_sha256, "content_sha256");
+    if (!filter.archive_sha256.empty()) check_sha256(filter.archive_sha256, "archive_sha256");
+    const std::string state = query_value(request, "state");
+    if (!state.empty()) filter.state = dive_state_from_string(state);
+    return filter;
+}
+
+struct DiveRequest {
+    std::string upload_id;
+    std::string name;
+    std::string preset;
+};
+
+DiveRequest dive_request(const Request& request) {
+    const auto body = json_body(request, {"upload_id", "name", "job"});
+    DiveRequest wanted{value_or<std::string>(body, "upload_id", ""),
+                       value_or<std::string>(body, "name", ""),
+                       value_or<std::string>(body, "job", "")};
+    if (wanted.upload_id.empty())
+        throw Error(ErrorCode::InvalidArgument, "\"upload_id\" says which upload: it is missing");
+    if (wanted.name.size() > kMaxNameBytes)
+        throw Error(ErrorCode::InvalidArgument, "\"name\" is longer than 200 bytes");
+    if (body.contains("job")) {
+        preset_options(wanted.preset);
+        require_scope(request.token, "jobs:write");
+    }
+    return wanted;
+}
+
+storage::NewJob job_request(const Request& request, const Dive& dive) {
+    const auto body = json_body(request, {"kind", "preset", "options", "priority"});
+    storage::NewJob job;
+    job.project = dive.project;
+    job.dive_id = dive.id;
+    job.kind = job_kind_from_string(value_or<std::string>(body, "kind", "reconstruct"));
+    if (job.kind != JobKind::Reconstruct)
+        throw Error(ErrorCode::InvalidArgument, "\"kind\" can be asked for as reconstruct alone");
+    job.preset = value_or<std::string>(body, "preset", "standard");
+    job.options = body.value("options", nlohmann::json::object());
+    make_options(job.preset, job.options);
+    job.priority = value_or<int>(body, "priority", 0);
+    if (job.priority < -kMaxPriority || job.priority > kMaxPriority)
+        throw Error(ErrorCode::InvalidArgument, "\"priority\" has to be -10 to 10");
+    return job;
+}
+
+}  // namespace
+
+Awaitable<Response> list_dives(Request request, Services services) {
+    const auto filter = filter_of(request);
+    const auto page = page_request(request);
+    auto work = [&catalog = services.catalog, filter, page] {
+        return storage::DiveStore(catalog).list(filter, page);
+    };
+    const auto dives = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, dives.items, dives.next_cursor);
+}
+
+Awaitable<Response> create_dive(Request request, Services services) {
+    const DiveRequest wanted = dive_request(request);
+    request.parameters.emplace("upload_id", wanted.upload_id);
+    auto look = [services, request] { visible_upload(request, services); };
+    co_await in_pool(services.pool, std::move(look));
+    auto turn = co_await services.turns.take(wanted.upload_id, [] {});
+    auto work = [services, wanted, request] {
+        const Upload upload = reconciled(services, visible_upload(request, services));
+        UploadPlan plan = plan_of(upload.metadata);
+        if (!wanted.name.empty()) plan.name = wanted.name;
+        if (!wanted.preset.empty()) plan.preset = wanted.preset;
+        return make_dive(services, upload, plan);
+    };
+    const MadeDive made = co_await in_pool(services.pool, std::move(work));
+    Response response =
+        json_response(made.is_new ? http::status::created : http::status::ok, made.dive);
+    response.set("Location", "/api/v1/dives/" + made.dive.id);
+    if (!made.job_id.empty()) response.set("Divemesh-Job", made.job_id);
+    co_return response;
+}
+
+Awaitable<Response> get_dive(Request request, Services services) {
+    auto work = [services, request] { return visible_dive(request, services); };
+    const Dive dive = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, dive);
+}
+
+Awaitable<Response> list_findings(Request request, Services services) {
+    auto work = [services, request] {
+        return storage::DiveStore(services.catalog).findings(visible_dive(request, services).id);
+    };
+    const auto findings = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, findings);
+}
+
+Awaitable<Response> create_job(Request request, Services services) {
+    auto work = [services, request] {
+        const Dive dive = visible_dive(request, services);
+        return storage::JobStore(services.catalog).enqueue(job_request(request, dive));
+    };
+    const Job job = co_await in_pool(services.pool, std::move(work));
+    Response response = json_response(http::status::created, job);
+    response.set("Location", "/api/v1/jobs/" + job.id);
+    co_return response;
+}
+
+}  // namespace divemesh::api

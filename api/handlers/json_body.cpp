@@ -1,0 +1,86 @@
+#include "api/handlers/json_body.hpp"
+
+#include <boost/beast/core/string.hpp>
+#include <cctype>
+
+#include "api/target.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::int64_t kMaxLimit = 200;
+constexpr int kMaxDepth = 32;  // deeper is an attack on whoever copies it recursively
+
+std::string escaped(const std::string& text) {
+    constexpr char kDigits[] = "0123456789ABCDEF";
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (std::isalnum(byte) != 0 || c == '-' || c == '_' || c == '.')
+            result += c;
+        else
+            result += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+    return result;
+}
+
+nlohmann::json parse(const std::string& text) {
+    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+        if (depth > kMaxDepth)
+            throw Error(ErrorCode::InvalidArgument, "the body is nested too deeply");
+        return true;
+    };
+    try {
+        return nlohmann::json::parse(text, shallow);
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(ErrorCode::InvalidArgument,
+                    std::string("the body is not JSON: ") + error.what());
+    }
+}
+
+}  // namespace
+
+nlohmann::json json_body(const Request& request, const std::set<std::string>& known) {
+    const std::string type = request.header("content-type");
+    if (!boost::beast::iequals(type.substr(0, type.find(';')), "application/json"))
+        throw Error(ErrorCode::Unsupported, "send the body as Content-Type: application/json");
+    auto body = parse(request.body);
+    if (!body.is_object())
+        throw Error(ErrorCode::InvalidArgument, "the body has to be a JSON object");
+    for (const auto& [key, value] : body.items())
+        if (!known.contains(key))
+            throw Error(ErrorCode::InvalidArgument, "unknown key \"" + key + "\"");
+    return body;
+}
+
+storage::PageRequest page_request(const Request& request) {
+    storage::PageRequest page;
+    page.cursor = query_value(request, "cursor");
+    if (!request.query.contains("limit")) return page;
+    const auto limit = parse_count(query_value(request, "limit"));
+    if (!limit || *limit < 1 || *limit > kMaxLimit)
+        throw Error(ErrorCode::InvalidArgument, "limit has to be 1 to 200");
+    page.limit = static_cast<int>(*limit);
+    return page;
+}
+
+std::string query_value(const Request& request, const std::string& name) {
+    const auto found = request.query.find(name);
+    return found == request.query.end() ? "" : found->second;
+}
+
+Response list_response(const Request& request,
+                       nlohmann::json items,
+                       const std::string& next_cursor) {
+    if (items.is_null()) items = nlohmann::json::array();
+    Response response = json_response(http::status::ok,
+                                      {{"items", std::move(items)}, {"next_cursor", next_cursor}});
+    if (next_cursor.empty()) return response;
+    std::string link = request.path + "?cursor=" + escaped(next_cursor);
+    for (const auto& [name, value] : request.query)
+        if (name != "cursor") link += '&' + escaped(name) + '=' + escaped(value);
+    response.set("Link", "<" + link + ">; rel=\"next\"");
+    return response;
+}
+
+}  // namespace divemesh::api

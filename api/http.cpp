@@ -1,0 +1,39 @@
+#include "api/http.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+
+std::string Request::header(std::string_view lower_case_name) const {
+    const auto found = headers.find(lower_case_name);
+    return found == headers.end() ? "" : found->second;
+}
+
+bool Request::has_header(std::string_view lower_case_name) const {
+    return headers.find(lower_case_name) != headers.end();
+}
+
+const std::string& Request::parameter(std::string_view name) const {
+    const auto found = parameters.find(name);
+    if (found == parameters.end())
+        throw std::logic_error("the route has no parameter " + std::string(name));
+    return found->second;
+}
+
+void Response::set(std::string name, std::string value) {
+    headers.emplace_back(std::move(name), std::move(value));
+}
+
+Response json_response(http::status status, const nlohmann::json& body) {
+    Response response{status, {}, {}};
+    response.set("Content-Type", "application/json");
+    // Names of a dive may hold any bytes: what is not UTF-8 is replaced instead of thrown at.
+    response.body = body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return response;
+}
+
+Response empty_response(http::status status) { return {status, {}, {}}; }
+
+}  // namespace divemesh::api

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/beast/http/status.hpp>
+#include <boost/beast/http/verb.hpp>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "api/body_stream.hpp"
+#include "schemas/token.hpp"
+#include "storage/blob_store.hpp"
+
+// The few HTTP words that the handlers speak. Everything about sockets stays in server/.
+namespace divemesh::api {
+
+namespace http = boost::beast::http;
+using http::status;
+using http::verb;
+template <typename T>
+using Awaitable = boost::asio::awaitable<T>;
+
+struct Request {
+    verb method = verb::get;
+    std::string path;                                            // still escaped, without query
+    std::map<std::string, std::string, std::less<>> query;       // unescaped
+    std::map<std::string, std::string, std::less<>> headers;     // names in lower case
+    std::map<std::string, std::string, std::less<>> parameters;  // "{id}" of the path, unescaped
+    std::shared_ptr<BodyStream> stream;  // never null; of a plain route it has been read into body
+    std::string body;
+    Token token;  // who asks; without a scope on routes that need none
+    std::string id;
+
+    std::string header(std::string_view lower_case_name) const;  // "" when it is missing
+    bool has_header(std::string_view lower_case_name) const;
+    const std::string& parameter(std::string_view name) const;
+};
+
+// Bytes of a blob that the server streams as the body.
+struct FilePart {
+    std::shared_ptr<storage::BlobReader> reader;
+    std::int64_t offset = 0;
+    std::int64_t length = 0;
+};
+
+// The connection becomes a WebSocket that carries events after `since` of `project` ("": all).
+struct EventFeed {
+    std::int64_t since = 0;
+    std::string project;
+};
+
+struct Response {
+    http::status status = http::status::ok;
+    std::vector<std::pair<std::string, std::string>> headers;
+    std::variant<std::string, FilePart, EventFeed> body;
+
+    void set(std::string name, std::string value);
+};
+
+Response json_response(http::status status, const nlohmann::json& body);
+Response empty_response(http::status status);
+
+}  // namespace divemesh::api

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string_view>
+
+namespace divemesh::api {
+
+// api/openapi.yaml as JSON, converted when the program was built.
+std::string_view openapi_document();
+
+}  // namespace divemesh::api

@@ -1,0 +1,160 @@
+#include "api/router.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "api/authorization.hpp"
+#include "api/byte_range.hpp"
+#include "api/error_response.hpp"
+#include "api/target.hpp"
+#include "schemas/content_hash.hpp"
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;
+constexpr std::chrono::seconds kPlainBodyTime{30};
+constexpr std::string_view kUploadsPath = "/api/v1/uploads";
+
+using Parameters = std::map<std::string, std::string, std::less<>>;
+
+std::string_view next_segment(std::string_view& path) {
+    path.remove_prefix(1);  // the slash
+    const auto segment = path.substr(0, path.find('/'));
+    path.remove_prefix(segment.size());
+    return segment;
+}
+
+bool bind(Parameters& parameters, std::string_view name, std::string_view escaped, bool slashes) {
+    auto value = percent_decode(escaped);
+    if (!value || value->empty()) return false;
+    if (!slashes && value->find('/') != std::string::npos) return false;
+    parameters.emplace(name, std::move(*value));
+    return true;
+}
+
+// The parameters if `path` has the form of `pattern`.
+std::optional<Parameters> match(std::string_view pattern, std::string_view path) {
+    Parameters parameters;
+    while (pattern.starts_with('/') && path.starts_with('/')) {
+        const std::string_view rest = path.substr(1);
+        const auto expected = next_segment(pattern);
+        const auto actual = next_segment(path);
+        if (expected.ends_with("...}")) {
+            if (!bind(parameters, expected.substr(1, expected.size() - 5), rest, true))
+                return std::nullopt;
+            return parameters;
+        }
+        if (expected.starts_with('{')) {
+            if (!bind(parameters, expected.substr(1, expected.size() - 2), actual, false))
+                return std::nullopt;
+        } else if (expected != actual) {
+            return std::nullopt;
+        }
+    }
+    if (!pattern.empty() || !path.empty()) return std::nullopt;
+    return parameters;
+}
+
+// Clients behind a proxy that knows GET and POST alone (tus 1.0).
+verb effective_method(const Request& request) {
+    if (request.method != verb::post || !request.path.starts_with(kUploadsPath))
+        return request.method;
+    const std::string wanted = request.header("x-http-method-override");
+    if (wanted == "PATCH") return verb::patch;
+    if (wanted == "DELETE") return verb::delete_;
+    if (wanted == "HEAD") return verb::head;
+    return request.method;
+}
+
+Awaitable<std::string> read_body(std::shared_ptr<BodyStream> stream) {
+    const Error too_large(ErrorCode::TooLarge,
+                          "the body is larger than " + std::to_string(kMaxBodyBytes) + " bytes");
+    if (stream->length_bytes().value_or(0) > static_cast<std::int64_t>(kMaxBodyBytes))
+        throw too_large;
+    stream->must_end_within(kPlainBodyTime);
+    std::string body;
+    std::vector<char> buffer(std::size_t{64} << 10);
+    for (;;) {
+        const BodyRead read = co_await stream->read(buffer);
+        body.append(buffer.data(), read.num_bytes);
+        if (body.size() > kMaxBodyBytes) throw too_large;
+        if (read.state == BodyRead::State::End) co_return body;
+        if (read.state != BodyRead::State::More)
+            throw Error(ErrorCode::Unavailable, "the body did not arrive");
+    }
+}
+
+Response no_route(const Request& request, const RouteMatch& match) {
+    if (match.methods.empty())
+        return problem_response(request, http::status::not_found, "nothing is at this address");
+    std::string allowed;
+    for (const verb method : match.methods)
+        allowed += (allowed.empty() ? "" : ", ") + std::string(http::to_string(method));
+    Response response = problem_response(
+        request, http::status::method_not_allowed, "this address answers " + allowed);
+    response.set("Allow", allowed);
+    return response;
+}
+
+Awaitable<Response> answer(Request request, Services services) {
+    RouteMatch match = find_route(request.method, request.path);
+    if (match.route == nullptr) co_return no_route(request, match);
+    const Route& route = *match.route;
+    request.parameters = std::move(match.parameters);
+    if (!route.scope.empty()) {
+        request.token = co_await authenticate(request, services);
+        require_scope(request.token, std::string(route.scope));
+    }
+    if (route.kind == RouteKind::Plain) request.body = co_await read_body(request.stream);
+    co_return co_await route.handler(std::move(request), services);
+}
+
+// Lets a client that asks again learn that nothing has changed.
+void add_etag(const Request& request, Response& response) {
+    const auto* body = std::get_if<std::string>(&response.body);
+    if (response.status != http::status::ok || body == nullptr || request.method != verb::get)
+        return;
+    const std::string etag = '"' + sha256_hex(*body).substr(0, 32) + '"';
+    if (matches_etag(request.header("if-none-match"), etag))
+        response = empty_response(http::status::not_modified);
+    response.set("ETag", etag);
+    response.set("Cache-Control", "no-cache");
+}
+
+}  // namespace
+
+RouteMatch find_route(verb method, std::string_view path) {
+    RouteMatch result;
+    const Route* get = nullptr;
+    for (const Route& route : routes()) {
+        auto parameters = match(route.path, path);
+        if (!parameters) continue;
+        result.methods.push_back(route.method);
+        if (route.method == verb::get) get = &route;
+        if (route.method == method) result.route = &route;
+        result.parameters = std::move(*parameters);
+    }
+    if (result.route == nullptr && method == verb::head) result.route = get;
+    return result;
+}
+
+Awaitable<Response> dispatch(Request request, Services services) {
+    request.method = effective_method(request);
+    std::exception_ptr failure;
+    Response response;
+    try {
+        response = co_await answer(request, services);
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    if (failure) response = error_response(request, failure);
+    if (request.path.starts_with(kUploadsPath)) response.set("Tus-Resumable", "1.0.0");
+    response.set("X-Request-Id", request.id);
+    response.set("X-Content-Type-Options", "nosniff");
+    add_etag(request, response);
+    co_return response;
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,59 @@
+#include "api/routes.hpp"
+
+#include "api/handlers/artifacts.hpp"
+#include "api/handlers/dives.hpp"
+#include "api/handlers/events.hpp"
+#include "api/handlers/health.hpp"
+#include "api/handlers/jobs.hpp"
+#include "api/handlers/tokens.hpp"
+#include "api/handlers/uploads.hpp"
+
+namespace divemesh::api {
+namespace {
+
+using enum RouteKind;
+
+// The whole API. api/openapi.yaml lists the same; a test keeps them equal.
+constexpr Route kRoutes[] = {
+    // clang-format off
+    {Plain,      verb::options, "/api/v1/uploads",                "",            describe_uploads},
+    {BodyStream, verb::post,    "/api/v1/uploads",                "dives:write", create_upload},
+    {Plain,      verb::options, "/api/v1/uploads/{upload_id}",    "",            describe_uploads},
+    {Plain,      verb::head,    "/api/v1/uploads/{upload_id}",    "dives:write", get_upload_offset},
+    {Plain,      verb::get,     "/api/v1/uploads/{upload_id}",    "dives:write", get_upload},
+    {BodyStream, verb::patch,   "/api/v1/uploads/{upload_id}",    "dives:write", append_to_upload},
+    {Plain,      verb::delete_, "/api/v1/uploads/{upload_id}",    "dives:write", terminate_upload},
+
+    {Plain,      verb::get,     "/api/v1/dives",                  "dives:read",  list_dives},
+    {Plain,      verb::post,    "/api/v1/dives",                  "dives:write", create_dive},
+    {Plain,      verb::get,     "/api/v1/dives/{dive_id}",        "dives:read",  get_dive},
+    {Plain,      verb::get,     "/api/v1/dives/{dive_id}/findings",      "dives:read", list_findings},
+    {File,       verb::get,     "/api/v1/dives/{dive_id}/thumbnail.jpg", "dives:read", get_thumbnail},
+    {Plain,      verb::post,    "/api/v1/dives/{dive_id}/jobs",   "jobs:write",  create_job},
+
+    {Plain,      verb::get,     "/api/v1/jobs",                   "dives:read",  list_jobs},
+    {Plain,      verb::get,     "/api/v1/jobs/{job_id}",          "dives:read",  get_job},
+    {Plain,      verb::post,    "/api/v1/jobs/{job_id}/cancel",   "jobs:write",  cancel_job},
+    {Plain,      verb::post,    "/api/v1/jobs/{job_id}/retry",    "jobs:write",  retry_job},
+    {Plain,      verb::get,     "/api/v1/jobs/{job_id}/log",      "dives:read",  get_job_log},
+    {Plain,      verb::get,     "/api/v1/jobs/{job_id}/artifacts", "dives:read", list_artifacts},
+    {File,       verb::get,     "/api/v1/jobs/{job_id}/artifacts/{artifact_name...}",
+                                                                  "dives:read",  get_artifact},
+
+    {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},
+
+    {Plain,      verb::get,     "/api/v1/tokens",                 "admin",       list_tokens},
+    {Plain,      verb::post,    "/api/v1/tokens",                 "admin",       create_token},
+    {Plain,      verb::delete_, "/api/v1/tokens/{token_id}",      "admin",       revoke_token},
+
+    {Plain,      verb::get,     "/healthz/live",                  "",            get_liveness},
+    {Plain,      verb::get,     "/healthz/ready",                 "",            get_readiness},
+    {Plain,      verb::get,     "/openapi.json",                  "",            get_openapi},
+    // clang-format on
+};
+
+}  // namespace
+
+std::span<const Route> routes() { return kRoutes; }
+
+}  // namespace divemesh::api

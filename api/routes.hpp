@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "api/http.hpp"
+#include "api/services.hpp"
+
+namespace divemesh::api {
+
+// What flows beside a plain answer: the handler reads the request's body itself, answers bytes of a
+// blob, or turns the connection into a WebSocket.
+enum class RouteKind { Plain, BodyStream, File, WebSocket };
+
+using Handler = Awaitable<Response> (*)(Request, Services);
+
+struct Route {
+    RouteKind kind;
+    verb method;
+    std::string_view path;   // "{name}" matches one segment, "{name...}" the rest
+    std::string_view scope;  // "": anybody
+    Handler handler;
+};
+
+std::span<const Route> routes();
+
+}  // namespace divemesh::api

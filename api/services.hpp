@@ -1,0 +1,31 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio/thread_pool.hpp>
+#include <cstdint>
+
+#include "api/hash_cache.hpp"
+#include "api/upload_turns.hpp"
+#include "storage/blob_store.hpp"
+#include "storage/catalog.hpp"
+
+namespace divemesh::api {
+
+struct ServiceLimits {
+    std::int64_t max_upload_bytes = std::int64_t{1} << 42;
+    std::int64_t min_free_bytes = std::int64_t{256} << 20;  // new uploads leave so much free
+};
+
+// What handlers may use. All of it outlives every connection and is thread-safe.
+struct Services {
+    storage::Catalog& catalog;
+    storage::BlobStore& blobs;
+    boost::asio::thread_pool& pool;  // for SQL, disk and hashing; see in_pool()
+    UploadTurns& turns;
+    HashCache& hashes;
+    const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
+    ServiceLimits limits;
+    bool no_auth = false;
+};
+
+}  // namespace divemesh::api

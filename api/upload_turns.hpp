@@ -1,0 +1,51 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/strand.hpp>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace divemesh::api {
+
+// One request at a time works on an upload. A newer one asks the older to stop and waits until it
+// has made its bytes durable: a client whose link broke need not wait for the old connection to
+// time out. Thread-safe.
+class UploadTurns {
+    struct Holder;
+    using Strand = boost::asio::strand<boost::asio::any_io_executor>;
+
+public:
+    // Until it is destroyed the upload is the holder's alone.
+    class Turn {
+    public:
+        explicit Turn(std::shared_ptr<Holder> holder) : holder_(std::move(holder)) {}
+        ~Turn();
+        Turn(Turn&&) noexcept = default;
+        Turn& operator=(Turn&&) = delete;
+
+    private:
+        std::shared_ptr<Holder> holder_;
+    };
+
+    explicit UploadTurns(boost::asio::any_io_executor executor,
+                         std::chrono::milliseconds patience = std::chrono::seconds(10))
+        : strand_(boost::asio::make_strand(std::move(executor))), patience_(patience) {}
+
+    // `stop` is called, on any thread, when a newer request wants the upload; it must not block.
+    // Throws Error{Unavailable} when the older request has not ended in time.
+    boost::asio::awaitable<Turn> take(std::string upload_id, std::function<void()> stop);
+
+private:
+    boost::asio::awaitable<std::shared_ptr<Holder>> wait(std::string upload_id,
+                                                         std::function<void()> stop);
+
+    Strand strand_;
+    std::chrono::milliseconds patience_;
+    std::map<std::string, std::shared_ptr<Holder>> holders_;  // on the strand alone
+};
+
+}  // namespace divemesh::api

@@ -1,0 +1,31 @@
+#include "api/visible.hpp"
+
+#include "api/authorization.hpp"
+#include "storage/dive_store.hpp"
+#include "storage/job_store.hpp"
+#include "storage/upload_store.hpp"
+
+namespace divemesh::api {
+
+Upload visible_upload(const Request& request, const Services& services) {
+    const std::string& id = request.parameter("upload_id");
+    Upload upload = storage::UploadStore(services.catalog).get(id);
+    require_visible(request.token, upload.project, "upload " + id);
+    return upload;
+}
+
+Dive visible_dive(const Request& request, const Services& services) {
+    const std::string& id = request.parameter("dive_id");
+    Dive dive = storage::DiveStore(services.catalog).get(id);
+    require_visible(request.token, dive.project, "dive " + id);
+    return dive;
+}
+
+Job visible_job(const Request& request, const Services& services) {
+    const std::string& id = request.parameter("job_id");
+    Job job = storage::JobStore(services.catalog).get(id);
+    require_visible(request.token, job.project, "job " + id);
+    return job;
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+namespace divemesh::cli {
+
+// What every sub-command gets from the program around it.
+struct Context {
+    bool json = false;             // --json: results for machines
+    std::function<int()> command;  // what the chosen sub-command does; returns the exit code
+};
+
+// One function per sub-command, in the file of its name: declares options and sets
+// `context.command`.
+void add_serve(CLI::App& app, Context& context);
+void add_worker(CLI::App& app, Context& context);
+void add_attempt(CLI::App& app, Context& context);
+void add_token(CLI::App& app, Context& context);
+void add_upload(CLI::App& app, Context& context);
+void add_dives(CLI::App& app, Context& context);
+void add_jobs(CLI::App& app, Context& context);
+void add_download(CLI::App& app, Context& context);
+void add_cancel(CLI::App& app, Context& context);
+void add_retry(CLI::App& app, Context& context);
+void add_reconstruct(CLI::App& app, Context& context);
+void add_evaluate(CLI::App& app, Context& context);
+void add_simulate(CLI::App& app, Context& context);
+void add_validate(CLI::App& app, Context& context);
+
+}  // namespace divemesh::cli

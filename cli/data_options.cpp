@@ -1,0 +1,44 @@
+#include "cli/data_options.hpp"
+
+#include "schemas/error.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folder exists and has an absolute name: children of ours run elsewhere.
+fs::path data_folder(const DataOptions& options, const std::string& instead) {
+    if (options.data.empty())
+        throw Error(ErrorCode::InvalidArgument, "give --data DIR or " + instead + " URL");
+    fs::create_directories(options.data);
+    return fs::canonical(options.data);
+}
+
+}  // namespace
+
+void add_data_options(CLI::App& command, DataOptions& options) {
+    command.add_option("--data", options.data, "folder that keeps everything, made when missing");
+    command.add_option("--catalog", options.catalog, "database: sqlite:///path/catalog.db");
+    command.add_option("--blobs", options.blobs, "archives and artifacts: file:///path");
+}
+
+std::string catalog_url(const DataOptions& options) {
+    if (!options.catalog.empty()) return options.catalog;
+    return "sqlite://" + (data_folder(options, "--catalog") / "catalog.db").string();
+}
+
+std::string blobs_url(const DataOptions& options) {
+    if (!options.blobs.empty()) return options.blobs;
+    return (data_folder(options, "--blobs") / "blobs").string();
+}
+
+fs::path work_folder(const DataOptions& options) {
+    std::string blobs = blobs_url(options);
+    const std::string scheme = "file://";
+    if (blobs.starts_with(scheme)) blobs.erase(0, scheme.size());
+    if (blobs.find("://") != std::string::npos) return fs::temp_directory_path() / "divemesh-work";
+    return fs::absolute(blobs).parent_path() / "work";
+}
+
+}  // namespace divemesh::cli

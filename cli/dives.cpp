@@ -1,0 +1,81 @@
+#include <array>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/findings_text.hpp"
+#include "cli/server_options.hpp"
+#include "cli/text.hpp"
+#include "schemas/json.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace client = api::client;
+
+struct DivesOptions {
+    ServerOptions server;
+    std::string dive_id;
+    std::string site;
+    std::string state;
+};
+
+int list_dives(client::RestClient& rest, const DivesOptions& options, const Context& context) {
+    client::QueryParameters query;
+    if (!options.site.empty()) query.emplace_back("site", options.site);
+    if (!options.state.empty())
+        query.emplace_back("state", to_string(dive_state_from_string(options.state)));
+    const auto items = rest.list("/api/v1/dives", query);
+    if (context.json) {
+        std::cout << nlohmann::json(items).dump(2) << '\n';
+        return kExitDone;
+    }
+    std::vector<std::vector<std::string>> rows = {
+        {"ID", "NAME", "SITE", "STATE", "FRAMES", "LENGTH", "SIZE", "CREATED"}};
+    for (const auto& item : items) {
+        const Dive dive = item.get<Dive>();
+        rows.push_back({dive.id,
+                        dive.name,
+                        dive.site,
+                        std::string(to_string(dive.state)),
+                        std::to_string(dive.num_frames),
+                        duration_text(dive.duration_s),
+                        bytes_text(static_cast<double>(dive.archive_bytes)),
+                        time_text(dive.created_at_ms)});
+    }
+    std::cout << table_text(rows);
+    return kExitDone;
+}
+
+int show_dive(client::RestClient& rest, const DivesOptions& options, const Context& context) {
+    const std::string path = "/api/v1/dives/" + client::percent_encode(options.dive_id);
+    auto dive = rest.get(path);
+    const auto findings = rest.list(path + "/findings", {});
+    if (context.json) dive["findings"] = findings;
+    std::cout << dive.dump(2) << '\n';
+    if (!context.json)
+        for (const auto& item : findings) std::cout << finding_text(item.get<Finding>());
+    return kExitDone;
+}
+
+}  // namespace
+
+void add_dives(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("dives", "list the dives of a server, or show one");
+    auto options = std::make_shared<DivesOptions>();
+    command->add_option("dive", options->dive_id, "id of one dive: show it with its findings");
+    add_server_options(*command, options->server);
+    command->add_option("--site", options->site, "only dives of this site");
+    command->add_option("--state", options->state, "only checking, ready or refused ones");
+    command->callback([options, &context] {
+        context.command = [options, &context] {
+            client::RestClient rest(account_of(options->server));
+            return options->dive_id.empty() ? list_dives(rest, *options, context)
+                                            : show_dive(rest, *options, context);
+        };
+    });
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,72 @@
+#include "worker/metrics/evaluate.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/metrics_table.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+int print(const nlohmann::json& figures, const Context& context) {
+    std::cout << (context.json ? figures.dump(2) + "\n" : metrics_table(figures));
+    return kExitDone;
+}
+
+void add_trajectory(CLI::App& parent, Context& context) {
+    struct Options {
+        std::filesystem::path estimate;
+        std::filesystem::path reference;
+    };
+    auto* command = parent.add_subcommand("trajectory", "error of a trajectory against the truth");
+    auto options = std::make_shared<Options>();
+    command->add_option("--estimate", options->estimate, "TUM, EuRoC or KITTI file")->required();
+    command->add_option("--reference", options->reference, "TUM, EuRoC or KITTI file")->required();
+    command->callback([options, &context] {
+        context.command = [options, &context] {
+            return print(worker::evaluate_trajectory(options->estimate, options->reference),
+                         context);
+        };
+    });
+}
+
+void add_mesh(CLI::App& parent, Context& context) {
+    auto* command = parent.add_subcommand("mesh", "distance of a mesh from a reference mesh");
+    struct Options {
+        worker::MeshEvaluationRequest request;
+        std::filesystem::path estimate_trajectory;
+        std::filesystem::path reference_trajectory;
+    };
+    auto options = std::make_shared<Options>();
+    command->add_option("--estimate", options->request.estimate, "PLY")->required();
+    command->add_option("--reference", options->request.reference, "PLY")->required();
+    auto* ours = command->add_option("--estimate-trajectory",
+                                     options->estimate_trajectory,
+                                     "moves the mesh to the truth's frame, with the one below");
+    command
+        ->add_option("--reference-trajectory", options->reference_trajectory, "the true trajectory")
+        ->needs(ours);
+    ours->needs("--reference-trajectory");
+    command->callback([options, &context] {
+        context.command = [options, &context] {
+            if (!options->estimate_trajectory.empty()) {
+                options->request.estimate_trajectory = options->estimate_trajectory;
+                options->request.reference_trajectory = options->reference_trajectory;
+            }
+            return print(worker::evaluate_mesh(options->request), context);
+        };
+    });
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("evaluate", "compare a result with the truth");
+    command->require_subcommand(1);
+    add_trajectory(*command, context);
+    add_mesh(*command, context);
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,133 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/follow.hpp"
+#include "cli/server_options.hpp"
+#include "cli/text.hpp"
+#include "schemas/json.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace client = api::client;
+
+struct JobsOptions {
+    ServerOptions server;
+    std::string dive_id;
+    std::string state;
+    std::string job_id;
+    bool log = false;
+    bool wait = false;
+};
+
+std::string percent_text(double fraction) {
+    return std::to_string(static_cast<int>(fraction * 100.0)) + " %";
+}
+
+std::string job_path(const std::string& job_id) {
+    return "/api/v1/jobs/" + client::percent_encode(job_id);
+}
+
+int list_jobs(client::RestClient& rest, const JobsOptions& options, const Context& context) {
+    client::QueryParameters query;
+    if (!options.dive_id.empty()) query.emplace_back("dive_id", options.dive_id);
+    if (!options.state.empty())
+        query.emplace_back("state", to_string(job_state_from_string(options.state)));
+    const auto items = rest.list("/api/v1/jobs", query);
+    if (context.json) {
+        std::cout << nlohmann::json(items).dump(2) << '\n';
+        return kExitDone;
+    }
+    std::vector<std::vector<std::string>> rows = {
+        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "TRIES", "CREATED", "FAILURE"}};
+    for (const auto& item : items) {
+        const Job job = item.get<Job>();
+        rows.push_back({job.id,
+                        job.dive_id,
+                        std::string(to_string(job.kind)),
+                        job.preset,
+                        std::string(to_string(job.state)),
+                        percent_text(job.progress.fraction),
+                        std::to_string(job.num_attempts),
+                        time_text(job.created_at_ms),
+                        job.failure.message});
+    }
+    std::cout << table_text(rows);
+    return kExitDone;
+}
+
+int show_job(client::RestClient& rest, const JobsOptions& options) {
+    if (options.log) {
+        std::cout << rest.get_text(job_path(options.job_id) + "/log");
+        return kExitDone;
+    }
+    if (!options.wait) {
+        std::cout << rest.get(job_path(options.job_id)).dump(2) << '\n';
+        return kExitDone;
+    }
+    const Job job = wait_for_job(rest, options.job_id);
+    std::cout << nlohmann::json(job).dump(2) << '\n';
+    if (job.state == JobState::Succeeded) return kExitDone;
+    print_failure(rest, job);
+    return kExitFailed;
+}
+
+void add_job_action(CLI::App& app,
+                    Context& context,
+                    const std::string& name,
+                    const std::string& description) {
+    auto* command = app.add_subcommand(name, description);
+    auto options = std::make_shared<JobsOptions>();
+    command->add_option("job", options->job_id, "id of the job")->required();
+    add_server_options(*command, options->server);
+    command->callback([options, &context, name] {
+        context.command = [options, &context, name] {
+            client::RestClient rest(account_of(options->server));
+            const auto job =
+                rest.post(job_path(options->job_id) + "/" + name, nlohmann::json::object())
+                    .get<Job>();
+            if (context.json)
+                std::cout << nlohmann::json(job).dump(2) << '\n';
+            else if (job.state == JobState::Running && job.cancel_requested)
+                std::cout << job.id << " is being cancelled\n";
+            else
+                std::cout << job.id << ' ' << to_string(job.state) << '\n';
+            return kExitDone;
+        };
+    });
+}
+
+}  // namespace
+
+void add_jobs(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("jobs", "list the jobs of a server, or show one");
+    auto options = std::make_shared<JobsOptions>();
+    command->add_option("job", options->job_id, "id of one job: show all of it");
+    add_server_options(*command, options->server);
+    command->add_option("--dive", options->dive_id, "only jobs of this dive");
+    command->add_option("--state",
+                        options->state,
+                        "only held, queued, running, succeeded, failed, dead or cancelled ones");
+    command->add_flag("--log", options->log, "print the log of the newest attempt");
+    command->add_flag("--wait", options->wait, "follow the job until it is finished");
+    command->callback([options, &context] {
+        context.command = [options, &context] {
+            client::RestClient rest(account_of(options->server));
+            return options->job_id.empty() ? list_jobs(rest, *options, context)
+                                           : show_job(rest, *options);
+        };
+    });
+}
+
+void add_cancel(CLI::App& app, Context& context) {
+    add_job_action(app, context, "cancel", "stop a job");
+}
+
+void add_retry(CLI::App& app, Context& context) {
+    add_job_action(app, context, "retry", "run a failed, dead or cancelled job again");
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,109 @@
+#include "cli/metrics_table.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "cli/text.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string number_text(const char* format, double value) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), format, value);
+    return text.data();
+}
+
+// Six decimals, as papers and other evaluation tools print them: micrometres of an error in metres.
+std::string value_text(const nlohmann::json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (!value.is_number_float()) return value.dump();
+    const double number = value.get<double>();
+    return number_text(std::abs(number) < 1e9 ? "%.6f" : "%.6g", number);
+}
+
+// What tells the rows of a list apart: the stage, the segment's length, the threshold.
+std::string take_label(nlohmann::json& item, std::size_t index) {
+    for (const char* key : {"stage", "name", "length_m", "threshold_m"}) {
+        const auto found = item.find(key);
+        if (found == item.end()) continue;
+        const std::string label =
+            found->is_number() ? number_text("%.6g", found->get<double>()) : value_text(*found);
+        item.erase(found);
+        return label;
+    }
+    return std::to_string(index);
+}
+
+void add_rows(Rows& rows, const std::string& name, const nlohmann::json& value) {
+    if (value.is_object()) {
+        for (const auto& [key, item] : value.items())
+            add_rows(rows, name.empty() ? key : name + "." + key, item);
+    } else if (value.is_array()) {
+        for (std::size_t i = 0; i < value.size(); ++i) {
+            if (!value[i].is_object()) continue;
+            nlohmann::json item = value[i];
+            const std::string label = take_label(item, i);
+            add_rows(rows, name + "[" + label + "]", item);
+        }
+    } else if (!value.is_null()) {
+        rows.push_back({name, value_text(value)});
+    }
+}
+
+struct SummaryLine {
+    const char* text;
+    const char* pointer;
+    double factor;  // from the file's unit to the one shown
+    const char* format;
+};
+
+// clang-format off
+constexpr SummaryLine kSummary[] = {
+    {"frames",                          "/frames/num_frames",                    1,    "%.0f"},
+    {"frames constrained by vision",    "/frames/coverage",                      100,  "%.1f %%"},
+    {"path",                            "/trajectory/path_length_m",             1,    "%.2f m"},
+    {"trajectory error, RMSE",          "/trajectory/final/ate_rmse_m",          1000, "%.1f mm"},
+    {"trajectory error, largest",       "/trajectory/final/ate_max_m",           1000, "%.1f mm"},
+    {"  without hindsight, RMSE",       "/trajectory/causal/ate_rmse_m",         1000, "%.1f mm"},
+    {"drift of the path",               "/trajectory/final/drift_percent",       1,    "%.2f %%"},
+    {"known distances measured",        "/known_distances/num_measured",         1,    "%.0f"},
+    {"error of scale by them",          "/known_distances/scale_error",          100,  "%.2f %%"},
+    {"mesh to reference, median",       "/surface/accuracy/median_m",            1000, "%.1f mm"},
+    {"reference to mesh, median",       "/surface/completeness/median_m",        1000, "%.1f mm"},
+    {"mesh",                            "/mesh/area_m2",                         1,    "%.2f m2"},
+    {"triangles",                       "/mesh/num_triangles",                   1,    "%.0f"},
+    {"points",                          "/mesh/num_cloud_points",                1,    "%.0f"},
+    {"speed",                           "/speed/frames_per_s",                   1,    "%.1f frames/s"},
+    {"peak memory",                     "/speed/peak_memory_bytes",              1e-6, "%.0f MB"},
+};
+// clang-format on
+
+}  // namespace
+
+std::string metrics_summary(const nlohmann::json& metrics) {
+    Rows rows;
+    for (const auto& line : kSummary) {
+        const nlohmann::json::json_pointer pointer(line.pointer);
+        if (!metrics.contains(pointer) || !metrics[pointer].is_number()) continue;
+        std::array<char, 48> text{};
+        std::snprintf(
+            text.data(), text.size(), line.format, metrics[pointer].get<double>() * line.factor);
+        rows.push_back({line.text, text.data()});
+    }
+    return table_text(rows);
+}
+
+std::string metrics_table(const nlohmann::json& metrics) {
+    nlohmann::json shown = metrics;
+    for (const char* key : {"options", "findings"}) shown.erase(key);
+    Rows rows;
+    add_rows(rows, "", shown);
+    return table_text(rows);
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,107 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/follow.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/metrics_table.hpp"
+#include "cli/preset_options.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/scratch.hpp"
+#include "cli/text.hpp"
+#include "worker/reconstruct_dive.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReconstructOptions {
+    fs::path dive;
+    fs::path out;
+    PresetOptions preset;
+    nlohmann::json overrides = nlohmann::json::object();  // of the flags that have a name here
+    bool no_texture = false;
+    bool explain = false;
+};
+
+int print_options(const ReconstructionOptions& options, const Context& context) {
+    if (context.json) {
+        std::cout << options_to_json(options).dump(2) << '\n';
+        return kExitDone;
+    }
+    std::vector<std::vector<std::string>> rows = {{"OPTION", "VALUE", "WHAT IT IS"}};
+    for (const auto& row : divemesh::explain(options))
+        rows.push_back({row.name, row.value, row.text});
+    std::cout << table_text(rows);
+    return kExitDone;
+}
+
+nlohmann::json run_with_bar(const worker::ReconstructionRequest& request) {
+    catch_interrupts();
+    ProgressBar bar;
+    return worker::reconstruct_dive(request, [&](const Progress& progress) {
+        throw_if_interrupted();
+        show_progress(bar, progress);
+    });
+}
+
+int reconstruct(const ReconstructOptions& options, const Context& context) {
+    nlohmann::json overrides = options.overrides;
+    overrides.update(overrides_of(options.preset.set));
+    if (options.no_texture) overrides["texture"] = false;
+    const auto chosen = make_options(options.preset.preset, overrides);
+    if (options.explain) return print_options(chosen, context);
+    if (options.dive.empty() || options.out.empty())
+        throw Error(ErrorCode::InvalidArgument, "give a dive and --out DIR");
+    fs::create_directories(options.out);
+    const ScratchFolder scratch(options.out);
+    worker::ReconstructionRequest request;
+    request.dive = options.dive;
+    request.out = options.out;
+    request.scratch = scratch.path();
+    request.preset = options.preset.preset;
+    request.options = chosen;
+    const nlohmann::json metrics = run_with_bar(request);
+    std::cout << (context.json ? metrics.dump(2) + "\n" : metrics_summary(metrics));
+    return kExitDone;
+}
+
+// A flag of its own for an option of the preset.
+template <typename Value>
+void add_override(CLI::App& command,
+                  const std::shared_ptr<ReconstructOptions>& options,
+                  const std::string& flag,
+                  const std::string& name,
+                  const std::string& text) {
+    command.add_option_function<Value>(
+        flag, [options, name](const Value& value) { options->overrides[name] = value; }, text);
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& app, Context& context) {
+    auto* command =
+        app.add_subcommand("reconstruct", "a dive becomes a measured mesh, here and now");
+    auto options = std::make_shared<ReconstructOptions>();
+    command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)");
+    command->add_option("--out", options->out, "folder of the results, made when missing");
+    add_preset_options(*command, options->preset);
+    add_override<int>(
+        *command, options, "--threads", "num_threads", "0: all cores; never changes the result");
+    add_override<std::string>(*command, options, "--stereo", "stereo", "block, sgm or opencv_sgbm");
+    add_override<std::string>(
+        *command, options, "--mesher", "mesher", "surface_nets or marching_cubes");
+    add_override<double>(
+        *command, options, "--voxel-m", "voxel_m", "edge of a voxel; 0: from rig and range");
+    command->add_flag("--no-texture", options->no_texture, "leave out texture and mosaic");
+    command->add_flag(
+        "--explain", options->explain, "print every option with its value and meaning");
+    command->callback([options, &context] {
+        context.command = [options, &context] { return reconstruct(*options, context); };
+    });
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,39 @@
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/data_options.hpp"
+#include "cli/exit_code.hpp"
+#include "server/server.hpp"
+
+namespace divemesh::cli {
+
+void add_serve(CLI::App& app, Context& context) {
+    struct Options {
+        DataOptions data;
+        server::ServerConfig config;
+    };
+    auto* command = app.add_subcommand("serve", "the server: uploads, dives, jobs, events");
+    auto options = std::make_shared<Options>();
+    options->config.num_workers = 1;
+    // clang-format off
+    add_data_options(*command, options->data);
+    command->add_option("--listen", options->config.listen, "host:port; port 0: any free one")->capture_default_str();
+    command->add_option("--workers", options->config.num_workers, "worker processes to run; 0: none")->capture_default_str()->check(CLI::Range(0, 256));
+    command->add_option("--io-threads", options->config.num_io_threads, "for connections")->capture_default_str()->check(CLI::Range(1, 256));
+    command->add_option("--max-upload", options->config.max_upload_bytes, "largest archive (500G)")->transform(CLI::AsSizeValue(true));
+    command->add_option("--min-free", options->config.min_free_bytes, "room on the disk that is never used (10G)")->transform(CLI::AsSizeValue(true));
+    command->add_flag("--no-auth", options->config.no_auth, "everybody may do everything: on loopback only");
+    // clang-format on
+    command->callback([options, &context] {
+        context.command = [options] {
+            auto& config = options->config;
+            config.data = options->data.data;
+            config.catalog_url = catalog_url(options->data);
+            config.blobs_url = blobs_url(options->data);
+            server::run_server(config);
+            return kExitDone;
+        };
+    });
+}
+
+}  // namespace divemesh::cli

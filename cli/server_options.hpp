@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <filesystem>
+#include <string>
+
+#include "api/client/rest_client.hpp"
+
+namespace divemesh::cli {
+
+// --server and the token, shared by every sub-command that talks to a server.
+struct ServerOptions {
+    std::string server = "http://127.0.0.1:8080";
+    std::filesystem::path token_file;
+};
+
+void add_server_options(CLI::App& command, ServerOptions& options);
+
+// The token comes from --token-file, else from DIVEMESH_TOKEN. Throws Error{NotFound} when the file
+// cannot be read.
+api::client::Account account_of(const ServerOptions& options);
+
+}  // namespace divemesh::cli

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <stop_token>
+#include <thread>
+
+namespace divemesh::cli {
+
+// SIGTERM and SIGINT as a stop token. Made before any other thread, so that all of them leave the
+// signals to its own.
+class StopSignal {
+public:
+    StopSignal();
+    ~StopSignal();
+    StopSignal(const StopSignal&) = delete;
+    StopSignal& operator=(const StopSignal&) = delete;
+
+    std::stop_token token() const { return source_.get_token(); }
+
+private:
+    std::stop_source source_;
+    std::jthread waiter_;
+};
+
+}  // namespace divemesh::cli

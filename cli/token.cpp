@@ -1,0 +1,99 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/data_options.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/text.hpp"
+#include "schemas/json.hpp"
+#include "storage/token_store.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+struct TokenOptions {
+    DataOptions data;
+    std::string name;
+    std::string project = "default";
+    std::vector<std::string> scopes = {"dives:read", "dives:write", "jobs:write"};
+    std::string id;
+};
+
+int create_token(const TokenOptions& options, const Context& context) {
+    storage::Catalog catalog(catalog_url(options.data));
+    const auto created =
+        storage::TokenStore(catalog).create(options.name, options.project, options.scopes);
+    if (context.json) {
+        nlohmann::json json = created.token;
+        json["secret"] = created.secret;
+        std::cout << json.dump(2) << '\n';
+    } else {
+        std::cerr << created.token.id << ": the secret is shown only now\n";
+        std::cout << created.secret << '\n';
+    }
+    return kExitDone;
+}
+
+int list_tokens(const TokenOptions& options, const Context& context) {
+    storage::Catalog catalog(catalog_url(options.data));
+    const auto tokens = storage::TokenStore(catalog).list();
+    if (context.json) {
+        std::cout << nlohmann::json(tokens).dump(2) << '\n';
+        return kExitDone;
+    }
+    std::vector<std::vector<std::string>> rows = {
+        {"ID", "NAME", "PROJECT", "SCOPES", "CREATED", "LAST USED", "STATE"}};
+    for (const auto& token : tokens) {
+        std::string scopes;
+        for (const auto& scope : token.scopes) scopes += (scopes.empty() ? "" : ",") + scope;
+        rows.push_back({token.id,
+                        token.name,
+                        token.project,
+                        scopes,
+                        time_text(token.created_at_ms),
+                        time_text(token.last_used_at_ms),
+                        token.revoked ? "revoked" : "valid"});
+    }
+    std::cout << table_text(rows);
+    return kExitDone;
+}
+
+int revoke_token(const TokenOptions& options) {
+    storage::Catalog catalog(catalog_url(options.data));
+    storage::TokenStore(catalog).revoke(options.id);
+    return kExitDone;
+}
+
+}  // namespace
+
+void add_token(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("token", "who may talk to a server (works on its catalog)");
+    command->require_subcommand(1);
+    auto options = std::make_shared<TokenOptions>();
+
+    auto* create = command->add_subcommand("create", "make a token; prints its secret once");
+    add_data_options(*create, options->data);
+    create->add_option("--name", options->name, "what it is for")->required();
+    create->add_option("--project", options->project, "it sees only this one's dives")
+        ->capture_default_str();
+    create->add_option("--scope", options->scopes, "dives:read, dives:write, jobs:write, admin")
+        ->delimiter(',')
+        ->capture_default_str();
+    create->callback([options, &context] {
+        context.command = [options, &context] { return create_token(*options, context); };
+    });
+
+    auto* list = command->add_subcommand("list", "all tokens, without their secrets");
+    add_data_options(*list, options->data);
+    list->callback([options, &context] {
+        context.command = [options, &context] { return list_tokens(*options, context); };
+    });
+
+    auto* revoke = command->add_subcommand("revoke", "a token is valid no longer");
+    add_data_options(*revoke, options->data);
+    revoke->add_option("token", options->id, "its id")->required();
+    revoke->callback(
+        [options, &context] { context.command = [options] { return revoke_token(*options); }; });
+}
+
+}  // namespace divemesh::cli

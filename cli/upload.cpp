@@ -1,0 +1,206 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "api/client/dive_tar.hpp"
+#include "api/client/tus_upload.hpp"
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/follow.hpp"
+#include "cli/preset_options.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/server_options.hpp"
+#include "schemas/json.hpp"
+#include "schemas/reconstruction_options.hpp"
+#include "worker/dive/archive_identity.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace client = api::client;
+
+struct UploadOptions {
+    fs::path dive;
+    ServerOptions server;
+    PresetOptions preset;
+    bool no_job = false;
+    bool wait = false;
+    fs::path download;
+    double limit_rate_bytes_per_s = 0.0;
+    double give_up_after_s = 600.0;
+};
+
+struct HashedSource {
+    std::unique_ptr<client::ByteSource> bytes;
+    client::DiveHashes hashes;
+    std::string filename;
+};
+
+client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::int64_t total) {
+    return [&bar, label, total, meter = TransferMeter()](std::int64_t done) mutable {
+        const double fraction = static_cast<double>(done) / static_cast<double>(total);
+        bar.show(label, fraction, meter.detail(done, total));
+    };
+}
+
+HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
+    const std::string name = fs::canonical(dive).filename().string();
+    if (!fs::is_directory(dive)) {
+        auto file = std::make_unique<client::FileSource>(dive);
+        auto hashes = client::hash_archive(*file, show_bytes(bar, "hash", file->size_bytes()));
+        hashes.content_sha256 = worker::archive_content_sha256(
+            dive, [&](const Progress& progress) { bar.show("open", progress.fraction, ""); });
+        return {std::move(file), hashes, name};
+    }
+    auto tar = std::make_unique<client::DiveTar>(dive);
+    if (!tar->left_out().empty())
+        bar.say("warning: " + std::to_string(tar->left_out().size()) +
+                " links or special files are left out, the first is " + tar->left_out().front());
+    const auto hashes = tar->hash(show_bytes(bar, "hash", tar->size_bytes()));
+    return {std::move(tar), hashes, name + ".tar"};
+}
+
+// The dive when the server has it already, by what it holds or by the very bytes.
+std::optional<Dive> find_dive(client::RestClient& rest, const client::DiveHashes& hashes) {
+    for (const auto& [key, value] : {std::pair{"content_sha256", hashes.content_sha256},
+                                     std::pair{"archive_sha256", hashes.archive_sha256}}) {
+        if (value.empty()) continue;
+        for (const auto& item : rest.list("/api/v1/dives", {{key, value}})) {
+            const Dive dive = item.get<Dive>();
+            if (dive.state != DiveState::Refused) return dive;
+        }
+    }
+    return std::nullopt;
+}
+
+std::string send(const client::Account& account,
+                 HashedSource& source,
+                 const UploadOptions& options,
+                 ProgressBar& bar) {
+    std::map<std::string, std::string> metadata = {{"filename", source.filename},
+                                                   {"sha256", source.hashes.archive_sha256}};
+    if (!source.hashes.content_sha256.empty()) metadata["dive"] = source.hashes.content_sha256;
+    if (!options.no_job && options.preset.set.empty()) metadata["job"] = options.preset.preset;
+    client::TusObserver observer;
+    observer.on_progress = show_bytes(bar, "upload", source.bytes->size_bytes());
+    observer.on_resumed = [&](std::int64_t offset) {
+        bar.say("going on after " + std::to_string(offset) + " bytes that the server has");
+    };
+    observer.on_wait = say_waiting(bar);
+    client::TusSettings settings;
+    settings.max_bytes_per_s = options.limit_rate_bytes_per_s;
+    settings.give_up_after =
+        std::chrono::milliseconds(static_cast<std::int64_t>(options.give_up_after_s * 1000.0));
+    const client::UploadState state(
+        client::default_state_folder(), account.server.url(), source.hashes.archive_sha256);
+    const auto upload_path =
+        client::upload_by_tus(account, *source.bytes, metadata, state, observer, settings);
+    return upload_path.substr(upload_path.rfind('/') + 1);
+}
+
+// Safe to repeat: the server answers the same dive for the same upload.
+Dive make_dive(client::RestClient& rest,
+               const std::string& upload_id,
+               std::int64_t archive_bytes,
+               ProgressBar& bar) {
+    client::Backoff backoff(std::chrono::minutes(10), say_waiting(bar));
+    while (true) {
+        try {
+            return rest
+                .post("/api/v1/dives",
+                      {{"upload_id", upload_id}},
+                      client::hashing_patience(archive_bytes))
+                .get<Dive>();
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::Unavailable) throw;
+            backoff.wait(error);
+        }
+    }
+}
+
+// The reconstruction that was asked for: one that is there already, else a new one.
+Job ensure_job(client::RestClient& rest, const Dive& dive, const PresetOptions& preset) {
+    const auto overrides = overrides_of(preset.set);
+    for (const auto& item :
+         rest.list("/api/v1/jobs", {{"dive_id", dive.id}, {"kind", "reconstruct"}})) {
+        const Job job = item.get<Job>();
+        const bool usable = !is_finished(job.state) || job.state == JobState::Succeeded;
+        if (usable && job.preset == preset.preset && job.options == overrides) return job;
+    }
+    return rest
+        .post("/api/v1/dives/" + client::percent_encode(dive.id) + "/jobs",
+              {{"kind", "reconstruct"}, {"preset", preset.preset}, {"options", overrides}})
+        .get<Job>();
+}
+
+int wait_for(client::RestClient& rest, const std::string& job_id, const UploadOptions& options) {
+    const Job job = wait_for_job(rest, job_id);
+    if (job.state != JobState::Succeeded) {
+        print_failure(rest, job);
+        return kExitFailed;
+    }
+    print_job_metrics(rest, job_id);
+    if (!options.download.empty()) download_job(rest, job_id, {}, options.download);
+    return kExitDone;
+}
+
+int upload(const UploadOptions& options, const Context& context) {
+    const auto account = account_of(options.server);
+    client::RestClient rest(account);
+    if (!options.no_job) make_options(options.preset.preset, overrides_of(options.preset.set));
+    std::optional<Dive> dive;
+    {
+        ProgressBar bar;
+        HashedSource source = open_source(options.dive, bar);
+        dive = find_dive(rest, source.hashes);
+        if (dive) {
+            bar.say("the server has this dive already");
+        } else {
+            const auto upload_id = send(account, source, options, bar);
+            dive = make_dive(rest, upload_id, source.bytes->size_bytes(), bar);
+        }
+    }
+    nlohmann::json result = {{"dive", dive->id}};
+    if (!options.no_job) result["job"] = ensure_job(rest, *dive, options.preset).id;
+    if (context.json)
+        std::cout << result.dump(2) << std::endl;
+    else
+        for (const auto& [key, value] : result.items())
+            std::cout << key << ' ' << value.get<std::string>() << std::endl;
+    if (!options.wait && options.download.empty()) return kExitDone;
+    if (!options.no_job) return wait_for(rest, result["job"], options);
+    return wait_for_dive(rest, dive->id).state == DiveState::Ready ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void add_upload(CLI::App& app, Context& context) {
+    auto* command =
+        app.add_subcommand("upload", "send a dive to a server and have it reconstructed");
+    auto options = std::make_shared<UploadOptions>();
+    command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)")
+        ->required()
+        ->check(CLI::ExistingPath);
+    add_server_options(*command, options->server);
+    add_preset_options(*command, options->preset);
+    command->add_flag("--no-job", options->no_job, "only store the dive");
+    command->add_flag("--wait", options->wait, "follow the job until it is finished");
+    command->add_option("--download", options->download, "then fetch the artifacts to this folder");
+    command
+        ->add_option("--limit-rate",
+                     options->limit_rate_bytes_per_s,
+                     "send at most so many bytes per second (500k, 2M; 0: no limit)")
+        ->transform(CLI::AsSizeValue(true));
+    command
+        ->add_option("--give-up-after",
+                     options->give_up_after_s,
+                     "seconds without a byte getting through after which the upload fails")
+        ->capture_default_str();
+    command->footer("Killed or cut off, the same command goes on where the upload stopped.");
+    command->callback([options, &context] {
+        context.command = [options, &context] { return upload(*options, context); };
+    });
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,50 @@
+#!/bin/bash
+# Installs, builds and passes all tests. `--full` adds what takes longer: thread sanitizer, linter,
+# every dive of the shared data, the demo.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+full=false
+case ${1:-} in
+    "") ;;
+    --full) full=true ;;
+    *)
+        echo "usage: deploy/test.sh [--full]" >&2
+        exit 2
+        ;;
+esac
+
+timings=()
+step() {
+    local name=$1 start=$SECONDS
+    shift
+    echo "=== $name"
+    "$@"
+    timings+=("$(printf '%6d s  %s' $((SECONDS - start)) "$name")")
+}
+trap 'printf "%s\n" "${timings[@]}" "$(printf "%6d s  in all" "$SECONDS")"' EXIT
+
+check_format() { git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror; }
+install_validators() { npm ci --prefix tests/end_to_end/js --no-audit --no-fund --loglevel=error; }
+build() {
+    local preset=$1
+    shift
+    cmake --preset "$preset" --log-level=WARNING >/dev/null && cmake --build --preset "$preset" "$@"
+}
+lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang-tidy -p build/release --quiet; }
+
+step "install packages" deploy/install.sh
+step "install validators (npm)" install_validators
+step "format" check_format
+step "build, release" build release
+step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
+step "unit tests, sanitizers" ctest --preset debug
+step "all tests, release" ctest --preset release
+
+if $full; then
+    step "build, thread sanitizer" build tsan --target unit_tests
+    step "unit tests, thread sanitizer" ctest --preset tsan
+    step "linter" lint
+    step "every dive of the shared data" tests/bench/run.sh
+    step "demo" deploy/demo.sh
+fi

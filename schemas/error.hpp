@@ -1,0 +1,40 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace divemesh {
+
+// What went wrong, in the words of the domain. api/error_response.cpp maps each code to one HTTP
+// status, cli/exit_code.hpp to an exit code. Anything that is not an Error is a bug or a broken
+// machine: "internal error".
+enum class ErrorCode {
+    InvalidArgument,  // the request or an option is wrong
+    BadData,          // a recording is wrong; trying again cannot help
+    NotFound,
+    Conflict,  // not in this state, or somebody else was first
+    TooLarge,
+    Unauthorized,  // no token, or an unknown one
+    Forbidden,     // the token's scope or project does not allow it
+    Unsupported,   // a media type, protocol version or format we do not speak
+    Cancelled,
+    OutOfSpace,   // the disk is full
+    Unavailable,  // try again later: network, database, a locked file
+};
+
+// The message says what was wrong, where (file, line, frame) and what to do.
+class Error : public std::runtime_error {
+public:
+    Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+
+    ErrorCode code() const { return code_; }
+
+private:
+    ErrorCode code_;
+};
+
+std::string_view to_string(ErrorCode code);
+ErrorCode error_code_from_string(std::string_view text);  // throws Error{InvalidArgument}
+
+}  // namespace divemesh

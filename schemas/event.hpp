@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace divemesh {
+
+// Something that happened, written in the transaction that made it happen. `sequence` rises by
+// commit order, so a watcher resumes with ?since=.
+struct Event {
+    std::int64_t sequence = 0;
+    std::int64_t time_ms = 0;  // unix
+    std::string project;
+    std::string topic;    // upload, dive, job
+    std::string subject;  // id of what it is about
+    std::string type;     // upload.completed, dive.ready, job.state, job.progress
+    nlohmann::json data = nlohmann::json::object();
+};
+
+}  // namespace divemesh

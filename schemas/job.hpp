@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "schemas/artifact.hpp"
+#include "schemas/error.hpp"
+#include "schemas/job_state.hpp"
+
+namespace divemesh {
+
+enum class JobKind { Intake, Reconstruct, AccuracyReport, Compare };
+
+std::string_view to_string(JobKind kind);
+JobKind job_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
+
+// How far a job is. Comes out of the pipeline through one callback.
+struct Progress {
+    std::string stage;      // track, optimise, fuse, mesh, texture, evaluate
+    double fraction = 0.0;  // of the whole job, 0 to 1
+    std::int64_t frames_done = 0;
+    std::int64_t num_frames = 0;
+    double frames_per_s = 0.0;
+    double seconds_left = -1.0;  // negative: not known yet
+};
+
+// Why an attempt or a job ended as it did: the cause and what to do.
+struct Failure {
+    ErrorCode code = ErrorCode::Unavailable;
+    std::string message;  // "" when nothing failed
+};
+
+// One request for work. Times are unix milliseconds (wall clock of the catalog).
+struct Job {
+    std::string id;
+    std::string project;
+    std::string dive_id;
+    JobKind kind = JobKind::Reconstruct;
+    JobState state = JobState::Queued;
+    std::string preset;                                 // of a reconstruction
+    nlohmann::json options = nlohmann::json::object();  // overrides of the preset
+    int priority = 0;      // higher first; intake jobs come before all others
+    int num_attempts = 0;  // begun so far
+    int max_attempts = 3;
+    bool cancel_requested = false;
+    Progress progress;
+    Failure failure;
+    std::int64_t not_before_ms = 0;
+    std::int64_t created_at_ms = 0;
+    std::int64_t started_at_ms = 0;   // of the newest attempt; 0: never
+    std::int64_t finished_at_ms = 0;  // 0: not finished
+};
+
+// What a worker holds while it may write to a job. Every write carries it; a stale one changes
+// nothing.
+struct Lease {
+    std::string job_id;
+    int attempt = 0;
+    std::string lease_id;  // random, 128 bit, hex
+};
+
+struct Attempt {
+    std::string job_id;
+    int number = 0;
+    AttemptState state = AttemptState::Running;
+    std::string worker;  // host:pid
+    Failure failure;
+    std::int64_t started_at_ms = 0;
+    std::int64_t finished_at_ms = 0;  // 0: running
+};
+
+}  // namespace divemesh

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "schemas/artifact.hpp"
+#include "schemas/dive.hpp"
+#include "schemas/event.hpp"
+#include "schemas/finding.hpp"
+#include "schemas/job.hpp"
+#include "schemas/token.hpp"
+#include "schemas/upload.hpp"
+
+// What crosses a process boundary. JSON keys are the field names, so there is nothing to look up;
+// api/openapi.yaml documents the same. Server, CLI, worker and catalog all use these. from_json
+// refuses what has the wrong type (nlohmann::json::exception) or an unknown word (Error).
+namespace divemesh {
+
+void to_json(nlohmann::json& json, const Finding& finding);
+void from_json(const nlohmann::json& json, Finding& finding);
+void to_json(nlohmann::json& json, const Dive& dive);
+void from_json(const nlohmann::json& json, Dive& dive);
+void to_json(nlohmann::json& json, const Upload& upload);
+void to_json(nlohmann::json& json, const Progress& progress);
+void from_json(const nlohmann::json& json, Progress& progress);
+void to_json(nlohmann::json& json, const Failure& failure);
+void from_json(const nlohmann::json& json, Failure& failure);
+void to_json(nlohmann::json& json, const Job& job);
+void from_json(const nlohmann::json& json, Job& job);
+void to_json(nlohmann::json& json, const Attempt& attempt);
+void to_json(nlohmann::json& json, const Artifact& artifact);
+void from_json(const nlohmann::json& json, Artifact& artifact);
+void to_json(nlohmann::json& json, const Event& event);
+void from_json(const nlohmann::json& json, Event& event);
+void to_json(nlohmann::json& json, const Token& token);  // never the hash
+
+}  // namespace divemesh

@@ -1,0 +1,126 @@
+#include "schemas/reconstruction_options.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "schemas/error.hpp"
+
+namespace divemesh {
+namespace {
+
+// Every option once: its JSON key is its field name.
+template <typename Options, typename Visit>
+void for_each_option(Options& options, Visit&& visit) {
+    // clang-format off
+    visit("stereo", options.stereo, "block (SSD, the paper), sgm, opencv_sgbm");
+    visit("num_disparities_px", options.num_disparities_px, "disparity search range, multiple of 16");
+    visit("num_features", options.num_features, "salient features tracked per frame");
+    visit("estimator", options.estimator, "pairwise (the paper) or window (sliding-window adjustment)");
+    visit("use_imu", options.use_imu, "use the inertial unit where the dive has one");
+    visit("use_ahrs", options.use_ahrs, "use the absolute orientation where the dive has it");
+    visit("adjust_whole_dive", options.adjust_whole_dive, "adjust the whole trajectory with hindsight (window estimator)");
+    visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
+    visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
+    visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");
+    visit("mesher", options.mesher, "surface_nets or marching_cubes");
+    visit("texture", options.texture, "make texture and mosaic");
+    visit("num_threads", options.num_threads, "0: all cores; never changes the result");
+    visit("seed", options.seed, "of the random numbers that RANSAC draws");
+    // clang-format on
+}
+
+void require(bool ok, const std::string& rule) {
+    if (!ok) throw Error(ErrorCode::InvalidArgument, rule);
+}
+
+void require_one_of(const std::string& name,
+                    const std::string& value,
+                    std::initializer_list<std::string_view> known) {
+    std::string list;
+    for (const auto word : known) list += (list.empty() ? "" : ", ") + std::string(word);
+    require(std::find(known.begin(), known.end(), value) != known.end(),
+            "option " + name + " is \"" + value + "\"; it must be one of: " + list);
+}
+
+void validate(const ReconstructionOptions& options) {
+    require_one_of("stereo", options.stereo, {"block", "sgm", "opencv_sgbm"});
+    require_one_of("estimator", options.estimator, {"pairwise", "window"});
+    require_one_of("fusion", options.fusion, {"octree", "tsdf"});
+    require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
+    require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
+                options.num_disparities_px % 16 == 0,
+            "option num_disparities_px must be a multiple of 16 from 16 to 512");
+    require(options.num_features >= 20 && options.num_features <= 5000,
+            "option num_features must be 20 to 5000");
+    require(options.voxel_m == 0.0 || (options.voxel_m >= 0.0005 && options.voxel_m <= 1.0),
+            "option voxel_m must be 0 (automatic) or 0.0005 to 1 m");
+    require(
+        options.max_depth_m == 0.0 || (options.max_depth_m >= 0.05 && options.max_depth_m <= 100.0),
+        "option max_depth_m must be 0 (automatic) or 0.05 to 100 m");
+    require(options.num_threads >= 0 && options.num_threads <= 1024,
+            "option num_threads must be 0 (all cores) to 1024");
+}
+
+}  // namespace
+
+ReconstructionOptions preset_options(std::string_view preset) {
+    ReconstructionOptions options;
+    if (preset == "standard") return options;
+    if (preset == "paper") {
+        options.stereo = "block";
+        options.estimator = "pairwise";
+        options.adjust_whole_dive = false;
+        options.fusion = "octree";
+        return options;
+    }
+    if (preset == "fast") {
+        options.num_features = 200;
+        return options;
+    }
+    if (preset == "accurate") {
+        options.num_features = 500;
+        return options;
+    }
+    throw Error(
+        ErrorCode::InvalidArgument,
+        "unknown preset: " + std::string(preset) + " (known: paper, fast, standard, accurate)");
+}
+
+ReconstructionOptions make_options(std::string_view preset, const nlohmann::json& overrides) {
+    ReconstructionOptions options = preset_options(preset);
+    require(overrides.is_object(), "options must be a JSON object");
+    nlohmann::json rest = overrides;
+    for_each_option(options, [&](const char* name, auto& value, const char*) {
+        const auto found = rest.find(name);
+        if (found == rest.end()) return;
+        try {
+            found->get_to(value);
+        } catch (const nlohmann::json::exception&) {
+            throw Error(ErrorCode::InvalidArgument,
+                        "option " + std::string(name) + " has the wrong type: " + found->dump());
+        }
+        rest.erase(found);
+    });
+    if (!rest.empty())
+        throw Error(ErrorCode::InvalidArgument, "unknown option: " + rest.begin().key());
+    validate(options);
+    return options;
+}
+
+nlohmann::json options_to_json(const ReconstructionOptions& options) {
+    nlohmann::json json = nlohmann::json::object();
+    for_each_option(options,
+                    [&](const char* name, const auto& value, const char*) { json[name] = value; });
+    return json;
+}
+
+std::vector<OptionText> explain(const ReconstructionOptions& options) {
+    std::vector<OptionText> rows;
+    for_each_option(options, [&](const char* name, const auto& value, const char* text) {
+        const nlohmann::json json = value;
+        rows.push_back({name, json.is_string() ? json.get<std::string>() : json.dump(), text});
+    });
+    return rows;
+}
+
+}  // namespace divemesh

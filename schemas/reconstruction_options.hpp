@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace divemesh {
+
+// What a person may tune. Each preset is a set of these; every field can be overridden by name
+// (`--set name=value`, JSON in the API). One line per field in reconstruction_options.cpp gives
+// its text for --explain. Units end the name where they are not SI.
+struct ReconstructionOptions {
+    // step 1, stereo
+    std::string stereo = "sgm";    // block (the paper) | sgm | opencv_sgbm
+    int num_disparities_px = 128;  // search range, multiple of 16
+    // step 2, tracking
+    int num_features = 300;
+    // steps 4-6, estimation
+    std::string estimator = "window";  // pairwise (the paper) | window
+    bool use_imu = true;
+    bool use_ahrs = true;
+    bool adjust_whole_dive = true;  // with hindsight
+    // step 7, fusion
+    std::string fusion = "tsdf";  // octree (the paper) | tsdf
+    double voxel_m = 0.0;         // 0: chosen from rig and range
+    double max_depth_m = 0.0;     // 0: chosen from the rig
+    // step 8, surface
+    std::string mesher = "surface_nets";  // surface_nets | marching_cubes
+    bool texture = true;                  // texture and mosaic
+    // machine
+    int num_threads = 0;    // 0: all cores; never changes a byte of the result
+    std::int64_t seed = 1;  // of RANSAC
+
+    bool operator==(const ReconstructionOptions&) const = default;
+};
+
+inline constexpr std::string_view kPresets[] = {"paper", "fast", "standard", "accurate"};
+
+// The options of a preset. Throws Error{InvalidArgument} that lists the presets.
+ReconstructionOptions preset_options(std::string_view preset);
+
+// The preset with overrides, checked. Throws Error{InvalidArgument} that names an unknown or
+// impossible option.
+ReconstructionOptions make_options(std::string_view preset, const nlohmann::json& overrides);
+
+struct OptionText {
+    std::string name;
+    std::string value;
+    std::string text;  // one line: what it does, unit
+};
+std::vector<OptionText> explain(const ReconstructionOptions& options);
+
+nlohmann::json options_to_json(const ReconstructionOptions& options);
+
+}  // namespace divemesh

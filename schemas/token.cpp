@@ -1,0 +1,13 @@
+#include "schemas/token.hpp"
+
+#include <algorithm>
+
+namespace divemesh {
+
+bool Token::allows(const std::string& scope) const {
+    return !revoked && std::any_of(scopes.begin(), scopes.end(), [&](const std::string& held) {
+        return held == scope || held == "admin";
+    });
+}
+
+}  // namespace divemesh

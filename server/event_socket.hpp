@@ -1,0 +1,21 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <memory>
+
+#include "api/http.hpp"
+#include "server/connection.hpp"
+#include "server/request_body.hpp"
+#include "server/session_context.hpp"
+
+namespace divemesh::server {
+
+// Answers the request with a WebSocket and sends it the events of the feed as they come, a page at
+// a time and one frame after the other: a slow client has its own pace, a dead one is dropped by
+// pings that it does not answer. Ends with code 1001 when the connection is stopped.
+boost::asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
+                                         std::shared_ptr<RequestBody> request,
+                                         api::EventFeed feed,
+                                         SessionContext context);
+
+}  // namespace divemesh::server

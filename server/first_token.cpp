@@ -1,0 +1,45 @@
+#include "server/first_token.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "schemas/error.hpp"
+#include "storage/token_store.hpp"
+
+namespace divemesh::server {
+namespace {
+
+void write_secret(const std::filesystem::path& file, const std::string& secret) {
+    const std::filesystem::path part = file.string() + ".part";
+    unlink(part.c_str());
+    const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    const std::string line = secret + "\n";
+    bool ok = descriptor >= 0 &&
+              write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
+              fsync(descriptor) == 0;
+    const int failure = errno;
+    if (descriptor >= 0) close(descriptor);
+    if (!ok || rename(part.c_str(), file.c_str()) != 0)
+        throw Error(ErrorCode::Unavailable,
+                    "cannot write the first token to " + file.string() + ": " +
+                        std::strerror(ok ? errno : failure));
+}
+
+}  // namespace
+
+std::string make_first_token(storage::Catalog& catalog, const std::filesystem::path& file) {
+    storage::TokenStore tokens(catalog);
+    if (!tokens.empty()) return "";
+    const auto created = tokens.create("first", "default", {"admin"});
+    try {
+        write_secret(file, created.secret);
+    } catch (const Error&) {
+        tokens.revoke(created.token.id);
+        throw;
+    }
+    return created.secret;
+}
+
+}  // namespace divemesh::server

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <memory>
+
+#include "server/connection.hpp"
+#include "server/session_context.hpp"
+
+namespace divemesh::server {
+
+// Reads requests, has api::dispatch answer them, writes the answers, until the client leaves, falls
+// silent or breaks HTTP, or the connection is stopped. Runs on the connection's strand.
+boost::asio::awaitable<void> run_session(std::shared_ptr<Connection> connection,
+                                         SessionContext context);
+
+}  // namespace divemesh::server

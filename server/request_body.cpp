@@ -1,0 +1,97 @@
+#include "server/request_body.hpp"
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+
+namespace divemesh::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+
+constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
+constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
+
+}  // namespace
+
+RequestBody::RequestBody(std::shared_ptr<Connection> connection, const Timeouts& timeouts)
+    : connection_(std::move(connection)), timeouts_(timeouts) {
+    parser_.header_limit(kMaxHeaderBytes);
+    parser_.body_limit(boost::none);  // nothing is held in memory; the handlers have their limits
+    parser_.eager(true);
+}
+
+asio::awaitable<beast::error_code> RequestBody::read_header() {
+    connection_->stream.expires_after(timeouts_.header);
+    parser_.eager(false);
+    const auto [error, n] = co_await http::async_read_header(
+        connection_->stream, connection_->buffer, parser_, kAwaitErrors);
+    parser_.eager(true);
+    co_return error;
+}
+
+std::optional<std::int64_t> RequestBody::length_bytes() const {
+    if (parser_.chunked()) return std::nullopt;
+    const auto length = parser_.content_length();
+    return length ? static_cast<std::int64_t>(*length) : 0;
+}
+
+asio::awaitable<beast::error_code> RequestBody::continue_if_expected() {
+    if (continued_ || !beast::iequals(message()[http::field::expect], "100-continue"))
+        co_return beast::error_code();
+    continued_ = true;
+    http::response<http::empty_body> go_on(http::status::continue_, 11);
+    const auto [error, n] = co_await http::async_write(connection_->stream, go_on, kAwaitErrors);
+    co_return error;
+}
+
+asio::awaitable<beast::error_code> RequestBody::read_some() {
+    const auto idle = std::chrono::steady_clock::now() + timeouts_.body;
+    connection_->stream.expires_at(std::min(idle, deadline_));
+    reading_ = true;
+    const auto [error, n] = co_await http::async_read_some(
+        connection_->stream, connection_->buffer, parser_, kAwaitErrors);
+    reading_ = false;
+    co_return error == http::error::need_buffer ? beast::error_code() : error;
+}
+
+asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
+    using State = api::BodyRead::State;
+    if (stopped_) co_return api::BodyRead{0, State::Stopped};
+    if (parser_.is_done()) co_return api::BodyRead{0, State::End};
+    beast::error_code error = co_await continue_if_expected();
+    auto& body = parser_.get().body();
+    body.data = buffer.data();
+    body.size = buffer.size();
+    body.more = true;
+    // One piece when the link is slow, as many as fit when more is there already.
+    bool more = true;
+    while (!error && more) {
+        error = co_await read_some();
+        beast::error_code ignored;
+        more = body.size > 0 && !parser_.is_done() && !stopped_ &&
+               (body.size == buffer.size() || connection_->stream.socket().available(ignored) > 0);
+    }
+    const std::size_t num_bytes = buffer.size() - body.size;
+    if (stopped_) co_return api::BodyRead{num_bytes, State::Stopped};
+    if (error) co_return api::BodyRead{num_bytes, State::Lost};
+    co_return api::BodyRead{num_bytes, parser_.is_done() ? State::End : State::More};
+}
+
+void RequestBody::must_end_within(std::chrono::seconds time) {
+    deadline_ = std::chrono::steady_clock::now() + time;
+}
+
+void RequestBody::stop() {
+    asio::post(connection_->stream.get_executor(), [self = shared_from_this()] {
+        self->stopped_ = true;
+        if (self->reading_) self->connection_->stream.cancel();
+    });
+}
+
+}  // namespace divemesh::server

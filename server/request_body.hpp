@@ -1,0 +1,41 @@
+#pragma once
+
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/parser.hpp>
+
+#include "api/body_stream.hpp"
+#include "server/connection.hpp"
+#include "server/server.hpp"
+
+namespace divemesh::server {
+
+// One request as it comes over a connection: the header, then the body piece by piece.
+class RequestBody : public api::BodyStream, public std::enable_shared_from_this<RequestBody> {
+public:
+    using Message = boost::beast::http::request<boost::beast::http::buffer_body>;
+
+    RequestBody(std::shared_ptr<Connection> connection, const Timeouts& timeouts);
+
+    boost::asio::awaitable<boost::beast::error_code> read_header();
+    const Message& message() const { return parser_.get(); }
+    bool is_done() const { return parser_.is_done(); }  // the next request may follow
+
+    std::optional<std::int64_t> length_bytes() const override;
+    boost::asio::awaitable<api::BodyRead> read(std::span<char> buffer) override;
+    void must_end_within(std::chrono::seconds time) override;
+    void stop() override;
+
+private:
+    boost::asio::awaitable<boost::beast::error_code> read_some();
+    boost::asio::awaitable<boost::beast::error_code> continue_if_expected();
+
+    std::shared_ptr<Connection> connection_;
+    Timeouts timeouts_;
+    boost::beast::http::request_parser<boost::beast::http::buffer_body> parser_;
+    std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
+    bool stopped_ = false;
+    bool reading_ = false;
+    bool continued_ = false;
+};
+
+}  // namespace divemesh::server

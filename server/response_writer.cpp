@@ -1,0 +1,116 @@
+#include "server/response_writer.hpp"
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <ctime>
+#include <vector>
+
+#include "api/in_pool.hpp"
+#include "server/log.hpp"
+
+namespace divemesh::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+
+constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
+constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
+
+std::string http_date() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[40];
+    const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &parts);
+    return std::string(text, size);
+}
+
+template <typename Body>
+http::response<Body> header_of(const api::Response& response, bool keep_alive) {
+    http::response<Body> message(response.status, 11);
+    message.set(http::field::server, "divemesh");
+    message.set(http::field::date, http_date());
+    for (const auto& [name, value] : response.headers) message.set(name, value);
+    message.keep_alive(keep_alive);
+    return message;
+}
+
+bool has_no_body(http::status status) {
+    return status == http::status::no_content || status == http::status::not_modified;
+}
+
+asio::awaitable<bool> write_text(std::shared_ptr<Connection> connection,
+                                 api::Response response,
+                                 WriteOptions options) {
+    auto& text = std::get<std::string>(response.body);
+    auto message = header_of<http::string_body>(response, options.keep_alive);
+    if (!has_no_body(response.status)) message.content_length(text.size());
+    if (!options.head) message.body() = std::move(text);
+    connection->stream.expires_after(options.timeout);
+    const auto [error, n] = co_await http::async_write(connection->stream, message, kAwaitErrors);
+    co_return !error;
+}
+
+struct Piece {
+    std::vector<char> bytes;
+    std::size_t size = 0;  // 0: cannot be read
+};
+
+asio::awaitable<Piece> read_piece(api::FilePart part, api::Services services, Piece piece) {
+    piece.bytes.resize(std::min(kPieceBytes, static_cast<std::size_t>(part.length)));
+    try {
+        auto read =
+            [reader = part.reader, offset = part.offset, bytes = std::span<char>(piece.bytes)] {
+                return reader->read_at(offset, bytes);
+            };
+        piece.size = co_await api::in_pool(services.pool, std::move(read));
+    } catch (const std::exception& error) {
+        piece.size = 0;
+        log_warning({{"event", "blob_unreadable"}, {"what", error.what()}});
+    }
+    co_return piece;
+}
+
+asio::awaitable<bool> write_file(std::shared_ptr<Connection> connection,
+                                 api::Response response,
+                                 api::Services services,
+                                 WriteOptions options) {
+    api::FilePart part = std::get<api::FilePart>(response.body);
+    auto message = header_of<http::empty_body>(response, options.keep_alive);
+    message.content_length(static_cast<std::uint64_t>(part.length));
+    http::response_serializer<http::empty_body> serializer(message);
+    connection->stream.expires_after(options.timeout);
+    const auto [error, n] =
+        co_await http::async_write_header(connection->stream, serializer, kAwaitErrors);
+    if (error || options.head) co_return !error;
+    Piece piece;
+    while (part.length > 0) {
+        piece = co_await read_piece(part, services, std::move(piece));
+        if (piece.size == 0) co_return false;
+        connection->stream.expires_after(options.timeout);
+        const auto [failure, sent] = co_await asio::async_write(
+            connection->stream, asio::buffer(piece.bytes.data(), piece.size), kAwaitErrors);
+        if (failure) co_return false;
+        part.offset += static_cast<std::int64_t>(sent);
+        part.length -= static_cast<std::int64_t>(sent);
+    }
+    co_return true;
+}
+
+}  // namespace
+
+asio::awaitable<bool> write_response(std::shared_ptr<Connection> connection,
+                                     api::Response response,
+                                     api::Services services,
+                                     WriteOptions options) {
+    if (std::holds_alternative<api::FilePart>(response.body))
+        co_return co_await write_file(connection, std::move(response), services, options);
+    co_return co_await write_text(connection, std::move(response), options);
+}
+
+}  // namespace divemesh::server

@@ -1,0 +1,67 @@
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <thread>
+
+#include "server/log.hpp"
+#include "server/server.hpp"
+#include "server/worker_supervisor.hpp"
+
+namespace divemesh::server {
+namespace {
+
+std::vector<std::string> worker_command(const ServerConfig& config) {
+    return {
+        "/proc/self/exe", "worker", "--catalog", config.catalog_url, "--blobs", config.blobs_url};
+}
+
+// Calls `stop` on a thread of its own at the first SIGTERM or SIGINT.
+class OnSignal {
+public:
+    explicit OnSignal(std::function<void()> stop) : stop_(std::move(stop)) {
+        signals_.async_wait([this](const boost::system::error_code& error, int) {
+            if (!error) stop_();
+        });
+        thread_ = std::jthread([this] { context_.run(); });
+    }
+    ~OnSignal() { context_.stop(); }
+    OnSignal(const OnSignal&) = delete;
+    OnSignal& operator=(const OnSignal&) = delete;
+
+private:
+    std::function<void()> stop_;
+    boost::asio::io_context context_;
+    boost::asio::signal_set signals_{context_, SIGTERM, SIGINT};
+    std::jthread thread_;
+};
+
+void say_token(const Server& server) {
+    if (server.first_token().empty()) return;
+    std::cerr << "first admin token, shown this once (also in "
+              << (server.config().data / "admin.token").string() << "): " << server.first_token()
+              << std::endl;
+}
+
+}  // namespace
+
+void run_server(const ServerConfig& config) {
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow is an error of write()
+    start_log();
+    Server server(config);
+    std::optional<WorkerSupervisor> workers;
+    if (config.num_workers > 0)
+        workers.emplace(worker_command(server.config()), config.num_workers);
+    const OnSignal on_signal([&] {
+        if (workers) workers->stop();
+        server.stop();
+    });
+    say_token(server);
+    std::cout << "listening on " << server.url() << std::endl;
+    server.run();
+}
+
+}  // namespace divemesh::server

@@ -1,0 +1,200 @@
+#include "server/server.hpp"
+
+#include <atomic>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <thread>
+#include <vector>
+
+#include "api/make_dive.hpp"
+#include "schemas/error.hpp"
+#include "server/connection.hpp"
+#include "server/event_hub.hpp"
+#include "server/first_token.hpp"
+#include "server/http_session.hpp"
+#include "server/listen_address.hpp"
+#include "server/log.hpp"
+#include "storage/token_store.hpp"
+
+namespace divemesh::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
+
+ServerConfig with_defaults(ServerConfig config) {
+    const fs::path data = fs::absolute(config.data);
+    std::error_code failure;
+    fs::create_directories(data, failure);
+    if (failure)
+        throw Error(ErrorCode::Unavailable,
+                    "cannot make the data folder " + data.string() + ": " + failure.message());
+    config.data = data;
+    if (config.catalog_url.empty())
+        config.catalog_url = "sqlite://" + (data / "catalog.db").string();
+    if (config.blobs_url.empty()) config.blobs_url = (data / "blobs").string();
+    return config;
+}
+
+tcp::acceptor open_acceptor(asio::io_context& io, const tcp::endpoint& endpoint) {
+    try {
+        return {io, endpoint};
+    } catch (const boost::system::system_error& error) {
+        throw Error(ErrorCode::Unavailable,
+                    "cannot listen on " + url_of(endpoint) + ": " + error.code().message());
+    }
+}
+
+// Everybody on the network could do everything: only this machine may be served without tokens.
+std::string admit(const ServerConfig& config, bool loopback, storage::Catalog& catalog) {
+    if (config.no_auth && !loopback)
+        throw Error(ErrorCode::InvalidArgument,
+                    "--no-auth is for loopback addresses alone, not for " + config.listen);
+    if (config.no_auth) return "";
+    if (loopback) return make_first_token(catalog, config.data / "admin.token");
+    if (storage::TokenStore(catalog).empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "nobody could log in at " + config.listen +
+                        ": make a token first (divemesh token create), or start on loopback once");
+    return "";
+}
+
+}  // namespace
+
+struct Server::Implementation {
+    explicit Implementation(ServerConfig given)
+        : config(with_defaults(std::move(given))),
+          endpoint(parse_listen_address(config.listen)),
+          catalog(config.catalog_url),
+          blobs(storage::open_blob_store(config.blobs_url)),
+          first_token(admit(config, endpoint.address().is_loopback(), catalog)),
+          pool(static_cast<std::size_t>(config.num_blocking_threads)),
+          events(catalog, pool),
+          turns(io.get_executor()),
+          acceptor(open_acceptor(io, endpoint)) {
+        acceptor.non_blocking(true);
+        endpoint = acceptor.local_endpoint();
+    }
+
+    SessionContext context() {
+        api::Services services{catalog,
+                               *blobs,
+                               pool,
+                               turns,
+                               hashes,
+                               stopping,
+                               {config.max_upload_bytes, config.min_free_bytes},
+                               config.no_auth};
+        return {services, events, config.timeouts};
+    }
+
+    asio::awaitable<void> accept();
+    asio::awaitable<void> drain();
+    void spawn_session(tcp::socket socket);
+
+    ServerConfig config;
+    tcp::endpoint endpoint;
+    storage::Catalog catalog;
+    std::unique_ptr<storage::BlobStore> blobs;
+    std::string first_token;
+    api::HashCache hashes;
+    std::atomic<bool> stopping = false;
+    asio::io_context io;
+    asio::thread_pool pool;
+    EventHub events;
+    api::UploadTurns turns;
+    Connections connections;
+    tcp::acceptor acceptor;
+};
+
+void Server::Implementation::spawn_session(tcp::socket socket) {
+    boost::system::error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    const auto connection = std::make_shared<Connection>(std::move(socket));
+    if (!connections.add(connection, static_cast<std::size_t>(config.max_connections))) return;
+    asio::co_spawn(connection->stream.get_executor(),
+                   run_session(connection, context()),
+                   [this, connection](const std::exception_ptr& failure) {
+                       connections.remove(connection);
+                       try {
+                           if (failure) std::rethrow_exception(failure);
+                       } catch (const std::exception& error) {
+                           log_warning({{"event", "session_failed"}, {"what", error.what()}});
+                       }
+                   });
+}
+
+asio::awaitable<void> Server::Implementation::accept() {
+    asio::steady_timer pause(io);
+    while (!stopping) {
+        auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kAwaitErrors);
+        if (!error) {
+            spawn_session(std::move(socket));
+        } else if (!stopping) {  // no file descriptor left, or the client has gone
+            log_warning({{"event", "accept_failed"}, {"what", error.message()}});
+            pause.expires_after(50ms);
+            co_await pause.async_wait(kAwaitErrors);
+        }
+    }
+}
+
+// Uploads make durable what they have, WebSockets say goodbye; who takes too long is cut off.
+asio::awaitable<void> Server::Implementation::drain() {
+    connections.stop_all();
+    asio::steady_timer pause(io);
+    const auto end = std::chrono::steady_clock::now() + config.timeouts.stop;
+    for (bool aborted = false; connections.count() > 0;) {
+        const auto now = std::chrono::steady_clock::now();
+        if (now >= end && !aborted) connections.abort_all();
+        aborted = now >= end;
+        if (now >= end + 1s) break;
+        pause.expires_after(10ms);
+        co_await pause.async_wait(kAwaitErrors);
+    }
+    io.stop();
+}
+
+Server::Server(ServerConfig config)
+    : implementation_(std::make_unique<Implementation>(std::move(config))) {}
+
+Server::~Server() = default;
+
+std::string Server::url() const { return url_of(implementation_->endpoint); }
+const std::string& Server::first_token() const { return implementation_->first_token; }
+const ServerConfig& Server::config() const { return implementation_->config; }
+
+void Server::run() {
+    Implementation& self = *implementation_;
+    asio::post(self.pool, [services = self.context().services] { api::make_owed_dives(services); });
+    asio::co_spawn(self.io, self.accept(), asio::detached);
+    asio::co_spawn(self.io, self.events.run(), asio::detached);
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 1; i < self.config.num_io_threads; ++i)
+            threads.emplace_back([&self] { self.io.run(); });
+        self.io.run();
+    }
+    self.pool.join();
+}
+
+void Server::stop() {
+    Implementation& self = *implementation_;
+    if (self.stopping.exchange(true)) return;
+    asio::post(self.acceptor.get_executor(), [&self] {
+        self.acceptor.close();
+        self.events.stop();
+        asio::co_spawn(self.io, self.drain(), asio::detached);
+    });
+}
+
+}  // namespace divemesh::server

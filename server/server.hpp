@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace divemesh::server {
+
+// How long a connection may keep us waiting.
+struct Timeouts {
+    std::chrono::milliseconds header = std::chrono::seconds(60);  // the next request, whole header
+    std::chrono::milliseconds body = std::chrono::seconds(60);    // between two pieces of a body
+    std::chrono::milliseconds write = std::chrono::seconds(60);   // of one piece of an answer
+    std::chrono::milliseconds web_socket = std::chrono::seconds(30);  // without a sign of life
+    std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
+};
+
+struct ServerConfig {
+    std::string listen = "127.0.0.1:8080";  // host:port, [::1]:port; port 0: any free one
+    std::filesystem::path data;             // default place of catalog, blobs and admin.token
+    std::string catalog_url;                // "": sqlite in `data`
+    std::string blobs_url;                  // "": blobs/ in `data`
+    int num_io_threads = 2;
+    int num_blocking_threads = 8;  // for SQL, disk and hashing
+    int num_workers = 0;           // processes to start and watch over
+    bool no_auth = false;          // loopback only
+    std::int64_t max_upload_bytes = std::int64_t{1} << 42;
+    std::int64_t min_free_bytes = std::int64_t{256} << 20;  // room on the disk that is never used
+    int max_connections = 2000;
+    Timeouts timeouts = {};
+};
+
+// Serves the API. The constructor opens catalog, blob store and port, and makes the first token.
+// Throws Error{InvalidArgument} for an address that is not one, for no_auth on other addresses than
+// loopback, and for a catalog without any token there; Error{Unavailable} when the port is taken.
+class Server {
+public:
+    explicit Server(ServerConfig config);
+    ~Server();
+    Server(const Server&) = delete;
+    Server& operator=(const Server&) = delete;
+
+    std::string url() const;                 // http://127.0.0.1:8080, with the port that was found
+    const std::string& first_token() const;  // the secret made just now; "": there was one before
+    const ServerConfig& config() const;      // with the defaults filled in
+
+    void run();   // until stop(); returns when every upload is flushed and every connection closed
+    void stop();  // from any thread
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+// `divemesh serve`: a Server with its workers until SIGTERM or SIGINT. Prints one line on stdout
+// once it is ready: "listening on http://127.0.0.1:8080". Same errors as Server's constructor.
+void run_server(const ServerConfig& config);
+
+}  // namespace divemesh::server

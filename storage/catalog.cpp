@@ -1,0 +1,185 @@
+#include "storage/catalog.hpp"
+
+#include <condition_variable>
+#include <soci/soci.h>
+#include <vector>
+
+#include "schemas/error.hpp"
+#include "storage/engine.hpp"
+#include "storage/migrations.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+constexpr std::size_t kMaxConnections = 16;
+
+std::unique_ptr<Engine> make_engine(const std::string& url) {
+    static const std::string kSqlite = "sqlite://";
+    if (url.starts_with(kSqlite)) return make_sqlite_engine(url.substr(kSqlite.size()));
+    if (url.find("://") == std::string::npos) return make_sqlite_engine(url);
+    throw Error(ErrorCode::InvalidArgument,
+                "cannot use the catalog " + url + ": give sqlite:///path/catalog.db");
+}
+
+// Connections that are idle; a call takes one, or waits when too many are under way.
+class Pool {
+public:
+    explicit Pool(const Engine& engine) : engine_(engine) {}
+
+    std::unique_ptr<soci::session> take() {
+        std::unique_lock lock(mutex_);
+        returned_.wait(lock, [this] { return !idle_.empty() || num_open_ < kMaxConnections; });
+        if (!idle_.empty()) {
+            auto session = std::move(idle_.back());
+            idle_.pop_back();
+            return session;
+        }
+        ++num_open_;
+        lock.unlock();
+        try {
+            return engine_.connect();
+        } catch (...) {
+            give_back(nullptr);
+            throw;
+        }
+    }
+
+    // Null: the connection is of no more use.
+    void give_back(std::unique_ptr<soci::session> session) {
+        const std::lock_guard lock(mutex_);
+        if (session)
+            idle_.push_back(std::move(session));
+        else
+            --num_open_;
+        returned_.notify_one();
+    }
+
+private:
+    const Engine& engine_;
+    std::mutex mutex_;
+    std::condition_variable returned_;
+    std::vector<std::unique_ptr<soci::session>> idle_;
+    std::size_t num_open_ = 0;
+};
+
+// A connection out of the pool with a transaction on it, which is rolled back unless committed.
+class Transaction {
+public:
+    explicit Transaction(Pool& pool) : pool_(pool), session_(pool.take()) {}
+    ~Transaction() {
+        if (open_) {
+            try {
+                *session_ << "ROLLBACK";
+            } catch (const std::exception&) {
+                session_.reset();  // SQLite has rolled back by itself, or the connection is broken
+            }
+        }
+        pool_.give_back(std::move(session_));
+    }
+    Transaction(const Transaction&) = delete;
+    Transaction& operator=(const Transaction&) = delete;
+
+    soci::session& session() { return *session_; }
+    void begun() { open_ = true; }
+    void commit() {
+        *session_ << "COMMIT";
+        open_ = false;
+    }
+
+private:
+    Pool& pool_;
+    std::unique_ptr<soci::session> session_;
+    bool open_ = false;
+};
+
+}  // namespace
+
+struct Catalog::Implementation {
+    explicit Implementation(const std::string& url) : engine(make_engine(url)), pool(*engine) {}
+
+    template <typename Begin>
+    void run(const Begin& begin, const std::function<void(soci::session&)>& work) {
+        try {
+            Transaction transaction(pool);
+            begin(transaction.session());
+            transaction.begun();
+            work(transaction.session());
+            transaction.commit();
+        } catch (const soci::soci_error& error) {
+            engine->translate(error);
+            throw;
+        }
+    }
+
+    bool is_current();
+    void migrate(soci::session& session) const;
+
+    std::unique_ptr<Engine> engine;
+    Pool pool;
+};
+
+// Asked first, so that opening a catalog does not have to wait for its writers.
+bool Catalog::Implementation::is_current() {
+    try {
+        int version = 0;
+        const auto begin = [this](soci::session& session) { engine->begin_read(session); };
+        run(begin, [&](soci::session& session) {
+            session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
+        });
+        return version == static_cast<int>(migrations().size());
+    } catch (const soci::soci_error&) {
+        return false;  // there is no such table yet
+    }
+}
+
+// Two processes that start at once: the second waits for the transaction of the first.
+void Catalog::Implementation::migrate(soci::session& session) const {
+    session << "CREATE TABLE IF NOT EXISTS schema_version (version INTEGER NOT NULL)";
+    int version = 0;
+    session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
+    const int newest = static_cast<int>(migrations().size());
+    if (version > newest)
+        throw Error(ErrorCode::Conflict,
+                    "the catalog was written by a newer version (schema " +
+                        std::to_string(version) + ", this version knows " + std::to_string(newest) +
+                        "): install that version");
+    if (version == newest) return;
+    for (int next = version; next < newest; ++next)
+        engine->run_script(session, migrations()[static_cast<std::size_t>(next)]);
+    session << "DELETE FROM schema_version";
+    session << "INSERT INTO schema_version (version) VALUES (:version)", soci::use(newest);
+}
+
+Catalog::Catalog(const std::string& url) : implementation_(new Implementation(url)) {
+    if (implementation_->is_current()) return;
+    transaction([this](soci::session& session) { implementation_->migrate(session); });
+}
+
+Catalog::~Catalog() = default;
+
+void Catalog::transaction(const std::function<void(soci::session&)>& work) {
+    Engine& engine = *implementation_->engine;
+    const auto turn = engine.wait_for_turn_to_write();
+    implementation_->run([&](soci::session& session) { engine.begin_write(session); }, work);
+}
+
+void Catalog::read(const std::function<void(soci::session&)>& work) {
+    const Engine& engine = *implementation_->engine;
+    implementation_->run([&](soci::session& session) { engine.begin_read(session); }, work);
+}
+
+std::int64_t Catalog::now_ms(soci::session& session) {
+    std::int64_t now_ms = 0;
+    session << clock_query(session), soci::into(now_ms);
+    return now_ms;
+}
+
+int Catalog::schema_version() {
+    int version = 0;
+    read([&](soci::session& session) {
+        session << "SELECT MAX(version) FROM schema_version", soci::into(version);
+    });
+    return version;
+}
+
+}  // namespace divemesh::storage

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "storage/blob_store.hpp"
+
+namespace divemesh::storage {
+
+// Blobs as files below `folder`: blobs/ what is finished, staged/ uploads while they arrive, tmp/
+// files while they are copied in. Makes the folders; throws Error{Unavailable}.
+std::unique_ptr<BlobStore> open_directory_blob_store(const std::string& folder);
+
+}  // namespace divemesh::storage

@@ -1,0 +1,146 @@
+#include "storage/dive_rows.hpp"
+
+#include <algorithm>
+
+#include "schemas/error.hpp"
+#include "schemas/json.hpp"
+#include "storage/event_store.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+std::string select_dive(const std::string& where) {
+    return "SELECT " + std::string(kDiveColumns) + " FROM dives WHERE " + where;
+}
+
+// What is wrong with the recording's identity, beyond what intake can know.
+std::optional<Finding> check_identity(soci::session& session,
+                                      const Dive& dive,
+                                      const std::string& content_sha256) {
+    if (content_sha256.empty()) return std::nullopt;
+    if (!dive.content_sha256.empty() && dive.content_sha256 != content_sha256)
+        return Finding{.severity = Severity::Error,
+                       .code = "content_hash_mismatch",
+                       .message = "the recording hashes to " + content_sha256 +
+                                  ", its client announced " + dive.content_sha256,
+                       .remedy = "check the recording on the laptop and upload it again"};
+    const auto other = find_recording(session, dive.project, "", content_sha256);
+    if (other && other->id != dive.id)
+        return Finding{.severity = Severity::Error,
+                       .code = "duplicate_dive",
+                       .message = "the same recording is here already: dive " + other->id,
+                       .remedy = "use dive " + other->id};
+    return std::nullopt;
+}
+
+std::optional<Failure> first_error(const std::vector<Finding>& findings) {
+    const auto error = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.severity == Severity::Error;
+    });
+    if (error == findings.end()) return std::nullopt;
+    std::string message = "the dive was refused: ";
+    if (!error->where.empty()) message += error->where + ": ";
+    message += error->message;
+    if (!error->remedy.empty()) message += " (" + error->remedy + ")";
+    return Failure{.code = ErrorCode::BadData, .message = message};
+}
+
+void write_intake(soci::session& session, const Dive& dive, const IntakeResult& result) {
+    const std::string state(to_string(dive.state));
+    const std::string tags = to_text(dive.tags);
+    const std::string findings = to_text(result.findings);
+    execute(session,
+            "UPDATE dives SET state = :state, name = :name, site = :site, tags = :tags,"
+            " content_sha256 = :content, num_frames = :frames, duration_s = :duration,"
+            " findings = :findings, thumbnail_blob = :thumbnail WHERE id = :id",
+            soci::use(state, "state"),
+            soci::use(dive.name, "name"),
+            soci::use(dive.site, "site"),
+            soci::use(tags, "tags"),
+            soci::use(dive.content_sha256, "content"),
+            soci::use(dive.num_frames, "frames"),
+            soci::use(dive.duration_s, "duration"),
+            soci::use(findings, "findings"),
+            soci::use(result.thumbnail_blob, "thumbnail"),
+            soci::use(dive.id, "id"));
+}
+
+}  // namespace
+
+void DiveRow::define(soci::statement& statement) {
+    statement.exchange(soci::into(dive.id));
+    statement.exchange(soci::into(dive.project));
+    statement.exchange(soci::into(state));
+    statement.exchange(soci::into(dive.name));
+    statement.exchange(soci::into(dive.site));
+    statement.exchange(soci::into(tags));
+    statement.exchange(soci::into(dive.archive_sha256));
+    statement.exchange(soci::into(dive.content_sha256));
+    statement.exchange(soci::into(dive.archive_bytes));
+    statement.exchange(soci::into(dive.blob));
+    statement.exchange(soci::into(dive.num_frames));
+    statement.exchange(soci::into(dive.duration_s));
+    statement.exchange(soci::into(has_thumbnail));
+    statement.exchange(soci::into(dive.created_at_ms));
+}
+
+Dive DiveRow::value() const {
+    Dive value = dive;
+    value.state = dive_state_from_string(state);
+    value.tags = nlohmann::json::parse(tags).get<std::vector<std::string>>();
+    value.has_thumbnail = has_thumbnail != 0;
+    return value;
+}
+
+Dive read_dive(soci::session& session, const std::string& id) {
+    auto dive = select_one<DiveRow>(session, select_dive("id = :id"), soci::use(id, "id"));
+    if (!dive) throw Error(ErrorCode::NotFound, "no dive " + id);
+    return std::move(*dive);
+}
+
+std::optional<Dive> find_recording(soci::session& session,
+                                   const std::string& project,
+                                   const std::string& archive_sha256,
+                                   const std::string& content_sha256) {
+    return select_one<DiveRow>(
+        session,
+        select_dive("project = :project AND state <> 'refused' AND"
+                    " ((content_sha256 <> '' AND content_sha256 = :content)"
+                    " OR (archive_sha256 <> '' AND archive_sha256 = :archive))"
+                    " ORDER BY created_at_ms, id LIMIT 1"),
+        soci::use(project, "project"),
+        soci::use(content_sha256, "content"),
+        soci::use(archive_sha256, "archive"));
+}
+
+void append_dive_event(soci::session& session, const Dive& dive, const std::string& type) {
+    EventStore::append(
+        session,
+        {.project = dive.project, .topic = "dive", .subject = dive.id, .type = type, .data = dive});
+}
+
+IntakeVerdict apply_intake(soci::session& session,
+                           const std::string& dive_id,
+                           const IntakeResult& result) {
+    IntakeVerdict verdict{.dive = read_dive(session, dive_id)};
+    Dive& dive = verdict.dive;
+    IntakeResult judged = result;
+    if (auto finding = check_identity(session, dive, result.content_sha256))
+        judged.findings.push_back(std::move(*finding));
+    verdict.refusal = first_error(judged.findings);
+
+    dive.state = verdict.refusal ? DiveState::Refused : DiveState::Ready;
+    if (!result.name.empty()) dive.name = result.name;
+    dive.site = result.site;
+    dive.tags = result.tags;
+    if (!result.content_sha256.empty()) dive.content_sha256 = result.content_sha256;
+    dive.num_frames = result.num_frames;
+    dive.duration_s = result.duration_s;
+    dive.has_thumbnail = !result.thumbnail_blob.empty();
+    write_intake(session, dive, judged);
+    append_dive_event(session, dive, verdict.refusal ? "dive.refused" : "dive.ready");
+    return verdict;
+}
+
+}  // namespace divemesh::storage

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <soci/soci.h>
+#include <string>
+
+#include "schemas/dive.hpp"
+#include "schemas/job.hpp"
+#include "storage/dive_store.hpp"
+
+// Reads and changes of dives inside a transaction.
+namespace divemesh::storage {
+
+struct DiveRow {
+    Dive dive;
+    std::string state;
+    std::string tags;
+    int has_thumbnail = 0;
+
+    void define(soci::statement& statement);
+    Dive value() const;
+};
+
+inline constexpr const char* kDiveColumns =
+    "id, project, state, name, site, tags, archive_sha256, content_sha256, archive_bytes, blob,"
+    " num_frames, duration_s, CASE WHEN thumbnail_blob = '' THEN 0 ELSE 1 END, created_at_ms";
+
+Dive read_dive(soci::session& session, const std::string& id);  // throws Error{NotFound}
+
+// The project's dive with this recording, unless it was refused. Empty hashes match nothing.
+std::optional<Dive> find_recording(soci::session& session,
+                                   const std::string& project,
+                                   const std::string& archive_sha256,
+                                   const std::string& content_sha256);
+
+void append_dive_event(soci::session& session, const Dive& dive, const std::string& type);
+
+// Writes what intake found and decides: ready or refused. A recording that is not what its client
+// announced, or that the project has already, is refused too. Returns the dive and, when it was
+// refused, why.
+struct IntakeVerdict {
+    Dive dive;
+    std::optional<Failure> refusal;
+};
+IntakeVerdict apply_intake(soci::session& session,
+                           const std::string& dive_id,
+                           const IntakeResult& result);
+
+}  // namespace divemesh::storage

@@ -1,0 +1,76 @@
+#include "storage/event_store.hpp"
+
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+struct EventRow {
+    Event event;
+    std::string data;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(event.sequence));
+        statement.exchange(soci::into(event.time_ms));
+        statement.exchange(soci::into(event.project));
+        statement.exchange(soci::into(event.topic));
+        statement.exchange(soci::into(event.subject));
+        statement.exchange(soci::into(event.type));
+        statement.exchange(soci::into(data));
+    }
+    Event value() const {
+        Event value = event;
+        value.data = nlohmann::json::parse(data);
+        return value;
+    }
+};
+
+}  // namespace
+
+void EventStore::append(soci::session& session, const Event& event) {
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    const std::string data = to_text(event.data);
+    execute(session, "UPDATE event_sequence SET newest = newest + 1");
+    execute(session,
+            "INSERT INTO events (sequence, time_ms, project, topic, subject, type, data)"
+            " SELECT newest, :now, :project, :topic, :subject, :type, :data FROM event_sequence",
+            soci::use(now_ms, "now"),
+            soci::use(event.project, "project"),
+            soci::use(event.topic, "topic"),
+            soci::use(event.subject, "subject"),
+            soci::use(event.type, "type"),
+            soci::use(data, "data"));
+}
+
+void EventStore::replace(soci::session& session, const Event& event) {
+    execute(session,
+            "DELETE FROM events WHERE subject = :subject AND type = :type",
+            soci::use(event.subject, "subject"),
+            soci::use(event.type, "type"));
+    append(session, event);
+}
+
+std::vector<Event> EventStore::since(std::int64_t sequence, const std::string& project, int limit) {
+    std::vector<Event> events;
+    catalog_.read([&](soci::session& session) {
+        events = select_all<EventRow>(
+            session,
+            "SELECT sequence, time_ms, project, topic, subject, type, data FROM events"
+            " WHERE sequence > :sequence AND (:project = '' OR project = :project)"
+            " ORDER BY sequence LIMIT :limit",
+            soci::use(sequence, "sequence"),
+            soci::use(project, "project"),
+            soci::use(limit, "limit"));
+    });
+    return events;
+}
+
+std::int64_t EventStore::newest_sequence() {
+    std::int64_t newest = 0;
+    catalog_.read([&](soci::session& session) {
+        session << "SELECT newest FROM event_sequence", soci::into(newest);
+    });
+    return newest;
+}
+
+}  // namespace divemesh::storage

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "schemas/event.hpp"
+#include "storage/catalog.hpp"
+
+namespace divemesh::storage {
+
+// The events table: written by the other stores inside their transactions (append), read by
+// watchers of any process.
+class EventStore {
+public:
+    explicit EventStore(Catalog& catalog) : catalog_(catalog) {}
+
+    static void append(soci::session& session, const Event& event);  // sequence, time set here
+    // The same for news that make older ones of this type and subject worthless (progress): those
+    // are removed, so a watcher may miss them but never the newest.
+    static void replace(soci::session& session, const Event& event);
+
+    // In order of sequence; project "" sees all. At most `limit`.
+    std::vector<Event> since(std::int64_t sequence, const std::string& project, int limit);
+    std::int64_t newest_sequence();
+
+private:
+    Catalog& catalog_;
+};
+
+}  // namespace divemesh::storage

@@ -1,0 +1,96 @@
+#include "storage/job_rows.hpp"
+
+#include "schemas/error.hpp"
+#include "schemas/json.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+const std::string kLeased =
+    " WHERE id = :id AND attempt = :attempt AND lease_id = :lease AND state = 'running'";
+
+// No code is stored when nothing failed.
+ErrorCode failure_code_from(const std::string& text) {
+    return text.empty() ? Failure{}.code : error_code_from_string(text);
+}
+
+}  // namespace
+
+void JobRow::define(soci::statement& statement) {
+    statement.exchange(soci::into(job.id));
+    statement.exchange(soci::into(job.project));
+    statement.exchange(soci::into(job.dive_id));
+    statement.exchange(soci::into(kind));
+    statement.exchange(soci::into(state));
+    statement.exchange(soci::into(job.preset));
+    statement.exchange(soci::into(options));
+    statement.exchange(soci::into(job.priority));
+    statement.exchange(soci::into(job.num_attempts));
+    statement.exchange(soci::into(job.max_attempts));
+    statement.exchange(soci::into(cancel_requested));
+    statement.exchange(soci::into(progress));
+    statement.exchange(soci::into(failure_code));
+    statement.exchange(soci::into(job.failure.message));
+    statement.exchange(soci::into(job.not_before_ms));
+    statement.exchange(soci::into(job.created_at_ms));
+    statement.exchange(soci::into(job.started_at_ms));
+    statement.exchange(soci::into(job.finished_at_ms));
+}
+
+Job JobRow::value() const {
+    Job value = job;
+    value.kind = job_kind_from_string(kind);
+    value.state = job_state_from_string(state);
+    value.options = nlohmann::json::parse(options);
+    value.progress = nlohmann::json::parse(progress).get<Progress>();
+    value.failure.code = failure_code_from(failure_code);
+    value.cancel_requested = cancel_requested != 0;
+    return value;
+}
+
+void AttemptRow::define(soci::statement& statement) {
+    statement.exchange(soci::into(attempt.job_id));
+    statement.exchange(soci::into(attempt.number));
+    statement.exchange(soci::into(state));
+    statement.exchange(soci::into(attempt.worker));
+    statement.exchange(soci::into(failure_code));
+    statement.exchange(soci::into(attempt.failure.message));
+    statement.exchange(soci::into(attempt.started_at_ms));
+    statement.exchange(soci::into(attempt.finished_at_ms));
+}
+
+Attempt AttemptRow::value() const {
+    Attempt value = attempt;
+    value.state = attempt_state_from_string(state);
+    value.failure.code = failure_code_from(failure_code);
+    return value;
+}
+
+Job read_job(soci::session& session, const std::string& id) {
+    auto job =
+        select_one<JobRow>(session,
+                           "SELECT " + std::string(kJobColumns) + " FROM jobs WHERE id = :id",
+                           soci::use(id, "id"));
+    if (!job) throw Error(ErrorCode::NotFound, "no job " + id);
+    return std::move(*job);
+}
+
+std::optional<Job> lock_leased_job(soci::session& session, const Lease& lease) {
+    return select_one<JobRow>(
+        session,
+        "UPDATE jobs SET lease_id = lease_id" + kLeased + " RETURNING " + kJobColumns,
+        soci::use(lease.job_id, "id"),
+        soci::use(lease.attempt, "attempt"),
+        soci::use(lease.lease_id, "lease"));
+}
+
+std::optional<Job> find_leased_job(soci::session& session, const Lease& lease) {
+    return select_one<JobRow>(session,
+                              "SELECT " + std::string(kJobColumns) + " FROM jobs" + kLeased,
+                              soci::use(lease.job_id, "id"),
+                              soci::use(lease.attempt, "attempt"),
+                              soci::use(lease.lease_id, "lease"));
+}
+
+}  // namespace divemesh::storage

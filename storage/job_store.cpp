@@ -1,0 +1,230 @@
+#include "storage/job_store.hpp"
+
+#include "schemas/error.hpp"
+#include "schemas/json.hpp"
+#include "storage/dive_rows.hpp"
+#include "storage/event_store.hpp"
+#include "storage/job_changes.hpp"
+#include "storage/job_rows.hpp"
+#include "storage/page_cursor.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+constexpr int kMaxMaxAttempts = 20;
+
+struct ArtifactRow {
+    Artifact artifact;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(artifact.job_id));
+        statement.exchange(soci::into(artifact.name));
+        statement.exchange(soci::into(artifact.media_type));
+        statement.exchange(soci::into(artifact.sha256));
+        statement.exchange(soci::into(artifact.size_bytes));
+        statement.exchange(soci::into(artifact.blob));
+    }
+    Artifact value() const { return artifact; }
+};
+
+struct StateCountRow {
+    std::string state;
+    std::int64_t count = 0;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(state));
+        statement.exchange(soci::into(count));
+    }
+    std::pair<JobState, std::int64_t> value() const {
+        return {job_state_from_string(state), count};
+    }
+};
+
+void check(const NewJob& job) {
+    if (job.kind == JobKind::Intake)
+        throw Error(ErrorCode::InvalidArgument, "an intake job is made with its dive alone");
+    if (job.priority < -kMaxPriority || job.priority > kMaxPriority)
+        throw Error(ErrorCode::InvalidArgument,
+                    "priority is " + std::to_string(job.priority) + ": give -" +
+                        std::to_string(kMaxPriority) + " to " + std::to_string(kMaxPriority));
+    if (job.max_attempts < 1 || job.max_attempts > kMaxMaxAttempts)
+        throw Error(ErrorCode::InvalidArgument,
+                    "max_attempts is " + std::to_string(job.max_attempts) + ": give 1 to " +
+                        std::to_string(kMaxMaxAttempts));
+    if (!job.options.is_object())
+        throw Error(ErrorCode::InvalidArgument, "the options of a job are an object");
+}
+
+void check_not_refused(const Dive& dive) {
+    if (dive.state == DiveState::Refused)
+        throw Error(ErrorCode::Conflict,
+                    "dive " + dive.id + " was refused: see its findings and upload it anew");
+}
+
+void check_parents_succeeded(soci::session& session, const std::string& job_id) {
+    const auto parent =
+        select_one<TextRow>(session,
+                            "SELECT jobs.id FROM jobs, job_parents WHERE job_parents.job_id = :job"
+                            " AND jobs.id = job_parents.parent_id AND jobs.state <> 'succeeded'"
+                            " ORDER BY jobs.id LIMIT 1",
+                            soci::use(job_id, "job"));
+    if (parent)
+        throw Error(
+            ErrorCode::Conflict,
+            "job " + job_id + " needs job " + *parent + " to succeed first: retry that one");
+}
+
+[[noreturn]] void throw_wrong_state(const Job& job, const std::string& wanted) {
+    throw Error(
+        ErrorCode::Conflict,
+        "job " + job.id + " is " + std::string(to_string(job.state)) + ": cannot " + wanted);
+}
+
+void request_cancel(soci::session& session, const std::string& id) {
+    execute(session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
+}
+
+}  // namespace
+
+Job JobStore::enqueue(const NewJob& request) {
+    check(request);
+    Job job;
+    catalog_.transaction([&](soci::session& session) {
+        const Dive dive = read_dive(session, request.dive_id);
+        check_not_refused(dive);
+        NewJob owned = request;
+        owned.project = dive.project;
+        job = insert_job(session, owned);
+    });
+    return job;
+}
+
+Job JobStore::get(const std::string& id) {
+    Job job;
+    catalog_.read([&](soci::session& session) { job = read_job(session, id); });
+    return job;
+}
+
+Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
+    const PageStart start = page_start(page);
+    const std::string state = filter.state ? std::string(to_string(*filter.state)) : "";
+    const std::string kind = filter.kind ? std::string(to_string(*filter.kind)) : "";
+    std::vector<Job> rows;
+    catalog_.read([&](soci::session& session) {
+        rows = select_all<JobRow>(
+            session,
+            "SELECT " + std::string(kJobColumns) +
+                " FROM jobs WHERE (created_at_ms > :age OR (created_at_ms = :age AND id > :id))"
+                " AND (:project = '' OR project = :project) AND (:dive = '' OR dive_id = :dive)"
+                " AND (:state = '' OR state = :state) AND (:kind = '' OR kind = :kind)"
+                " ORDER BY created_at_ms, id LIMIT :limit",
+            soci::use(start.created_at_ms, "age"),
+            soci::use(start.id, "id"),
+            soci::use(filter.project, "project"),
+            soci::use(filter.dive_id, "dive"),
+            soci::use(state, "state"),
+            soci::use(kind, "kind"),
+            soci::use(start.limit_plus_one, "limit"));
+    });
+    return make_page(std::move(rows), page);
+}
+
+std::vector<Attempt> JobStore::attempts(const std::string& job_id) {
+    std::vector<Attempt> attempts;
+    catalog_.read([&](soci::session& session) {
+        read_job(session, job_id);
+        attempts = select_all<AttemptRow>(session,
+                                          "SELECT " + std::string(kAttemptColumns) +
+                                              " FROM attempts WHERE job_id = :job ORDER BY number",
+                                          soci::use(job_id, "job"));
+    });
+    return attempts;
+}
+
+std::vector<Artifact> JobStore::artifacts(const std::string& job_id) {
+    std::vector<Artifact> artifacts;
+    catalog_.read([&](soci::session& session) {
+        read_job(session, job_id);
+        artifacts = select_all<ArtifactRow>(
+            session,
+            "SELECT job_id, name, media_type, sha256, size_bytes, blob FROM artifacts"
+            " WHERE job_id = :job ORDER BY name",
+            soci::use(job_id, "job"));
+    });
+    return artifacts;
+}
+
+Artifact JobStore::artifact(const std::string& job_id, const std::string& name) {
+    std::optional<Artifact> artifact;
+    catalog_.read([&](soci::session& session) {
+        artifact = select_one<ArtifactRow>(
+            session,
+            "SELECT job_id, name, media_type, sha256, size_bytes, blob FROM artifacts"
+            " WHERE job_id = :job AND name = :name",
+            soci::use(job_id, "job"),
+            soci::use(name, "name"));
+    });
+    if (!artifact) throw Error(ErrorCode::NotFound, "job " + job_id + " has no such artifact");
+    return std::move(*artifact);
+}
+
+std::string JobStore::log(const std::string& job_id) {
+    std::string log;
+    catalog_.read([&](soci::session& session) {
+        read_job(session, job_id);
+        log = select_one<TextRow>(
+                  session,
+                  "SELECT log FROM attempts WHERE job_id = :job ORDER BY number DESC LIMIT 1",
+                  soci::use(job_id, "job"))
+                  .value_or("");
+    });
+    return log;
+}
+
+Job JobStore::cancel(const std::string& id) {
+    Job job;
+    catalog_.transaction([&](soci::session& session) {
+        job = read_job(session, id);
+        if (is_finished(job.state)) throw_wrong_state(job, "be cancelled");
+        if (job.cancel_requested) return;
+        request_cancel(session, id);
+        if (job.state == JobState::Running)
+            append_job_event(session, id, "job.state");
+        else
+            change_state(session, id, JobState::Cancelled, {ErrorCode::Cancelled, "cancelled"});
+        job = read_job(session, id);
+    });
+    return job;
+}
+
+Job JobStore::retry(const std::string& id) {
+    Job job;
+    catalog_.transaction([&](soci::session& session) {
+        job = read_job(session, id);
+        if (!is_finished(job.state) || job.state == JobState::Succeeded)
+            throw_wrong_state(job, "be tried again");
+        check_not_refused(read_dive(session, job.dive_id));
+        check_parents_succeeded(session, id);
+        const std::string progress = to_text(Progress{});
+        execute(session,
+                "UPDATE jobs SET num_attempts = 0, cancel_requested = 0, progress = :progress"
+                " WHERE id = :id",
+                soci::use(progress, "progress"),
+                soci::use(id, "id"));
+        change_state(session, id, JobState::Queued, {});
+        job = read_job(session, id);
+    });
+    return job;
+}
+
+std::vector<std::pair<JobState, std::int64_t>> JobStore::count_by_state() {
+    std::vector<std::pair<JobState, std::int64_t>> counts;
+    catalog_.read([&](soci::session& session) {
+        counts = select_all<StateCountRow>(
+            session, "SELECT state, COUNT(*) FROM jobs GROUP BY state ORDER BY state");
+    });
+    return counts;
+}
+
+}  // namespace divemesh::storage

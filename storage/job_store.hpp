@@ -1,0 +1,106 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schemas/artifact.hpp"
+#include "schemas/job.hpp"
+#include "storage/catalog.hpp"
+#include "storage/dive_store.hpp"
+#include "storage/page.hpp"
+
+namespace divemesh::storage {
+
+struct JobFilter {
+    std::string project;  // "": all projects (admin)
+    std::string dive_id;  // "": any
+    std::optional<JobState> state;
+    std::optional<JobKind> kind;
+};
+
+struct NewJob {
+    std::string project;
+    std::string dive_id;
+    JobKind kind = JobKind::Reconstruct;
+    std::string preset;
+    nlohmann::json options = nlohmann::json::object();
+    int priority = 0;
+    int max_attempts = 3;
+};
+
+struct Claim {
+    Job job;
+    Lease lease;
+    Dive dive;
+};
+
+// What a worker learns when it renews its lease.
+struct Renewal {
+    bool valid = false;  // false: the lease is lost; stop and write nothing
+    bool cancel_requested = false;
+};
+
+// How long a job waits after a failure that may be retried: doubled with each attempt, less up to
+// a half at random.
+struct RetryPause {
+    std::chrono::milliseconds first = std::chrono::seconds(5);
+    std::chrono::milliseconds longest = std::chrono::minutes(10);
+};
+
+// The jobs table with attempts and artifacts. Every change is one transaction with its event.
+// Times are the catalog's clock alone. The database itself refuses a change of state that
+// kJobTransitions lacks.
+class JobStore {
+public:
+    explicit JobStore(Catalog& catalog, const RetryPause& pause = {})
+        : catalog_(catalog), pause_(pause) {}
+
+    // A job on a dive that is still checking is held until intake has ended; on a refused dive
+    // Error{Conflict}. Its project is its dive's.
+    Job enqueue(const NewJob& job);
+    Job get(const std::string& id);  // throws Error{NotFound}
+    Page<Job> list(const JobFilter& filter, const PageRequest& page);
+    std::vector<Attempt> attempts(const std::string& job_id);
+    std::vector<Artifact> artifacts(const std::string& job_id);  // visible ones: of the success
+    Artifact artifact(const std::string& job_id, const std::string& name);  // throws NotFound
+    std::string log(const std::string& job_id);  // of the newest attempt, capped
+
+    // For people.
+    Job cancel(const std::string& id);  // held, queued: at once; running: asks the worker.
+                                        // Error{Conflict} when it is finished
+    Job retry(const std::string& id);   // failed, dead, cancelled -> queued, attempts from 0;
+                                        // Error{Conflict} otherwise, on a refused dive, and while a
+                                        // job it was held behind has not succeeded
+
+    // For workers. claim() first frees the jobs of expired leases (running -> queued at once, dead
+    // when the attempts are used up), then takes the first by priority and age that is due.
+    std::optional<Claim> claim(const std::string& worker, std::chrono::milliseconds lease);
+    Renewal renew(const Lease& lease, std::chrono::milliseconds duration);
+    Renewal look(const Lease& lease);  // the same news without renewing: reads alone
+
+    // Every write below carries the lease; false: it is stale and nothing was changed.
+    bool report_progress(const Lease& lease, const Progress& progress);
+    bool append_log(const Lease& lease, const std::string& text);
+    bool succeed(const Lease& lease, const std::vector<Artifact>& artifacts);
+    bool finish_intake(const Lease& lease, const IntakeResult& result);  // dive ready or refused
+    // bad_data, invalid_argument, too_large, unsupported -> failed; anything else -> cancelled when
+    // that was asked for, else queued after a growing pause, or dead when the attempts are used up.
+    bool fail(const Lease& lease, const Failure& failure);
+    bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
+
+    int requeue_expired();  // what claim() does first; how many
+    std::vector<std::pair<JobState, std::int64_t>> count_by_state();
+
+private:
+    bool with_lease(const Lease& lease,
+                    const std::function<void(soci::session&, const Job&)>& write);
+
+    Catalog& catalog_;
+    RetryPause pause_;
+};
+
+}  // namespace divemesh::storage

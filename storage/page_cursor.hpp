@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "storage/page.hpp"
+
+namespace divemesh::storage {
+
+// Where a page begins: after the row with this age and id.
+struct PageStart {
+    std::int64_t created_at_ms = -1;
+    std::string id;
+    int limit_plus_one = 0;  // one more than asked for tells whether there is a next page
+};
+
+// Throws Error{InvalidArgument} for a limit out of range or a cursor that is not ours.
+PageStart page_start(const PageRequest& page);
+
+std::string cursor_after(std::int64_t created_at_ms, const std::string& id);
+
+// Cuts the row beyond the limit off and says where to go on.
+template <typename T>
+Page<T> make_page(std::vector<T> rows, const PageRequest& request) {
+    Page<T> page{.items = std::move(rows)};
+    if (page.items.size() <= static_cast<std::size_t>(request.limit)) return page;
+    page.items.resize(static_cast<std::size_t>(request.limit));
+    page.next_cursor = cursor_after(page.items.back().created_at_ms, page.items.back().id);
+    return page;
+}
+
+}  // namespace divemesh::storage

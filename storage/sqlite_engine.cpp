@@ -1,0 +1,119 @@
+#include <chrono>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <soci/sqlite3/soci-sqlite3.h>
+#include <thread>
+#include <unistd.h>
+
+#include "schemas/error.hpp"
+#include "storage/engine.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+constexpr int kBusyTimeoutSeconds = 15;
+
+sqlite_api::sqlite3* connection_of(soci::session& session) {
+    return static_cast<soci::sqlite3_session_backend*>(session.get_backend())->conn_;
+}
+
+class SqliteEngine : public Engine {
+public:
+    explicit SqliteEngine(std::string file) : file_(std::move(file)) { make_file(); }
+
+    std::unique_ptr<soci::session> connect() const override {
+        auto session = std::make_unique<soci::session>(
+            soci::sqlite3,
+            "dbname=\"" + file_ + "\" timeout=" + std::to_string(kBusyTimeoutSeconds));
+        switch_to_wal(*session);
+        *session << "PRAGMA synchronous = FULL";
+        *session << "PRAGMA foreign_keys = ON";
+        return session;
+    }
+
+    // SQLite has one writer at a time. Threads of one process queue here; only other processes are
+    // waited for by polling.
+    std::unique_lock<std::mutex> wait_for_turn_to_write() override {
+        return std::unique_lock(writer_);
+    }
+
+    // Immediate: a transaction that reads first and writes later could fail half way otherwise.
+    void begin_write(soci::session& session) const override { session << "BEGIN IMMEDIATE"; }
+    void begin_read(soci::session& session) const override { session << "BEGIN"; }
+
+    void run_script(soci::session& session, const std::string& sql) const override {
+        char* message = nullptr;
+        const int result = sqlite_api::sqlite3_exec(
+            connection_of(session), sql.c_str(), nullptr, nullptr, &message);
+        const std::string text = message ? message : "";
+        sqlite_api::sqlite3_free(message);
+        if (result != SQLITE_OK) throw soci::sqlite3_soci_error(text, result);
+    }
+
+    void translate(const soci::soci_error& error) const override {
+        const auto* failure = dynamic_cast<const soci::sqlite3_soci_error*>(&error);
+        if (!failure) return;
+        switch (failure->result() & 0xff) {  // the rest is the extended code
+            case SQLITE_BUSY:
+            case SQLITE_LOCKED:
+                throw Error(ErrorCode::Unavailable, "the catalog is busy: try again");
+            case SQLITE_FULL:
+                throw Error(ErrorCode::OutOfSpace,
+                            "no space left for the catalog " + file_ + ": free some and try again");
+            case SQLITE_IOERR:
+            case SQLITE_CANTOPEN:
+            case SQLITE_READONLY:
+                throw Error(ErrorCode::Unavailable,
+                            "cannot read or write the catalog " + file_ + ": " + error.what());
+            case SQLITE_CORRUPT:
+            case SQLITE_NOTADB:
+                throw Error(ErrorCode::Unavailable,
+                            file_ + " is not a catalog or is damaged: restore it from a backup");
+            default: return;
+        }
+    }
+
+private:
+    // Made here to keep others from reading it: it holds the tokens' hashes.
+    void make_file() const {
+        std::error_code failure;
+        const auto folder = std::filesystem::path(file_).parent_path();
+        if (!folder.empty()) std::filesystem::create_directories(folder, failure);
+        const int file = open(file_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0660);
+        if (file < 0 && errno != EEXIST)
+            throw Error(ErrorCode::Unavailable,
+                        "cannot make the catalog " + file_ + ": " + std::strerror(errno));
+        if (file >= 0) close(file);
+    }
+
+    // The switch is refused, without waiting, while another process is at it.
+    static void switch_to_wal(soci::session& session) {
+        const auto give_up =
+            std::chrono::steady_clock::now() + std::chrono::seconds(kBusyTimeoutSeconds);
+        for (;;) {
+            try {
+                std::string mode;
+                session << "PRAGMA journal_mode = WAL", soci::into(mode);
+                return;
+            } catch (const soci::sqlite3_soci_error& error) {
+                const bool busy = (error.result() & 0xff) == SQLITE_BUSY;
+                if (!busy || std::chrono::steady_clock::now() > give_up) throw;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    }
+
+    std::string file_;
+    std::mutex writer_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_sqlite_engine(const std::string& file) {
+    if (file.empty() || file.find('"') != std::string::npos)
+        throw Error(ErrorCode::InvalidArgument, "not a file name for a catalog: '" + file + "'");
+    return std::make_unique<SqliteEngine>(file);
+}
+
+}  // namespace divemesh::storage

@@ -1,0 +1,132 @@
+#include "api/client/dive_tar.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "api/client/tar_header.hpp"
+#include "schemas/content_hash.hpp"
+#include "schemas/error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh::api::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_file(const fs::path& path, const std::string& text) {
+    fs::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string read_from(ByteSource& source, std::int64_t offset, std::size_t piece) {
+    std::string bytes;
+    std::vector<char> buffer(piece);
+    while (const std::size_t count = source.read_at(offset, buffer)) {
+        bytes.append(buffer.data(), count);
+        offset += static_cast<std::int64_t>(count);
+    }
+    return bytes;
+}
+
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), &::pclose);
+    std::string text;
+    std::array<char, 4096> buffer{};
+    while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get()))
+        text.append(buffer.data(), count);
+    return text;
+}
+
+class DiveTarTest : public testing::Test {
+protected:
+    void SetUp() override {
+        write_file(dive / "mav0/cam1/data.csv", "right\n");
+        write_file(dive / "mav0/cam0/data.csv", "left\n");
+        write_file(dive / "mav0/cam0/data/" / fs::path(std::string(180, 'n') + ".png"), "long");
+        write_file(dive / "mav0/cam0/h\xC3\xBCtte.txt", "umlaut");
+        write_file(dive / "mav0/empty", "");
+        write_file(dive / "mav0/block", std::string(512, 'b'));
+        write_file(dive / "dive.json", "{}");
+    }
+
+    TemporaryFolder folder;
+    fs::path dive = folder / "dive";
+};
+
+TEST_F(DiveTarTest, IsWhatTarUnpacksToTheSameFiles) {
+    DiveTar tar(dive);
+    write_file(folder / "dive.tar", read_from(tar, 0, 1000));
+    EXPECT_EQ(fs::file_size(folder / "dive.tar"), tar.size_bytes());
+    fs::create_directory(folder / "unpacked");
+    const auto unpacked = (folder / "unpacked").string();
+    EXPECT_EQ(output_of("tar -xf '" + (folder / "dive.tar").string() + "' -C '" + unpacked +
+                        "' 2>&1 && diff -r '" + dive.string() + "' '" + unpacked + "' 2>&1"),
+              "");
+}
+
+TEST_F(DiveTarTest, ListsItsNamesSortedWithFixedTimesAndOwners) {
+    DiveTar tar(dive);
+    write_file(folder / "dive.tar", read_from(tar, 0, 4096));
+    const auto listing = output_of("TZ=UTC tar --numeric-owner -tvf '" +
+                                   (folder / "dive.tar").string() + "' | head -2");
+    EXPECT_EQ(listing,
+              "-rw-r--r-- 0/0               2 1970-01-01 00:00 dive.json\n"
+              "-rw-r--r-- 0/0             512 1970-01-01 00:00 mav0/block\n");
+}
+
+TEST_F(DiveTarTest, CanBeReadFromAnyOffset) {
+    DiveTar tar(dive);
+    const std::string whole = read_from(tar, 0, 1 << 20);
+    for (std::int64_t offset = 0; offset <= tar.size_bytes(); offset += 97)
+        ASSERT_EQ(read_from(tar, offset, 333), whole.substr(static_cast<std::size_t>(offset)));
+}
+
+TEST_F(DiveTarTest, HashesWhatItSendsAndTheDivesIdentity) {
+    DiveTar tar(dive);
+    const DiveHashes hashes = tar.hash([](std::int64_t) {});
+    EXPECT_EQ(hashes.archive_sha256, sha256_hex(read_from(tar, 0, 1 << 20)));
+    const auto expected = output_of("cd '" + dive.string() +
+                                    "' && find . -type f -printf '%P\\n' | LC_ALL=C sort | "
+                                    "xargs -d '\\n' sha256sum | sha256sum | cut -c1-64");
+    EXPECT_EQ(hashes.content_sha256 + "\n", expected);
+}
+
+TEST_F(DiveTarTest, IsTheSameDiveWhenMav0ItselfIsGiven) {
+    fs::remove(dive / "dive.json");
+    DiveTar parent(dive);
+    DiveTar mav0(dive / "mav0");
+    EXPECT_EQ(mav0.hash([](std::int64_t) {}).archive_sha256,
+              parent.hash([](std::int64_t) {}).archive_sha256);
+}
+
+TEST_F(DiveTarTest, LeavesOutLinksAndSaysSo) {
+    fs::create_symlink("/etc/passwd", dive / "mav0/link");
+    const DiveTar tar(dive);
+    EXPECT_EQ(tar.left_out(), std::vector<std::string>{"mav0/link"});
+    EXPECT_EQ(tar.num_files(), 7U);
+}
+
+TEST_F(DiveTarTest, RefusesAFolderThatIsNoDive) {
+    fs::create_directory(folder / "other");
+    EXPECT_THROW(DiveTar(folder / "other"), Error);
+    EXPECT_THROW(DiveTar(folder.path()), Error);  // the parent of a dive
+}
+
+TEST_F(DiveTarTest, NoticesAFileThatChangedMeanwhile) {
+    DiveTar tar(dive);
+    write_file(dive / "mav0/block", std::string(513, 'b'));
+    EXPECT_THROW(read_from(tar, 0, 4096), Error);
+}
+
+TEST(TarHeaderTest, KeepsSizesBeyondUstarsEightGibibytes) {
+    const std::string header = tar_header("mav0/huge", std::int64_t{9} << 30);
+    EXPECT_NE(header.find("19 size=9663676416\n"), std::string::npos);
+    EXPECT_EQ(header.size(), 3 * 512U);
+}
+
+}  // namespace
+}  // namespace divemesh::api::client

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace divemesh {
+
+// A tus server of one upload that misbehaves as it is told, on a port of its own.
+class FakeTusServer {
+public:
+    // What happens to one request; requests beyond the script are served well.
+    struct Fault {
+        int status = 0;               // > 0: answered with it, nothing stored
+        std::int64_t cut_after = -1;  // >= 0: the connection ends after so many bytes of a body
+        bool silent = false;          // the request is never answered
+    };
+
+    FakeTusServer();
+    ~FakeTusServer();
+    FakeTusServer(const FakeTusServer&) = delete;
+    FakeTusServer& operator=(const FakeTusServer&) = delete;
+
+    std::string url() const;
+    void script_patches(std::deque<Fault> faults);
+    void forget_upload();  // 404 from now on, until it is created anew
+
+    std::string stored();
+    std::string last_metadata();
+    std::int64_t body_bytes_received();
+    int num_created();
+
+private:
+    void serve();
+    void serve_connection(int socket);
+    bool serve_request(int socket, std::string& pending);
+    bool patch(int socket, const std::string& header, std::string& pending);
+
+    int listener_ = -1;
+    int port_ = 0;
+    std::mutex mutex_;
+    std::deque<Fault> faults_;
+    std::string stored_;
+    std::string metadata_;
+    std::int64_t length_ = 0;
+    std::int64_t body_bytes_ = 0;
+    int num_created_ = 0;
+    bool known_ = false;
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}  // namespace divemesh

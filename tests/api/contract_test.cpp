@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <yaml-cpp/yaml.h>
+
+#include "api/openapi_document.hpp"
+#include "api/routes.hpp"
+#include "schemas/artifact.hpp"
+#include "schemas/json.hpp"
+#include "schemas/reconstruction_options.hpp"
+#include "tests/paths.hpp"
+
+namespace divemesh::api {
+namespace {
+
+using Operations = std::set<std::pair<std::string, std::string>>;
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+nlohmann::json document() { return nlohmann::json::parse(openapi_document()); }
+
+std::set<std::string> keys_of(const nlohmann::json& object) {
+    std::set<std::string> keys;
+    for (const auto& [key, value] : object.items()) keys.insert(key);
+    return keys;
+}
+
+template <typename Range>
+std::set<std::string> words_of(const Range& values) {
+    std::set<std::string> words;
+    for (const auto& value : values) words.insert(std::string(to_string(value)));
+    return words;
+}
+
+TEST(ContractTest, DocumentsExactlyTheRoutesThatAreServed) {
+    Operations served;
+    for (const Route& route : routes()) {
+        std::string path(route.path);
+        if (const auto dots = path.find("...}"); dots != std::string::npos) path.erase(dots, 3);
+        served.emplace(path, lower(std::string(http::to_string(route.method))));
+    }
+    Operations documented;
+    const auto paths = document()["paths"];
+    for (const auto& [path, item] : paths.items())
+        for (const auto& [method, operation] : item.items())
+            if (method != "parameters") documented.emplace(path, method);
+    EXPECT_EQ(documented, served);
+}
+
+TEST(ContractTest, SaysWhichRoutesNeedNoToken) {
+    const auto paths = document()["paths"];
+    for (const Route& route : routes()) {
+        std::string path(route.path);
+        if (const auto dots = path.find("...}"); dots != std::string::npos) path.erase(dots, 3);
+        const auto operation = paths[path][lower(std::string(http::to_string(route.method)))];
+        EXPECT_EQ(operation.contains("security"), route.scope.empty()) << path;
+    }
+}
+
+TEST(ContractTest, DescribesTheKeysThatOurTypesHave) {
+    const auto schemas = document()["components"]["schemas"];
+    const std::pair<const char*, nlohmann::json> types[] = {{"Upload", Upload{}},
+                                                            {"Dive", Dive{}},
+                                                            {"Finding", Finding{}},
+                                                            {"Progress", Progress{}},
+                                                            {"Failure", Failure{}},
+                                                            {"Job", Job{}},
+                                                            {"Artifact", Artifact{}},
+                                                            {"Event", Event{}},
+                                                            {"Token", Token{}}};
+    for (const auto& [name, value] : types) {
+        EXPECT_EQ(keys_of(schemas[name]["properties"]), keys_of(value)) << name;
+        EXPECT_EQ(schemas[name]["required"].get<std::set<std::string>>(), keys_of(value)) << name;
+    }
+}
+
+TEST(ContractTest, ListsTheWordsThatOurTypesKnow) {
+    const auto schemas = document()["components"]["schemas"];
+    const auto words = [&](const char* name) {
+        return schemas[name]["enum"].get<std::set<std::string>>();
+    };
+    EXPECT_EQ(words("JobState"), words_of(kJobStates));
+    EXPECT_EQ(words("Preset"), std::set<std::string>(std::begin(kPresets), std::end(kPresets)));
+    for (const auto& word : words("JobKind")) EXPECT_NO_THROW(job_kind_from_string(word));
+    for (const auto& word : words("DiveState")) EXPECT_NO_THROW(dive_state_from_string(word));
+    for (const auto& word : words("ErrorCode")) EXPECT_NO_THROW(error_code_from_string(word));
+}
+
+TEST(ContractTest, EveryReferenceLeadsSomewhere) {
+    const auto contract = document();
+    const std::function<void(const nlohmann::json&)> follow = [&](const nlohmann::json& node) {
+        if (node.is_object() && node.contains("$ref")) {
+            const auto target = node["$ref"].get<std::string>();
+            EXPECT_TRUE(contract.contains(nlohmann::json::json_pointer(target.substr(1))))
+                << target;
+        }
+        if (node.is_structured())
+            for (const auto& child : node) follow(child);
+    };
+    follow(contract);
+    EXPECT_EQ(YAML::LoadFile(source_directory() / "api/openapi.yaml")["paths"].size(),
+              contract["paths"].size());
+}
+
+}  // namespace
+}  // namespace divemesh::api

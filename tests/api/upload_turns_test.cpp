@@ -1,0 +1,77 @@
+#include "api/upload_turns.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <optional>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+namespace asio = boost::asio;
+using namespace std::chrono_literals;
+
+struct Shared {
+    asio::io_context io;
+    UploadTurns turns{io.get_executor(), 300ms};
+    int num_holding = 0;
+    int most_holding = 0;
+    int num_refused = 0;
+};
+
+// Holds the turn until it is asked to stop, or for `hold` when it does not listen.
+asio::awaitable<void> work(Shared& shared, std::string upload, bool listens, int hold_ms) {
+    std::optional<UploadTurns::Turn> turn;
+    const auto asked_to_stop = std::make_shared<std::atomic<bool>>(false);
+    auto stop = [asked_to_stop] { *asked_to_stop = true; };
+    try {
+        turn.emplace(co_await shared.turns.take(upload, stop));
+    } catch (const Error&) {
+        ++shared.num_refused;
+        co_return;
+    }
+    shared.most_holding = std::max(shared.most_holding, ++shared.num_holding);
+    asio::steady_timer pause(shared.io);
+    for (int waited = 0; waited < hold_ms && !(listens && *asked_to_stop); waited += 5) {
+        pause.expires_after(5ms);
+        co_await pause.async_wait(asio::use_awaitable);
+    }
+    --shared.num_holding;
+}
+
+TEST(UploadTurnsTest, ANewerRequestEndsTheOlderAndNeverWorksBesideIt) {
+    Shared shared;
+    for (int i = 0; i < 5; ++i)
+        asio::co_spawn(shared.io, work(shared, "upload_a", true, 60'000), asio::detached);
+    asio::co_spawn(shared.io, work(shared, "upload_a", true, 20), asio::detached);
+    shared.io.run();
+    EXPECT_EQ(shared.most_holding, 1);
+    EXPECT_EQ(shared.num_refused, 0);
+}
+
+TEST(UploadTurnsTest, DifferentUploadsDoNotWaitForEachOther) {
+    Shared shared;
+    asio::co_spawn(shared.io, work(shared, "upload_a", false, 100), asio::detached);
+    asio::co_spawn(shared.io, work(shared, "upload_b", false, 100), asio::detached);
+    shared.io.run();
+    EXPECT_EQ(shared.most_holding, 2);
+}
+
+TEST(UploadTurnsTest, GivesUpOnARequestThatDoesNotEnd) {
+    Shared shared;
+    asio::co_spawn(shared.io, work(shared, "upload_a", false, 2'000), asio::detached);
+    asio::co_spawn(shared.io, work(shared, "upload_a", false, 10), asio::detached);
+    shared.io.run();
+    EXPECT_EQ(shared.num_refused, 1);
+    EXPECT_EQ(shared.most_holding, 1);
+}
+
+}  // namespace
+}  // namespace divemesh::api

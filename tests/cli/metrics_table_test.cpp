@@ -1,0 +1,31 @@
+#include "cli/metrics_table.hpp"
+
+#include <gtest/gtest.h>
+
+namespace divemesh::cli {
+namespace {
+
+TEST(MetricsTableTest, NamesEveryFigureAsTheFileDoes) {
+    const nlohmann::json metrics = {
+        {"frames", 12},
+        {"trajectory", {{"ate_rmse_m", 0.0123456}, {"none", nullptr}}},
+        {"stages", {{{"stage", "track"}, {"wall_s", 1.5}}, {{"stage", "mesh"}, {"wall_s", 2.0}}}},
+        {"options", {{"voxel_m", 0.1}}}};
+    EXPECT_EQ(metrics_table(metrics),
+              "frames                 12\n"
+              "stages[track].wall_s   1.500000\n"
+              "stages[mesh].wall_s    2.000000\n"
+              "trajectory.ate_rmse_m  0.012346\n");
+}
+
+TEST(MetricsSummaryTest, TellsWhatIsThereInUnitsForPeople) {
+    const nlohmann::json metrics = {{"frames", {{"num_frames", 84}, {"coverage", 0.9884}}},
+                                    {"trajectory", {{"final", {{"ate_rmse_m", 0.00199}}}}}};
+    EXPECT_EQ(metrics_summary(metrics),
+              "frames                        84\n"
+              "frames constrained by vision  98.8 %\n"
+              "trajectory error, RMSE        2.0 mm\n");
+}
+
+}  // namespace
+}  // namespace divemesh::cli

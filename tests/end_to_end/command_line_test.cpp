@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "tests/end_to_end/service.hpp"
+#include "tests/paths.hpp"
+
+namespace divemesh {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+class CommandLineTest : public testing::Test {
+protected:
+    Outcome run(std::vector<std::string> arguments,
+                Process::Environment environment = {},
+                std::chrono::seconds timeout = 120s) {
+        environment.emplace("XDG_CONFIG_HOME", folder.path().string());
+        arguments.insert(arguments.begin(), divemesh_program().string());
+        Process process(arguments, folder.path(), environment);
+        const auto exit_code = process.wait(timeout);
+        return {exit_code.value_or(-1), process.stdout_text(), process.stderr_text()};
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
+    for (const std::string command : {"serve",
+                                      "worker",
+                                      "token",
+                                      "upload",
+                                      "dives",
+                                      "jobs",
+                                      "download",
+                                      "cancel",
+                                      "retry",
+                                      "reconstruct",
+                                      "evaluate",
+                                      "simulate",
+                                      "validate"}) {
+        const Outcome outcome = run({command, "--help"});
+        EXPECT_EQ(outcome.exit_code, 0) << command;
+        EXPECT_NE(outcome.out.find("Usage: divemesh " + command), std::string::npos) << outcome.out;
+    }
+    EXPECT_EQ(run({"--help"}).out.find("attempt"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, EndsWithTwoWhenItIsUsedWrongly) {
+    EXPECT_EQ(run({}).exit_code, 2);
+    EXPECT_EQ(run({"swim"}).exit_code, 2);
+    EXPECT_EQ(run({"upload"}).exit_code, 2);
+    EXPECT_EQ(run({"reconstruct", "--explain", "--preset", "best"}).exit_code, 2);
+    EXPECT_EQ(run({"reconstruct", "--explain", "--set", "voxel_m=x"}).exit_code, 2);
+    EXPECT_EQ(run({"dives", "--server", "boat"}).exit_code, 2);
+}
+
+TEST_F(CommandLineTest, EndsWithOneAndSaysWhyWhenTheWorkFails) {
+    const Outcome outcome = run({"validate", (folder / "nowhere").string()});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("nowhere"), std::string::npos) << outcome.err;
+}
+
+TEST_F(CommandLineTest, TakesOptionsFromVariablesAndAConfigFile) {
+    const auto preset_of = [](const Outcome& outcome) {
+        return nlohmann::json::parse(outcome.out).at("estimator").get<std::string>();
+    };
+    EXPECT_EQ(preset_of(run({"reconstruct", "--explain", "--json"})), "window");
+    EXPECT_EQ(
+        preset_of(run({"reconstruct", "--explain", "--json"}, {{"DIVEMESH_PRESET", "paper"}})),
+        "pairwise");
+    std::ofstream(folder / "divemesh.toml") << "[reconstruct]\npreset = \"paper\"\n";
+    EXPECT_EQ(preset_of(run({"reconstruct", "--explain", "--json"})), "pairwise");
+    EXPECT_EQ(preset_of(run({"reconstruct", "--explain", "--json", "--preset", "standard"})),
+              "window");
+}
+
+// The figure is evo's own, published with its test data.
+TEST_F(CommandLineTest, EvaluatesATrajectoryAsEvoDoes) {
+    const fs::path evo = shared_data("evo");
+    if (!fs::exists(evo)) GTEST_SKIP() << "no shared data: set DIVEMESH_SHARED";
+    const Outcome outcome = run({"evaluate",
+                                 "trajectory",
+                                 "--json",
+                                 "--estimate",
+                                 (evo / "KITTI_00_ORB.txt").string(),
+                                 "--reference",
+                                 (evo / "KITTI_00_gt.txt").string()});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NEAR(nlohmann::json::parse(outcome.out).at("ate_rmse_m").get<double>(), 1.303450, 5e-7);
+}
+
+TEST_F(CommandLineTest, StopsAReconstructionAtOnceWhenItIsInterrupted) {
+    Process process({divemesh_program().string(),
+                     "reconstruct",
+                     small_dive().string(),
+                     "--out",
+                     (folder / "out").string()},
+                    folder.path());
+    ASSERT_TRUE(wait_until(60s, [&] {
+        return process.stderr_text().find("track") != std::string::npos;
+    })) << process.stderr_text();
+    process.send(SIGINT);
+    EXPECT_EQ(process.wait(10s), 1) << process.stderr_text();
+    EXPECT_NE(process.stderr_text().find("interrupted"), std::string::npos);
+    EXPECT_FALSE(fs::exists(folder / "out/metrics.json"));
+}
+
+}  // namespace
+}  // namespace divemesh

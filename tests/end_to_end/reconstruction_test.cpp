@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/end_to_end/service.hpp"
+#include "tests/paths.hpp"
+
+namespace divemesh {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+class ReconstructionTest : public testing::Test {
+protected:
+    std::string upload() {
+        const Outcome outcome = service.run({"upload", small_dive().string(), "--json"}, 120s);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return nlohmann::json::parse(outcome.out).at("job").get<std::string>();
+    }
+
+    void expect_no_process_left() {
+        EXPECT_TRUE(wait_until(10s, [&] { return service.processes().empty(); }))
+            << testing::PrintToString(service.processes());
+    }
+
+    Service service;
+};
+
+TEST_F(ReconstructionTest, TurnsAnUploadedDiveIntoAMeasuredMesh) {
+    service.start_server(1);
+    const fs::path result = service / "result";
+    const Outcome outcome = service.run(
+        {"upload", small_dive().string(), "--wait", "--download", result.string()}, 300s);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const char* name : {"trajectory.tum",
+                             "trajectory_causal.tum",
+                             "cloud.ply",
+                             "mesh.ply",
+                             "mesh.glb",
+                             "mosaic.png",
+                             "mosaic.json",
+                             "keyframes.json",
+                             "metrics.json",
+                             "report.html"})
+        EXPECT_TRUE(fs::exists(result / name)) << name;
+    const auto metrics = nlohmann::json::parse(read_text(result / "metrics.json"));
+    EXPECT_LT(metrics.at("trajectory").at("final").at("ate_rmse_m").get<double>(), 0.05);
+    EXPECT_NE(outcome.err.find("trajectory error, RMSE"), std::string::npos) << outcome.err;
+}
+
+TEST_F(ReconstructionTest, GivesFilesThatForeignValidatorsAccept) {
+    const fs::path checker = source_directory() / "tests/end_to_end/js";
+    if (!fs::exists(checker / "node_modules"))
+        GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
+    const Outcome made = service.run(
+        {"reconstruct", small_dive().string(), "--out", (service / "result").string()}, 300s);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    Process node({"/usr/bin/env",
+                  "node",
+                  (checker / "check_outputs.mjs").string(),
+                  (service / "result").string(),
+                  (source_directory() / "schemas/metrics.schema.json").string()},
+                 service / ".");
+    EXPECT_EQ(node.wait(120s), 0) << node.stdout_text() << node.stderr_text();
+}
+
+TEST_F(ReconstructionTest, RunsAgainWhenItsWorkerIsKilled) {
+    service.start_server(0);
+    Process doomed = service.start_worker();
+    const std::string job = upload();
+    service.wait_for_reconstruction("running", 60s);
+    doomed.kill();
+    Process second = service.start_worker();
+    EXPECT_TRUE(wait_until(30s, [&] { return service.job(job).at("num_attempts") == 2; }));
+    const auto done = service.wait_for_reconstruction("succeeded", 180s);
+    EXPECT_EQ(done.at("id"), job);
+    EXPECT_EQ(done.at("num_attempts"), 2);
+}
+
+TEST_F(ReconstructionTest, IsNotDisturbedWhenTheServerIsKilled) {
+    service.start_server(0);
+    const Process worker = service.start_worker();
+    upload();
+    service.wait_for_reconstruction("running", 60s);
+    service.kill_server();
+    service.start_server(0);
+    const auto done = service.wait_for_reconstruction("succeeded", 180s);
+    EXPECT_EQ(done.at("num_attempts"), 1);
+}
+
+TEST_F(ReconstructionTest, EndsWithItsServersWorkersWhenThatIsKilledAndIsDoneByTheNextOne) {
+    service.start_server(1);
+    upload();
+    service.wait_for_reconstruction("running", 60s);
+    service.kill_server();
+    expect_no_process_left();
+    service.start_server(1);
+    service.wait_for_reconstruction("succeeded", 240s);
+}
+
+TEST_F(ReconstructionTest, StopsWhenItIsCancelledAndRunsWhenItIsAskedForAgain) {
+    service.start_server(1);
+    const std::string job = upload();
+    service.wait_for_reconstruction("running", 60s);
+    EXPECT_EQ(service.run({"cancel", job}).exit_code, 0);
+    service.wait_for_reconstruction("cancelled", 15s);
+    EXPECT_EQ(service.run({"cancel", job}).exit_code, 1) << "it is finished";
+    EXPECT_EQ(service.run({"retry", job}).exit_code, 0);
+    service.wait_for_reconstruction("succeeded", 180s);
+}
+
+TEST_F(ReconstructionTest, LeavesNothingBehindWhenTheServerIsAskedToStop) {
+    service.start_server(1);
+    upload();
+    service.wait_for_reconstruction("running", 60s);
+    service.server().send(SIGTERM);
+    EXPECT_EQ(service.server().wait(20s), 0) << service.server().stderr_text();
+    expect_no_process_left();
+}
+
+}  // namespace
+}  // namespace divemesh

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/end_to_end/service.hpp"
+
+namespace divemesh {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr auto kSlow = "200k";  // bytes per second: the small dive takes long enough to be cut
+
+class UploadTest : public testing::Test {
+protected:
+    // Uploaded so slowly that something can happen to it, and well begun.
+    Process start_slow_upload() {
+        Process client = service.start(
+            {"upload", small_dive().string(), "--no-job", "--wait", "--limit-rate", kSlow});
+        EXPECT_TRUE(wait_until(60s, [&] {
+            return client.stderr_text().find("upload") != std::string::npos;
+        })) << client.stderr_text();
+        std::this_thread::sleep_for(2s);
+        EXPECT_FALSE(client.wait(0s)) << "the upload ended too early: " << client.stderr_text();
+        return client;
+    }
+
+    void expect_one_ready_dive() {
+        const auto dives = service.dives();
+        ASSERT_EQ(dives.size(), 1U) << dives.dump(2);
+        EXPECT_EQ(dives[0].at("state"), "ready");
+    }
+
+    Service service;
+};
+
+TEST_F(UploadTest, GoesOnWhereAKilledClientStopped) {
+    service.start_server(1);
+    start_slow_upload().kill();
+    const Outcome again =
+        service.run({"upload", small_dive().string(), "--no-job", "--wait"}, 120s);
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_NE(again.err.find("going on after"), std::string::npos) << again.err;
+    expect_one_ready_dive();
+}
+
+TEST_F(UploadTest, GoesOnByItselfWhenTheServerWasKilledAndStartedAgain) {
+    service.start_server(1);
+    Process client = start_slow_upload();
+    service.kill_server();
+    service.start_server(1);
+    EXPECT_EQ(client.wait(180s), 0) << client.stderr_text();
+    EXPECT_NE(client.stderr_text().find("going on after"), std::string::npos)
+        << client.stderr_text();
+    expect_one_ready_dive();
+}
+
+TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
+    service.start_server(1);
+    const std::string dive = small_dive().string();
+    const std::string archive = (service / "dive.tar.gz").string();
+    ASSERT_EQ(std::system(("tar -C '" + dive + "' -czf '" + archive + "' .").c_str()), 0);
+    const Outcome folder = service.run({"upload", dive, "--no-job", "--wait"}, 120s);
+    ASSERT_EQ(folder.exit_code, 0) << folder.err;
+    const Outcome packed = service.run({"upload", archive, "--no-job", "--wait"}, 120s);
+    EXPECT_EQ(packed.exit_code, 0) << packed.err;
+    EXPECT_NE(packed.err.find("has this dive already"), std::string::npos) << packed.err;
+    EXPECT_EQ(packed.out, folder.out);
+    expect_one_ready_dive();
+}
+
+TEST_F(UploadTest, TellsTheFindingsOfADiveThatIsRefused) {
+    service.start_server(1);
+    const fs::path broken = service / "broken";
+    fs::copy(small_dive(), broken, fs::copy_options::recursive);
+    fs::remove_all(broken / "mav0/cam1");
+    const Outcome outcome = service.run({"upload", broken.string(), "--wait"}, 120s);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("cam1"), std::string::npos) << outcome.err;
+    EXPECT_EQ(service.dives().at(0).at("state"), "refused");
+}
+
+TEST_F(UploadTest, IsRefusedWithoutAToken) {
+    service.start_server(0);
+    Process client({divemesh_program().string(), "dives", "--json"},
+                   service / ".",
+                   {{"DIVEMESH_TOKEN", "dm_wrong"}, {"DIVEMESH_SERVER", service.address()}});
+    EXPECT_EQ(client.wait(60s), 1);
+    EXPECT_NE(client.stdout_text().find("unauthorized"), std::string::npos) << client.stdout_text();
+}
+
+}  // namespace
+}  // namespace divemesh

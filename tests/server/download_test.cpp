@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include "schemas/content_hash.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace divemesh {
+namespace {
+
+class DownloadTest : public testing::Test {
+protected:
+    RawResponse get(Headers headers = {}) {
+        return server.request("GET", path, server.admin(), std::move(headers));
+    }
+
+    TestServer server;
+    const std::string bytes = random_bytes(700'001);
+    const std::string etag = '"' + sha256_hex(bytes) + '"';
+    const std::string path =
+        "/api/v1/jobs/" + server.make_job("default", "mesh.glb", bytes) + "/artifacts/mesh.glb";
+};
+
+TEST_F(DownloadTest, GivesTheWholeFileWithItsHashAsTag) {
+    const auto response = get();
+    EXPECT_EQ(response.status, 200);
+    EXPECT_EQ(response.body, bytes);
+    EXPECT_EQ(response.header("etag"), etag);
+    EXPECT_EQ(response.header("accept-ranges"), "bytes");
+    EXPECT_EQ(response.header("content-type"), "model/gltf-binary");
+    EXPECT_EQ(response.header("x-content-type-options"), "nosniff");
+}
+
+TEST_F(DownloadTest, GivesTheRangeThatIsAskedFor) {
+    const struct {
+        const char* range;
+        std::size_t offset;
+        std::size_t length;
+    } cases[] = {{"bytes=0-0", 0, 1},
+                 {"bytes=131070-131075", 131070, 6},
+                 {"bytes=700000-", 700'000, 1},
+                 {"bytes=-11", 699'990, 11},
+                 {"bytes=1-9999999", 1, 700'000}};
+    for (const auto& c : cases) {
+        const auto response = get({{"Range", c.range}});
+        EXPECT_EQ(response.status, 206) << c.range;
+        EXPECT_EQ(response.body, bytes.substr(c.offset, c.length)) << c.range;
+        EXPECT_EQ(response.header("content-range"),
+                  "bytes " + std::to_string(c.offset) + "-" +
+                      std::to_string(c.offset + c.length - 1) + "/700001");
+    }
+}
+
+TEST_F(DownloadTest, SaysHowLongTheFileIsWhenTheRangeLiesOutside) {
+    const auto response = get({{"Range", "bytes=700001-"}});
+    EXPECT_EQ(response.status, 416);
+    EXPECT_EQ(response.header("content-range"), "bytes */700001");
+    EXPECT_EQ(response.header("content-type"), "application/problem+json");
+}
+
+TEST_F(DownloadTest, AnswersSeveralRangesWithTheWhole) {
+    std::string many = "bytes=0-0";
+    for (int i = 0; i < 1000; ++i) many += ",5-6";
+    EXPECT_EQ(get({{"Range", many}}).status, 200);
+}
+
+TEST_F(DownloadTest, ResumesOnlyTheSameFile) {
+    EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", etag}}).status, 206);
+    EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "\"other\""}}).status, 200);
+    EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "W/" + etag}}).status, 200);
+}
+
+TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
+    const auto response = get({{"If-None-Match", "\"other\", " + etag}});
+    EXPECT_EQ(response.status, 304);
+    EXPECT_TRUE(response.body.empty());
+    EXPECT_EQ(response.header("etag"), etag);
+}
+
+TEST_F(DownloadTest, HeadDescribesWithoutSending) {
+    const auto response = server.request("HEAD", path, server.admin());
+    EXPECT_EQ(response.status, 200);
+    EXPECT_EQ(response.header("content-length"), "700001");
+    EXPECT_TRUE(response.body.empty());
+}
+
+TEST_F(DownloadTest, KeepsTheConnectionForTheNextRequest) {
+    RawClient client(server.port());
+    const Headers headers = {{"Authorization", "Bearer " + server.admin()}};
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(client.request("GET", path, headers).body, bytes);
+}
+
+TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
+    TestServer server;
+    const std::string artifacts = "/api/v1/jobs/" +
+                                  server.make_job("default", "keyframes/000012.jpg", "jpeg") +
+                                  "/artifacts/";
+    EXPECT_EQ(server.request("GET", artifacts + "keyframes/000012.jpg", server.admin()).body,
+              "jpeg");
+    EXPECT_EQ(server.request("GET", artifacts + "keyframes%2F000012.jpg", server.admin()).body,
+              "jpeg");
+    for (const char* name : {"keyframes",
+                             "../file",
+                             "%2e%2e/file",
+                             "..%2f..%2fcatalog.db",
+                             "%2e%2e%5cfile",
+                             "/etc/passwd",
+                             "keyframes/000012.jpg%00",
+                             "keyframes//000012.jpg",
+                             "file"})
+        EXPECT_EQ(server.request("GET", artifacts + name, server.admin()).status, 404) << name;
+}
+
+TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
+    TestServer server;
+    const auto response =
+        server.request("GET",
+                       "/api/v1/jobs/" + server.make_job("default", "report.html", "<script>") +
+                           "/artifacts/report.html",
+                       server.admin());
+    EXPECT_TRUE(response.header("content-disposition").starts_with("attachment"));
+    EXPECT_TRUE(response.header("content-security-policy").starts_with("sandbox"));
+}
+
+TEST(DownloadNamesTest, AnEmptyArtifactIsWholeAndHasNoRange) {
+    TestServer server;
+    const std::string path =
+        "/api/v1/jobs/" + server.make_job("default", "empty.csv", "") + "/artifacts/empty.csv";
+    EXPECT_EQ(server.request("GET", path, server.admin()).status, 200);
+    EXPECT_EQ(server.request("GET", path, server.admin(), {{"Range", "bytes=0-"}}).status, 416);
+}
+
+}  // namespace
+}  // namespace divemesh

@@ -1,0 +1,164 @@
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "schemas/content_hash.hpp"
+#include "schemas/json.hpp"
+#include "storage/event_store.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace divemesh {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using namespace std::chrono_literals;
+
+class EventClient {
+public:
+    EventClient(int port, const std::string& token, const std::string& query) {
+        asio::connect(socket_.next_layer(),
+                      asio::ip::tcp::resolver(context_).resolve("127.0.0.1", std::to_string(port)));
+        const timeval patience{20, 0};
+        setsockopt(socket_.next_layer().native_handle(),
+                   SOL_SOCKET,
+                   SO_RCVTIMEO,
+                   &patience,
+                   sizeof patience);
+        socket_.set_option(websocket::stream_base::decorator([token](websocket::request_type& r) {
+            r.set(beast::http::field::authorization, "Bearer " + token);
+        }));
+        socket_.handshake("127.0.0.1", "/api/v1/events" + query);
+    }
+
+    Event next() {
+        beast::flat_buffer buffer;
+        socket_.read(buffer);
+        return nlohmann::json::parse(beast::buffers_to_string(buffer.data())).get<Event>();
+    }
+
+    unsigned close_code() {  // reads until the server says goodbye
+        beast::error_code error;
+        for (beast::flat_buffer buffer; !error;) socket_.read(buffer, error);
+        return socket_.reason().code;
+    }
+
+    void say(const std::string& text) { socket_.write(asio::buffer(text)); }
+
+private:
+    asio::io_context context_;
+    websocket::stream<asio::ip::tcp::socket> socket_{context_};
+};
+
+TEST(EventsTest, TellsWhatHappensInOrderAndResumesAfterTheLastSeen) {
+    TestServer server;
+    server.make_dive("default", sha256_hex("1"));
+    EventClient all(server.port(), server.admin(), "?since=0");
+    std::vector<Event> seen = {all.next()};
+    while (seen.back().type != "dive.created") seen.push_back(all.next());
+    for (std::size_t i = 1; i < seen.size(); ++i) EXPECT_GT(seen[i].sequence, seen[i - 1].sequence);
+    EventClient resumed(
+        server.port(), server.admin(), "?since=" + std::to_string(seen[0].sequence));
+    EXPECT_EQ(resumed.next().sequence, seen[1].sequence);
+}
+
+TEST(EventsTest, WithoutSinceTellsOnlyWhatIsNew) {
+    TestServer server;
+    server.make_dive("default", sha256_hex("1"));
+    EventClient client(server.port(), server.admin(), "");
+    const auto second = server.make_dive("default", sha256_hex("2"));
+    Event event = client.next();
+    while (event.topic != "dive") event = client.next();
+    EXPECT_EQ(event.subject, second);
+}
+
+TEST(EventsTest, TellsOnlyOfTheTokensProject) {
+    TestServer server;
+    const std::string token = server.make_token("reef", {"dives:read"});
+    EventClient client(server.port(), token, "?since=0");
+    server.make_dive("wreck", sha256_hex("1"));
+    const auto mine = server.make_dive("reef", sha256_hex("2"));
+    Event event = client.next();
+    EXPECT_EQ(event.project, "reef");
+    while (event.topic != "dive") event = client.next();
+    EXPECT_EQ(event.subject, mine);
+}
+
+TEST(EventsTest, ASlowReaderDelaysNobodyAndLosesNothing) {
+    TestServer server;
+    EventClient slow(server.port(), server.admin(), "?since=0");
+    EventClient quick(server.port(), server.admin(), "?since=0");
+    storage::EventStore events(server.catalog());
+    constexpr int kNumEvents = 300;
+    server.catalog().transaction([&](soci::session& session) {
+        for (int i = 0; i < kNumEvents; ++i) {
+            Event event;
+            event.project = "default";
+            event.topic = "job";
+            event.subject = "job_" + std::to_string(i);
+            event.type = "job.state";
+            event.data = {{"text", std::string(50'000, 'x')}};
+            storage::EventStore::append(session, event);
+        }
+    });
+    for (int i = 0; i < kNumEvents; ++i)
+        EXPECT_EQ(quick.next().subject, "job_" + std::to_string(i));
+    for (int i = 0; i < kNumEvents; ++i) EXPECT_EQ(slow.next().subject, "job_" + std::to_string(i));
+}
+
+TEST(EventsTest, DropsAClientThatGivesNoSignOfLife) {
+    server::ServerConfig config;
+    config.timeouts.web_socket = 500ms;
+    config.timeouts.stop = 30s;
+    TestServer server(config);
+    EventClient silent(server.port(), server.admin(), "?since=0");  // never reads: no pong
+    EventClient alive(server.port(), server.admin(), "?since=0");
+    std::this_thread::sleep_for(2s);
+    server.make_dive("default", sha256_hex("1"));
+    const auto began = std::chrono::steady_clock::now();
+    EXPECT_THROW(
+        {
+            for (;;) silent.next();
+        },
+        beast::system_error);
+    EXPECT_LT(std::chrono::steady_clock::now() - began, 15s);
+}
+
+TEST(EventsTest, SaysGoodbyeWhenTheServerStops) {
+    auto server = std::make_unique<TestServer>();
+    EventClient client(server->port(), server->admin(), "?since=0");
+    std::thread stopping([&] { server->stop(); });
+    EXPECT_EQ(client.close_code(), static_cast<unsigned>(websocket::close_code::going_away));
+    stopping.join();
+}
+
+TEST(EventsTest, LeavesAClientThatTalksTooMuch) {
+    TestServer server;
+    EventClient client(server.port(), server.admin(), "?since=0");
+    client.say("hello");
+    client.say(std::string(100'000, 'x'));
+    EXPECT_THROW(client.next(), beast::system_error);
+    EXPECT_EQ(server.request("GET", "/healthz/live", "").status, 200);
+}
+
+TEST(EventsTest, RefusesWhatIsNoWebSocketOrHasNoRight) {
+    TestServer server;
+    EXPECT_EQ(server.request("GET", "/api/v1/events", server.admin()).status, 426);
+    EXPECT_EQ(server
+                  .request("GET",
+                           "/api/v1/events?since=x",
+                           server.admin(),
+                           {{"Upgrade", "websocket"}, {"Connection", "Upgrade"}})
+                  .status,
+              400);
+    EXPECT_THROW(EventClient(server.port(), "dm_wrong", ""), beast::system_error);
+    EXPECT_THROW(EventClient(server.port(), server.make_token("reef", {"dives:write"}), ""),
+                 beast::system_error);
+}
+
+}  // namespace
+}  // namespace divemesh

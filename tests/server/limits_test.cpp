@@ -1,0 +1,139 @@
+#include <gtest/gtest.h>
+
+#include "tests/server/test_server.hpp"
+
+namespace divemesh {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::string status_line(RawClient& client) {
+    std::string text;
+    while (text.find("\r\n") == std::string::npos) {
+        const std::string more = client.read_available();
+        if (more.empty()) break;
+        text += more;
+    }
+    return text.substr(0, text.find("\r\n"));
+}
+
+TEST(LimitsTest, RefusesAHeaderThatIsTooLarge) {
+    TestServer server;
+    RawClient client(server.port());
+    client.send("GET /healthz/live HTTP/1.1\r\nX: " + std::string(40'000, 'x') + "\r\n\r\n");
+    EXPECT_TRUE(status_line(client).starts_with("HTTP/1.1 431"));
+}
+
+TEST(LimitsTest, RefusesABodyThatIsTooLargeBeforeItIsSent) {
+    TestServer server;
+    RawClient client(server.port());
+    client.send(request_head(
+        "POST",
+        "/api/v1/dives",
+        {{"Authorization", "Bearer " + server.admin()}, {"Content-Type", "application/json"}},
+        std::size_t{1} << 40));
+    EXPECT_EQ(client.receive()->status, 413);
+}
+
+TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
+    TestServer server;
+    RawClient client(server.port());
+    client.send(request_head("POST",
+                             "/api/v1/dives",
+                             {{"Authorization", "Bearer " + server.admin()},
+                              {"Content-Type", "application/json"},
+                              {"Transfer-Encoding", "chunked"}},
+                             std::nullopt));
+    for (int i = 0; i < 40 && client.send("10000\r\n" + std::string(0x10000, ' ') + "\r\n"); ++i) {
+    }
+    const auto response = client.receive();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->status, 413);
+}
+
+TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
+    TestServer server;
+    for (const char* bytes :
+         {"nonsense\r\n\r\n",
+          "GET / HTTP/9.9\r\n\r\n",
+          "GET /healthz/live HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
+          "GET /healthz/live HTTP/1.1\r\nContent-Length: x\r\n\r\n",
+          "GET /healthz/live HTTP/1.1\r\nBad Name: x\r\n\r\n",
+          "POST /api/v1/dives HTTP/1.1\r\nContent-Length: 5\r\n"
+          "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+          "\x16\x03\x01\x02"}) {
+        RawClient client(server.port());
+        client.send(bytes);
+        client.send("\r\n\r\n");
+        const std::string line = status_line(client);
+        EXPECT_TRUE(line.empty() || line.starts_with("HTTP/1.1 4")) << bytes << " -> " << line;
+    }
+    EXPECT_EQ(server.request("GET", "/healthz/live", "").status, 200);
+}
+
+TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
+    server::ServerConfig config;
+    config.timeouts.header = 300ms;
+    TestServer server(config);
+    RawClient client(server.port());
+    client.send("GET /healthz/live HTTP/1.1\r\nX: ");
+    EXPECT_TRUE(client.at_end());
+}
+
+TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
+    server::ServerConfig config;
+    config.timeouts.write = 300ms;
+    TestServer server(config);
+    const std::string path = "/api/v1/jobs/" +
+                             server.make_job("default", "mesh.glb", random_bytes(20'000'000)) +
+                             "/artifacts/mesh.glb";
+    RawClient client(server.port(), 4096);
+    client.send(
+        request_head("GET", path, {{"Authorization", "Bearer " + server.admin()}}, std::nullopt));
+    std::this_thread::sleep_for(1s);
+    std::size_t received = 0;
+    for (std::string more = client.read_available(); !more.empty(); more = client.read_available())
+        received += more.size();
+    EXPECT_LT(received, 20'000'000U);
+}
+
+TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {
+    TestServer server;
+    RawClient client(server.port());
+    const std::string request = request_head("GET", "/healthz/live", {}, std::nullopt);
+    client.send(request + request + request);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(client.receive()->status, 200);
+}
+
+TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
+    server::ServerConfig config;
+    config.max_connections = 2;
+    TestServer server(config);
+    RawClient first(server.port());
+    RawClient second(server.port());
+    EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
+    EXPECT_EQ(second.request("GET", "/healthz/live").status, 200);
+    RawClient third(server.port());
+    EXPECT_TRUE(third.at_end());
+    EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
+}
+
+TEST(LimitsTest, StopsThoughClientsAreIdleOrInTheMidst) {
+    server::ServerConfig config;
+    config.timeouts.stop = 2s;
+    TestServer server(config);
+    RawClient idle(server.port());
+    RawClient half(server.port());
+    half.send("GET /healthz/live HTTP/1.1\r\n");
+    RawClient sending(server.port());
+    const auto path = create_upload(server.port(), server.admin(), 1'000);
+    sending.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000));
+    sending.send("hello");
+    std::this_thread::sleep_for(100ms);
+    server.stop();
+    EXPECT_TRUE(idle.at_end());
+    EXPECT_TRUE(half.at_end());
+}
+
+}  // namespace
+}  // namespace divemesh

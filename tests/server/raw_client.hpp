@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace divemesh {
+
+using Headers = std::vector<std::pair<std::string, std::string>>;
+
+struct RawResponse {
+    int status = 0;
+    std::map<std::string, std::string> headers;  // names in lower case
+    std::string body;
+
+    std::string header(const std::string& name) const;  // "" when it is missing
+    nlohmann::json json() const { return nlohmann::json::parse(body); }
+};
+
+// An HTTP client that sends what it is told, right or wrong, and can vanish in the midst of it.
+// Gives up after 20 s without a byte.
+class RawClient {
+public:
+    explicit RawClient(int port, int receive_buffer_bytes = 0);
+    ~RawClient();
+    RawClient(const RawClient&) = delete;
+    RawClient& operator=(const RawClient&) = delete;
+
+    bool send(std::string_view bytes);  // false: the server has closed
+    // Nothing when the connection ended before a whole answer. Skips 100 Continue.
+    std::optional<RawResponse> receive(bool head = false);
+    std::string read_available();  // blocks for the first byte; "" at the end
+    bool at_end();                 // the server closes without another byte
+    void reset();                  // vanishes at once (RST)
+
+    RawResponse request(const std::string& method,
+                        const std::string& target,
+                        const Headers& headers = {},
+                        std::string_view body = {});
+
+private:
+    std::optional<RawResponse> receive_one(bool head);
+
+    int socket_;
+    std::string received_;
+};
+
+std::string request_head(const std::string& method,
+                         const std::string& target,
+                         const Headers& headers,
+                         std::optional<std::size_t> content_length);
+
+std::string base64(std::string_view bytes);
+
+}  // namespace divemesh

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include "schemas/content_hash.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace divemesh {
+namespace {
+
+class RestTest : public testing::Test {
+protected:
+    int post(const std::string& target, const nlohmann::json& body) {
+        return server.post_json(target, token, body).status;
+    }
+    RawResponse get(const std::string& target) { return server.request("GET", target, token); }
+
+    TestServer server;
+    const std::string token = server.admin();
+};
+
+TEST_F(RestTest, PagesThroughAListByItsLinks) {
+    for (int i = 0; i < 5; ++i) server.make_dive("default", sha256_hex(std::to_string(i)));
+    std::vector<std::string> seen;
+    std::string target = "/api/v1/dives?limit=2&state=ready";
+    while (!target.empty()) {
+        const auto page = get(target);
+        ASSERT_EQ(page.status, 200) << page.body;
+        const auto body = page.json();
+        for (const auto& dive : body["items"]) seen.push_back(dive["archive_sha256"]);
+        const std::string link = page.header("link");
+        EXPECT_EQ(link.empty(), body["next_cursor"] == "");
+        target = link.empty() ? "" : link.substr(1, link.find('>') - 1);
+    }
+    ASSERT_EQ(seen.size(), 5U);
+    for (int i = 0; i < 5; ++i)
+        EXPECT_EQ(seen[static_cast<std::size_t>(i)], sha256_hex(std::to_string(i)));
+}
+
+TEST_F(RestTest, FindsADiveByItsHash) {
+    const auto id = server.make_dive("default", std::string(64, 'a'));
+    const auto found = get("/api/v1/dives?archive_sha256=" + std::string(64, 'a')).json()["items"];
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0]["id"], id);
+    EXPECT_EQ(get("/api/v1/dives?archive_sha256=" + std::string(64, 'b')).json()["items"].size(),
+              0U);
+}
+
+TEST_F(RestTest, RefusesListsThatMakeNoSense) {
+    for (const char* query : {"limit=0",
+                              "limit=201",
+                              "limit=x",
+                              "limit=-1",
+                              "cursor=forged",
+                              "cursor=%27%20OR%201=1",
+                              "state=none",
+                              "content_sha256=abc",
+                              "limit=1&limit=2"})
+        EXPECT_EQ(get("/api/v1/dives?" + std::string(query)).status, 400) << query;
+    EXPECT_EQ(get("/api/v1/jobs?state=none").status, 400);
+    EXPECT_EQ(get("/api/v1/jobs?kind=none").status, 400);
+}
+
+TEST_F(RestTest, QueuesCancelsAndRetriesAJob) {
+    const auto dive = server.make_dive("default", std::string(64, 'a'));
+    const auto made = server.post_json("/api/v1/dives/" + dive + "/jobs",
+                                       token,
+                                       {{"preset", "paper"}, {"options", {{"num_features", 500}}}});
+    ASSERT_EQ(made.status, 201) << made.body;
+    const std::string job = made.header("location");
+    EXPECT_EQ(made.json()["state"], "queued");
+    EXPECT_EQ(made.json()["options"]["num_features"], 500);
+    EXPECT_EQ(server.request("POST", job + "/cancel", token).json()["state"], "cancelled");
+    EXPECT_EQ(server.request("POST", job + "/cancel", token).status, 409);
+    EXPECT_EQ(server.request("POST", job + "/retry", token).json()["state"], "queued");
+    EXPECT_EQ(server.request("POST", job + "/retry", token).status, 409);
+    EXPECT_EQ(get(job + "/artifacts").json()["items"].size(), 0U);
+}
+
+TEST_F(RestTest, RefusesJobsThatCannotBeDone) {
+    const std::string jobs =
+        "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a')) + "/jobs";
+    EXPECT_EQ(post(jobs, {{"preset", "none"}}), 400);
+    EXPECT_EQ(post(jobs, {{"options", {{"no_such_option", 1}}}}), 400);
+    EXPECT_EQ(post(jobs, {{"options", {{"num_features", "many"}}}}), 400);
+    EXPECT_EQ(post(jobs, {{"options", 5}}), 400);
+    EXPECT_EQ(post(jobs, {{"kind", "intake"}}), 400);
+    EXPECT_EQ(post(jobs, {{"priority", 1000}}), 400);
+    EXPECT_EQ(post(jobs, {{"preset", 5}}), 400);
+    EXPECT_EQ(post(jobs, {{"typo", 1}}), 400);
+    EXPECT_EQ(post(jobs, nlohmann::json::array()), 400);
+}
+
+TEST_F(RestTest, RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
+    const auto send = [&](const std::string& type, std::string_view body) {
+        return server.request("POST", "/api/v1/dives", token, {{"Content-Type", type}}, body)
+            .status;
+    };
+    EXPECT_EQ(send("text/plain", "{}"), 415);
+    EXPECT_EQ(send("application/xml", "{}"), 415);
+    EXPECT_EQ(send("application/json", "{"), 400);
+    EXPECT_EQ(send("application/json", ""), 400);
+    EXPECT_EQ(send("application/json", "\xff\xfe"), 400);
+    EXPECT_EQ(send("application/json", std::string(100'000, '[')), 400);
+    EXPECT_EQ(send("application/json; charset=utf-8", R"({"upload_id":"none"})"), 404);
+    EXPECT_EQ(send("application/json", R"({"upload_id":5})"), 400);
+}
+
+TEST_F(RestTest, TellsTheLogAndTheArtifactsOfAJob) {
+    const std::string job = "/api/v1/jobs/" + server.make_job("default", "mesh.glb", "glTF");
+    EXPECT_EQ(get(job + "/log").body, "tracked 10 frames\n");
+    const auto artifacts = get(job + "/artifacts").json()["items"];
+    ASSERT_EQ(artifacts.size(), 1U);
+    EXPECT_EQ(artifacts[0]["sha256"], sha256_hex("glTF"));
+    EXPECT_FALSE(artifacts[0].contains("blob"));
+}
+
+TEST_F(RestTest, SendsNoResourceThatHasNotChanged) {
+    const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
+    const std::string etag = get(dive).header("etag");
+    ASSERT_FALSE(etag.empty());
+    EXPECT_EQ(server.request("GET", dive, token, {{"If-None-Match", etag}}).status, 304);
+}
+
+TEST_F(RestTest, AnswersHealthAndItsOwnContractToAnybody) {
+    EXPECT_EQ(server.request("GET", "/healthz/live", "").json()["status"], "live");
+    EXPECT_EQ(server.request("GET", "/healthz/ready", "").json()["status"], "ready");
+    EXPECT_EQ(server.request("GET", "/openapi.json", "").json()["openapi"], "3.1.0");
+}
+
+TEST_F(RestTest, NamesTheMethodsOfAnAddress) {
+    const auto response = server.request("PUT", "/api/v1/dives", token);
+    EXPECT_EQ(response.status, 405);
+    EXPECT_EQ(response.header("allow"), "GET, POST");
+    EXPECT_EQ(get("/nothing").status, 404);
+}
+
+TEST_F(RestTest, RepeatsTheRequestsIdUnlessItIsHostile) {
+    const auto id_of = [&](const std::string& sent) {
+        return server.request("GET", "/healthz/live", "", {{"X-Request-Id", sent}})
+            .header("x-request-id");
+    };
+    EXPECT_EQ(id_of("boat-7.1"), "boat-7.1");
+    EXPECT_NE(id_of("a b\"c"), "a b\"c");
+    EXPECT_EQ(id_of(std::string(100, 'x')).size(), 16U);
+}
+
+}  // namespace
+}  // namespace divemesh

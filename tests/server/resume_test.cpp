@@ -1,0 +1,226 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "schemas/content_hash.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace divemesh {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A server as a process of its own, over the same data folder each time.
+class ServerProcess {
+public:
+    explicit ServerProcess(const std::filesystem::path& data, const std::string& limit = "") {
+        int out[2];
+        if (pipe(out) != 0) throw std::runtime_error("pipe");
+        pid_ = fork();
+        if (pid_ == 0) {
+            dup2(out[1], STDOUT_FILENO);
+            close(out[0]);
+            close(out[1]);
+            const std::string folder = data.string();
+            execl(DIVEMESH_SERVE_PROCESS,
+                  "serve_process",
+                  folder.c_str(),
+                  limit.empty() ? nullptr : limit.c_str(),
+                  nullptr);
+            _exit(127);
+        }
+        close(out[1]);
+        std::string line;
+        for (char c = 0; read(out[0], &c, 1) == 1 && c != '\n';) line += c;
+        close(out[0]);
+        if (line.empty()) throw std::runtime_error("the server did not start");
+        port_ = std::stoi(line.substr(line.rfind(':') + 1));
+    }
+    ~ServerProcess() { end(SIGKILL); }
+    ServerProcess(const ServerProcess&) = delete;
+    ServerProcess& operator=(const ServerProcess&) = delete;
+
+    int end(int signal) {
+        if (pid_ <= 0) return -1;
+        kill(pid_, signal);
+        int status = 0;
+        waitpid(pid_, &status, 0);
+        pid_ = -1;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+    int port() const { return port_; }
+
+private:
+    pid_t pid_ = -1;
+    int port_ = 0;
+};
+
+std::string read_token(const std::filesystem::path& data) {
+    std::ifstream file(data / "admin.token");
+    std::string token;
+    file >> token;
+    return token;
+}
+
+// Waits until a HEAD tells an offset of at least `wanted`.
+std::int64_t offset_reaches(int port,
+                            const std::string& token,
+                            const std::string& path,
+                            std::int64_t wanted) {
+    std::int64_t offset = -1;
+    for (int i = 0; i < 500 && offset < wanted; ++i) {
+        offset = upload_offset(port, token, path);
+        if (offset < wanted) std::this_thread::sleep_for(20ms);
+    }
+    return offset;
+}
+
+TEST(ResumeTest, EverythingThatCameBeforeACutIsKept) {
+    TestServer server;
+    const auto path = create_upload(server.port(), server.admin(), 1'000'000);
+    const std::string bytes = random_bytes(1'000'000);
+    {
+        RawClient client(server.port());
+        client.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000'000));
+        client.send(std::string_view(bytes).substr(0, 400'000));
+        std::this_thread::sleep_for(200ms);  // a reset takes along what the server has not read
+        client.reset();
+    }
+    const auto offset = offset_reaches(server.port(), server.admin(), path, 400'000);
+    ASSERT_EQ(offset, 400'000);
+    const auto rest = RawClient(server.port())
+                          .request("PATCH",
+                                   path,
+                                   patch_headers(server.admin(), offset),
+                                   std::string_view(bytes).substr(400'000));
+    EXPECT_EQ(rest.status, 204);
+    const auto id = path.substr(path.rfind('/') + 1);
+    const auto dive = server.post_json("/api/v1/dives", server.admin(), {{"upload_id", id}});
+    EXPECT_EQ(dive.json()["archive_sha256"], sha256_hex(bytes));
+}
+
+TEST(ResumeTest, ANewRequestEndsAnOlderOneThatHangs) {
+    TestServer server;
+    const auto path = create_upload(server.port(), server.admin(), 1'000'000);
+    RawClient half_open(server.port());
+    half_open.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000'000));
+    half_open.send(std::string(250'000, 'x'));
+    std::this_thread::sleep_for(200ms);
+    EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 250'000);
+    const auto rest =
+        RawClient(server.port())
+            .request(
+                "PATCH", path, patch_headers(server.admin(), 250'000), std::string(750'000, 'y'));
+    EXPECT_EQ(rest.status, 204);
+    EXPECT_EQ(rest.header("upload-offset"), "1000000");
+    half_open.send(std::string(1'000, 'x'));
+    EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 1'000'000);
+}
+
+TEST(ResumeTest, ATerminationEndsAnUploadThatIsUnderWay) {
+    TestServer server;
+    const auto path = create_upload(server.port(), server.admin(), 1'000'000);
+    RawClient sending(server.port());
+    sending.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000'000));
+    sending.send(std::string(1'000, 'x'));
+    const auto gone = RawClient(server.port()).request("DELETE", path, tus_headers(server.admin()));
+    EXPECT_EQ(gone.status, 204);
+    EXPECT_EQ(upload_offset(server.port(), server.admin(), path), -1);
+}
+
+TEST(ResumeTest, ASilentClientIsLeftAndItsBytesAreKept) {
+    server::ServerConfig config;
+    config.timeouts.body = 300ms;
+    TestServer server(config);
+    const auto path = create_upload(server.port(), server.admin(), 1'000);
+    RawClient client(server.port());
+    client.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000));
+    client.send(std::string(10, 'x'));
+    client.receive();
+    EXPECT_TRUE(client.at_end());
+    EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 10);
+}
+
+TEST(ResumeTest, AStoppedServerKeepsWhatCame) {
+    const TemporaryFolder data;
+    auto first = std::make_unique<ServerProcess>(data.path());
+    const std::string token = read_token(data.path());
+    const auto path = create_upload(first->port(), token, 1'000'000);
+    RawClient client(first->port());
+    client.send(request_head("PATCH", path, patch_headers(token, 0), 1'000'000));
+    client.send(std::string(123'456, 'x'));
+    std::this_thread::sleep_for(300ms);
+    EXPECT_EQ(first->end(SIGTERM), 0);
+    const ServerProcess second(data.path());
+    EXPECT_EQ(upload_offset(second.port(), token, path), 123'456);
+}
+
+TEST(ResumeTest, AKilledServerGoesOnWhereTheBytesEnd) {
+    const TemporaryFolder data;
+    const std::string bytes = random_bytes(3'000'000);
+    std::string path;
+    std::string token;
+    std::int64_t offset = 0;
+    for (int life = 0; life < 4; ++life) {
+        ServerProcess server(data.path());
+        if (life == 0) {
+            token = read_token(data.path());
+            path = create_upload(server.port(), token, 3'000'000, "commit");
+        }
+        const std::int64_t found = upload_offset(server.port(), token, path);
+        ASSERT_GE(found, offset);
+        offset = found;
+        RawClient client(server.port());
+        client.send(request_head("PATCH",
+                                 path,
+                                 patch_headers(token, offset),
+                                 bytes.size() - static_cast<std::size_t>(offset)));
+        client.send(std::string_view(bytes).substr(static_cast<std::size_t>(offset), 700'000));
+        std::this_thread::sleep_for(100ms * life);
+        server.end(SIGKILL);
+    }
+    const ServerProcess server(data.path());
+    offset = upload_offset(server.port(), token, path);
+    const auto last =
+        RawClient(server.port())
+            .request("PATCH",
+                     path,
+                     patch_headers(token, offset),
+                     std::string_view(bytes).substr(static_cast<std::size_t>(offset)));
+    ASSERT_EQ(last.status, 204) << last.body;
+    const Headers headers = {{"Authorization", "Bearer " + token}};
+    const auto dives = RawClient(server.port()).request("GET", "/api/v1/dives", headers).json();
+    ASSERT_EQ(dives["items"].size(), 1U);
+    EXPECT_EQ(dives["items"][0]["archive_sha256"], sha256_hex(bytes));
+}
+
+TEST(ResumeTest, AFullDiskIsToldAndWhatFittedIsKept) {
+    const TemporaryFolder data;
+    std::string path;
+    std::string token;
+    const std::string bytes = random_bytes(2'000'000);
+    {
+        ServerProcess server(data.path(), "1000000");
+        token = read_token(data.path());
+        path = create_upload(server.port(), token, 2'000'000);
+        const auto full =
+            RawClient(server.port()).request("PATCH", path, patch_headers(token, 0), bytes);
+        EXPECT_EQ(full.status, 507) << full.body;
+        EXPECT_EQ(full.json()["type"], "urn:divemesh:error:out_of_space");
+        EXPECT_EQ(upload_offset(server.port(), token, path), 1'000'000);
+        EXPECT_EQ(server.end(SIGTERM), 0);
+    }
+    const ServerProcess server(data.path());
+    const auto rest = RawClient(server.port())
+                          .request("PATCH",
+                                   path,
+                                   patch_headers(token, 1'000'000),
+                                   std::string_view(bytes).substr(1'000'000));
+    EXPECT_EQ(rest.status, 204);
+}
+
+}  // namespace
+}  // namespace divemesh

@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "schemas/error.hpp"
+#include "server/listen_address.hpp"
+#include "server/server.hpp"
+#include "storage/token_store.hpp"
+#include "storage/upload_store.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace divemesh::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+ServerConfig config_at(const TemporaryFolder& data, const std::string& listen) {
+    ServerConfig config;
+    config.listen = listen;
+    config.data = data.path();
+    return config;
+}
+
+ErrorCode refusal_of(const ServerConfig& config) {
+    try {
+        const Server server(config);
+    } catch (const Error& error) {
+        return error.code();
+    }
+    throw std::runtime_error("the server started");
+}
+
+TEST(StartTest, MakesOneTokenThatItsOwnerAloneCanRead) {
+    const TemporaryFolder data;
+    std::string secret;
+    {
+        const Server server(config_at(data, "127.0.0.1:0"));
+        secret = server.first_token();
+    }
+    ASSERT_TRUE(secret.starts_with("dm_"));
+    std::ifstream file(data / "admin.token");
+    std::string written;
+    file >> written;
+    EXPECT_EQ(written, secret);
+    EXPECT_EQ(fs::status(data / "admin.token").permissions(),
+              fs::perms::owner_read | fs::perms::owner_write);
+    const Server again(config_at(data, "127.0.0.1:0"));
+    EXPECT_EQ(again.first_token(), "");
+}
+
+TEST(StartTest, DoesNotServeTheNetworkWithoutATokenOrWithoutAskingForOne) {
+    const TemporaryFolder data;
+    EXPECT_EQ(refusal_of(config_at(data, "0.0.0.0:0")), ErrorCode::InvalidArgument);
+    EXPECT_FALSE(fs::exists(data / "admin.token"));
+    auto open = config_at(data, "0.0.0.0:0");
+    open.no_auth = true;
+    EXPECT_EQ(refusal_of(open), ErrorCode::InvalidArgument);
+    { const Server local(config_at(data, "127.0.0.1:0")); }
+    EXPECT_EQ(refusal_of(open), ErrorCode::InvalidArgument);
+}
+
+TEST(StartTest, OnLoopbackNobodyIsAskedWhenToldSo) {
+    ServerConfig config;
+    config.no_auth = true;
+    TestServer server(config);
+    EXPECT_EQ(server.request("GET", "/api/v1/dives", "").status, 200);
+    EXPECT_FALSE(fs::exists(server.data() / "admin.token"));
+}
+
+TEST(StartTest, RefusesAnAddressThatIsNoneOrIsTaken) {
+    const TemporaryFolder data;
+    for (const char* listen : {"",
+                               "8080",
+                               "127.0.0.1",
+                               "127.0.0.1:",
+                               "127.0.0.1:x",
+                               "host:80",
+                               "127.0.0.1:70000",
+                               "127.0.0.1:80 "})
+        EXPECT_EQ(refusal_of(config_at(data, listen)), ErrorCode::InvalidArgument) << listen;
+    const Server server(config_at(data, "127.0.0.1:0"));
+    const std::string taken = server.url().substr(std::string("http://").size());
+    const TemporaryFolder other;
+    EXPECT_EQ(refusal_of(config_at(other, taken)), ErrorCode::Unavailable);
+}
+
+TEST(StartTest, ReadsBothFamiliesOfAddresses) {
+    EXPECT_TRUE(parse_listen_address("[::1]:80").address().is_loopback());
+    EXPECT_EQ(url_of(parse_listen_address("[::1]:80")), "http://[::1]:80");
+    EXPECT_EQ(url_of(parse_listen_address("localhost:81")), "http://127.0.0.1:81");
+}
+
+TEST(StartTest, MakesTheDiveThatAKilledServerStillOwed) {
+    const TemporaryFolder data;
+    const auto config = config_at(data, "127.0.0.1:0");
+    std::string upload_id;
+    {
+        const Server server(config);  // entered, received, and then killed before the dive
+        storage::Catalog catalog(server.config().catalog_url);
+        const auto blobs = storage::open_blob_store(server.config().blobs_url);
+        Upload upload;
+        upload.project = "default";
+        upload.length_bytes = 5;
+        upload.metadata = "commit";
+        upload = storage::UploadStore(catalog).create(upload);
+        const auto staged = blobs->open_staged(upload.blob);
+        staged->write(std::string_view("hello"));
+        staged->flush();
+        storage::UploadStore(catalog).advance(upload.id, 5);
+        upload_id = upload.id;
+    }
+    Server server(config);
+    std::thread running([&] { server.run(); });
+    storage::Catalog catalog(server.config().catalog_url);
+    std::string dive_id;
+    for (int i = 0; i < 500 && dive_id.empty(); ++i) {
+        dive_id = storage::UploadStore(catalog).get(upload_id).dive_id;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    server.stop();
+    running.join();
+    EXPECT_FALSE(dive_id.empty());
+}
+
+}  // namespace
+}  // namespace divemesh::server

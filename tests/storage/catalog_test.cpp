@@ -1,0 +1,116 @@
+#include "storage/catalog.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+#include <functional>
+#include <gmock/gmock.h>
+#include <soci/soci.h>
+#include <thread>
+#include <vector>
+
+#include "storage/migrations.hpp"
+#include "tests/storage/store_fixture.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+std::string text_of(Catalog& catalog, const std::string& query) {
+    std::string text;
+    catalog.read([&](soci::session& session) { session << query, soci::into(text); });
+    return text;
+}
+
+TEST(Catalog, MakesItsSchemaInAnEmptyFolderAndFindsItAgain) {
+    const TemporaryFolder folder;
+    const std::string url = "sqlite://" + (folder / "a folder/catalog.db").string();
+    for (int i = 0; i < 2; ++i) {
+        Catalog catalog(url);
+        EXPECT_EQ(catalog.schema_version(), static_cast<int>(migrations().size()));
+    }
+}
+
+TEST(Catalog, RefusesACatalogOfANewerVersion) {
+    const TemporaryFolder folder;
+    const std::string url = "sqlite://" + (folder / "catalog.db").string();
+    Catalog(url).transaction(
+        [](soci::session& session) { session << "UPDATE schema_version SET version = 999"; });
+
+    EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { Catalog{url}; }));
+    EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { Catalog{url}; }));
+}
+
+TEST(Catalog, RefusesWhatItCannotOpen) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "text") << std::string(10'000, 'x');
+
+    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [] { Catalog{"mysql://host/name"}; }));
+    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [] { Catalog{"sqlite://"}; }));
+    EXPECT_TRUE(throws_code(ErrorCode::Unavailable, [&] { Catalog{(folder / "text").string()}; }));
+    EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
+                            [&] { Catalog{(folder / "text/catalog.db").string()}; }));
+}
+
+TEST(Catalog, LosesNothingThatWasCommittedToAPowerCut) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+
+    EXPECT_EQ(text_of(catalog, "PRAGMA journal_mode"), "wal");
+    EXPECT_EQ(text_of(catalog, "PRAGMA synchronous"), "2");  // FULL
+    EXPECT_EQ(text_of(catalog, "PRAGMA foreign_keys"), "1");
+}
+
+TEST(Catalog, RollsBackWhatThrows) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+
+    EXPECT_THROW(catalog.transaction([](soci::session& session) {
+        session << "UPDATE event_sequence SET newest = 5";
+        throw std::runtime_error("no");
+    }),
+                 std::runtime_error);
+
+    EXPECT_EQ(text_of(catalog, "SELECT newest FROM event_sequence"), "0");
+}
+
+TEST(Catalog, WritersOfManyThreadsAndCatalogsLoseNoUpdate) {
+    const TemporaryFolder folder;
+    const std::string url = (folder / "catalog.db").string();
+    Catalog first(url);
+    Catalog second(url);  // stands for another process: it does not share the first one's lock
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 4; ++i)
+        threads.emplace_back([&, i] {
+            for (int k = 0; k < 10; ++k)
+                (i % 2 ? first : second).transaction([](soci::session& session) {
+                    int newest = 0;
+                    session << "SELECT newest FROM event_sequence", soci::into(newest);
+                    ++newest;
+                    session << "UPDATE event_sequence SET newest = :newest", soci::use(newest);
+                });
+        });
+    for (std::thread& thread : threads) thread.join();
+
+    EXPECT_EQ(text_of(first, "SELECT newest FROM event_sequence"), "40");
+}
+
+TEST(Catalog, ItsClockIsTheSystemsInMilliseconds) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+    const auto system_ms = [] {
+        return std::chrono::duration_cast<std::chrono::milliseconds>(
+                   std::chrono::system_clock::now().time_since_epoch())
+            .count();
+    };
+
+    const auto before = system_ms();
+    std::int64_t now_ms = 0;
+    catalog.read([&](soci::session& session) { now_ms = Catalog::now_ms(session); });
+
+    EXPECT_GE(now_ms, before - 1);
+    EXPECT_LE(now_ms, system_ms() + 1);
+}
+
+}  // namespace
+}  // namespace divemesh::storage

@@ -1,0 +1,158 @@
+// Processes that are killed or race with each other, on one catalog.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "tests/storage/store_fixture.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+// A process that waits until it is let go and then does its work with stores of its own. Made
+// before this process opens the catalog: SQLite must not be carried over a fork.
+class Child {
+public:
+    Child(const std::string& url, const std::function<void(Stores&)>& work) {
+        if (pipe(go_) != 0) throw std::runtime_error("pipe");
+        pid_ = fork();
+        if (pid_ != 0) return;
+        try {
+            char word = 0;
+            close(go_[1]);
+            if (read(go_[0], &word, 1) != 1) _exit(2);
+            Stores stores(url);
+            work(stores);
+            _exit(0);
+        } catch (const std::exception& error) {
+            fprintf(stderr, "child: %s\n", error.what());
+            _exit(1);
+        }
+    }
+    ~Child() {
+        close(go_[0]);
+        close(go_[1]);
+        if (pid_ > 0) end();
+    }
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+
+    void go() { EXPECT_EQ(write(go_[1], "g", 1), 1); }
+    void kill_now() { kill(pid_, SIGKILL); }
+    int end() {
+        int status = 0;
+        waitpid(std::exchange(pid_, -1), &status, 0);
+        return status;
+    }
+
+private:
+    int go_[2]{};
+    pid_t pid_ = -1;
+};
+
+class CrashTest : public testing::Test, protected InFolder {
+protected:
+    using Children = std::vector<std::unique_ptr<Child>>;
+
+    Children make_children(int count, const std::function<void(Stores&)>& work) const {
+        Children children;
+        for (int i = 0; i < count; ++i) children.push_back(std::make_unique<Child>(url(), work));
+        return children;
+    }
+    static void run_at_once(const Children& children) {
+        for (const auto& child : children) child->go();
+        for (const auto& child : children) EXPECT_EQ(child->end(), 0);
+    }
+};
+
+TEST_F(CrashTest, AProcessKilledInsideATransactionLeavesNothingOfIt) {
+    Child child(url(), [](Stores& stores) {
+        stores.catalog_.transaction([](soci::session& session) {
+            session << "UPDATE jobs SET state = 'cancelled' WHERE state = 'queued'";
+            EventStore::append(session, {.subject = "job", .type = "job.state"});
+            kill(getpid(), SIGKILL);
+        });
+    });
+    Stores stores(url());
+    const Job job = stores.enqueue(stores.ready_dive());
+    const auto newest = stores.events_.newest_sequence();
+
+    child.go();
+    ASSERT_TRUE(WIFSIGNALED(child.end()));
+
+    EXPECT_EQ(stores.jobs_.get(job.id).state, JobState::Queued);
+    EXPECT_EQ(stores.events_.newest_sequence(), newest);
+    EXPECT_TRUE(stores.jobs_.claim("worker", Stores::kLong));
+}
+
+TEST_F(CrashTest, WhatACallHasReturnedSurvivesTheKillOfItsProcess) {
+    constexpr std::size_t kIdBytes = 24;  // "job_" and 20 more
+    int told[2];
+    ASSERT_EQ(pipe(told), 0);
+    Child child(url(), [&](Stores& stores) {
+        const Dive dive = stores.dives_.list({}, {}).items.at(0);
+        for (;;) {
+            const std::string id = stores.enqueue(dive).id;
+            if (write(told[1], id.data(), kIdBytes) != kIdBytes) _exit(2);
+        }
+    });
+    Stores stores(url());
+    stores.ready_dive();
+
+    child.go();
+    std::vector<std::string> ids(20, std::string(kIdBytes, ' '));
+    for (std::string& id : ids)
+        ASSERT_EQ(read(told[0], id.data(), kIdBytes), static_cast<ssize_t>(kIdBytes));
+    child.kill_now();
+    child.end();
+    close(told[0]);
+    close(told[1]);
+
+    for (const std::string& id : ids) EXPECT_EQ(stores.jobs_.get(id).state, JobState::Queued);
+}
+
+TEST_F(CrashTest, ProcessesThatClaimAtOnceNeverGetTheSameJob) {
+    const Children children = make_children(4, [](Stores& stores) {
+        while (const auto claim = stores.jobs_.claim("worker", Stores::kLong))
+            if (!stores.jobs_.succeed(claim->lease, {})) _exit(3);
+    });
+    Stores stores(url());
+    const Dive dive = stores.ready_dive();
+    for (int i = 0; i < 24; ++i) stores.enqueue(dive);
+
+    run_at_once(children);
+
+    for (const Job& job : stores.jobs_.list({.kind = JobKind::Reconstruct}, {}).items) {
+        EXPECT_EQ(job.state, JobState::Succeeded);
+        EXPECT_EQ(stores.jobs_.attempts(job.id).size(), 1u);
+    }
+}
+
+TEST_F(CrashTest, ProcessesThatOpenANewCatalogAtOnceAgreeOnItsSchema) {
+    run_at_once(make_children(4, [](Stores& stores) { stores.finished_upload(); }));
+
+    EXPECT_EQ(Stores(url()).events_.since(0, "", 100).size(), 8u);
+}
+
+TEST_F(CrashTest, TheSameRecordingFromManyProcessesAtOnceIsOneDive) {
+    const Children children = make_children(4, [](Stores& stores) {
+        stores.dives_.create(Stores::request(stores.finished_upload(), "wreck", "paper"));
+    });
+    Stores stores(url());
+
+    run_at_once(children);
+
+    EXPECT_EQ(stores.dives_.list({}, {}).items.size(), 1u);
+    EXPECT_EQ(stores.jobs_.list({}, {}).items.size(), 2u);  // one intake, one reconstruction
+    EXPECT_TRUE(stores.uploads_.list_older_than(std::numeric_limits<std::int64_t>::max()).empty());
+}
+
+}  // namespace
+}  // namespace divemesh::storage

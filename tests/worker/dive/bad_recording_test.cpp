@@ -1,0 +1,315 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "tests/temporary_folder.hpp"
+#include "tests/worker/dive/finding_matcher.hpp"
+#include "tests/worker/dive/tiny_dive.hpp"
+#include "worker/dive/intake.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr const char* kCam0Rows = "mav0/cam0/data.csv";
+constexpr const char* kCam1Rows = "mav0/cam1/data.csv";
+constexpr const char* kCam0Yaml = "mav0/cam0/sensor.yaml";
+constexpr const char* kCam1Yaml = "mav0/cam1/sensor.yaml";
+constexpr const char* kImuRows = "mav0/imu0/data.csv";
+
+class BadRecordingTest : public testing::Test {
+protected:
+    IntakeReport report() {
+        return examine_dive(tiny_.folder(), folder_ / "scratch", ignore_progress);
+    }
+    std::vector<Finding> findings() { return report().findings; }
+    static std::string picture(int index) {
+        return "mav0/cam0/data/" + TinyDive::picture_name(index);
+    }
+    void write_imu(const std::string& values, std::int64_t period_ns = 5'000'000) const {
+        std::string rows;
+        for (int i = -10; i < 100; ++i)
+            rows += std::to_string(TinyDive::kFirst_ns + i * period_ns) + "," + values + "\n";
+        tiny_.write(kImuRows, rows);
+    }
+
+    const TemporaryFolder folder_;
+    const TinyDive tiny_{folder_ / "dive"};
+};
+
+TEST_F(BadRecordingTest, AGoodDiveHasNoErrorAndSaysWhatItIs) {
+    const auto good = report();
+
+    EXPECT_FALSE(has_error(good.findings)) << testing::PrintToString(good.findings);
+    EXPECT_EQ(good.name, "Tiny");
+    EXPECT_EQ(good.num_frames, TinyDive::kNumFrames);
+    EXPECT_NEAR(good.duration_s, 0.4, 1e-9);
+    EXPECT_EQ(good.content_sha256.size(), 64U);
+    EXPECT_TRUE(good.thumbnail_jpeg.starts_with("\xff\xd8\xff"));
+}
+
+TEST_F(BadRecordingTest, ADiveWithoutCam1IsRefused) {
+    tiny_.remove("mav0/cam1");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "cam1_missing", kCam1Rows));
+}
+
+TEST_F(BadRecordingTest, AThirdCameraIsReportedAndLeftOut) {
+    tiny_.write("mav0/cam2/data.csv", "1,a.png\n");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Info, "camera_left_out", "cam2"));
+}
+
+TEST_F(BadRecordingTest, AMissingCalibrationIsRefused) {
+    tiny_.remove(kCam1Yaml);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_missing", kCam1Yaml));
+}
+
+TEST_F(BadRecordingTest, ACalibrationThatIsNoYamlIsRefusedWithItsLine) {
+    tiny_.replace(kCam0Yaml, "resolution: [64, 48]", "resolution: [64, 48");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, YamlAliasesAndDepthAreRefused) {
+    tiny_.write(kCam0Yaml, "a: &a [x, x]\nb: [*a, *a]\n");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:1"));
+
+    tiny_.write(kCam0Yaml, "a: " + std::string(100'000, '[') + "\n");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, ACalibrationThatCannotBeInvertedIsRefused) {
+    tiny_.write(kCam0Yaml, camera_yaml("1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1"));
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
+
+    tiny_.write(kCam0Yaml, camera_yaml("1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1"));
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[0.0, 50.0");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, LensDistortionThatFoldsThePictureIsRefused) {
+    tiny_.replace(kCam0Yaml, "[-0.1, 0.01", "[-3.0, 0.01");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, AbsurdIntrinsicsAreRefused) {
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0, 32.0", "[50.0, 50.0, 320.0");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_intrinsics", kCam0Yaml));
+
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[0.05, 0.05");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_intrinsics", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, ARotationThatIsNoneIsRefused) {
+    tiny_.write(kCam1Yaml, camera_yaml("1,0.2,0,0.1, 0,1,0,0, 0,0,1,0, 0,0,0,1"));
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_rigid", kCam1Yaml));
+}
+
+TEST_F(BadRecordingTest, ABaselineOfZeroOrInMillimetresIsRefused) {
+    tiny_.write(kCam1Yaml, camera_yaml("1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1"));
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "baseline_zero", kCam1Yaml));
+
+    tiny_.write(kCam1Yaml, camera_yaml("1,0,0,100, 0,1,0,0, 0,0,1,0, 0,0,0,1"));
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "baseline_absurd", kCam1Yaml));
+}
+
+TEST_F(BadRecordingTest, ABaselineOfTheWrongSignIsRefused) {
+    tiny_.write(kCam1Yaml, camera_yaml("1,0,0,-0.1, 0,1,0,0, 0,0,1,0, 0,0,0,1"));
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "baseline_sign", kCam1Yaml));
+}
+
+// A camera that looks along the body's x axis, as on a sledge: body x = camera z, y = -x, z = -y.
+TEST_F(BadRecordingTest, InvertedExtrinsicsAreSaid) {
+    const std::string right_cam0 = "0,0,1,0.3, -1,0,0,0.05, 0,-1,0,0, 0,0,0,1";
+    const std::string right_cam1 = "0,0,1,0.3, -1,0,0,-0.05, 0,-1,0,0, 0,0,0,1";
+    tiny_.write(kCam0Yaml, camera_yaml(right_cam0));
+    tiny_.write(kCam1Yaml, camera_yaml(right_cam1));
+    ASSERT_FALSE(has_error(findings()));
+
+    tiny_.write(kCam0Yaml, camera_yaml("0,-1,0,0.05, 0,0,-1,0, 1,0,0,-0.3, 0,0,0,1"));
+    tiny_.write(kCam1Yaml, camera_yaml("0,-1,0,-0.05, 0,0,-1,0, 1,0,0,-0.3, 0,0,0,1"));
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Error, "extrinsics_inverted", "T_BS looks inverted"));
+}
+
+TEST_F(BadRecordingTest, RepeatedAndBackwardStampsAreToldWithTheirLine) {
+    const std::string third = std::to_string(TinyDive::kFirst_ns + 200'000'000LL);
+    const std::string second = std::to_string(TinyDive::kFirst_ns + 100'000'000LL);
+    tiny_.replace(kCam0Rows, third + "," + third, second + "," + third);
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Error, "cam0_timestamp_repeated", "cam0/data.csv:4"));
+
+    tiny_.replace(kCam0Rows, second + "," + third, "5," + third);
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Error, "cam0_timestamp_backwards", "cam0/data.csv:4"));
+}
+
+TEST_F(BadRecordingTest, OneRepeatedImuStampIsOnlyAWarning) {
+    const std::string rows = tiny_.read(kImuRows);
+    const std::size_t last = rows.rfind('\n', rows.size() - 2);
+    tiny_.write(kImuRows, rows + rows.substr(last + 1));
+
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Warning, "imu_timestamp_repeated", "imu0/data.csv:112"));
+}
+
+TEST_F(BadRecordingTest, LeftAndRightWithoutOverlapAreRefused) {
+    std::string rows;
+    for (int i = 0; i < TinyDive::kNumFrames; ++i)
+        rows += std::to_string(TinyDive::kFirst_ns + 60'000'000'000LL + i * 100'000'000LL) + "," +
+                TinyDive::picture_name(i) + "\n";
+    tiny_.write(kCam1Rows, rows);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "left_right_no_overlap", kCam1Rows));
+}
+
+TEST_F(BadRecordingTest, APictureWithoutPartnerIsCounted) {
+    const std::string rows = tiny_.read(kCam1Rows);
+    tiny_.write(kCam1Rows, rows.substr(0, rows.rfind('\n', rows.size() - 2) + 1));
+
+    const auto spoiled = report();
+
+    EXPECT_THAT(spoiled.findings,
+                HasFinding(Severity::Warning, "frames_unmatched", "1 left and 0 right"));
+    EXPECT_EQ(spoiled.num_frames, TinyDive::kNumFrames - 1);
+}
+
+TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {
+    std::string rows;
+    for (int i = 0; i < TinyDive::kNumFrames; ++i)
+        rows +=
+            std::to_string(1'600'000'000'000LL + i * 100) + "," + TinyDive::picture_name(i) + "\n";
+    tiny_.write(kCam0Rows, rows);
+    tiny_.write(kCam1Rows, rows);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "cam0_timestamp_unit", kCam0Rows));
+}
+
+TEST_F(BadRecordingTest, NanInTheImuIsToldWithItsLine) {
+    tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", "0.01,nan,0.03,0.1");
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "imu_not_finite", "imu0/data.csv:2"));
+
+    write_imu("0,0,0,inf,0,9.8");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_not_finite", "imu0/data.csv:1"));
+}
+
+TEST_F(BadRecordingTest, AGapInTheImuIsTold) {
+    std::string rows;
+    for (int i = -10; i < 100; ++i)
+        if (i < 20 || i > 40)
+            rows += std::to_string(TinyDive::kFirst_ns + i * 5'000'000LL) + ",0,0,0,0,0,9.8\n";
+    tiny_.write(kImuRows, rows);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "imu_gap", "0.110 s"));
+}
+
+TEST_F(BadRecordingTest, AbsurdImuUnitsAreNamed) {
+    write_imu("0,0,0,0.01,0.02,1.0");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_units", "looks like g"));
+
+    write_imu("12,-15,8,0.1,0.2,9.8");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_units", "degrees/s"));
+
+    write_imu("0,0,0,0.1,0.2,0.3");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_units", "gravity"));
+}
+
+TEST_F(BadRecordingTest, AnImuOfAnotherTimeIsRefused) {
+    tiny_.write(kImuRows, "1000000000,0,0,0,0,0,9.8\n1005000000,0,0,0,0,0,9.8\n");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_no_overlap", kImuRows));
+}
+
+TEST_F(BadRecordingTest, GroundTruthOfAnotherTimeIsRefused) {
+    const std::string file = "mav0/state_groundtruth_estimate0/data.csv";
+    tiny_.write(file, "1000000000,0,0,0,1,0,0,0\n2000000000,0,0,0,1,0,0,0\n");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "ground_truth_no_overlap", file));
+}
+
+TEST_F(BadRecordingTest, PicturesOfAnotherSizeThanTheCalibrationAreRefused) {
+    tiny_.replace(kCam0Yaml, "[64, 48]", "[128, 96]");
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0, 32.0, 24.0]", "[100.0, 100.0, 64.0, 48.0]");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "image_size", picture(0)));
+}
+
+TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
+    const std::string bytes = tiny_.read(picture(2));
+    tiny_.write(picture(2), bytes.substr(0, bytes.size() / 2));
+
+    const auto spoiled = findings();
+
+    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_undecodable", picture(2)));
+    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "frames_skipped", "1 of 5"));
+    EXPECT_FALSE(has_error(spoiled));
+}
+
+TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
+    std::string bytes = tiny_.read(picture(1));
+    const std::string huge("\x00\x00\xc3\x50", 4);  // 50000
+    bytes.replace(16, 8, huge + huge);
+    tiny_.write(picture(1), bytes);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_too_large", "50000x50000"));
+}
+
+TEST_F(BadRecordingTest, SixteenBitsAreReducedAndTold) {
+    tiny_.write(picture(1), png_of_size(64, 48, CV_16UC1));
+
+    const auto spoiled = findings();
+
+    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_16_bit", picture(1)));
+    EXPECT_FALSE(has_error(spoiled));
+}
+
+TEST_F(BadRecordingTest, BlackPicturesAreRefused) {
+    const std::string black = black_png(64, 48);
+    for (int i = 0; i < TinyDive::kNumFrames; ++i) tiny_.write(picture(i), black);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "images_black", "cam0"));
+}
+
+TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
+    tiny_.write(kCam0Rows, "#timestamp [ns],filename\n");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "dive_empty", kCam0Rows));
+}
+
+TEST_F(BadRecordingTest, APictureThatIsNotThereIsSkippedAndNamed) {
+    tiny_.remove(picture(3));
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", picture(3)));
+}
+
+TEST_F(BadRecordingTest, NoPictureThatDecodesIsAnError) {
+    for (int i = 0; i < TinyDive::kNumFrames; ++i) tiny_.write(picture(i), "GIF89a");
+
+    const auto spoiled = findings();
+
+    EXPECT_THAT(spoiled, HasFinding(Severity::Error, "no_frame_decodes", "none of the 5"));
+    EXPECT_THAT(spoiled,
+                HasFinding(Severity::Warning, "image_undecodable", "neither PNG nor JPEG"));
+}
+
+TEST_F(BadRecordingTest, AReferenceMeshThatIsCutShortIsRefused) {
+    tiny_.write("reference.ply",
+                "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+                "property float x\nproperty float y\nproperty float z\nend_header\nabc");
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "reference_unreadable", "reference.ply"));
+}
+
+TEST_F(BadRecordingTest, ABrokenDiveJsonIsToldAndLeftOut) {
+    tiny_.write("dive.json", std::string(100'000, '['));
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "json_unreadable", "dive.json"));
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+#include <gmock/gmock.h>
+#include <string>
+
+#include "schemas/finding.hpp"
+
+namespace divemesh {
+
+// How a failed test shows a finding.
+inline void PrintTo(const Finding& finding, std::ostream* out) {
+    *out << "\n    " << to_string(finding.severity) << " " << finding.code << " at '"
+         << finding.where << "': " << finding.message << " | " << finding.remedy;
+}
+
+namespace worker {
+
+// A list of findings has one of this severity and code that names this place, in its words too.
+MATCHER_P3(HasFinding, severity, code, place, "") {
+    return std::any_of(arg.begin(), arg.end(), [&](const Finding& finding) {
+        const std::string words = finding.where + " " + finding.message;
+        return finding.severity == severity && finding.code == std::string(code) &&
+               words.find(place) != std::string::npos;
+    });
+}
+
+}  // namespace worker
+}  // namespace divemesh

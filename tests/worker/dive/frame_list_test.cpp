@@ -1,0 +1,74 @@
+#include "worker/dive/frame_list.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/worker/dive/finding_matcher.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::int64_t kMillisecond_ns = 1'000'000;
+
+std::vector<CameraRow> rows(const std::vector<std::int64_t>& times_ms) {
+    std::vector<CameraRow> result;
+    for (const std::int64_t time : times_ms)
+        result.push_back({time * kMillisecond_ns, std::to_string(time)});
+    return result;
+}
+
+TEST(FrameListTest, EachLeftPictureGetsTheNearestRightOne) {
+    FindingLog log;
+
+    const auto pairs = match_pairs(rows({1000, 1100, 1200, 1300}), rows({1003, 1098, 1199}), log);
+
+    ASSERT_EQ(pairs.size(), 3U);
+    EXPECT_EQ(pairs[0].right, "1003");
+    EXPECT_EQ(pairs[1].right, "1098");
+    EXPECT_EQ(pairs[2].right, "1199");
+    EXPECT_EQ(pairs[2].timestamp_ns, 1200 * kMillisecond_ns);
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "frames_unsynchronised", "3.00 ms"));
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "frames_unmatched", "1 left and 0 right"));
+}
+
+TEST(FrameListTest, MoreThanFiveMillisecondsApartIsNoPair) {
+    FindingLog log;
+
+    EXPECT_TRUE(match_pairs(rows({1000, 1100}), rows({1006, 1106}), log).empty());
+    EXPECT_THAT(log.all(), HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
+}
+
+TEST(FrameListTest, ARightPictureIsGivenOnceToTheNearerLeftOne) {
+    FindingLog log;
+
+    const auto pairs = match_pairs(rows({1000, 1008, 1016}), rows({1007, 1016}), log);
+
+    ASSERT_EQ(pairs.size(), 2U);
+    EXPECT_EQ(pairs[0].left, "1008");
+    EXPECT_EQ(pairs[0].right, "1007");
+}
+
+TEST(FrameListTest, CommentsLineEndsAndBlanksOfOtherSystemsAreRead) {
+    FindingLog log;
+
+    const auto list = parse_camera_rows(
+        "\xef\xbb\xbf#timestamp,filename\r\n\r\n1000000000, a.png\r\n"
+        "2000000000 ,b.png",
+        "cam0",
+        log);
+
+    ASSERT_EQ(list.size(), 2U);
+    EXPECT_EQ(list[0].file, "mav0/cam0/data/a.png");
+    EXPECT_EQ(list[1].timestamp_ns, 2'000'000'000);
+    EXPECT_TRUE(log.all().empty());
+}
+
+TEST(FrameListTest, AFileNameThatLeavesTheFolderIsRefused) {
+    FindingLog log;
+
+    parse_camera_rows("1000000000,../../../etc/passwd\n", "cam0", log);
+
+    EXPECT_THAT(log.all(), HasFinding(Severity::Error, "cam0_row_malformed", "data.csv:1"));
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include "tests/paths.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/dive/dive.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+struct SharedDive {
+    const char* name;
+    int num_frames;
+    int num_imu_samples;
+    double baseline_m;
+};
+
+void PrintTo(const SharedDive& dive, std::ostream* out) { *out << dive.name; }
+
+class SharedDivesTest : public testing::TestWithParam<SharedDive> {};
+
+TEST_P(SharedDivesTest, OpensWithoutErrorAndStreamsItsFirstFrames) {
+    const auto folder = shared_data(GetParam().name);
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data at " << folder;
+    const TemporaryFolder scratch;
+
+    const auto dive = Dive::open(folder, scratch.path());
+
+    EXPECT_FALSE(has_error(dive->findings()));
+    for (const Finding& finding : dive->findings())
+        EXPECT_EQ(finding.severity, Severity::Info) << finding.message;
+    EXPECT_EQ(dive->num_frames(), GetParam().num_frames);
+    EXPECT_EQ(dive->imu().size(), static_cast<std::size_t>(GetParam().num_imu_samples));
+    EXPECT_NEAR(dive->rig().baseline_m(), GetParam().baseline_m, 5e-4);
+    EXPECT_FALSE(dive->ground_truth().empty());
+    for (int i = 0; i < 5; ++i) {
+        const auto frame = dive->next_frame();
+        ASSERT_TRUE(frame.has_value());
+        EXPECT_EQ(frame->index, i);
+        EXPECT_EQ(frame->left.size(), frame->right.size());
+    }
+    EXPECT_EQ(dive->num_skipped_frames(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared,
+                         SharedDivesTest,
+                         testing::Values(SharedDive{"euroc_mh01", 160, 1790, 0.110},
+                                         SharedDive{"tank", 150, 3181, 0.120},
+                                         SharedDive{"barge", 700, 14181, 0.120}),
+                         [](const auto& dive) { return std::string(dive.param.name); });
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,94 @@
+// Stands in for the pipeline behind a real worker: what it does is the first word of the "archive".
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <sys/resource.h>
+#include <thread>
+#include <unistd.h>
+
+#include "worker/dive/intake.hpp"
+#include "worker/reconstruct_dive.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+struct Script {
+    std::string word;
+    fs::path marker;
+};
+
+Script read_script(const fs::path& dive) {
+    Script script;
+    std::ifstream(dive) >> script.word >> script.marker;
+    return script;
+}
+
+void write_pid(const fs::path& marker) {
+    std::ofstream(marker.string() + ".new") << getpid();
+    fs::rename(marker.string() + ".new", marker);
+}
+
+void write_artifacts(const fs::path& out) {
+    fs::create_directories(out / "keyframes");
+    std::ofstream(out / "mesh.ply") << "ply\n";
+    std::ofstream(out / "keyframes/000001.jpg") << "jpeg";
+}
+
+// A file that the worker may not copy: beyond the limit that both processes began with.
+void write_large_file(const fs::path& out) {
+    rlimit limit{};
+    getrlimit(RLIMIT_FSIZE, &limit);
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_FSIZE, &limit);
+    std::ofstream(out / "mesh.ply") << "ply\n";
+    std::ofstream(out / "cloud.ply") << "ply\n";
+    fs::resize_file(out / "mesh.ply", 64 << 20);
+}
+
+// The first attempt waits for the file MARKER.go; the next ones, which find the marker, do not.
+void wait_once(const fs::path& marker, const ProgressCallback& progress) {
+    if (fs::exists(marker)) return;
+    write_pid(marker);
+    while (!fs::exists(marker.string() + ".go")) {
+        progress({.stage = "track", .fraction = 0.5, .frames_done = 1, .num_frames = 2});
+        std::this_thread::sleep_for(20ms);
+    }
+}
+
+}  // namespace
+
+IntakeReport examine_dive(const fs::path&, const fs::path&, const ProgressCallback& progress) {
+    progress({.stage = "intake", .fraction = 1.0});
+    return {.findings = {{.severity = Severity::Info, .code = "fake"}},
+            .name = "fake",
+            .num_frames = 2,
+            .duration_s = 0.1,
+            .thumbnail_jpeg = "jpeg"};
+}
+
+nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
+                                const ProgressCallback& progress) {
+    const Script script = read_script(request.dive);
+    progress({.stage = "track", .fraction = 0.1});
+    if (script.word == "wait-once") wait_once(script.marker, progress);
+    if (script.word == "bad") throw Error(ErrorCode::BadData, "mav0/cam1 is missing");
+    if (script.word == "bug") throw std::logic_error("index out of range");
+    if (script.word == "abort") std::abort();
+    if (script.word == "exit") _exit(7);
+    if (script.word == "deaf") {
+        write_pid(script.marker);
+        std::this_thread::sleep_for(10min);
+    }
+    write_artifacts(request.out);
+    if (script.word == "large") write_large_file(request.out);
+    progress({.stage = "evaluate", .fraction = 1.0});
+    return {};
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,275 @@
+// A real worker, parent and child, as processes; only the pipeline behind it is a fake.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <string>
+
+#include "schemas/content_hash.hpp"
+#include "storage/blob_store.hpp"
+#include "storage/catalog.hpp"
+#include "storage/dive_store.hpp"
+#include "storage/job_store.hpp"
+#include "storage/upload_store.hpp"
+#include "tests/end_to_end/process.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+class JobRunnerTest : public testing::Test {
+protected:
+    Process start_worker(const std::string& deadline_ms = "600000",
+                         const std::string& file_limit_bytes = "1000000000") {
+        const fs::path output = folder_ / ("worker-" + std::to_string(++num_workers_));
+        fs::create_directories(output);
+        return Process({FAKE_WORKER,
+                        "worker",
+                        catalog_url_,
+                        (folder_ / "blobs").string(),
+                        (folder_ / "work").string(),
+                        "2000",
+                        deadline_ms,
+                        file_limit_bytes},
+                       output);
+    }
+
+    // A dive whose reconstruction does what `script` says.
+    Job make_job(const std::string& script, int max_attempts = 3) {
+        std::ofstream(folder_ / "archive") << script;
+        const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
+        const std::string key = "dives/" + upload.id + "/archive";
+        blobs_->put_file(key, folder_ / "archive");
+        const Dive dive = dives_
+                              .create({.upload_id = upload.id,
+                                       .project = "default",
+                                       .archive_sha256 = sha256_hex(script),
+                                       .blob = key})
+                              .dive;
+        return jobs_.enqueue(
+            {.dive_id = dive.id, .preset = "standard", .max_attempts = max_attempts});
+    }
+
+    bool reaches(const Job& job, JobState state) {
+        return wait_until(seconds(60), [&] { return jobs_.get(job.id).state == state; });
+    }
+    pid_t child_of_marker() {
+        EXPECT_TRUE(wait_until(seconds(60), [&] { return fs::exists(marker_); }));
+        pid_t pid = 0;
+        std::ifstream(marker_) >> pid;
+        return pid;
+    }
+    static std::string state_of(pid_t pid) {
+        std::string line;
+        std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+        std::getline(stat, line);
+        return line.empty() ? "" : line.substr(line.rfind(')') + 2, 1);
+    }
+    static bool is_gone(pid_t pid) {
+        return wait_until(seconds(10), [&] {
+            const std::string state = state_of(pid);
+            return state.empty() || state == "Z";
+        });
+    }
+    // Not inside a write of its own: SQLite would make every other writer wait for it to wake up.
+    void freeze(Process& worker) {
+        catalog_.transaction([&](soci::session&) {
+            worker.send(SIGSTOP);
+            EXPECT_TRUE(wait_until(seconds(10), [&] { return state_of(worker.pid()) == "T"; }));
+        });
+    }
+    std::size_t num_blobs_of_jobs() const {
+        std::size_t count = 0;
+        if (!fs::exists(folder_ / "blobs/blobs/jobs")) return 0;
+        for (const auto& entry : fs::recursive_directory_iterator(folder_ / "blobs/blobs/jobs"))
+            count += entry.is_regular_file() && entry.path().filename() != "thumbnail.jpg";
+        return count;
+    }
+    std::string wait_once() const { return "wait-once " + marker_.string(); }
+    void let_go() const { std::ofstream(marker_.string() + ".go") << "go"; }
+
+    TemporaryFolder folder_;
+    fs::path marker_ = folder_ / "marker";
+    std::string catalog_url_ = "sqlite://" + (folder_ / "catalog.db").string();
+    storage::Catalog catalog_{catalog_url_};
+    storage::UploadStore uploads_{catalog_};
+    storage::DiveStore dives_{catalog_};
+    storage::JobStore jobs_{catalog_};
+    std::unique_ptr<storage::BlobStore> blobs_ =
+        storage::open_blob_store((folder_ / "blobs").string());
+    int num_workers_ = 0;
+};
+
+TEST_F(JobRunnerTest, TakesADiveThroughIntakeAndReconstruction) {
+    const Job job = make_job("ok");
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+
+    const Dive dive = dives_.get(job.dive_id);
+    EXPECT_EQ(dive.state, DiveState::Ready);
+    EXPECT_EQ(dive.name, "fake");
+    EXPECT_TRUE(blobs_->exists(dives_.thumbnail_blob(dive.id)));
+    const auto artifacts = jobs_.artifacts(job.id);
+    ASSERT_EQ(artifacts.size(), 2u);
+    EXPECT_EQ(artifacts[0].name, "keyframes/000001.jpg");
+    EXPECT_EQ(artifacts[1].name, "mesh.ply");
+    EXPECT_EQ(artifacts[1].sha256, sha256_hex("ply\n"));
+    EXPECT_EQ(artifacts[1].media_type, "application/vnd.ply");
+    EXPECT_TRUE(blobs_->exists(artifacts[1].blob));
+    EXPECT_THAT(jobs_.log(job.id), HasSubstr("stage track"));
+    worker.send(SIGTERM);
+    EXPECT_EQ(worker.wait(seconds(30)), 0);
+    EXPECT_TRUE(fs::is_empty(folder_ / "work"));
+}
+
+TEST_F(JobRunnerTest, AJobOfAKilledWorkerRunsAgain) {
+    const Job job = make_job(wait_once());
+    Process victim = start_worker();
+    const pid_t child = child_of_marker();
+
+    victim.kill();
+    EXPECT_TRUE(is_gone(child)) << "a child outlived its worker";
+    Process second = start_worker();
+
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << second.stderr_text();
+    const auto attempts = jobs_.attempts(job.id);
+    ASSERT_EQ(attempts.size(), 2u);
+    EXPECT_EQ(attempts[0].state, AttemptState::LeaseLost);
+    EXPECT_EQ(attempts[1].state, AttemptState::Succeeded);
+    second.send(SIGTERM);
+    EXPECT_EQ(second.wait(seconds(30)), 0);
+    EXPECT_TRUE(fs::is_empty(folder_ / "work")) << "the killed worker's scratch is still there";
+}
+
+TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
+    const Job job = make_job(wait_once());
+    Process frozen = start_worker();
+    const pid_t child = child_of_marker();
+
+    freeze(frozen);
+    Process second = start_worker();
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << second.stderr_text();
+    let_go();  // now the first child succeeds as well, and its worker comes back
+    EXPECT_TRUE(is_gone(child));
+    frozen.send(SIGCONT);
+    frozen.send(SIGTERM);
+    EXPECT_EQ(frozen.wait(seconds(30)), 0);
+
+    const auto attempts = jobs_.attempts(job.id);
+    ASSERT_EQ(attempts.size(), 2u);
+    EXPECT_EQ(attempts[0].state, AttemptState::LeaseLost);
+    EXPECT_EQ(attempts[1].state, AttemptState::Succeeded);
+    EXPECT_EQ(num_blobs_of_jobs(), 2u);
+    for (const Artifact& artifact : jobs_.artifacts(job.id)) {
+        EXPECT_THAT(artifact.blob, HasSubstr("attempt-2"));
+        EXPECT_TRUE(blobs_->exists(artifact.blob));
+    }
+}
+
+TEST_F(JobRunnerTest, ARunningJobIsCancelled) {
+    const Job job = make_job(wait_once());
+    Process worker = start_worker();
+    const pid_t child = child_of_marker();
+
+    jobs_.cancel(job.id);
+
+    EXPECT_TRUE(reaches(job, JobState::Cancelled));
+    EXPECT_TRUE(is_gone(child));
+    EXPECT_EQ(jobs_.attempts(job.id).at(0).state, AttemptState::Cancelled);
+    EXPECT_EQ(num_blobs_of_jobs(), 0u);
+}
+
+TEST_F(JobRunnerTest, AChildThatDoesNotListenIsKilled) {
+    const Job job = make_job("deaf " + marker_.string());
+    Process worker = start_worker();
+    const pid_t child = child_of_marker();
+
+    jobs_.cancel(job.id);
+
+    EXPECT_TRUE(reaches(job, JobState::Cancelled));
+    EXPECT_TRUE(is_gone(child));
+}
+
+TEST_F(JobRunnerTest, AnAttemptPastItsDeadlineIsEnded) {
+    const Job job = make_job("deaf " + marker_.string(), 1);
+    Process worker = start_worker("500");
+
+    EXPECT_TRUE(reaches(job, JobState::Dead));
+    EXPECT_THAT(jobs_.get(job.id).failure.message, HasSubstr("deadline"));
+}
+
+TEST_F(JobRunnerTest, BadDataFailsAtOnceWithItsReason) {
+    const Job job = make_job("bad");
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(job, JobState::Failed));
+    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::BadData);
+    EXPECT_EQ(jobs_.get(job.id).failure.message, "mav0/cam1 is missing");
+    EXPECT_EQ(jobs_.attempts(job.id).size(), 1u);
+}
+
+TEST_F(JobRunnerTest, AChildThatCrashesIsTriedAgainAndThenGivenUp) {
+    const Job job = make_job("abort", 2);
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(job, JobState::Dead));
+    EXPECT_EQ(jobs_.attempts(job.id).size(), 2u);
+    EXPECT_THAT(jobs_.get(job.id).failure.message, HasSubstr("signal 6 (Aborted)"));
+}
+
+TEST_F(JobRunnerTest, AChildThatEndsWithoutAResultIsAFailure) {
+    const Job vanished = make_job("exit", 1);
+    const Job buggy = make_job("bug", 1);
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(vanished, JobState::Dead));
+    EXPECT_THAT(jobs_.get(vanished.id).failure.message, HasSubstr("exit code 7"));
+    ASSERT_TRUE(reaches(buggy, JobState::Dead));
+    EXPECT_THAT(jobs_.get(buggy.id).failure.message, HasSubstr("index out of range"));
+}
+
+TEST_F(JobRunnerTest, AWorkerThatIsEndedGivesItsAttemptBack) {
+    const Job job = make_job(wait_once());
+    Process worker = start_worker();
+    const pid_t child = child_of_marker();
+
+    worker.send(SIGTERM);
+
+    EXPECT_EQ(worker.wait(seconds(30)), 0);
+    EXPECT_TRUE(is_gone(child));
+    EXPECT_EQ(jobs_.get(job.id).state, JobState::Queued);
+    EXPECT_EQ(jobs_.get(job.id).num_attempts, 0);
+    EXPECT_EQ(jobs_.attempts(job.id).at(0).state, AttemptState::Released);
+}
+
+TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
+    const Job job = make_job("large", 1);
+    Process worker = start_worker("600000", "33554432");
+
+    ASSERT_TRUE(reaches(job, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
+    EXPECT_TRUE(jobs_.artifacts(job.id).empty());
+    EXPECT_EQ(num_blobs_of_jobs(), 0u);
+}
+
+TEST_F(JobRunnerTest, TwoWorkersShareTheJobsAndEachRunsOnce) {
+    std::vector<Job> made;
+    for (int i = 0; i < 6; ++i) made.push_back(make_job("ok " + std::to_string(i)));
+    Process first = start_worker();
+    Process second = start_worker();
+
+    for (const Job& job : made) {
+        EXPECT_TRUE(reaches(job, JobState::Succeeded));
+        EXPECT_EQ(jobs_.attempts(job.id).size(), 1u);
+    }
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,123 @@
+#include "worker/metrics/known_distances.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+// A rig with distorted lenses and the cameras half a degree apart, 1.2 m above the floor z = 0,
+// looking down while it moves along x.
+class KnownDistancesTest : public testing::Test {
+protected:
+    KnownDistancesTest() {
+        rig_.cam0 = {640, 480, 490.0, 489.0, 321.0, 239.0};
+        rig_.cam0.distortion_coefficients = {-0.12, 0.03, 4e-4, -3e-4};
+        rig_.cam1 = rig_.cam0;
+        rig_.cam1.cx_px = 318.0;
+        rig_.T_imu_cam0.linear() =
+            Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+        rig_.T_imu_cam0.translation() = Eigen::Vector3d(0.03, -0.02, 0.05);
+        rig_.T_imu_cam1 = rig_.T_imu_cam0 * Eigen::Translation3d(0.12, 0.001, -0.002) *
+                          Eigen::AngleAxisd(0.009, Eigen::Vector3d::UnitY());
+        for (int i = 0; i < 10; ++i) {
+            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+            pose.rotate(Eigen::AngleAxisd(0.02 * i, Eigen::Vector3d::UnitZ()));
+            pose.translation() = Eigen::Vector3d(0.1 * i - 0.5, 0.02 * i, 1.2);
+            truth_.push_back({i * std::int64_t{100'000'000}, pose});
+            timestamps_ns_.push_back(i * std::int64_t{100'000'000});
+        }
+        add_square(floor_, 0.0F, 5.0F);
+    }
+
+    static void add_square(Mesh& mesh, float z, float half_side) {
+        const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.insert(mesh.vertices.end(),
+                             {{-half_side, -half_side, z},
+                              {half_side, -half_side, z},
+                              {half_side, half_side, z},
+                              {-half_side, half_side, z}});
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
+    }
+    KnownDistanceErrors measure(const std::vector<KnownDistance>& known,
+                                const Trajectory& trajectory) const {
+        const SurfaceIndex reference(floor_);
+        return measure_known_distances(
+            known, MarkingInput{rig_, truth_, timestamps_ns_, reference}, trajectory);
+    }
+
+    Rig rig_;
+    Trajectory truth_;
+    std::vector<std::int64_t> timestamps_ns_;
+    Mesh floor_;
+    const KnownDistance bar_{"bar", {-0.2, 0.05, 0.0}, {0.2, -0.1, 0.0}, std::hypot(0.4, 0.15)};
+};
+
+TEST_F(KnownDistancesTest, AreExactWithThePosesOfTheTruthInAnyWorld) {
+    Trajectory elsewhere = truth_;
+    const Eigen::Isometry3d T = Eigen::Translation3d(3, 1, -2) *
+                                Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 1, 0).normalized()) *
+                                Eigen::Isometry3d::Identity();
+    for (StampedPose& pose : elsewhere) pose.T_world_imu = T * pose.T_world_imu;
+    const KnownDistanceErrors errors = measure({bar_}, elsewhere);
+    ASSERT_TRUE(errors.distances[0].measured_m.has_value());
+    EXPECT_NEAR(*errors.distances[0].measured_m, bar_.distance_m, 1e-7);
+    EXPECT_NEAR(errors.scale_error, 0.0, 1e-7);
+    EXPECT_EQ(errors.distances[0].num_keyframes_a, 10);
+}
+
+TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
+    KnownDistance wrong = bar_;
+    wrong.distance_m /= 1.02;  // so ours looks 2 % long
+    const KnownDistanceErrors errors = measure({wrong, wrong}, truth_);
+    EXPECT_NEAR(errors.scale_error, 0.02, 1e-6);
+    EXPECT_NEAR(errors.median_abs_error_m, bar_.distance_m * (1.0 - 1.0 / 1.02), 1e-6);
+}
+
+TEST_F(KnownDistancesTest, AnEndOutsideThePicturesIsNotMeasured) {
+    KnownDistance far = bar_;
+    far.b_world = {4.0, 0.0, 0.0};
+    const KnownDistanceErrors errors = measure({far, bar_}, truth_);
+    EXPECT_FALSE(errors.distances[0].measured_m.has_value());
+    EXPECT_EQ(errors.distances[0].num_keyframes_b, 0);
+    EXPECT_EQ(errors.num_measured, 1);
+    EXPECT_TRUE(to_metrics(errors)["distances"][0]["measured_m"].is_null());
+}
+
+TEST_F(KnownDistancesTest, AnEndUnderACoverIsNotMeasured) {
+    add_square(floor_, 0.3F, 1.0F);
+    const KnownDistanceErrors errors = measure({bar_}, truth_);
+    EXPECT_EQ(errors.distances[0].num_keyframes_a, 0);
+    EXPECT_EQ(errors.num_measured, 0);
+    EXPECT_FALSE(to_metrics(errors).contains("scale_error"));
+}
+
+TEST_F(KnownDistancesTest, AnEndOffEverySurfaceIsNotMeasured) {
+    KnownDistance floating = bar_;
+    floating.a_world.z() = 0.2;
+    EXPECT_EQ(measure({floating}, truth_).distances[0].num_keyframes_a, 0);
+}
+
+TEST_F(KnownDistancesTest, ThreeKeyframesAreTooFew) {
+    timestamps_ns_ = {0, 100'000'000, 200'000'000};
+    const KnownDistanceErrors errors = measure({bar_}, truth_);
+    EXPECT_EQ(errors.distances[0].num_keyframes_a, 3);
+    EXPECT_FALSE(errors.distances[0].measured_m.has_value());
+}
+
+TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {
+    const SurfaceIndex reference(floor_);
+    std::vector<Mark> marks =
+        mark_point(bar_.a_world, MarkingInput{rig_, truth_, timestamps_ns_, reference});
+    ASSERT_EQ(marks.size(), 10U);
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        marks[i].pixel_left.x() += i % 2 == 0 ? 0.3 : -0.3;
+    const auto point = triangulate(marks, rig_, truth_);
+    ASSERT_TRUE(point.has_value());
+    EXPECT_LT((*point - bar_.a_world).norm(), 1e-3);  // 0.3 px at 1.2 m are 0.7 mm
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,79 @@
+#include "worker/metrics/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "worker/metrics/svg_plot.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+Trajectory path() {
+    Trajectory trajectory;
+    for (int i = 0; i < 50; ++i)
+        trajectory.push_back({i * std::int64_t{100'000'000},
+                              Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0.0, 1.0))});
+    return trajectory;
+}
+
+json metrics() {
+    return {{"version", "0.1.0"},
+            {"preset", "paper"},
+            {"dive", {{"name", "Lotus <script>alert(1)</script>"}, {"duration_s", 5.0}}},
+            {"trajectory", {{"final", {{"ate_rmse_m", 0.0123}}}}},
+            {"findings",
+             {{{"severity", "warning"},
+               {"code", "x"},
+               {"where", "cam0/data.csv:3"},
+               {"message", "<img src=x onerror=y>"},
+               {"remedy", "\"quoted\""}}}}};
+}
+
+TEST(Report, WhatComesFromTheDiveIsEscaped) {
+    const json document = metrics();
+    const std::string html = report_html({document, path(), {}, ""});
+    EXPECT_EQ(html.find("<script"), std::string::npos);
+    EXPECT_EQ(html.find("<img src=x"), std::string::npos);
+    EXPECT_NE(html.find("Lotus &lt;script&gt;"), std::string::npos);
+    EXPECT_NE(html.find("&quot;quoted&quot;"), std::string::npos);
+}
+
+TEST(Report, LoadsNothingFromAnywhere) {
+    const json document = metrics();
+    const std::string html = report_html({document, path(), {}, "\x89PNG"});
+    EXPECT_EQ(html.find("http"), std::string::npos);
+    EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw==\""), std::string::npos);
+}
+
+TEST(Report, FiguresAreShownInUnitsForPeopleAndMissingOnesNotAtAll) {
+    const json document = metrics();
+    const std::string html = report_html({document, path(), {}, ""});
+    EXPECT_NE(html.find("12.3 mm"), std::string::npos);
+    EXPECT_EQ(html.find("Mesh accuracy"), std::string::npos);
+}
+
+TEST(Report, HasTwoPlotsEvenForAnEmptyTrajectory) {
+    const json document = metrics();
+    const std::string html = report_html({document, {}, {}, ""});
+    const std::size_t first = html.find("<svg");
+    ASSERT_NE(first, std::string::npos);
+    EXPECT_NE(html.find("<svg", first + 1), std::string::npos);
+    const std::string plots = html.substr(first, html.rfind("</svg>") - first);
+    EXPECT_EQ(plots.find("nan"), std::string::npos);
+    EXPECT_EQ(plots.find("inf"), std::string::npos);
+}
+
+TEST(SvgPlot, LongLinesAreThinned) {
+    PlotLine line{"a", "red", {}, {}};
+    for (int i = 0; i < 100'000; ++i) {
+        line.x.push_back(i);
+        line.y.push_back(std::sin(i * 0.001));
+    }
+    EXPECT_LT(svg_plot({"t", "x", "y", {line}, false}).size(), 40'000U);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,81 @@
+#include "worker/stage_files.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+Track small_track() {
+    Track track;
+    track.rig.focal_px = 480.0;
+    track.rig.T_imu_cam.translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
+    for (int i = 0; i < 3; ++i) {
+        StampedPose pose{.timestamp_ns = 1000 + i};
+        pose.T_world_imu.translate(Eigen::Vector3d(i, 0.0, 0.0));
+        track.causal.push_back(pose);
+    }
+    track.keyframes.push_back({.frame_index = 2, .timestamp_ns = 1002});
+    Landmark landmark;
+    landmark.p_world = Eigen::Vector3d(1.0, 2.0, 3.0);
+    landmark.observations = {{.keyframe = 0, .u_px = 10.5F, .v_px = 20.5F, .disparity_px = 33.0F}};
+    track.landmarks.push_back(landmark);
+    track.statistics.num_frames = 3;
+    return track;
+}
+
+TEST(StageFiles, ATrackSurvivesTheDisk) {
+    const TemporaryFolder folder;
+    const Track written = small_track();
+    save_track(folder / "track.stage", "key", written);
+    const auto read = load_track(folder / "track.stage", "key");
+
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->rig.focal_px, written.rig.focal_px);
+    EXPECT_EQ(read->rig.T_imu_cam.matrix(), written.rig.T_imu_cam.matrix());
+    ASSERT_EQ(read->causal.size(), 3U);
+    EXPECT_EQ(read->causal[2].T_world_imu.matrix(), written.causal[2].T_world_imu.matrix());
+    ASSERT_EQ(read->landmarks.size(), 1U);
+    EXPECT_EQ(read->landmarks[0].p_world, written.landmarks[0].p_world);
+    EXPECT_EQ(read->landmarks[0].observations[0].disparity_px, 33.0F);
+    EXPECT_EQ(read->statistics.num_frames, 3);
+}
+
+TEST(StageFiles, AnotherKeyOrAMissingFileMeansTheStageRunsAgain) {
+    const TemporaryFolder folder;
+    save_track(folder / "track.stage", "key", small_track());
+    EXPECT_FALSE(load_track(folder / "track.stage", "other key"));
+    EXPECT_FALSE(load_track(folder / "missing.stage", "key"));
+}
+
+TEST(StageFiles, AFileCutAtAnyByteIsNotLoaded) {
+    const TemporaryFolder folder;
+    const auto file = folder / "track.stage";
+    save_track(file, "key", small_track());
+    for (auto size = std::filesystem::file_size(file); size-- > 0;) {
+        std::filesystem::resize_file(file, size);
+        EXPECT_FALSE(load_track(file, "key")) << "cut at " << size;
+    }
+}
+
+TEST(StageFiles, AMeshSurvivesTheDisk) {
+    const TemporaryFolder folder;
+    Mesh mesh;
+    mesh.vertices = {{0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};
+    mesh.sigma_m = {0.001F, 0.002F, 0.003F};
+    mesh.triangles = {{0, 1, 2}};
+    save_mesh(folder / "mesh.stage", "key", mesh);
+    const auto read = load_mesh(folder / "mesh.stage", "key");
+
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->vertices, mesh.vertices);
+    EXPECT_EQ(read->sigma_m, mesh.sigma_m);
+    EXPECT_EQ(read->triangles, mesh.triangles);
+    EXPECT_TRUE(read->normals.empty());
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/numeric_jacobian.hpp"
+#include "tests/synthetic/stereo_world.hpp"
+#include "worker/residuals/gyroscope_turn.hpp"
+#include "worker/residuals/known_orientation.hpp"
+#include "worker/residuals/point_transfer.hpp"
+#include "worker/residuals/rotation_prior.hpp"
+#include "worker/residuals/stereo_reprojection.hpp"
+#include "worker/residuals/vector_prior.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using synthetic::expect_true_jacobians;
+using CostFunction = std::unique_ptr<ceres::CostFunction>;
+
+std::vector<double> block(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+
+double largest_residual(const ceres::CostFunction& cost, std::vector<std::vector<double>> blocks) {
+    std::vector<double*> parameters;
+    for (auto& values : blocks) parameters.push_back(values.data());
+    Eigen::VectorXd residuals(cost.num_residuals());
+    EXPECT_TRUE(cost.Evaluate(parameters.data(), residuals.data(), nullptr));
+    return residuals.cwiseAbs().maxCoeff();
+}
+
+TEST(StereoReprojectionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+    const RectifiedRig rig = synthetic::rig();
+    const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(20);
+    const Eigen::Isometry3d T_world_imu = T_world_cam * rig.T_imu_cam.inverse();
+    const Eigen::Vector3d p_cam(0.3, -0.2, 1.7);
+    const Eigen::Vector3d p_world = T_world_cam * p_cam;
+    const CostFunction cost(
+        StereoReprojection::create({rig, project_px(rig, p_cam), Eigen::Vector3d(0.3, 0.3, 0.2)}));
+    const Eigen::Vector3d t = T_world_imu.translation();
+    const std::vector<std::vector<double>> blocks = {
+        block(Eigen::Quaterniond(T_world_imu.linear())),
+        {t.x(), t.y(), t.z()},
+        {p_world.x(), p_world.y(), p_world.z()}};
+
+    EXPECT_LT(largest_residual(*cost, blocks), 1e-9);
+    expect_true_jacobians(*cost, blocks);
+}
+
+TEST(PointTransferTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+    const RectifiedRig rig = synthetic::rig();
+    const Eigen::Vector3d w(0.02, -0.03, 0.01);
+    const Eigen::Vector3d t(0.05, -0.02, 0.03);
+    const Eigen::Vector3d p_previous(-0.4, 0.3, 2.1);
+    const CostFunction cost(
+        PointTransfer::create({rig,
+                               project_px(rig, p_previous),
+                               project_px(rig, rotation_from_vector(w) * p_previous + t),
+                               kFeatureSigma_px,
+                               kFeatureSigma_px}));
+
+    EXPECT_LT(largest_residual(*cost, {{w.x(), w.y(), w.z()}, {t.x(), t.y(), t.z()}}), 1e-9);
+    expect_true_jacobians(*cost, {{0.03, -0.01, 0.0}, {0.06, -0.02, 0.05}});
+}
+
+TEST(RotationPriorTest, HasTrueDerivatives) {
+    const CostFunction cost(RotationPrior::create(rotation_from_vector({0.1, 0.2, -0.1}), 0.01));
+
+    EXPECT_LT(largest_residual(*cost, {{0.1, 0.2, -0.1}}), 1e-9);
+    expect_true_jacobians(*cost, {{0.11, 0.18, -0.13}});
+}
+
+TEST(KnownOrientationTest, HasTrueDerivatives) {
+    const Eigen::Quaterniond q = rotation_from_vector({0.5, 1.2, -0.4});
+    const CostFunction cost(KnownOrientation::create({q, 0.02}));
+
+    EXPECT_LT(largest_residual(*cost, {block(q)}), 1e-9);
+    expect_true_jacobians(*cost, {block(q * rotation_from_vector({0.01, -0.02, 0.005}))});
+}
+
+TEST(GyroscopeTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+    GyroscopeIntegral integral;
+    integral.duration_s = 0.5;
+    integral.q_from_to = rotation_from_vector({0.1, -0.05, 0.2});
+    integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
+    integral.sigma_rad = 1e-3;
+    const Eigen::Quaterniond q_i = rotation_from_vector({0.4, 0.1, 0.9});
+    const CostFunction cost(GyroscopeTurn::create({integral, 1e-3}));
+
+    EXPECT_LT(largest_residual(*cost,
+                               {block(q_i), block(q_i * integral.q_from_to), {0, 0, 0}, {0, 0, 0}}),
+              1e-9);
+    expect_true_jacobians(
+        *cost,
+        {block(q_i),
+         block(q_i * integral.q_from_to * rotation_from_vector({0.01, 0.0, 0.02})),
+         {0.01, -0.02, 0.005},
+         {0.011, -0.018, 0.004}});
+}
+
+TEST(VectorPriorTest, HasTrueDerivatives) {
+    const CostFunction cost(VectorPrior::create({Eigen::Vector3d(0.1, 0.2, 0.3), 0.5}));
+
+    EXPECT_LT(largest_residual(*cost, {{0.1, 0.2, 0.3}}), 1e-12);
+    expect_true_jacobians(*cost, {{1.0, -2.0, 3.0}});
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,75 @@
+#include "worker/simulator/diver_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kStep_s = 1e-4;
+
+double polyline_m(const DiverMotion& motion, double duration_s) {
+    double sum_m = 0.0;
+    Eigen::Vector3d last = motion.at(0.0).T_world_imu.translation();
+    for (double t_s = 0.01; t_s <= duration_s; t_s += 0.01) {
+        const Eigen::Vector3d now = motion.at(t_s).T_world_imu.translation();
+        sum_m += (now - last).norm();
+        last = now;
+    }
+    return sum_m;
+}
+
+TEST(DiverMotionTest, VelocityAndAccelerationAreTheDerivativesOfPosition) {
+    const auto motion = DiverMotion::open_path({}, 5.0, 7);
+    for (double t_s = 0.0; t_s < 18.0; t_s += 0.7) {
+        const MotionState before = motion.at(t_s - kStep_s);
+        const MotionState now = motion.at(t_s);
+        const MotionState after = motion.at(t_s + kStep_s);
+        const Eigen::Vector3d velocity =
+            (after.T_world_imu.translation() - before.T_world_imu.translation()) / (2.0 * kStep_s);
+        const Eigen::Vector3d acceleration =
+            (after.velocity_world - before.velocity_world) / (2.0 * kStep_s);
+        EXPECT_LT((velocity - now.velocity_world).norm(), 1e-7);
+        EXPECT_LT((acceleration - now.acceleration_world).norm(), 1e-6);
+    }
+}
+
+TEST(DiverMotionTest, AngularVelocityIsTheRateOfTheRotationInTheBody) {
+    const auto motion = DiverMotion::open_path({}, 5.0, 8);
+    for (double t_s = 0.0; t_s < 18.0; t_s += 0.7) {
+        const Eigen::Matrix3d R_before_after =
+            motion.at(t_s - kStep_s).T_world_imu.linear().transpose() *
+            motion.at(t_s + kStep_s).T_world_imu.linear();
+        const Eigen::AngleAxisd turned(R_before_after);
+        const Eigen::Vector3d rate = turned.angle() * turned.axis() / (2.0 * kStep_s);
+        EXPECT_LT((rate - motion.at(t_s).angular_velocity_imu).norm(), 1e-6);
+    }
+}
+
+TEST(DiverMotionTest, OpenPathHasTheLengthThatWasAsked) {
+    const auto motion = DiverMotion::open_path({}, 12.5, 3);
+    EXPECT_NEAR(polyline_m(motion, motion.duration_s()), 12.5, 0.01);
+}
+
+TEST(DiverMotionTest, ClosedLapHasItsLengthAndRepeatsInPoseVelocityAndAcceleration) {
+    const auto lap = DiverMotion::closed_lap({}, 9.0, 10.0, 4);
+    const double lap_s = lap.duration_s();
+    EXPECT_NEAR(polyline_m(lap, lap_s), 9.0, 0.01);
+    EXPECT_NEAR(lap_s * 10.0, std::round(lap_s * 10.0), 1e-9);
+    for (const double t_s : {0.0, 0.4 * lap_s, lap_s - 0.01}) {
+        const MotionState first = lap.at(t_s);
+        const MotionState second = lap.at(t_s + lap_s);
+        EXPECT_TRUE(first.T_world_imu.isApprox(second.T_world_imu, 1e-9));
+        EXPECT_LT((first.velocity_world - second.velocity_world).norm(), 1e-9);
+        EXPECT_LT((first.acceleration_world - second.acceleration_world).norm(), 1e-9);
+        EXPECT_LT((first.angular_velocity_imu - second.angular_velocity_imu).norm(), 1e-9);
+    }
+}
+
+TEST(DiverMotionTest, LapThatDoesNotFitTheSceneIsRefused) {
+    EXPECT_THROW(DiverMotion::closed_lap({}, 500.0, 10.0, 4), Error);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

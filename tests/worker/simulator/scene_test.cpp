@@ -1,0 +1,98 @@
+#include "worker/simulator/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "worker/simulator/ray_caster.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Some ray towards the point, from one of 26 sides, ends at it.
+bool lies_on_surface(const RayCaster& caster, const Eigen::Vector3f& p) {
+    constexpr float kAway_m = 0.02F;
+    for (int i = 0; i < 27; ++i) {
+        const Eigen::Vector3f side(static_cast<float>(i % 3 - 1),
+                                   static_cast<float>(i / 3 % 3 - 1),
+                                   static_cast<float>(i / 9 - 1));
+        if (side.isZero()) continue;
+        // Aimed a hair inside, as the ends are on edges and corners.
+        const Eigen::Vector3f from = kAway_m * side.normalized();
+        const RayHit hit = caster.cast(p + from, -from.normalized());
+        if (hit.valid() && std::abs(hit.t - kAway_m) < 5e-4F) return true;
+    }
+    return false;
+}
+
+class EverySceneTest : public ::testing::TestWithParam<SceneKind> {};
+
+TEST_P(EverySceneTest, MeasuredLengthsEndOnTheSurface) {
+    const Scene scene = make_scene(GetParam(), 11, 1);
+    const RayCaster caster(scene.vertices, scene.triangles);
+    ASSERT_GE(scene.distances.size(), 5U);
+    for (const SceneDistance& entry : scene.distances) {
+        EXPECT_NEAR((entry.distance.a_world - entry.distance.b_world).norm(),
+                    entry.distance.distance_m,
+                    1e-6);
+        EXPECT_TRUE(lies_on_surface(caster, entry.distance.a_world.cast<float>()))
+            << entry.distance.name << " a";
+        EXPECT_TRUE(lies_on_surface(caster, entry.distance.b_world.cast<float>()))
+            << entry.distance.name << " b";
+    }
+}
+
+TEST_P(EverySceneTest, NothingStandsInTheWayOfTheDiver) {
+    const Scene scene = make_scene(GetParam(), 12, 1);
+    const RayCaster caster(scene.vertices, scene.triangles);
+    const auto motion = DiverMotion::open_path(scene.path, 12.0, 12);
+    for (double t_s = 0.0; t_s < motion.duration_s(); t_s += 0.5) {
+        const MotionState state = motion.at(t_s);
+        const Eigen::Vector3f from = state.T_world_imu.translation().cast<float>();
+        for (const Eigen::Vector3d& side : {Eigen::Vector3d(1, 0, 0),
+                                            Eigen::Vector3d(1, 1, 0),
+                                            Eigen::Vector3d(1, -1, 0),
+                                            Eigen::Vector3d(0, 0, -1)}) {
+            const Eigen::Vector3d direction = state.T_world_imu.linear() * side.normalized();
+            EXPECT_FALSE(caster.is_blocked(from, direction.cast<float>(), 0.35F)) << t_s << " s";
+        }
+    }
+}
+
+TEST_P(EverySceneTest, AYearChangesTheListedObjectsAndNothingElse) {
+    const auto objects_of = [](const Scene& scene) {
+        std::map<std::string, Eigen::AlignedBox3f> boxes;
+        for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+            for (const std::uint32_t vertex : scene.triangles[i])
+                boxes[scene.objects[scene.triangle_object[i]].name].extend(scene.vertices[vertex]);
+        return boxes;
+    };
+    const auto before = objects_of(make_scene(GetParam(), 11, 1));
+    const Scene later = make_scene(GetParam(), 11, 2);
+    auto after = objects_of(later);
+    ASSERT_FALSE(later.changes.empty());
+    for (const SceneChange& change : later.changes) {
+        EXPECT_EQ(before.contains(change.name), change.kind != "new") << change.name;
+        EXPECT_EQ(after.contains(change.name), change.kind != "loss") << change.name;
+        if (change.kind == "growth") {
+            EXPECT_NEAR(
+                change.volume_after_m3 / change.volume_before_m3, std::pow(7.0 / 6.0, 3), 0.01);
+        }
+        after.erase(change.name);
+    }
+    for (const auto& [name, box] : after) {
+        ASSERT_TRUE(before.contains(name)) << name;
+        EXPECT_TRUE(box.isApprox(before.at(name))) << name;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes,
+                         EverySceneTest,
+                         ::testing::Values(SceneKind::Tank, SceneKind::Barge, SceneKind::Reef),
+                         [](const auto& instance) {
+                             return std::string(to_string(instance.param));
+                         });
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,208 @@
+#include "worker/steps/match_stereo.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "tests/paths.hpp"
+#include "tests/worker/stereo/warped_pair.hpp"
+#include "worker/stereo/block_matcher.hpp"
+#include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/speckles.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+double slanted(double x, double y) { return 14.0 + 0.05 * x + 0.03 * y; }
+
+DepthMap match(const std::string& matcher,
+               const cv::Mat& left,
+               const cv::Mat& right,
+               int num_disparities) {
+    ReconstructionOptions options;
+    options.stereo = matcher;
+    options.num_disparities_px = num_disparities;
+    RectifiedRig rig;
+    rig.width_px = left.cols;
+    rig.height_px = left.rows;
+    RectifiedFrame frame;
+    frame.left = left;
+    frame.right = right;
+    return StereoMatcher(rig, options).match(frame);
+}
+
+class EveryMatcher : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryMatcher, FindsASlantedPlaneToAFractionOfAPixel) {
+    const auto pair = make_warped_pair(slanted);
+    const auto depth = match(GetParam(), pair.left, pair.right, 64);
+    const auto error = compare_disparity(depth.disparity_px, pair.disparity_px, 63.0);
+    EXPECT_GT(error.density, 0.8);
+    EXPECT_LT(error.bad1, 0.005);
+    EXPECT_LT(error.median_px, 0.2);
+    EXPECT_LT(std::abs(error.mean_px), 0.05);
+}
+
+TEST_P(EveryMatcher, BearsAnotherGainAndBiasInTheRightCamera) {
+    WarpedPairOptions options;
+    options.right_gain = 0.9;
+    options.right_bias = 8.0;
+    const auto pair = make_warped_pair(slanted, options);
+    const auto depth = match(GetParam(), pair.left, pair.right, 64);
+    const auto error = compare_disparity(depth.disparity_px, pair.disparity_px, 63.0);
+    EXPECT_GT(error.density, 0.75);
+    EXPECT_LT(error.bad1, 0.01);
+}
+
+TEST_P(EveryMatcher, LeavesWaterWithoutTextureUnknown) {
+    WarpedPairOptions options;
+    options.contrast = 0.0;
+    const auto pair = make_warped_pair(slanted, options);
+    const auto depth = match(GetParam(), pair.left, pair.right, 64);
+    EXPECT_LT(cv::countNonZero(depth.disparity_px > 0.0F), 320 * 240 / 100);
+}
+
+TEST_P(EveryMatcher, GivesAStandardDeviationWhereItGivesADisparity) {
+    const auto pair = make_warped_pair(slanted);
+    const auto depth = match(GetParam(), pair.left, pair.right, 64);
+    const cv::Mat known = depth.disparity_px > 0.0F;
+    EXPECT_EQ(cv::countNonZero(known != (depth.sigma_disparity_px > 0.0F)), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Matchers,
+                         EveryMatcher,
+                         testing::Values("block", "opencv_sgbm", "sgm"),
+                         [](const auto& matcher) { return matcher.param; });
+
+TEST(CensusSgm, EveryInstructionSetGivesTheSameIntegers) {
+    const auto pair = make_warped_pair(slanted);
+    const cv::Mat a = CensusSgm(64, Instructions::Baseline).compute(pair.left, pair.right);
+    const cv::Mat b = CensusSgm(64).compute(pair.left, pair.right);
+    EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
+}
+
+TEST(BlockMatcher, EveryInstructionSetGivesTheSameIntegers) {
+    const auto pair = make_warped_pair(slanted);
+    const cv::Mat a = BlockMatcher(64, Instructions::Baseline).compute(pair.left, pair.right);
+    const cv::Mat b = BlockMatcher(64).compute(pair.left, pair.right);
+    EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
+}
+
+TEST(RefineDisparity, EveryInstructionSetGivesTheSameBytes) {
+    const auto pair = make_warped_pair(slanted);
+    cv::Mat a = CensusSgm(64).compute(pair.left, pair.right);
+    cv::Mat b = a.clone();
+    refine_disparity(pair.left, pair.right, a, Instructions::Baseline);
+    refine_disparity(pair.left, pair.right, b);
+    EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
+}
+
+// Raw winners crowd at whole pixels, which makes steps of a ramp; the ramp's slope is 1/20 px per
+// pixel here, so that a locked disparity is off by up to half a pixel.
+TEST(RefineDisparity, FreesTheDisparityFromPixelLocking) {
+    const auto pair = make_warped_pair(slanted);
+    const cv::Mat raw = CensusSgm(64).compute(pair.left, pair.right);
+    cv::Mat refined = raw.clone();
+    refine_disparity(pair.left, pair.right, refined);
+    const auto before = compare_disparity(raw, pair.disparity_px, 63.0);
+    const auto after = compare_disparity(refined, pair.disparity_px, 63.0);
+    EXPECT_LT(after.median_px, 0.5 * before.median_px);
+    EXPECT_LT(after.median_px, 0.06);
+}
+
+TEST(SmoothOnPlane, LeavesAnyPlaneAndEveryStepAsItIs) {
+    cv::Mat disparity(40, 60, CV_32F);
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 60; ++x)
+            disparity.at<float>(y, x) = 20.0F + 0.25F * static_cast<float>(x) -
+                                        0.5F * static_cast<float>(y) + (x < 30 ? 0.0F : 9.0F);
+    const cv::Mat smooth = smooth_on_plane(disparity, 0.5F);
+    EXPECT_LT(cv::norm(smooth, disparity, cv::NORM_INF), 1e-4);
+}
+
+TEST(RemoveSpeckles, KeepsLargeIslandsAndRemovesSmallOnes) {
+    cv::Mat disparity(60, 60, CV_32F, cv::Scalar(0.0));
+    disparity(cv::Rect(5, 5, 20, 20)).setTo(30.0);  // 400 pixels
+    disparity(cv::Rect(40, 40, 5, 5)).setTo(30.0);  // 25
+    disparity(cv::Rect(10, 10, 5, 5)).setTo(50.0);  // 25 in the middle of the large one
+    remove_speckles(disparity, 100, 1.0F);
+    EXPECT_EQ(cv::countNonZero(disparity), 400 - 25);
+}
+
+TEST(ImageNoise, IsThatOfTheSensorNotOfTheTexture) {
+    for (const double noise : {1.5, 3.0, 5.0}) {
+        WarpedPairOptions options;
+        options.noise = noise;
+        options.contrast = 0.3;
+        const auto pair = make_warped_pair(slanted, options);
+        EXPECT_NEAR(image_noise(pair.left), noise, 0.25 * noise) << noise;
+    }
+}
+
+// Of the disparities given with a standard deviation s, about two thirds must be within s. The
+// formula knows of image noise alone, so matches may be somewhat better or worse.
+TEST(DisparitySigma, TellsTheOrderOfTheRealError) {
+    WarpedPairOptions options;
+    options.noise = 4.0;
+    options.contrast = 0.4;
+    const auto pair = make_warped_pair(slanted, options);
+    const auto depth = match("sgm", pair.left, pair.right, 64);
+    double sum = 0.0;
+    int num = 0;
+    for (int y = 10; y < 230; ++y)
+        for (int x = 70; x < 310; ++x) {
+            const float d = depth.disparity_px.at<float>(y, x);
+            const double ratio =
+                (d - pair.disparity_px.at<float>(y, x)) / depth.sigma_disparity_px.at<float>(y, x);
+            if (d <= 0.0F || std::abs(ratio) > 6.0) continue;
+            sum += ratio * ratio;
+            ++num;
+        }
+    EXPECT_GT(num, 10000);
+    EXPECT_GT(std::sqrt(sum / num), 0.3);
+    EXPECT_LT(std::sqrt(sum / num), 2.0);
+}
+
+struct MiddleburyPair {
+    cv::Mat left, right, disparity_px;
+};
+
+MiddleburyPair read_middlebury(const std::string& folder,
+                               const std::array<std::string, 3>& files,
+                               double scale) {
+    const auto path = shared_data("middlebury") / folder;
+    MiddleburyPair pair;
+    pair.left = cv::imread((path / files[0]).string(), cv::IMREAD_GRAYSCALE);
+    pair.right = cv::imread((path / files[1]).string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat truth = cv::imread((path / files[2]).string(), cv::IMREAD_GRAYSCALE);
+    if (!truth.empty()) truth.convertTo(pair.disparity_px, CV_32F, 1.0 / scale);
+    return pair;
+}
+
+// Against OpenCV's semi-global matcher on photographs with measured truth.
+TEST(Middlebury, SgmIsAtLeastAsAccurateAndDenseAsOpenCv) {
+    if (!std::filesystem::exists(shared_data("middlebury")))
+        GTEST_SKIP()
+            << "no Middlebury pairs: set DIVEMESH_SHARED to the folder with the shared data";
+    const auto cones = read_middlebury("Cones", {"im2.png", "im6.png", "disp2.png"}, 4.0);
+    const auto cloth = read_middlebury("Cloth3", {"view1.png", "view5.png", "disp1.png"}, 2.0);
+    for (const auto* pair : {&cones, &cloth}) {
+        const int range = pair == &cones ? 64 : 128;
+        const auto score = [&](const char* matcher) {
+            const auto depth = match(matcher, pair->left, pair->right, range);
+            return compare_disparity(depth.disparity_px, pair->disparity_px, range - 1.0);
+        };
+        const auto own = score("sgm");
+        const auto opencv = score("opencv_sgbm");
+        EXPECT_LT(own.bad1, 1.02 * opencv.bad1);
+        EXPECT_LT(own.median_px, opencv.median_px);
+        EXPECT_GT(own.density, opencv.density);
+    }
+}
+
+}  // namespace
+}  // namespace divemesh::worker

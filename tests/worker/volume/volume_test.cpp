@@ -1,0 +1,231 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "schemas/error.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/worker/volume/synthetic_views.hpp"
+#include "worker/steps/add_points.hpp"
+#include "worker/steps/extract_surface.hpp"
+#include "worker/volume/mesh_components.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kVoxel_m = 0.015;
+
+ReconstructionOptions options_for(const std::string& fusion, int num_threads = 1) {
+    ReconstructionOptions options;
+    options.fusion = fusion;
+    options.voxel_m = kVoxel_m;
+    options.max_depth_m = 4.0;
+    options.num_threads = num_threads;
+    return options;
+}
+
+std::unique_ptr<Volume> fuse_views(const SceneDistance& scene,
+                                   const std::vector<Eigen::Isometry3d>& poses,
+                                   const ReconstructionOptions& options,
+                                   const ViewNoise& noise = {}) {
+    auto volume = make_volume(small_rig(), options, 1.0);
+    unsigned seed = 0;
+    for (const auto& pose : poses) {
+        const auto view = render_view(scene, small_rig(), pose, noise, ++seed);
+        volume->integrate(view.keyframe, view.images);
+    }
+    return volume;
+}
+
+std::vector<double> distances_from(const SceneDistance& scene, const Mesh& mesh) {
+    std::vector<double> distances;
+    for (const auto& vertex : mesh.vertices)
+        distances.push_back(std::abs(scene(vertex.cast<double>())));
+    std::sort(distances.begin(), distances.end());
+    return distances;
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class BothVolumes : public testing::TestWithParam<std::string> {};
+
+TEST_P(BothVolumes, ExactDepthOfAnAnalyticSceneComesOutToAFifthOfAVoxel) {
+    const auto options = options_for(GetParam());
+    const auto volume = fuse_views(bump_on_floor, views_from_above(8, 1.2), options);
+    const Mesh mesh = extract_surface(*volume, options);
+    const auto distances = distances_from(bump_on_floor, mesh);
+    ASSERT_GT(distances.size(), 2000U);
+    EXPECT_LT(distances[distances.size() / 2], 0.2 * kVoxel_m);
+    EXPECT_LT(distances[distances.size() * 95 / 100], 0.7 * kVoxel_m);
+    EXPECT_EQ(check_topology(mesh).num_misoriented_edges, 0);
+    EXPECT_EQ(check_topology(mesh).num_nonmanifold_edges, 0);
+}
+
+TEST_P(BothVolumes, NormalsAndTrianglesFaceTheCameras) {
+    const auto options = options_for(GetParam());
+    const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
+    const Mesh mesh = extract_surface(*volume, options);
+    std::size_t num_away = 0;  // seen from the cameras, all of which are above
+    for (const auto& t : mesh.triangles) {
+        const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                                           .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        if (normal.z() < -0.3F * normal.norm()) ++num_away;
+    }
+    ASSERT_GT(mesh.triangles.size(), 4000U);
+    EXPECT_LT(num_away, mesh.triangles.size() / 200);
+}
+
+TEST_P(BothVolumes, NoisyViewsOfAWallMakeOneWall) {
+    const SceneDistance wall = [](const Eigen::Vector3d& p) { return p.z(); };
+    const auto options = options_for(GetParam());
+    const auto volume = fuse_views(
+        wall, views_from_above(20, 1.2), options, {.sigma_px = 0.25, .stated_sigma_px = 0.25});
+    const Mesh mesh = extract_surface(*volume, options);
+    const MeshComponents components = find_components(mesh);
+    EXPECT_EQ(components.area_m2.size(), 1U);
+    // As large as its shadow on the wall: a second layer would double it.
+    double shadow = 0.0;
+    for (const auto& t : mesh.triangles) {
+        const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                                           .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        shadow += 0.5 * normal.z();
+    }
+    EXPECT_LT(check_topology(mesh).area_m2, 1.3 * shadow);
+    const auto distances = distances_from(wall, mesh);
+    EXPECT_LT(distances[distances.size() / 2], 0.004);
+}
+
+TEST_P(BothVolumes, OneThreadAndTwoGiveTheSameBytes) {
+    const TemporaryFolder folder;
+    std::vector<Mesh> meshes;
+    for (const int num_threads : {1, 2}) {
+        const auto options = options_for(GetParam(), num_threads);
+        const auto volume = fuse_views(bump_on_floor, views_from_above(3, 1.2), options);
+        volume->save(folder / std::to_string(num_threads));
+        meshes.push_back(extract_surface(*volume, options));
+    }
+    EXPECT_EQ(bytes_of(folder / "1"), bytes_of(folder / "2"));
+    EXPECT_EQ(meshes[0].vertices, meshes[1].vertices);
+    EXPECT_EQ(meshes[0].triangles, meshes[1].triangles);
+    EXPECT_EQ(meshes[0].colors, meshes[1].colors);
+}
+
+TEST_P(BothVolumes, ASavedVolumeGivesTheSameMeshAndCloud) {
+    const TemporaryFolder folder;
+    const auto options = options_for(GetParam());
+    const auto volume = fuse_views(bump_on_floor, views_from_above(4, 1.2), options);
+    volume->save(folder / "volume");
+    const auto loaded = load_volume(folder / "volume");
+    EXPECT_EQ(loaded->voxel_m(), volume->voxel_m());
+    EXPECT_EQ(extract_surface(*loaded, options).vertices,
+              extract_surface(*volume, options).vertices);
+    EXPECT_EQ(loaded->cloud().points, volume->cloud().points);
+}
+
+TEST_P(BothVolumes, AFileCutShortIsATypedError) {
+    const TemporaryFolder folder;
+    const auto options = options_for(GetParam());
+    fuse_views(bump_on_floor, views_from_above(2, 1.2), options)->save(folder / "volume");
+    const auto size = std::filesystem::file_size(folder / "volume");
+    for (const auto keep : {size - 1, size / 2, std::uintmax_t{40}, std::uintmax_t{0}}) {
+        std::filesystem::resize_file(folder / "volume", keep);
+        EXPECT_THROW(load_volume(folder / "volume"), Error) << keep;
+    }
+    std::ofstream(folder / "other") << "not a volume at all";
+    EXPECT_THROW(load_volume(folder / "other"), Error);
+}
+
+TEST_P(BothVolumes, BothMeshersFindTheSameSurface) {
+    auto options = options_for(GetParam());
+    const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
+    const double nets = check_topology(extract_surface(*volume, options)).area_m2;
+    options.mesher = "marching_cubes";
+    const double cubes = check_topology(extract_surface(*volume, options)).area_m2;
+    EXPECT_NEAR(nets / cubes, 1.0, 0.12);  // the nets end one voxel earlier at the rim
+}
+
+TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
+    const auto options = options_for(GetParam());
+    auto volume = make_volume(small_rig(), options, 1.0);
+    const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
+    const SceneDistance with_fish = [](const Eigen::Vector3d& p) {
+        return std::min(p.z(), (p - Eigen::Vector3d(0.0, 0.0, 0.5)).norm() - 0.12);
+    };
+    const auto poses = views_from_above(8, 1.2);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        const auto view = render_view(i == 3 ? with_fish : floor, small_rig(), poses[i]);
+        volume->integrate(view.keyframe, view.images);
+    }
+    for (const auto& vertex : extract_surface(*volume, options).vertices)
+        EXPECT_LT(vertex.z(), 0.1F);
+}
+
+INSTANTIATE_TEST_SUITE_P(Volumes,
+                         BothVolumes,
+                         testing::Values("tsdf", "octree"),
+                         [](const auto& volume) { return volume.param; });
+
+// Fish in half of the views, each time elsewhere: the rays of the others go through.
+TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
+    const auto options = options_for("tsdf");
+    auto volume = make_volume(small_rig(), options, 1.0);
+    const auto poses = views_from_above(12, 1.2);
+    for (int i = 0; i < 12; ++i) {
+        const double along = 0.02 * i;  // slow: three views or more agree on a part of it
+        const SceneDistance scene = [&](const Eigen::Vector3d& p) {
+            const double fish = (p - Eigen::Vector3d(along, 0.0, 0.45)).norm() - 0.12;
+            return i % 12 < 4 ? std::min(p.z(), fish) : p.z();
+        };
+        const auto view = render_view(scene, small_rig(), poses[i]);
+        volume->integrate(view.keyframe, view.images);
+    }
+    for (const auto& vertex : extract_surface(*volume, options).vertices)
+        EXPECT_LT(vertex.z(), 0.1F);
+}
+
+// The variance of depth grows with the fourth power of the range: views from 1.6 m, all wrong by
+// the same 0.15 px (18 mm), move what views from 0.8 m saw right by less than a tenth of what equal
+// weights would.
+TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
+    const SceneDistance wall = [](const Eigen::Vector3d& p) { return p.z(); };
+    const auto options = options_for("tsdf");
+    auto volume = make_volume(small_rig(), options, 1.0);
+    const double far_m = 1.6, bias_px = 0.15;
+    const RectifiedRig rig = small_rig();
+    const double far_error_m = far_m - rig.depth_m(rig.disparity_px(far_m) + bias_px);
+    for (const auto& pose : views_from_above(5, 0.8)) {
+        const auto near = render_view(wall, rig, pose);
+        volume->integrate(near.keyframe, near.images);
+    }
+    for (const auto& pose : views_from_above(5, far_m)) {
+        const auto far = render_view(wall, rig, pose, {.bias_px = bias_px});
+        volume->integrate(far.keyframe, far.images);
+    }
+    std::vector<double> heights;
+    for (const auto& vertex : extract_surface(*volume, options).vertices)
+        if (vertex.head<2>().norm() < 0.15F) heights.push_back(vertex.z());
+    ASSERT_GT(heights.size(), 50U);
+    std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
+    const double share = std::pow(0.8 / far_m, 4) / (1.0 + std::pow(0.8 / far_m, 4));
+    EXPECT_NEAR(heights[heights.size() / 2], share * far_error_m, 0.35 * share * far_error_m);
+    EXPECT_LT(heights[heights.size() / 2], 0.5 * far_error_m * 0.25);
+}
+
+TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {
+    RectifiedRig rig;
+    rig.focal_px = 495.0;
+    rig.baseline_m = 0.12;
+    EXPECT_NEAR(choose_voxel_m(rig, 2.0), 0.009, 0.002);
+    EXPECT_LT(choose_voxel_m(rig, 1.0), choose_voxel_m(rig, 2.0));
+    EXPECT_GT(choose_max_depth_m(rig, 0.01), 3.0);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

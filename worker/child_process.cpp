@@ -1,0 +1,108 @@
+#include "worker/child_process.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "schemas/error.hpp"
+#include "worker/attempt_protocol.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+void limit(int resource, std::int64_t bytes) {
+    if (bytes <= 0) return;
+    const rlimit value{static_cast<rlim_t>(bytes), static_cast<rlim_t>(bytes)};
+    setrlimit(static_cast<__rlimit_resource_t>(resource), &value);
+}
+
+// Between fork and exec in a process with threads: async-signal-safe calls alone.
+[[noreturn]] void become(char* const* arguments,
+                         int pipe_end,
+                         pid_t parent,
+                         const ProcessLimits& limits) {
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(127);  // it died before the line above
+    const int null = open("/dev/null", O_RDONLY);
+    dup2(null, STDIN_FILENO);
+    dup2(pipe_end, kAttemptPipe);  // dup2 clears close-on-exec
+    if (pipe_end == kAttemptPipe) fcntl(pipe_end, F_SETFD, 0);
+    for (const int ended : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) std::signal(ended, SIG_DFL);
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, nullptr);
+    limit(RLIMIT_AS, limits.max_memory_bytes);
+    limit(RLIMIT_FSIZE, limits.max_file_bytes);
+    const rlimit no_core{0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+    execv(arguments[0], arguments);
+    _exit(127);
+}
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::vector<std::string>& command, const ProcessLimits& limits) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        throw Error(ErrorCode::Unavailable, std::string("pipe: ") + std::strerror(errno));
+    std::vector<char*> arguments;
+    for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    const pid_t parent = getpid();
+
+    pid_ = fork();
+    if (pid_ == 0) become(arguments.data(), ends[1], parent, limits);
+    const int failure = errno;
+    close(ends[1]);
+    pipe_ = ends[0];
+    if (pid_ < 0) {
+        close(pipe_);
+        throw Error(ErrorCode::Unavailable, std::string("fork: ") + std::strerror(failure));
+    }
+    setpgid(pid_, pid_);  // both sides do it: whoever comes first
+}
+
+ChildProcess::~ChildProcess() {
+    if (!end_) {  // once reaped, the number may be somebody else's
+        signal_group(SIGKILL);
+        int status = 0;
+        while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+        }
+    }
+    close(pipe_);
+}
+
+void ChildProcess::signal_group(int signal) const { kill(-pid_, signal); }
+
+bool ChildProcess::read_some(std::string& buffer, int timeout_ms) {
+    pollfd ready{.fd = pipe_, .events = POLLIN, .revents = 0};
+    if (poll(&ready, 1, timeout_ms) <= 0) return true;
+    char bytes[65536];
+    const auto n = ::read(pipe_, bytes, sizeof bytes);
+    if (n > 0) buffer.append(bytes, static_cast<std::size_t>(n));
+    return n > 0 || (n < 0 && errno == EINTR);
+}
+
+std::optional<ProcessEnd> ChildProcess::poll_end() {
+    if (end_) return end_;
+    siginfo_t ended{};
+    if (waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+        ended.si_pid != pid_)
+        return std::nullopt;
+    signal_group(SIGKILL);  // what it started itself; until it is reaped, the number is its own
+    int status = 0;
+    while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+    }
+    end_ = WIFSIGNALED(status) ? ProcessEnd{.signal = WTERMSIG(status)}
+                               : ProcessEnd{.exit_code = WEXITSTATUS(status)};
+    return end_;
+}
+
+}  // namespace divemesh::worker

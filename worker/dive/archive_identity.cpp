@@ -1,0 +1,15 @@
+#include "worker/dive/archive_identity.hpp"
+
+#include "worker/dive/dive_files.hpp"
+#include "worker/dive/dive_source.hpp"
+
+namespace divemesh::worker {
+
+std::string archive_content_sha256(const std::filesystem::path& archive,
+                                   const ProgressCallback& progress) {
+    constexpr auto nowhere = "";  // hashes are made while unpacking: nothing has to be kept
+    const DiveFiles files(open_archive(archive, nowhere, DiveLimits{}, progress));
+    return files.content_sha256(ignore_progress);
+}
+
+}  // namespace divemesh::worker

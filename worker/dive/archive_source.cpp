@@ -1,0 +1,292 @@
+#include <algorithm>
+#include <archive.h>
+#include <archive_entry.h>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <locale.h>
+#include <string_view>
+#include <unordered_set>
+
+#include "schemas/content_hash.hpp"
+#include "worker/dive/dive_source.hpp"
+#include "worker/dive/entry_name.hpp"
+#include "worker/dive/pack_file.hpp"
+#include "worker/dive/refusal.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::int64_t kRatioCheckedFromBytes = std::int64_t{64} << 20;
+
+// libarchive takes names to the locale of the thread; this makes them UTF-8 whatever that is.
+class Utf8Names {
+public:
+    Utf8Names() : locale_(::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr)) {
+        if (locale_ != nullptr) previous_ = ::uselocale(locale_);
+    }
+    ~Utf8Names() {
+        if (locale_ == nullptr) return;
+        ::uselocale(previous_);
+        ::freelocale(locale_);
+    }
+    Utf8Names(const Utf8Names&) = delete;
+    Utf8Names& operator=(const Utf8Names&) = delete;
+
+private:
+    locale_t locale_;
+    locale_t previous_ = nullptr;
+};
+
+std::string folded(std::string_view name) {
+    std::string result(name);
+    for (char& c : result)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return result;
+}
+
+class ArchiveSource : public DiveSource {
+public:
+    ArchiveSource(const std::filesystem::path& archive,
+                  const std::filesystem::path& scratch,
+                  const DiveLimits& limits,
+                  const ProgressCallback& progress)
+        : name_(archive.filename().string()), pack_(scratch) {
+        Unpacker unpacker(*this, archive, limits, progress);
+        unpacker.run();
+        sort_files();
+    }
+
+    void read(const SourceFile& file, const Sink& sink) const override {
+        std::vector<char> piece(
+            static_cast<std::size_t>(std::min<std::int64_t>(1 << 20, file.size_bytes)));
+        for (std::int64_t done = 0; done < file.size_bytes;) {
+            const auto length = std::min<std::int64_t>(std::ssize(piece), file.size_bytes - done);
+            const std::span<char> part(piece.data(), static_cast<std::size_t>(length));
+            pack_.read(file.offset_bytes + done, part);
+            sink(part);
+            done += length;
+        }
+    }
+
+private:
+    // The one pass over the archive.
+    class Unpacker {
+    public:
+        Unpacker(ArchiveSource& source,
+                 const std::filesystem::path& path,
+                 const DiveLimits& limits,
+                 const ProgressCallback& progress);
+        void run();
+
+    private:
+        // "<archive> <what>" and "<archive> has an entry '<name>' <what>".
+        [[noreturn]] void refuse(const std::string& code,
+                                 const std::string& what,
+                                 const std::string& remedy) const;
+        [[noreturn]] void refuse_entry(const std::string& code,
+                                       const std::string& what,
+                                       const std::string& remedy) const;
+        [[noreturn]] void refuse_unreadable() const;
+        std::string reason() const;  // libarchive's words
+        bool next_entry();
+        void check_kind() const;
+        std::string checked_name();
+        void unpack(const std::string& name);
+        void check_sizes(std::int64_t file_bytes) const;
+        void report();
+
+        ArchiveSource& source_;
+        const DiveLimits& limits_;
+        const ProgressCallback& progress_;
+        Utf8Names utf8_names_;
+        FileDescriptor file_;
+        std::int64_t archive_bytes_ = 0;
+        std::unique_ptr<::archive, int (*)(::archive*)> reader_;
+        archive_entry* entry_ = nullptr;
+        std::string entry_name_;  // as the archive has it
+        std::int64_t num_entries_ = 0;
+        std::unordered_set<std::string> folded_names_;
+    };
+
+    std::string name_;
+    PackFile pack_;
+};
+
+ArchiveSource::Unpacker::Unpacker(ArchiveSource& source,
+                                  const std::filesystem::path& path,
+                                  const DiveLimits& limits,
+                                  const ProgressCallback& progress)
+    : source_(source),
+      limits_(limits),
+      progress_(progress),
+      file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)),
+      reader_(archive_read_new(), &archive_read_free) {
+    if (!file_.is_open())
+        throw Error(ErrorCode::Unavailable,
+                    "cannot open " + path.string() + ": " + std::strerror(errno));
+    if (reader_ == nullptr) throw std::bad_alloc();
+    archive_bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(path));
+    archive_read_support_format_tar(reader_.get());
+    archive_read_support_format_zip_seekable(reader_.get());
+    archive_read_support_filter_gzip(reader_.get());
+    archive_read_support_filter_zstd(reader_.get());
+    if (archive_read_open_fd(reader_.get(), file_.get(), 1 << 18) != ARCHIVE_OK)
+        refuse_unreadable();
+}
+
+void ArchiveSource::Unpacker::run() {
+    while (next_entry()) {
+        check_kind();
+        const std::string name = checked_name();
+        if (archive_entry_filetype(entry_) == AE_IFREG) unpack(name);
+        report();
+    }
+    if (num_entries_ == 0)
+        refuse("archive_empty", "is an empty archive", "Put the dive's folder into it.");
+}
+
+void ArchiveSource::Unpacker::refuse(const std::string& code,
+                                     const std::string& what,
+                                     const std::string& remedy) const {
+    const std::string name = printable(source_.name_);
+    throw Refusal(code, name, name + " " + what, remedy);
+}
+
+void ArchiveSource::Unpacker::refuse_entry(const std::string& code,
+                                           const std::string& what,
+                                           const std::string& remedy) const {
+    const std::string entry = printable(entry_name_);
+    const std::string name = printable(source_.name_);
+    throw Refusal(code, entry, name + " has an entry '" + entry + "' " + what, remedy);
+}
+
+void ArchiveSource::Unpacker::refuse_unreadable() const {
+    refuse("not_an_archive",
+           "is not a zip, tar, tar.gz or tar.zst archive, or it is cut short (" + reason() + ")",
+           "Make the archive again and upload it again.");
+}
+
+std::string ArchiveSource::Unpacker::reason() const {
+    const char* text = archive_error_string(reader_.get());
+    return text != nullptr ? printable(text) : "damaged";
+}
+
+bool ArchiveSource::Unpacker::next_entry() {
+    const int result = archive_read_next_header(reader_.get(), &entry_);
+    if (result == ARCHIVE_EOF) return false;
+    if (result != ARCHIVE_OK && result != ARCHIVE_WARN) {
+        if (num_entries_ == 0) refuse_unreadable();
+        refuse("archive_damaged",
+               "is damaged after the entry '" + printable(entry_name_) + "' (" + reason() + ")",
+               "Make the archive again and upload it again.");
+    }
+    if (++num_entries_ > limits_.max_entries)
+        refuse("archive_too_many_entries",
+               "has more than " + std::to_string(limits_.max_entries) + " entries",
+               "Pack one dive alone.");
+    // Filters can be stacked, and each layer multiplies what a bomb can do.
+    if (archive_filter_count(reader_.get()) > 2)
+        refuse("archive_nested", "is compressed more than once", "Compress it once.");
+    const char* name = archive_entry_pathname(entry_);
+    if (name == nullptr)
+        refuse("archive_entry_name",
+               "has an entry whose name cannot be read, after '" + printable(entry_name_) + "'",
+               "Rename it to plain text.");
+    entry_name_ = name;
+    return true;
+}
+
+void ArchiveSource::Unpacker::check_kind() const {
+    const auto refuse_kind = [&](const std::string& kind) {
+        refuse_entry("archive_entry_kind", "that is " + kind, "Leave it out of the archive.");
+    };
+    const auto kind = archive_entry_filetype(entry_);
+    if (archive_entry_hardlink(entry_) != nullptr) refuse_kind("a hard link");
+    if (archive_entry_symlink(entry_) != nullptr || kind == AE_IFLNK) refuse_kind("a link");
+    if (archive_entry_is_encrypted(entry_) != 0)
+        refuse_entry(
+            "archive_encrypted", "that is encrypted", "Make the archive without a password.");
+    if (kind != AE_IFREG && kind != AE_IFDIR) refuse_kind("a device, pipe or socket");
+}
+
+std::string ArchiveSource::Unpacker::checked_name() {
+    std::string_view name = entry_name_;
+    while (name.starts_with("./")) name.remove_prefix(2);
+    const bool is_folder = archive_entry_filetype(entry_) == AE_IFDIR;
+    if (is_folder && name.ends_with('/')) name.remove_suffix(1);
+    if (is_folder && (name.empty() || name == ".")) return "";
+    if (const auto problem = entry_name_problem(name); !problem.empty())
+        refuse_entry("archive_entry_name",
+                     "whose name " + problem,
+                     "Make the archive from inside the dive's folder, with plain names.");
+    if (!is_folder && !folded_names_.insert(folded(name)).second)
+        refuse_entry("archive_duplicate",
+                     "that is there twice, or once more in other letters' case",
+                     "Keep one of them.");
+    return std::string(name);
+}
+
+void ArchiveSource::Unpacker::unpack(const std::string& name) {
+    if (archive_entry_size_is_set(entry_) != 0) check_sizes(archive_entry_size(entry_));
+    SourceFile file{name, 0, source_.pack_.size_bytes(), ""};
+    Sha256 hash;
+    std::vector<char> piece(1 << 16);
+    while (true) {
+        const la_ssize_t got = archive_read_data(reader_.get(), piece.data(), piece.size());
+        if (got == 0) break;
+        if (got < 0)
+            refuse_entry("archive_damaged",
+                         "that cannot be read (" + reason() + ")",
+                         "Make the archive again and upload it again.");
+        const std::span<const char> bytes(piece.data(), static_cast<std::size_t>(got));
+        file.size_bytes += got;
+        check_sizes(file.size_bytes);
+        hash.update(bytes);
+        source_.pack_.append(bytes);
+        report();
+    }
+    file.sha256 = hash.hex();
+    source_.files_.push_back(std::move(file));
+}
+
+void ArchiveSource::Unpacker::check_sizes(std::int64_t file_bytes) const {
+    const std::int64_t unpacked = source_.pack_.size_bytes();
+    if (file_bytes > limits_.max_file_bytes)
+        refuse_entry("archive_too_large",
+                     "that is larger than " + std::to_string(limits_.max_file_bytes) + " bytes",
+                     "Leave it out or split it.");
+    if (unpacked > limits_.max_unpacked_bytes)
+        refuse_entry("archive_too_large",
+                     "that takes it beyond " + std::to_string(limits_.max_unpacked_bytes) +
+                         " bytes unpacked",
+                     "Split the dive.");
+    if (unpacked > kRatioCheckedFromBytes &&
+        static_cast<double>(unpacked) >
+            limits_.max_compression_ratio * static_cast<double>(archive_bytes_))
+        refuse_entry("archive_bomb",
+                     "that takes it to more than " +
+                         std::to_string(static_cast<int>(limits_.max_compression_ratio)) +
+                         " times its size: it looks like a decompression bomb",
+                     "Store pictures as PNG or JPEG, which do not shrink like that.");
+}
+
+void ArchiveSource::Unpacker::report() {
+    Progress progress;
+    progress.fraction =
+        std::min(1.0,
+                 static_cast<double>(archive_filter_bytes(reader_.get(), -1)) /
+                     static_cast<double>(std::max<std::int64_t>(1, archive_bytes_)));
+    progress_(progress);
+}
+
+}  // namespace
+
+std::unique_ptr<DiveSource> open_archive(const std::filesystem::path& archive,
+                                         const std::filesystem::path& scratch,
+                                         const DiveLimits& limits,
+                                         const ProgressCallback& progress) {
+    return std::make_unique<ArchiveSource>(archive, scratch, limits, progress);
+}
+
+}  // namespace divemesh::worker

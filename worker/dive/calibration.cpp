@@ -1,0 +1,287 @@
+#include "worker/dive/calibration.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "worker/dive/entry_name.hpp"
+#include "worker/dive/text.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kLargestRig_m = 5.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+std::optional<Distortion> distortion_from_text(const std::string& text) {
+    if (text == "radial-tangential" || text == "radtan" || text == "plumb_bob")
+        return Distortion::RadialTangential;
+    if (text == "equidistant" || text == "equi" || text == "fisheye")
+        return Distortion::Equidistant;
+    if (text == "none" || text.empty()) return Distortion::None;
+    return std::nullopt;
+}
+
+bool is_whole_in(double value, double low, double high) {
+    return value >= low && value <= high && value == std::floor(value);
+}
+
+// Reads the camera's own figures; errors of one kind each.
+class CameraReader {
+public:
+    CameraReader(const SensorYaml& yaml, const std::string& file, FindingLog& findings)
+        : yaml_(yaml), file_(file), findings_(findings) {}
+
+    std::optional<Camera> read() {
+        read_model();
+        read_resolution();
+        read_intrinsics();
+        read_distortion();
+        if (!good_) return std::nullopt;
+        check_distortion();
+        return camera_;
+    }
+
+private:
+    void fail(const std::string& code, const std::string& what, const std::string& remedy) {
+        findings_.error(code, file_, what, remedy);
+        good_ = false;
+    }
+
+    void read_model() {
+        if (yaml_.camera_model != "pinhole")
+            fail("calibration_model",
+                 "camera_model is '" + printable(yaml_.camera_model) + "', not pinhole",
+                 "Calibrate with the pinhole model.");
+    }
+
+    void read_resolution() {
+        const auto& size = yaml_.resolution;
+        if (size.size() != 2 || !is_whole_in(size[0], 16, 65535) ||
+            !is_whole_in(size[1], 16, 65535))
+            return fail("calibration_resolution",
+                        "resolution is missing or no pair of whole numbers from 16 to 65535",
+                        "Write resolution: [width, height] in pixels.");
+        camera_.width_px = static_cast<int>(size[0]);
+        camera_.height_px = static_cast<int>(size[1]);
+    }
+
+    void read_intrinsics() {
+        const auto& k = yaml_.intrinsics;
+        if (k.size() != 4)
+            return fail("calibration_intrinsics",
+                        "intrinsics has " + std::to_string(k.size()) + " numbers, not 4",
+                        "Write intrinsics: [fu, fv, cu, cv] in pixels.");
+        camera_.fx_px = k[0];
+        camera_.fy_px = k[1];
+        camera_.cx_px = k[2];
+        camera_.cy_px = k[3];
+        if (k[0] == 0.0 || k[1] == 0.0)
+            return fail("calibration_not_invertible",
+                        "a focal length is 0: the camera matrix cannot be inverted",
+                        "Calibrate the camera again.");
+        const double width = camera_.width_px;
+        const double height = camera_.height_px;
+        if (k[0] < 0.1 * width || k[0] > 20.0 * width || k[1] < 0.5 * k[0] || k[1] > 2.0 * k[0])
+            fail("calibration_intrinsics",
+                 "focal lengths " + significant(k[0]) + " and " + significant(k[1]) +
+                     " px cannot be those of a picture " + significant(width) + " px wide",
+                 "Write focal lengths in pixels of the recorded resolution.");
+        if (k[2] < 0.0 || k[3] < 0.0 || k[2] > width || k[3] > height)
+            fail("calibration_intrinsics",
+                 "the principal point (" + significant(k[2]) + ", " + significant(k[3]) +
+                     ") px lies outside the picture",
+                 "Write the calibration of the recorded resolution.");
+    }
+
+    void read_distortion() {
+        const auto model = distortion_from_text(yaml_.distortion_model);
+        if (!model)
+            return fail("calibration_distortion",
+                        "distortion_model is '" + printable(yaml_.distortion_model) + "'",
+                        "Use radial-tangential, equidistant or none.");
+        camera_.distortion = *model;
+        const auto& k = yaml_.distortion_coefficients;
+        const bool has_more = std::any_of(k.begin() + std::min<std::ptrdiff_t>(4, std::ssize(k)),
+                                          k.end(),
+                                          [](double value) { return value != 0.0; });
+        if (*model != Distortion::None && (k.size() < 4 || has_more))
+            return fail("calibration_distortion",
+                        "distortion_coefficients has " + std::to_string(k.size()) +
+                            " numbers where " + yaml_.distortion_model + " has 4",
+                        "Calibrate with four coefficients (k1 k2 p1 p2, or k1 k2 k3 k4).");
+        if (*model != Distortion::None)
+            std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
+    }
+
+    // Every pixel must come from one ray: back and forth along rays to the border of the picture.
+    void check_distortion() {
+        const Eigen::Vector2d centre(camera_.cx_px, camera_.cy_px);
+        const auto fails_at = [&](double share) {
+            for (int i = 0; i < 16; ++i) {
+                const double angle = i * 22.5 * kDegree;
+                const Eigen::Vector2d border(
+                    (0.5 + 0.5 * std::clamp(1.5 * std::cos(angle), -1.0, 1.0)) * camera_.width_px,
+                    (0.5 + 0.5 * std::clamp(1.5 * std::sin(angle), -1.0, 1.0)) * camera_.height_px);
+                const Eigen::Vector2d pixel = centre + share * (border - centre);
+                const auto back = camera_.project(camera_.unproject(pixel));
+                if (!back || !((*back - pixel).norm() < 0.5)) return true;
+            }
+            return false;
+        };
+        if (fails_at(0.6))
+            fail("calibration_not_invertible",
+                 "the lens distortion folds the picture over itself: it cannot be undone",
+                 "Calibrate the camera again; check the order of the coefficients.");
+        else if (fails_at(1.0))
+            findings_.warning("calibration_distortion",
+                              file_,
+                              "the lens distortion cannot be undone at the border of the picture",
+                              "Calibrate with corners seen near the border.");
+    }
+
+    const SensorYaml& yaml_;
+    const std::string& file_;
+    FindingLog& findings_;
+    Camera camera_;
+    bool good_ = true;
+};
+
+// x to the right, nearly along the baseline, and both cameras look the same way.
+bool is_stereo(const Eigen::Isometry3d& T_cam0_cam1) {
+    const Eigen::Vector3d baseline = T_cam0_cam1.translation();
+    const double angle = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle();
+    return baseline.x() > 0.7 * baseline.norm() && angle < 45.0 * kDegree;
+}
+
+std::string metres(const Eigen::Vector3d& v) {
+    return "x " + fixed(v.x(), 3) + ", y " + fixed(v.y(), 3) + ", z " + fixed(v.z(), 3) + " m";
+}
+
+constexpr const char* kCam1Yaml = "mav0/cam1/sensor.yaml";
+
+void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, FindingLog& findings) {
+    const Eigen::Isometry3d T_cam0_cam1 = cam0.T_body_cam.inverse() * cam1.T_body_cam;
+    if (is_stereo(T_cam0_cam1)) return;
+    const Eigen::Vector3d baseline = T_cam0_cam1.translation();
+    if (baseline.x() < -0.7 * baseline.norm())
+        return findings.error(
+            "baseline_sign",
+            kCam1Yaml,
+            "cam1 is to the left of cam0, at " + metres(baseline) +
+                " in cam0's frame: the cameras are swapped or T_BS is inverted",
+            "cam0 is the left camera; T_BS maps the sensor's coordinates to the body's.");
+    if (is_stereo(cam0.T_body_cam * cam1.T_body_cam.inverse()))
+        return findings.error(
+            "extrinsics_inverted",
+            kCam1Yaml,
+            "T_BS looks inverted: as written cam1 is at " + metres(baseline) +
+                " in cam0's frame, which is not to its right; the inverse puts it there",
+            "T_BS maps the sensor's coordinates to the body's: write the inverse of what is there "
+            "(Kalibr's T_cam_imu is the inverse of T_BS).");
+    const double angle_deg = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle() / kDegree;
+    findings.error("cameras_not_stereo",
+                   kCam1Yaml,
+                   "cam1 is at " + metres(baseline) + " in cam0's frame, turned by " +
+                       fixed(angle_deg, 1) + " degrees: this is no left-right pair",
+                   "Check T_BS of cam0 and cam1.");
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> rigid_motion(const SensorYaml& yaml,
+                                              const std::string& file,
+                                              FindingLog& findings) {
+    if (!yaml.T_body_sensor) return Eigen::Isometry3d::Identity();
+    const Eigen::Matrix4d& T = *yaml.T_body_sensor;
+    const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
+    const char* const remedy = "Write T_BS as a rotation and a translation in m, last row 0 0 0 1.";
+    if (std::abs(R.determinant()) < 1e-6) {
+        findings.error("calibration_not_invertible", file, "T_BS cannot be inverted", remedy);
+        return std::nullopt;
+    }
+    const double skew = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    const bool last_row_good =
+        (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() < 1e-6;
+    if (skew > 1e-3 || R.determinant() < 0.0 || !last_row_good) {
+        findings.error("calibration_not_rigid",
+                       file,
+                       "T_BS is no rotation and translation (R'R differs from 1 by " +
+                           significant(skew, 2) + ", determinant " + significant(R.determinant()) +
+                           ")",
+                       remedy);
+        return std::nullopt;
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Isometry3d T_body_sensor = Eigen::Isometry3d::Identity();
+    T_body_sensor.linear() = svd.matrixU() * svd.matrixV().transpose();
+    T_body_sensor.translation() = T.topRightCorner<3, 1>();
+    return T_body_sensor;
+}
+
+std::optional<CalibratedCamera> calibrated_camera(const SensorYaml& yaml,
+                                                  const std::string& file,
+                                                  FindingLog& findings) {
+    const auto camera = CameraReader(yaml, file, findings).read();
+    if (!yaml.T_body_sensor) {
+        findings.error("calibration_missing",
+                       file,
+                       "T_BS is missing: where the camera sits is not known",
+                       "Write T_BS (sensor to body) of both cameras.");
+        return std::nullopt;
+    }
+    const auto T_body_cam = rigid_motion(yaml, file, findings);
+    if (!camera || !T_body_cam) return std::nullopt;
+    return CalibratedCamera{*camera, *T_body_cam};
+}
+
+ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings) {
+    ImuNoise noise;
+    bool all_good = true;
+    const auto take = [&](const std::optional<double>& value, double& target) {
+        if (value && *value > 0.0 && *value < 100.0)
+            target = *value;
+        else
+            all_good = false;
+    };
+    take(yaml.gyroscope_noise_density, noise.gyroscope_noise_density);
+    take(yaml.gyroscope_random_walk, noise.gyroscope_random_walk);
+    take(yaml.accelerometer_noise_density, noise.accelerometer_noise_density);
+    take(yaml.accelerometer_random_walk, noise.accelerometer_random_walk);
+    if (!all_good)
+        findings.info("imu_noise_assumed",
+                      file,
+                      "the IMU's noise is not (fully) stated; that of a small MEMS is assumed");
+    return noise;
+}
+
+void check_stereo(const CalibratedCamera& cam0,
+                  const CalibratedCamera& cam1,
+                  FindingLog& findings) {
+    const double baseline_m = (cam0.T_body_cam.inverse() * cam1.T_body_cam).translation().norm();
+    if (baseline_m < 1e-4)
+        return findings.error("baseline_zero",
+                              kCam1Yaml,
+                              "the baseline is 0: cam0 and cam1 are in one place",
+                              "Write T_BS of each camera; translations are in m.");
+    if (baseline_m > kLargestRig_m)
+        return findings.error("baseline_absurd",
+                              kCam1Yaml,
+                              "the baseline is " + significant(baseline_m) + " m",
+                              "Write translations in m, not mm or cm.");
+    const double distance_m = cam0.T_body_cam.translation().norm();
+    if (distance_m > kLargestRig_m)
+        return findings.error("extrinsics_absurd",
+                              "mav0/cam0/sensor.yaml",
+                              "T_BS puts cam0 " + significant(distance_m) + " m from the body",
+                              "Write translations in m, not mm or cm.");
+    if (baseline_m < 0.005)
+        findings.warning("baseline_short",
+                         kCam1Yaml,
+                         "the baseline is only " + significant(baseline_m * 1e3) + " mm",
+                         "Check that T_BS has its translations in m.");
+    check_sides(cam0, cam1, findings);
+}
+
+}  // namespace divemesh::worker

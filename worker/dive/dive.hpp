@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schemas/finding.hpp"
+#include "worker/observer.hpp"
+#include "worker/recording.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+// What a hostile archive or picture may not exceed. Checked before anything is allocated.
+struct DiveLimits {
+    std::int64_t max_entries = 2'000'000;
+    std::int64_t max_unpacked_bytes = std::int64_t{512} << 30;
+    double max_compression_ratio = 100.0;  // of the archive as a whole, once it exceeds 64 MiB
+    std::int64_t max_file_bytes = std::int64_t{2} << 30;  // pictures: 64 MiB
+    std::int64_t max_image_pixels = 64'000'000;
+};
+
+// dive.json
+struct DiveInfo {
+    std::string name;
+    std::string site;
+    std::string rig;
+    std::string notes;
+    std::vector<std::string> tags;
+    std::optional<double> water_temperature_c;
+    std::optional<double> water_salinity_psu;
+};
+
+// measurements.json: a length that is known from elsewhere, its ends in the ground truth's world.
+struct KnownDistance {
+    std::string name;
+    Eigen::Vector3d a_world = Eigen::Vector3d::Zero();
+    Eigen::Vector3d b_world = Eigen::Vector3d::Zero();
+    double distance_m = 0.0;
+};
+
+// A dive on disk: a folder, or a zip, tar, tar.gz or tar.zst of it, in EuRoC/ASL layout with
+// `mav0/` or its parent as the root. An archive is read once and its accepted entries are kept in
+// one file of ours in `scratch`; entry names never become paths. Everything that was noticed is in
+// findings(); a dive that cannot be reconstructed has at least one error there.
+class Dive : public Recording {
+public:
+    // Throws Error{NotFound} when there is nothing at `path`, Error{BadData} with the reason when
+    // it is not a dive at all; whatever can be told as findings is told as findings. `progress` is
+    // called while an archive is unpacked and may throw Error{Cancelled}.
+    static std::unique_ptr<Dive> open(const std::filesystem::path& path,
+                                      const std::filesystem::path& scratch,
+                                      const DiveLimits& limits = {},
+                                      const ProgressCallback& progress = ignore_progress);
+
+    virtual const DiveInfo& info() const = 0;
+    virtual const std::vector<Finding>& findings() const = 0;  // grows as frames are read
+    virtual const std::string& content_sha256() const = 0;     // of the sorted (path, sha256) list
+    virtual double duration_s() const = 0;
+
+    virtual const Trajectory& ground_truth()
+        const = 0;  // empty: none; T_world_imu of its own world
+    virtual const std::vector<KnownDistance>& known_distances() const = 0;
+    virtual std::optional<Mesh> read_reference_mesh() const = 0;  // world of the ground truth
+};
+
+}  // namespace divemesh::worker

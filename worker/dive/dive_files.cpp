@@ -1,0 +1,88 @@
+#include "worker/dive/dive_files.hpp"
+
+#include <algorithm>
+
+#include "schemas/content_hash.hpp"
+#include "worker/dive/refusal.hpp"
+
+namespace divemesh::worker {
+
+DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(source)) {
+    std::vector<std::string> paths;
+    paths.reserve(source_->files().size());
+    for (const SourceFile& file : source_->files()) paths.push_back(file.path);
+    const auto root = find_dive_root(paths);
+    if (!root)
+        throw Refusal("not_a_dive",
+                      "",
+                      "this is not a dive: there is no folder mav0/ and no cam0/ in it",
+                      "A dive has mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on.");
+    for (const SourceFile& file : source_->files())
+        if (auto path = path_in_dive(*root, file.path))
+            entries_.push_back({std::move(*path), &file});
+    std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
+        return a.path < b.path;
+    });
+}
+
+const SourceFile* DiveFiles::find(std::string_view path) const {
+    const auto entry = std::lower_bound(
+        entries_.begin(), entries_.end(), path, [](const Entry& candidate, std::string_view key) {
+            return candidate.path < key;
+        });
+    return entry != entries_.end() && entry->path == path ? entry->file : nullptr;
+}
+
+std::int64_t DiveFiles::size_bytes(std::string_view path) const {
+    const SourceFile* file = find(path);
+    return file != nullptr ? file->size_bytes : 0;
+}
+
+std::optional<std::string> DiveFiles::read(std::string_view path, std::int64_t max_bytes) const {
+    const SourceFile* file = find(path);
+    if (file == nullptr || file->size_bytes > max_bytes) return std::nullopt;
+    std::string bytes;
+    bytes.reserve(static_cast<std::size_t>(file->size_bytes));
+    source_->read(*file,
+                  [&](std::span<const char> piece) { bytes.append(piece.data(), piece.size()); });
+    return bytes;
+}
+
+std::vector<std::string> DiveFiles::sensors() const {
+    constexpr std::string_view root = "mav0/";
+    std::vector<std::string> names;
+    for (const Entry& entry : entries_) {
+        const std::string_view path = entry.path;
+        const std::size_t slash = path.find('/', root.size());
+        if (!path.starts_with(root) || slash == std::string_view::npos) continue;
+        const std::string_view name = path.substr(root.size(), slash - root.size());
+        if (names.empty() || names.back() != name) names.emplace_back(name);
+    }
+    return names;
+}
+
+std::string DiveFiles::content_sha256(const ProgressCallback& progress) const {
+    std::int64_t total_bytes = 1;
+    for (const Entry& entry : entries_) total_bytes += entry.file->size_bytes;
+    std::int64_t done_bytes = 0;
+    std::vector<HashedFile> hashed;
+    hashed.reserve(entries_.size());
+    for (const Entry& entry : entries_) {
+        std::string sha256 = entry.file->sha256;
+        if (sha256.empty()) {
+            Sha256 hash;
+            source_->read(*entry.file, [&](std::span<const char> piece) {
+                hash.update(piece);
+                done_bytes += std::ssize(piece);
+                Progress state;
+                state.fraction = static_cast<double>(done_bytes) / static_cast<double>(total_bytes);
+                progress(state);
+            });
+            sha256 = hash.hex();
+        }
+        hashed.push_back({entry.path, std::move(sha256)});
+    }
+    return divemesh::content_sha256(std::move(hashed));
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/dive/dive_source.hpp"
+
+namespace divemesh::worker {
+
+// The files of a source under the dive's own names: "mav0/cam0/data.csv", "dive.json".
+class DiveFiles {
+public:
+    // Throws Error{BadData} when there is no dive among the files.
+    explicit DiveFiles(std::unique_ptr<DiveSource> source);
+
+    bool has(std::string_view path) const { return find(path) != nullptr; }
+    std::int64_t size_bytes(std::string_view path) const;
+    // Nothing when it is not there or larger than `max_bytes`. Any thread.
+    std::optional<std::string> read(std::string_view path, std::int64_t max_bytes) const;
+    // The names directly under "mav0/", sorted.
+    std::vector<std::string> sensors() const;
+    // See schemas/content_hash.hpp. Reads every file that is not hashed yet.
+    std::string content_sha256(const ProgressCallback& progress) const;
+
+private:
+    struct Entry {
+        std::string path;
+        const SourceFile* file = nullptr;
+    };
+    const SourceFile* find(std::string_view path) const;
+
+    std::unique_ptr<DiveSource> source_;
+    std::vector<Entry> entries_;  // sorted by path
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "worker/dive/dive.hpp"
+#include "worker/dive/finding_log.hpp"
+
+namespace divemesh::worker {
+
+// dive.json and measurements.json; what cannot be read is a warning and left out.
+DiveInfo parse_dive_info(std::string_view text, FindingLog& findings);
+std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingLog& findings);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "worker/dive/dive.hpp"
+#include "worker/dive/finding_log.hpp"
+
+namespace divemesh::worker {
+
+struct SourceFile {
+    std::string path;  // checked by entry_name_problem()
+    std::int64_t size_bytes = 0;
+    std::int64_t offset_bytes = 0;  // in the pack file of an archive
+    std::string sha256;             // "" until known
+};
+
+// The regular files of a dive, wherever they are. Reading may happen on several threads.
+class DiveSource {
+public:
+    virtual ~DiveSource() = default;
+
+    const std::vector<SourceFile>& files() const { return files_; }  // sorted by path, each once
+
+    using Sink = std::function<void(std::span<const char>)>;
+    // The file in pieces of at most 1 MiB. Throws Error{Unavailable} when it cannot be read.
+    virtual void read(const SourceFile& file, const Sink& sink) const = 0;
+
+protected:
+    void sort_files();
+
+    std::vector<SourceFile> files_;
+};
+
+// Links and special files are left out and reported. Throws as Dive::open() does.
+std::unique_ptr<DiveSource> open_folder(const std::filesystem::path& folder,
+                                        const DiveLimits& limits,
+                                        const ProgressCallback& progress,
+                                        FindingLog& findings);
+
+// Reads the archive once and keeps its files in one file of ours in `scratch` that has no name any
+// more. An entry that is no plain file or folder, or whose name is not what
+// entry_name_problem() lets through, throws Error{BadData} that names it; so does an archive that
+// exceeds the limits.
+std::unique_ptr<DiveSource> open_archive(const std::filesystem::path& archive,
+                                         const std::filesystem::path& scratch,
+                                         const DiveLimits& limits,
+                                         const ProgressCallback& progress);
+
+// One or the other, by what is at `path`.
+std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
+                                        const std::filesystem::path& scratch,
+                                        const DiveLimits& limits,
+                                        const ProgressCallback& progress,
+                                        FindingLog& findings);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/dive/finding_log.hpp"
+
+namespace divemesh::worker {
+
+// A row of a camera's data.csv.
+struct CameraRow {
+    std::int64_t timestamp_ns = 0;
+    std::string file;  // in the dive: "mav0/cam0/data/1403636584763555584.png"
+};
+
+// A left and a right picture of one moment.
+struct FramePair {
+    std::int64_t timestamp_ns = 0;  // of the left one
+    std::string left;
+    std::string right;
+};
+
+std::vector<CameraRow> parse_camera_rows(std::string_view text,
+                                         const std::string& camera,
+                                         FindingLog& findings);
+
+// Pairs each left picture with the nearest right one, at most half a frame period and 5 ms away.
+// What has no partner is counted in a finding; no pair at all is an error.
+std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
+                                   const std::vector<CameraRow>& right,
+                                   FindingLog& findings);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <future>
+#include <optional>
+#include <vector>
+
+#include "worker/dive/dive_files.hpp"
+#include "worker/dive/frame_list.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// A picture, or why there is none.
+struct LoadedPicture {
+    cv::Mat image;
+    std::string code;     // "" when there is one, else a finding's code
+    std::string problem;  // in words
+    bool was_16_bit = false;
+};
+
+LoadedPicture load_picture(const DiveFiles& files,
+                           const std::string& path,
+                           const Camera& camera,
+                           const DiveLimits& limits);
+
+// A pair as far as it could be loaded. Both pictures have as many channels as the left one.
+struct LoadedPair {
+    int index = 0;
+    LoadedPicture left;
+    LoadedPicture right;
+
+    bool is_complete() const { return !left.image.empty() && !right.image.empty(); }
+};
+
+// Hands out the pairs in order and decodes a few ahead on other threads; memory is bounded by
+// those.
+class FrameReader {
+public:
+    using Load = std::function<LoadedPair(int index)>;  // any thread
+
+    FrameReader(int num_pairs, int num_ahead, Load load)
+        : num_pairs_(num_pairs), num_ahead_(num_ahead), load_(std::move(load)) {}
+
+    std::optional<LoadedPair> next();
+    void rewind();
+
+private:
+    int num_pairs_;
+    int num_ahead_;
+    Load load_;
+    int next_to_load_ = 0;
+    std::deque<std::future<LoadedPair>> ahead_;
+};
+
+}  // namespace divemesh::worker

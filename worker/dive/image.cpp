@@ -1,0 +1,117 @@
+#include "worker/dive/image.hpp"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
+constexpr int kMaxJpegScans = 64;  // a progressive picture has about ten
+
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
+
+std::int64_t big_endian(std::string_view bytes, std::size_t offset, std::size_t length) {
+    std::int64_t value = 0;
+    for (std::size_t i = 0; i < length; ++i)
+        value = value << 8 | static_cast<unsigned char>(bytes[offset + i]);
+    return value;
+}
+
+// Signature, then IHDR: length, type, width, height, depth, colour type (PNG specification, 11.2).
+ImageHeader read_png_header(std::string_view bytes) {
+    if (bytes.size() < 33 || bytes.substr(12, 4) != "IHDR") fail("the PNG ends in its header");
+    ImageHeader header;
+    header.format = ImageFormat::Png;
+    header.width_px = big_endian(bytes, 16, 4);
+    header.height_px = big_endian(bytes, 20, 4);
+    header.bits_per_channel = static_cast<unsigned char>(bytes[24]);
+    const int color_type = static_cast<unsigned char>(bytes[25]);
+    header.num_channels = color_type == 0 || color_type == 4 ? 1 : 3;
+    return header;
+}
+
+// The frame header of baseline, extended and progressive pictures (ITU T.81, B.2.2).
+bool is_frame_marker(int marker) { return marker >= 0xc0 && marker <= 0xc2; }
+bool is_unknown_frame_marker(int marker) {
+    return marker >= 0xc3 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+}
+
+int num_jpeg_scans(std::string_view bytes) {
+    int count = 0;
+    for (std::size_t at = bytes.find("\xff\xda"); at != std::string_view::npos;
+         at = bytes.find("\xff\xda", at + 2))
+        ++count;
+    return count;
+}
+
+void check_jpeg_scans(std::string_view bytes, std::size_t first_scan) {
+    if (bytes.find("\xff\xd9", first_scan) == std::string_view::npos)
+        fail("the JPEG ends early: it was cut short");
+    if (num_jpeg_scans(bytes) > kMaxJpegScans) fail("the JPEG has an absurd number of scans");
+}
+
+ImageHeader read_jpeg_header(std::string_view bytes) {
+    ImageHeader header;
+    header.format = ImageFormat::Jpeg;
+    for (std::size_t at = 2; at + 4 <= bytes.size();) {
+        if (static_cast<unsigned char>(bytes[at]) != 0xff) fail("the JPEG's markers are damaged");
+        const int marker = static_cast<unsigned char>(bytes[at + 1]);
+        if (marker == 0xff) {  // fill byte
+            ++at;
+            continue;
+        }
+        const auto length = static_cast<std::size_t>(big_endian(bytes, at + 2, 2));
+        if (length < 2 || at + 2 + length > bytes.size()) fail("the JPEG ends in its header");
+        if (is_unknown_frame_marker(marker)) fail("the JPEG is of a kind that is not supported");
+        if (is_frame_marker(marker)) {
+            if (length < 8) fail("the JPEG's frame header is too short");
+            header.bits_per_channel = static_cast<unsigned char>(bytes[at + 4]);
+            header.height_px = big_endian(bytes, at + 5, 2);
+            header.width_px = big_endian(bytes, at + 7, 2);
+            header.num_channels = static_cast<unsigned char>(bytes[at + 9]);
+        }
+        if (marker == 0xda) {
+            if (header.num_channels == 0) fail("the JPEG has no frame header");
+            check_jpeg_scans(bytes, at);
+            return header;
+        }
+        at += 2 + length;
+    }
+    fail("the JPEG ends in its header");
+}
+
+}  // namespace
+
+ImageHeader read_image_header(std::string_view bytes) {
+    ImageHeader header;
+    if (bytes.empty()) fail("the file is empty");
+    if (bytes.starts_with(kPngSignature))
+        header = read_png_header(bytes);
+    else if (bytes.starts_with("\xff\xd8\xff"))
+        header = read_jpeg_header(bytes);
+    else
+        fail("it is neither PNG nor JPEG");
+    if (header.width_px <= 0 || header.height_px <= 0) fail("its header says 0 pixels");
+    if (header.num_channels != 1 && header.num_channels != 3)
+        fail("it has " + std::to_string(header.num_channels) + " channels, neither grey nor RGB");
+    return header;
+}
+
+cv::Mat decode_image(std::string_view bytes, const ImageHeader& header) {
+    const cv::Mat buffer(
+        1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    const int mode = header.num_channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+    cv::Mat image;
+    try {
+        image = cv::imdecode(buffer, mode | cv::IMREAD_IGNORE_ORIENTATION);
+    } catch (const cv::Exception&) {
+        image.release();
+    }
+    if (image.empty() || image.cols != header.width_px || image.rows != header.height_px)
+        fail("its data are damaged or cut short");
+    return image;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,85 @@
+#include "worker/dive/intake.hpp"
+
+#include <memory>
+
+#include "worker/dive/entry_name.hpp"
+#include "worker/dive/picture_survey.hpp"
+#include "worker/dive/refusal.hpp"
+#include "worker/dive/stored_dive.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Part of the whole, so that the fraction rises from 0 to 1 over all of it.
+ProgressCallback part(const ProgressCallback& progress, double begin, double share) {
+    return [&progress, begin, share](const Progress& state) {
+        Progress whole = state;
+        whole.stage = "check";
+        whole.fraction = begin + share * state.fraction;
+        progress(whole);
+    };
+}
+
+void survey_pictures(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
+    PictureSurvey survey(dive.num_frames());
+    Progress state;
+    state.num_frames = dive.num_frames();
+    while (const auto frame = dive.next_frame()) {
+        survey.add(*frame);
+        state.frames_done = frame->index + 1;
+        state.fraction =
+            static_cast<double>(state.frames_done) / static_cast<double>(state.num_frames);
+        progress(state);
+    }
+    survey.report(dive.rig().cam0.width_px > 0 ? dive.num_frames() : 0, dive.log());
+    report.thumbnail_jpeg = survey.thumbnail_jpeg();
+    if (dive.num_skipped_frames() > 0)
+        dive.log().warning("frames_skipped",
+                           "",
+                           std::to_string(dive.num_skipped_frames()) + " of " +
+                               std::to_string(dive.num_frames()) + " frames are skipped",
+                           "");
+}
+
+void check_reference_mesh(StoredDive& dive) {
+    try {
+        dive.read_reference_mesh();
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::BadData) throw;
+        dive.log().error("reference_unreadable",
+                         "reference.ply",
+                         printable(error.what()),
+                         "Write it as PLY with x, y, z and triangles, or take it out.");
+    }
+}
+
+void examine(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
+    report.name = dive.info().name;
+    report.site = dive.info().site;
+    report.tags = dive.info().tags;
+    report.num_frames = dive.num_frames();
+    report.duration_s = dive.duration_s();
+    check_reference_mesh(dive);
+    dive.hash_contents(part(progress, 0.3, 0.1));
+    report.content_sha256 = dive.content_sha256();
+    survey_pictures(dive, report, part(progress, 0.4, 0.6));
+    report.findings = dive.findings();
+}
+
+}  // namespace
+
+IntakeReport examine_dive(const std::filesystem::path& path,
+                          const std::filesystem::path& scratch,
+                          const ProgressCallback& progress) {
+    IntakeReport report;
+    try {
+        const auto opening = part(progress, 0.0, 0.3);
+        StoredDive dive(path, scratch, {}, opening);
+        examine(dive, report, progress);
+    } catch (const Refusal& refusal) {
+        report.findings.push_back(refusal.finding());
+    }
+    return report;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,263 @@
+#include "worker/dive/motion_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "worker/dive/text.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kNumMoments = 12;
+constexpr double kLongest_s = 0.5;
+constexpr double kEnough_rad = 3.0 * std::numbers::pi / 180.0;
+constexpr int kLeastPoints = 25;
+
+// Two frames a little apart, and the gyro's turn between them.
+struct Moment {
+    int first = 0;
+    int second = 0;
+    double duration_s = 0.0;
+    Eigen::Vector3d turn_imu = Eigen::Vector3d::Zero();  // rad
+};
+
+// Rotation vector of imu at `end_ns` in imu at `begin_ns`.
+Eigen::Vector3d integrate_gyro(const std::vector<ImuSample>& imu,
+                               std::int64_t begin_ns,
+                               std::int64_t end_ns) {
+    auto sample = std::lower_bound(
+        imu.begin(), imu.end(), begin_ns, [](const ImuSample& s, std::int64_t time) {
+            return s.timestamp_ns < time;
+        });
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+    for (std::int64_t now = begin_ns; sample != imu.end() && now < end_ns; ++sample) {
+        const std::int64_t until = std::min(sample->timestamp_ns, end_ns);
+        const double seconds = static_cast<double>(until - now) * 1e-9;
+        const Eigen::Vector3d step = sample->angular_velocity_imu * seconds;
+        if (step.norm() > 0.0) turn = turn * Eigen::AngleAxisd(step.norm(), step.normalized());
+        now = until;
+    }
+    const Eigen::AngleAxisd turned(turn);
+    return turned.angle() * turned.axis();
+}
+
+// From frame `first` on until the turn is large enough to be seen, or half a second is over.
+Moment moment_at(const DiveContents& contents, int first) {
+    const auto time = [&](int i) {
+        return contents.pairs[static_cast<std::size_t>(i)].timestamp_ns;
+    };
+    const int num_pairs = static_cast<int>(contents.pairs.size());
+    Moment moment{first, first, 0.0, Eigen::Vector3d::Zero()};
+    for (int second = first + 1; second < num_pairs; ++second) {
+        const double seconds = static_cast<double>(time(second) - time(first)) * 1e-9;
+        if (seconds > kLongest_s) break;
+        const Eigen::Vector3d turn = integrate_gyro(contents.imu, time(first), time(second));
+        moment = {first, second, seconds, turn};
+        if (turn.norm() > kEnough_rad) break;
+    }
+    return moment;
+}
+
+// Of each twelfth of the dive the one that turns fastest.
+std::vector<Moment> choose_moments(const DiveContents& contents) {
+    std::vector<Moment> moments;
+    const int num_pairs = static_cast<int>(contents.pairs.size());
+    for (int part = 0; part < kNumMoments; ++part) {
+        const int begin = part * num_pairs / kNumMoments;
+        const int end = (part + 1) * num_pairs / kNumMoments;
+        const int step = std::max(1, (end - begin) / 20);
+        Moment best;
+        for (int i = begin; i < end; i += step) {
+            const Moment moment = moment_at(contents, i);
+            if (moment.second > moment.first && moment.turn_imu.norm() > best.turn_imu.norm())
+                best = moment;
+        }
+        if (best.second > best.first) moments.push_back(best);
+    }
+    return moments;
+}
+
+cv::Mat grey(const cv::Mat& image) {
+    if (image.channels() == 1) return image;
+    cv::Mat result;
+    cv::cvtColor(image, result, cv::COLOR_BGR2GRAY);
+    return result;
+}
+
+// Points of `from` in `to`, with those that do not come back to where they were marked as lost.
+std::vector<cv::Point2f> follow(const cv::Mat& from,
+                                const cv::Mat& to,
+                                const std::vector<cv::Point2f>& points,
+                                std::vector<bool>& found) {
+    const cv::Size window(21, 21);
+    std::vector<cv::Point2f> there;
+    std::vector<cv::Point2f> back;
+    std::vector<unsigned char> went;
+    std::vector<unsigned char> came;
+    cv::calcOpticalFlowPyrLK(from, to, points, there, went, cv::noArray(), window, 5);
+    cv::calcOpticalFlowPyrLK(to, from, there, back, came, cv::noArray(), window, 5);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (went[i] == 0 || came[i] == 0 || cv::norm(back[i] - points[i]) > 0.7) found[i] = false;
+    return there;
+}
+
+// Where the rays of both cameras are nearest.
+struct StereoPoint {
+    Eigen::Vector3d p_cam0 = Eigen::Vector3d::Zero();
+    double epipolar_error_px = 0.0;
+    double inverse_depth = 0.0;  // negative: the rays meet behind the camera
+};
+
+StereoPoint triangulate(const Rig& rig, const cv::Point2f& left, const cv::Point2f& right) {
+    const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
+    const Eigen::Vector3d ray0 = rig.cam0.unproject({left.x, left.y});
+    const Eigen::Vector3d ray1 = T_cam0_cam1.linear() * rig.cam1.unproject({right.x, right.y});
+    const Eigen::Vector3d baseline = T_cam0_cam1.translation();
+    // Depth z of ray0 from z * ray0 x ray1 = baseline x ray1.
+    const Eigen::Vector3d a = ray0.cross(ray1);
+    const Eigen::Vector3d b = baseline.cross(ray1);
+    StereoPoint point;
+    point.inverse_depth = a.dot(b) / b.squaredNorm();
+    point.p_cam0 = ray0 / point.inverse_depth;
+    const Eigen::Vector3d normal = baseline.cross(ray0).normalized();
+    point.epipolar_error_px = std::abs(normal.dot(ray1.normalized())) * rig.cam0.fx_px;
+    return point;
+}
+
+Rig swapped(const Rig& rig) {
+    Rig result = rig;
+    std::swap(result.cam0, result.cam1);
+    std::swap(result.T_imu_cam0, result.T_imu_cam1);
+    return result;
+}
+
+class MotionCheck {
+public:
+    MotionCheck(const DiveContents& contents,
+                const std::function<LoadedPair(int index)>& load,
+                FindingLog& findings)
+        : contents_(contents), load_(load), findings_(findings) {}
+
+    void run(const ProgressCallback& progress) {
+        for (const Moment& moment : choose_moments(contents_)) {
+            progress({});
+            look_at(moment);
+        }
+        report_stereo();
+        report_hand_eye(rotations_, contents_.rig.T_imu_cam0.linear(), findings_);
+    }
+
+private:
+    void look_at(const Moment& moment) {
+        const LoadedPair first = load_(moment.first);
+        const LoadedPair second = load_(moment.second);
+        if (!first.is_complete() || second.left.image.empty()) return;
+        const cv::Mat left = grey(first.left.image);
+        std::vector<cv::Point2f> corners;
+        cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0);
+        if (std::ssize(corners) < kLeastPoints) return;
+        std::vector<bool> found(corners.size(), true);
+        const auto right = follow(left, grey(first.right.image), corners, found);
+        const auto later = follow(left, grey(second.left.image), corners, found);
+        std::vector<cv::Point3d> points;
+        std::vector<cv::Point2d> rays;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            if (!found[i]) continue;
+            const StereoPoint point = triangulate(contents_.rig, corners[i], right[i]);
+            stereo_.push_back(point);
+            stereo_swapped_.push_back(triangulate(swapped_rig_, corners[i], right[i]));
+            if (point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
+            const Eigen::Vector3d ray = contents_.rig.cam0.unproject({later[i].x, later[i].y});
+            points.emplace_back(point.p_cam0.x(), point.p_cam0.y(), point.p_cam0.z());
+            rays.emplace_back(ray.x(), ray.y());
+        }
+        add_rotation(moment, points, rays);
+    }
+
+    void add_rotation(const Moment& moment,
+                      const std::vector<cv::Point3d>& points,
+                      const std::vector<cv::Point2d>& rays) {
+        if (std::ssize(points) < kLeastPoints) return;
+        cv::Mat turn;
+        cv::Mat shift;
+        std::vector<int> inliers;
+        const double tolerance = 2.0 / contents_.rig.cam0.fx_px;
+        if (!cv::solvePnPRansac(points,
+                                rays,
+                                cv::Mat::eye(3, 3, CV_64F),
+                                cv::noArray(),
+                                turn,
+                                shift,
+                                false,
+                                200,
+                                static_cast<float>(tolerance),
+                                0.99,
+                                inliers))
+            return;
+        if (std::ssize(inliers) * 2 < std::ssize(points)) return;
+        // PnP maps the first camera's coordinates to the second's; the gyro's turn is its inverse.
+        const Eigen::Vector3d turn_cam0(
+            -turn.at<double>(0), -turn.at<double>(1), -turn.at<double>(2));
+        rotations_.push_back({moment.turn_imu / moment.duration_s, turn_cam0 / moment.duration_s});
+    }
+
+    void report_stereo() {
+        if (std::ssize(stereo_) < 4 * kLeastPoints) return;
+        const auto median_error_px = [](std::vector<StereoPoint>& points) {
+            const auto middle = points.begin() + std::ssize(points) / 2;
+            std::nth_element(
+                points.begin(), middle, points.end(), [](const auto& a, const auto& b) {
+                    return a.epipolar_error_px < b.epipolar_error_px;
+                });
+            return middle->epipolar_error_px;
+        };
+        const auto num_behind = [](const std::vector<StereoPoint>& points) {
+            return std::count_if(points.begin(), points.end(), [](const StereoPoint& point) {
+                return point.inverse_depth < -0.01;
+            });
+        };
+        const double error_px = median_error_px(stereo_);
+        const double swapped_error_px = median_error_px(stereo_swapped_);
+        const auto behind = num_behind(stereo_);
+        if (behind * 2 > std::ssize(stereo_) &&
+            num_behind(stereo_swapped_) * 5 < std::ssize(stereo_) &&
+            swapped_error_px < error_px + 0.5)
+            return findings_.error("cameras_swapped",
+                                   "mav0/cam0/data",
+                                   std::to_string(behind) + " of " +
+                                       std::to_string(stereo_.size()) +
+                                       " points in mav0/cam0/data would lie behind the cameras: "
+                                       "left and right pictures look swapped",
+                                   "cam0 is the left camera, cam1 the right one.");
+        if (error_px > 2.0)
+            findings_.warning("stereo_mismatch",
+                              "mav0/cam1/sensor.yaml",
+                              "matching points of left and right are " + fixed(error_px, 1) +
+                                  " px (median) from where the calibration has them",
+                              "Calibrate the stereo pair again.");
+    }
+
+    const DiveContents& contents_;
+    const std::function<LoadedPair(int index)>& load_;
+    FindingLog& findings_;
+    const Rig swapped_rig_ = swapped(contents_.rig);
+    std::vector<StereoPoint> stereo_;
+    std::vector<StereoPoint> stereo_swapped_;  // as if the pictures were those of the other camera
+    std::vector<RotationPair> rotations_;
+};
+
+}  // namespace
+
+void check_motion(const DiveContents& contents,
+                  const std::function<LoadedPair(int index)>& load,
+                  const ProgressCallback& progress,
+                  FindingLog& findings) {
+    MotionCheck(contents, load, findings).run(progress);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "worker/dive/finding_log.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// What the pictures of a dive look like as a whole: brightness, and one for the thumbnail.
+class PictureSurvey {
+public:
+    explicit PictureSurvey(int num_frames) : middle_(num_frames / 2) {}
+
+    void add(const StereoFrame& frame);
+    // Findings on the whole; after the last frame.
+    void report(std::int64_t num_frames, FindingLog& findings) const;
+    // JPEG, 320 px wide, from the middle of the dive; "" without a frame.
+    std::string thumbnail_jpeg() const;
+    std::int64_t num_frames() const { return num_frames_; }
+
+private:
+    int middle_;
+    std::int64_t num_frames_ = 0;
+    std::int64_t num_black_left_ = 0;
+    std::int64_t num_black_right_ = 0;
+    cv::Mat thumbnail_;  // of the frame nearest to the middle so far
+    bool has_middle_ = false;
+};
+
+}  // namespace divemesh::worker

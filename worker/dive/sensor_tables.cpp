@@ -1,0 +1,168 @@
+#include "worker/dive/sensor_tables.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "worker/dive/csv.hpp"
+#include "worker/dive/stamp_check.hpp"
+#include "worker/dive/text.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kShortestPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds are far below
+
+// Rows of a stamp and N numbers.
+template <std::size_t N, typename Use>
+void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
+    std::vector<std::int64_t> accepted_ns;
+    for_each_csv_row(text, [&](std::int64_t line, std::span<const std::string_view> fields) {
+        const auto timestamp = check.accept(line, fields[0]);
+        if (!timestamp) return;
+        std::array<double, N> values{};
+        for (std::size_t i = 0; i < N; ++i) {
+            const auto value =
+                i + 1 < fields.size() ? parse_double(fields[i + 1]) : std::optional<double>();
+            if (!value) return check.count_malformed(line);
+            values[i] = *value;
+        }
+        if (!std::all_of(
+                values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
+            return check.count_not_finite(line);
+        if (!use(*timestamp, values)) return check.count_malformed(line);
+        accepted_ns.push_back(*timestamp);
+    });
+    check.report(accepted_ns, kShortestPeriod_s);
+}
+
+template <typename Get>
+double median_of(const std::vector<ImuSample>& samples, const Get& get) {
+    std::vector<double> values;
+    values.reserve(samples.size());
+    for (const ImuSample& sample : samples) values.push_back(get(sample));
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// The gravity check: a diver's mean specific force is that of gravity.
+void check_acceleration(double median_m_s2, const std::string& file, FindingLog& findings) {
+    struct Unit {
+        double gravity;
+        const char* name;
+    };
+    constexpr Unit units[] = {{1.0, "g"}, {980.7, "cm/s^2"}, {9806.7, "mm/s^2 or mg"}};
+    const std::string seen = "the median acceleration is " + significant(median_m_s2);
+    for (const Unit& unit : units)
+        if (std::abs(median_m_s2 / unit.gravity - 1.0) < 0.2)
+            return findings.error(
+                "imu_units",
+                file,
+                seen + ", not 9.81 m/s^2: this looks like " + unit.name,
+                "Write accelerations in m/s^2, gravity included (about 9.81 at rest).");
+    if (median_m_s2 < 4.0 || median_m_s2 > 25.0)
+        return findings.error("imu_units",
+                              file,
+                              seen + ", not about 9.81 m/s^2: gravity is missing or the unit wrong",
+                              "Write the specific force in m/s^2, gravity included.");
+    if (std::abs(median_m_s2 - 9.81) > 0.6)
+        findings.warning("gravity_check",
+                         file,
+                         seen + " m/s^2 instead of 9.81",
+                         "Calibrate the accelerometer's bias and scale.");
+}
+
+void check_imu_units(const std::vector<ImuSample>& samples,
+                     const std::string& file,
+                     FindingLog& findings) {
+    if (samples.empty()) return;
+    check_acceleration(
+        median_of(samples, [](const ImuSample& s) { return s.acceleration_imu.norm(); }),
+        file,
+        findings);
+    const double rate =
+        median_of(samples, [](const ImuSample& s) { return s.angular_velocity_imu.norm(); });
+    if (rate > 2.0 * std::numbers::pi)
+        findings.error("imu_units",
+                       file,
+                       "the median rate of turn is " + significant(rate) +
+                           " rad/s, more than a turn a second: this looks like degrees/s",
+                       "Write rates in rad/s.");
+}
+
+std::optional<Eigen::Quaterniond> unit_quaternion(double w, double x, double y, double z) {
+    const Eigen::Quaterniond q(w, x, y, z);
+    const double norm = q.norm();
+    if (std::abs(norm - 1.0) > 0.05) return std::nullopt;
+    return q.normalized();
+}
+
+}  // namespace
+
+std::vector<ImuSample> parse_imu(std::string_view text,
+                                 const std::string& file,
+                                 FindingLog& findings) {
+    std::vector<ImuSample> samples;
+    StampCheck check("imu", file, findings);
+    for_each_sample<6>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
+        samples.push_back({timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+        return true;
+    });
+    check_imu_units(samples, file, findings);
+    return samples;
+}
+
+std::vector<OrientationSample> parse_ahrs(std::string_view text,
+                                          const std::string& file,
+                                          FindingLog& findings) {
+    std::vector<OrientationSample> samples;
+    StampCheck check("ahrs", file, findings);
+    for_each_sample<4>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
+        const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
+        if (q) samples.push_back({timestamp_ns, *q});
+        return q.has_value();
+    });
+    return samples;
+}
+
+std::vector<PressureSample> parse_pressure(std::string_view text,
+                                           const std::string& file,
+                                           FindingLog& findings) {
+    std::vector<PressureSample> samples;
+    StampCheck check("pressure", file, findings);
+    for_each_sample<1>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
+        samples.push_back({timestamp_ns, v[0]});
+        return true;
+    });
+    const auto absurd = std::count_if(samples.begin(), samples.end(), [](const PressureSample& s) {
+        return s.depth_m < -20.0 || s.depth_m > 11000.0;
+    });
+    if (absurd * 20 > std::ssize(samples))
+        findings.error("pressure_units",
+                       file,
+                       std::to_string(absurd) + " of " + std::to_string(samples.size()) +
+                           " depths are above the surface or below any sea: this is no depth in m",
+                       "Write depth in metres, positive down (not pressure in Pa or mbar).");
+    return samples;
+}
+
+Trajectory parse_ground_truth(std::string_view text,
+                              const std::string& file,
+                              FindingLog& findings) {
+    Trajectory poses;
+    StampCheck check("ground_truth", file, findings);
+    for_each_sample<7>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
+        const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
+        if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return false;
+        StampedPose pose;
+        pose.timestamp_ns = timestamp_ns;
+        pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
+        poses.push_back(pose);
+        return true;
+    });
+    return poses;
+}
+
+}  // namespace divemesh::worker

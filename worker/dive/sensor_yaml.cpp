@@ -1,0 +1,158 @@
+#include "worker/dive/sensor_yaml.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
+
+#include "worker/dive/entry_name.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMaxDepth = 8;
+constexpr int kMaxNodes = 10000;
+
+// Walks a document without building it, and stops at what a hostile one is made of.
+class Guard : public YAML::EventHandler {
+public:
+    void OnDocumentStart(const YAML::Mark&) override {}
+    void OnDocumentEnd() override {}
+    void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { node(mark, anchor); }
+    void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+        throw YAML::ParserException(mark, "aliases are not allowed here");
+    }
+    void OnScalar(const YAML::Mark& mark,
+                  const std::string&,
+                  YAML::anchor_t anchor,
+                  const std::string&) override {
+        node(mark, anchor);
+    }
+    void OnSequenceStart(const YAML::Mark& mark,
+                         const std::string&,
+                         YAML::anchor_t anchor,
+                         YAML::EmitterStyle::value) override {
+        open(mark, anchor);
+    }
+    void OnSequenceEnd() override { --depth_; }
+    void OnMapStart(const YAML::Mark& mark,
+                    const std::string&,
+                    YAML::anchor_t anchor,
+                    YAML::EmitterStyle::value) override {
+        open(mark, anchor);
+    }
+    void OnMapEnd() override { --depth_; }
+
+private:
+    void node(const YAML::Mark& mark, YAML::anchor_t anchor) {
+        if (anchor != 0) throw YAML::ParserException(mark, "anchors are not allowed here");
+        if (++num_nodes_ > kMaxNodes) throw YAML::ParserException(mark, "too many values");
+    }
+    void open(const YAML::Mark& mark, YAML::anchor_t anchor) {
+        node(mark, anchor);
+        if (++depth_ > kMaxDepth) throw YAML::ParserException(mark, "nested too deep");
+    }
+
+    int depth_ = 0;
+    int num_nodes_ = 0;
+};
+
+// EuRoC's files have no %YAML line, OpenCV's have one that YAML does not know.
+std::string without_directive(std::string_view text) {
+    if (!text.starts_with("%YAML")) return std::string(text);
+    std::string result(text);
+    for (char& c : result) {
+        if (c == '\n') break;
+        c = ' ';
+    }
+    return result;
+}
+
+YAML::Node load_guarded(const std::string& text) {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    Guard guard;
+    if (!parser.HandleNextDocument(guard)) return {};
+    return YAML::Load(text);
+}
+
+double number(const YAML::Node& node) {
+    const auto value = node.as<double>();
+    if (!std::isfinite(value)) throw YAML::ParserException(node.Mark(), "not a finite number");
+    return value;
+}
+
+// A list of numbers, or of lists of them, as one list.
+void append_numbers(const YAML::Node& node, std::vector<double>& numbers) {
+    if (!node.IsSequence()) {
+        numbers.push_back(number(node));
+        return;
+    }
+    for (const auto& item : node) append_numbers(item, numbers);
+}
+
+std::vector<double> numbers_at(const YAML::Node& root, const char* key) {
+    std::vector<double> numbers;
+    const YAML::Node node = root[key];
+    if (node && !node.IsNull()) append_numbers(node, numbers);
+    return numbers;
+}
+
+std::optional<double> number_at(const YAML::Node& root, const char* key) {
+    const YAML::Node node = root[key];
+    if (!node || node.IsNull()) return std::nullopt;
+    return number(node);
+}
+
+std::string text_at(const YAML::Node& root, const char* key) {
+    const YAML::Node node = root[key];
+    return node && node.IsScalar() ? node.Scalar() : "";
+}
+
+std::optional<Eigen::Matrix4d> matrix_at(const YAML::Node& root, const char* key) {
+    const YAML::Node node = root[key];
+    if (!node || node.IsNull()) return std::nullopt;
+    std::vector<double> numbers;
+    if (node.IsMap() && !node["data"]) throw YAML::ParserException(node.Mark(), "has no data");
+    append_numbers(node.IsMap() ? node["data"] : node, numbers);
+    if (numbers.size() != 16)
+        throw YAML::ParserException(
+            node.Mark(),
+            std::string(key) + " has " + std::to_string(numbers.size()) + " numbers, not 16");
+    return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+}
+
+SensorYaml convert(const YAML::Node& root) {
+    if (!root.IsMap()) throw YAML::ParserException(root.Mark(), "there are no keys in it");
+    SensorYaml yaml;
+    yaml.T_body_sensor = matrix_at(root, "T_BS");
+    yaml.camera_model = text_at(root, "camera_model");
+    yaml.distortion_model = text_at(root, "distortion_model");
+    yaml.intrinsics = numbers_at(root, "intrinsics");
+    yaml.distortion_coefficients = numbers_at(root, "distortion_coefficients");
+    yaml.resolution = numbers_at(root, "resolution");
+    yaml.gyroscope_noise_density = number_at(root, "gyroscope_noise_density");
+    yaml.gyroscope_random_walk = number_at(root, "gyroscope_random_walk");
+    yaml.accelerometer_noise_density = number_at(root, "accelerometer_noise_density");
+    yaml.accelerometer_random_walk = number_at(root, "accelerometer_random_walk");
+    return yaml;
+}
+
+}  // namespace
+
+std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
+                                            const std::string& file,
+                                            FindingLog& findings) {
+    try {
+        return convert(load_guarded(without_directive(text)));
+    } catch (const YAML::Exception& error) {
+        const bool has_line = !error.mark.is_null();
+        findings.error("calibration_unreadable",
+                       has_line ? file + ":" + std::to_string(error.mark.line + 1) : file,
+                       file + " cannot be read: " + printable(error.msg),
+                       "Write it as EuRoC's sensor.yaml (T_BS, resolution, intrinsics ...).");
+        return std::nullopt;
+    }
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/dive/finding_log.hpp"
+#include "worker/geometry/rig.hpp"
+
+namespace divemesh::worker {
+
+constexpr std::int64_t kMaxYamlBytes = std::int64_t{1} << 20;
+
+// A sensor.yaml as written; what is not there is empty. Nothing is judged yet.
+struct SensorYaml {
+    std::optional<Eigen::Matrix4d> T_body_sensor;  // T_BS
+    std::string camera_model;
+    std::string distortion_model;
+    std::vector<double> intrinsics;  // fu fv cu cv
+    std::vector<double> distortion_coefficients;
+    std::vector<double> resolution;
+    std::optional<double> gyroscope_noise_density;
+    std::optional<double> gyroscope_random_walk;
+    std::optional<double> accelerometer_noise_density;
+    std::optional<double> accelerometer_random_walk;
+};
+
+// Nothing, and an error `calibration_unreadable` with the line, when it is not YAML of this kind.
+// Aliases, anchors and deep nesting are refused before anything is built from them.
+std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
+                                            const std::string& file,
+                                            FindingLog& findings);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/dive/finding_log.hpp"
+
+namespace divemesh::worker {
+
+// Lets rows through whose stamps rise and tells of the others: one finding per kind, with how many
+// and where the first is. A few bad rows are a warning; above one in twenty the table is an error.
+class StampCheck {
+public:
+    // `sensor` starts the codes ("imu" -> "imu_gap"), `file` stands in front of line numbers.
+    StampCheck(std::string sensor, std::string file, FindingLog& findings)
+        : sensor_(std::move(sensor)), file_(std::move(file)), findings_(findings) {}
+
+    // The stamp of a row that may be used.
+    std::optional<std::int64_t> accept(std::int64_t line, std::string_view stamp);
+    void count_malformed(std::int64_t line) { count(malformed_, line); }
+    void count_not_finite(std::int64_t line) { count(not_finite_, line); }
+    // After the last row. Below `shortest_period_s` the stamps cannot be nanoseconds.
+    void report(const std::vector<std::int64_t>& accepted_ns, double shortest_period_s);
+
+    const std::string& file() const { return file_; }
+
+private:
+    struct Tally {
+        std::int64_t count = 0;
+        std::int64_t first_line = 0;
+    };
+    static void count(Tally& tally, std::int64_t line);
+    void tell(const Tally& tally,
+              const std::string& code,
+              const std::string& what,
+              const std::string& remedy);
+    void report_period(const std::vector<std::int64_t>& accepted_ns, double shortest_period_s);
+
+    std::string sensor_;
+    std::string file_;
+    FindingLog& findings_;
+    std::int64_t num_rows_ = 0;
+    std::optional<std::int64_t> last_;
+    Tally malformed_;
+    Tally not_finite_;
+    Tally repeated_;
+    Tally backwards_;
+};
+
+// Median difference of rising stamps; 0 for fewer than two.
+std::int64_t median_period_ns(const std::vector<std::int64_t>& timestamps_ns);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,159 @@
+#include "worker/dive/stored_dive.hpp"
+
+#include <chrono>
+#include <opencv2/imgproc.hpp>
+
+#include "worker/dive/entry_name.hpp"
+#include "worker/dive/motion_check.hpp"
+#include "worker/output/ply.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kPairsAhead = 3;
+constexpr int kPicturesProbed = 5;
+constexpr const char* kReferenceMesh = "reference.ply";
+
+// At most one call in 50 ms reaches the receiver.
+ProgressCallback throttled(const ProgressCallback& progress) {
+    using Clock = std::chrono::steady_clock;
+    return [&progress, next = Clock::time_point()](const Progress& state) mutable {
+        const auto now = Clock::now();
+        if (now < next) return;
+        next = now + std::chrono::milliseconds(50);
+        progress(state);
+    };
+}
+
+cv::Mat with_channels(const cv::Mat& image, int num_channels) {
+    if (image.empty() || image.channels() == num_channels) return image;
+    cv::Mat result;
+    cv::cvtColor(image, result, num_channels == 1 ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
+    return result;
+}
+
+std::string remedy_for(const std::string& code) {
+    if (code == "image_size") return "Record with the resolution of the calibration.";
+    if (code == "image_missing") return "Copy the recording again; compare the number of files.";
+    return "Copy the picture again if it matters; the dive runs without this frame.";
+}
+
+}  // namespace
+
+StoredDive::StoredDive(const std::filesystem::path& path,
+                       const std::filesystem::path& scratch,
+                       const DiveLimits& limits,
+                       const ProgressCallback& progress)
+    : limits_(limits),
+      files_(open_source(path, scratch, limits, throttled(progress), findings_)),
+      contents_(read_contents(files_, limits, findings_)),
+      reader_(contents_.has_rig ? num_frames() : 0, kPairsAhead, [this](int index) {
+          return load(index);
+      }) {
+    if (!contents_.has_rig) return;
+    check_first_pictures();
+    if (has_error(findings_.all())) return;
+    const auto load_pair = [this](int index) { return load(index); };
+    check_motion(contents_, load_pair, progress, findings_);
+}
+
+LoadedPair StoredDive::load(int index) const {
+    const FramePair& files = contents_.pairs[static_cast<std::size_t>(index)];
+    LoadedPair pair;
+    pair.index = index;
+    pair.left = load_picture(files_, files.left, contents_.rig.cam0, limits_);
+    if (pair.left.image.empty()) return pair;
+    pair.right = load_picture(files_, files.right, contents_.rig.cam1, limits_);
+    pair.right.image = with_channels(pair.right.image, pair.left.image.channels());
+    return pair;
+}
+
+// A calibration of another resolution shows at once; a single odd picture does not refuse a dive.
+void StoredDive::check_first_pictures() {
+    int num_other_size = 0;
+    const int num_probed = std::min(kPicturesProbed, num_frames());
+    LoadedPair other;
+    for (int i = 0; i < num_probed; ++i) {
+        LoadedPair pair = load(i * num_frames() / num_probed);
+        if (pair.is_complete()) return;
+        if (pair.left.code != "image_size" && pair.right.code != "image_size") continue;
+        if (num_other_size++ == 0) other = std::move(pair);
+    }
+    if (num_other_size == 0) return;
+    const bool is_left = other.left.code == "image_size";
+    const FramePair& files = contents_.pairs[static_cast<std::size_t>(other.index)];
+    findings_.error("image_size",
+                    printable(is_left ? files.left : files.right),
+                    "the pictures are not of the calibrated size: " +
+                        (is_left ? other.left.problem : other.right.problem),
+                    remedy_for("image_size"));
+}
+
+std::optional<StereoFrame> StoredDive::next_frame() {
+    while (auto pair = reader_.next()) {
+        if ((pair->left.was_16_bit || pair->right.was_16_bit) && !told_16_bit_) {
+            told_16_bit_ = true;
+            const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair->index)];
+            findings_.warning("image_16_bit",
+                              printable(pair->left.was_16_bit ? files.left : files.right),
+                              "pictures have 16 bits a channel; the upper 8 are used",
+                              "Record 8 bits, or scale 10- and 12-bit data to the full range.");
+        }
+        if (pair->is_complete()) {
+            StereoFrame frame;
+            frame.index = pair->index;
+            frame.timestamp_ns =
+                contents_.pairs[static_cast<std::size_t>(pair->index)].timestamp_ns;
+            frame.left = std::move(pair->left.image);
+            frame.right = std::move(pair->right.image);
+            return frame;
+        }
+        report_skipped(*pair);
+    }
+    return std::nullopt;
+}
+
+void StoredDive::report_skipped(const LoadedPair& pair) {
+    if (!skipped_.insert(pair.index).second) return;
+    const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair.index)];
+    const bool is_left = pair.left.image.empty();
+    const LoadedPicture& picture = is_left ? pair.left : pair.right;
+    const std::string file = printable(is_left ? files.left : files.right);
+    findings_.warning(
+        picture.code,
+        file,
+        "frame " + std::to_string(pair.index) + " is skipped, " + file + ": " + picture.problem,
+        remedy_for(picture.code));
+}
+
+const std::string& StoredDive::content_sha256() const {
+    hash_contents(ignore_progress);
+    return content_sha256_;
+}
+
+void StoredDive::hash_contents(const ProgressCallback& progress) const {
+    if (content_sha256_.empty()) content_sha256_ = files_.content_sha256(throttled(progress));
+}
+
+double StoredDive::duration_s() const {
+    if (contents_.pairs.empty()) return 0.0;
+    return static_cast<double>(contents_.pairs.back().timestamp_ns -
+                               contents_.pairs.front().timestamp_ns) *
+           1e-9;
+}
+
+std::optional<Mesh> StoredDive::read_reference_mesh() const {
+    if (!files_.has(kReferenceMesh)) return std::nullopt;
+    const auto bytes = files_.read(kReferenceMesh, limits_.max_file_bytes);
+    if (!bytes) throw Error(ErrorCode::BadData, "reference.ply is larger than is allowed");
+    return parse_ply(*bytes, kReferenceMesh);
+}
+
+std::unique_ptr<Dive> Dive::open(const std::filesystem::path& path,
+                                 const std::filesystem::path& scratch,
+                                 const DiveLimits& limits,
+                                 const ProgressCallback& progress) {
+    return std::make_unique<StoredDive>(path, scratch, limits, progress);
+}
+
+}  // namespace divemesh::worker

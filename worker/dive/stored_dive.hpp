@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "worker/dive/dive_contents.hpp"
+#include "worker/dive/frame_reader.hpp"
+
+namespace divemesh::worker {
+
+// A dive read from a folder or an archive: what Dive::open() gives.
+class StoredDive : public Dive {
+public:
+    StoredDive(const std::filesystem::path& path,
+               const std::filesystem::path& scratch,
+               const DiveLimits& limits,
+               const ProgressCallback& progress);
+
+    const Rig& rig() const override { return contents_.rig; }
+    int num_frames() const override { return static_cast<int>(contents_.pairs.size()); }
+    const std::vector<ImuSample>& imu() const override { return contents_.imu; }
+    const std::vector<OrientationSample>& ahrs() const override { return contents_.ahrs; }
+    const std::vector<PressureSample>& pressure() const override { return contents_.pressure; }
+    std::optional<StereoFrame> next_frame() override;
+    void rewind() override { reader_.rewind(); }
+    std::int64_t num_skipped_frames() const override { return std::ssize(skipped_); }
+
+    const DiveInfo& info() const override { return contents_.info; }
+    const std::vector<Finding>& findings() const override { return findings_.all(); }
+    const std::string& content_sha256() const override;
+    double duration_s() const override;
+    const Trajectory& ground_truth() const override { return contents_.ground_truth; }
+    const std::vector<KnownDistance>& known_distances() const override {
+        return contents_.known_distances;
+    }
+    std::optional<Mesh> read_reference_mesh() const override;
+
+    // Hashes what is not hashed yet, with progress.
+    void hash_contents(const ProgressCallback& progress) const;
+    FindingLog& log() { return findings_; }
+
+private:
+    LoadedPair load(int index) const;
+    void check_first_pictures();
+    void report_skipped(const LoadedPair& pair);
+
+    FindingLog findings_;
+    DiveLimits limits_;
+    DiveFiles files_;
+    DiveContents contents_;
+    FrameReader reader_;  // last: its threads use the members above
+    std::set<int> skipped_;
+    bool told_16_bit_ = false;
+    mutable std::string content_sha256_;  // computed when first asked for
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/keyframe.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// The poses of all frames once those of the keyframes are known: between two keyframes a frame
+// moves as `odometry` (T_start_imu) says, and what the odometry misses from one keyframe to the
+// next is spread over the frames between by time.
+Trajectory follow_keyframes(const Trajectory& odometry,
+                            const std::vector<Keyframe>& keyframes,
+                            const Eigen::Isometry3d& T_imu_cam);
+
+}  // namespace divemesh::worker

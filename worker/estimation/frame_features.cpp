@@ -1,0 +1,58 @@
+#include "worker/estimation/frame_features.hpp"
+
+#include <unordered_set>
+
+#include "worker/steps/match_features.hpp"
+#include "worker/steps/refine_pose.hpp"
+
+namespace divemesh::worker {
+
+std::uint64_t seed_of(const ReconstructionOptions& options, const RectifiedFrame& frame) {
+    return static_cast<std::uint64_t>(options.seed) * 1'000'003U +
+           static_cast<std::uint64_t>(frame.index);
+}
+
+Eigen::Isometry3d first_pose(const InertialPrior& inertial,
+                             const RectifiedRig& rig,
+                             std::int64_t timestamp_ns) {
+    Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
+    T_world_imu.linear() =
+        inertial.initial_orientation(timestamp_ns, rig.T_imu_cam.linear()).toRotationMatrix();
+    return T_world_imu * rig.T_imu_cam;
+}
+
+Features consistent(const Features& tracks, const PointPairs& pairs, const Registration& motion) {
+    std::unordered_set<std::int64_t> outliers;
+    if (motion.found)
+        for (const PointPair& pair : pairs) outliers.insert(pair.id);
+    for (const PointPair& pair : motion.inliers) outliers.erase(pair.id);
+    Features features;
+    for (const Feature& feature : tracks)
+        if (!outliers.contains(feature.id)) features.push_back(feature);
+    return features;
+}
+
+void add_new_features(const RectifiedFrame& frame,
+                      const DepthMap& depth,
+                      int num_disparities_px,
+                      FeatureTracker& tracker,
+                      Features& features) {
+    Features fresh = tracker.detect(features);
+    match_features(frame, depth.disparity_px, num_disparities_px, fresh);
+    features.insert(features.end(), fresh.begin(), fresh.end());
+}
+
+void learn_bias(InertialPrior& inertial,
+                const RectifiedRig& rig,
+                const Registration& vision,
+                std::int64_t before_ns,
+                std::int64_t now_ns) {
+    if (!inertial.has_gyroscope() || !vision.found) return;
+    const Eigen::Isometry3d T_current_previous =
+        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
+    const Eigen::Quaterniond q_imu_cam(rig.T_imu_cam.linear());
+    const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
+    inertial.learn_bias(before_ns, now_ns, q_imu_cam * q_previous_current * q_imu_cam.conjugate());
+}
+
+}  // namespace divemesh::worker

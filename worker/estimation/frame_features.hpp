@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "schemas/reconstruction_options.hpp"
+#include "worker/estimation/inertial_prior.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/steps/register_points.hpp"
+#include "worker/steps/track_features.hpp"
+#include "worker/steps/with_depth_at_both_times.hpp"
+
+// What happens to features between the steps of one frame and the next.
+namespace divemesh::worker {
+
+// Of this frame's random numbers, whatever was drawn before.
+std::uint64_t seed_of(const ReconstructionOptions& options, const RectifiedFrame& frame);
+
+// T_world_cam where the dive begins: the body at the origin, gravity down.
+Eigen::Isometry3d first_pose(const InertialPrior& inertial,
+                             const RectifiedRig& rig,
+                             std::int64_t timestamp_ns);
+
+// The tracks without what moves by itself: fish and snow.
+Features consistent(const Features& tracks, const PointPairs& pairs, const Registration& motion);
+
+// Where the picture has lost its features, new ones with their disparity.
+void add_new_features(const RectifiedFrame& frame,
+                      const DepthMap& depth,
+                      int num_disparities_px,
+                      FeatureTracker& tracker,
+                      Features& features);
+
+// What the gyroscope read while vision alone saw the camera turn.
+void learn_bias(InertialPrior& inertial,
+                const RectifiedRig& rig,
+                const Registration& vision,
+                std::int64_t before_ns,
+                std::int64_t now_ns);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/estimation/inertial_prior.hpp"
+#include "worker/observer.hpp"
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+
+// All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between
+// keyframes and, weakly, the AHRS at them. The first keyframe stays where it is. Landmarks are
+// thinned evenly so that an hour's dive stays solvable. Returns the root mean square of the
+// reprojection errors, px.
+double adjust_dive(const RectifiedRig& rig,
+                   const InertialPrior& inertial,
+                   std::vector<Keyframe>& keyframes,
+                   std::vector<Landmark>& landmarks,
+                   const ProgressCallback& progress,
+                   const Progress& at);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,58 @@
+#include "worker/estimation/keyframe_map.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of the bias that a window has estimated
+
+}  // namespace
+
+KeyframeMap::KeyframeMap(const RectifiedRig& rig,
+                         const ReconstructionOptions& options,
+                         const ImuNoise& noise,
+                         const KeyframeStore& store)
+    : rig_(rig),
+      pairwise_(options.estimator == "pairwise"),
+      store_(store),
+      rule_(rig),
+      window_(rig, noise.gyroscope_random_walk) {}
+
+void KeyframeMap::use_landmarks(const Eigen::Isometry3d& T_world_previous,
+                                PointPairs& pairs) const {
+    if (!pairwise_) window_.use_landmarks(T_world_previous, pairs);
+}
+
+bool KeyframeMap::due(const Features& features, std::int64_t timestamp_ns) {
+    return rule_.due(features, timestamp_ns);
+}
+
+void KeyframeMap::add(const RectifiedFrame& frame,
+                      const DepthMap& depth,
+                      const Features& features,
+                      Motion& motion,
+                      InertialPrior& inertial) {
+    store_.write(frame.index, {frame.left_color, depth});
+    rule_.taken(features, frame.timestamp_ns);
+    const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
+    const std::int64_t before_ns = last_ns_;
+    last_ns_ = frame.timestamp_ns;
+    if (pairwise_) {
+        keyframes_.push_back(keyframe);
+        return;
+    }
+    const bool first = window_.empty();
+    window_.add_keyframe(keyframe,
+                         features,
+                         first ? std::nullopt : inertial.integral(before_ns, frame.timestamp_ns));
+    if (first) return;
+    window_.adjust();
+    motion.correct(window_.T_world_cam());
+    inertial.set_bias(window_.gyroscope_bias(), kWindowBiasSigma);
+}
+
+void KeyframeMap::move_to(Track& track) {
+    track.keyframes = pairwise_ ? std::move(keyframes_) : window_.keyframes();
+    if (!pairwise_) track.landmarks = window_.landmarks();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "worker/estimation/inertial_prior.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/steps/predict_orientation.hpp"
+
+namespace divemesh::worker {
+
+// Where the camera is and how it moves: what lets a frame be expected before it is looked at, and
+// carries on when vision fails.
+class Motion {
+public:
+    explicit Motion(const RectifiedRig& rig) : rig_(rig) {}
+
+    void start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_cam);
+    // The camera's turn by the inertial sensors since the last frame.
+    std::optional<KnownRotation> turn(const InertialPrior& inertial,
+                                      std::int64_t timestamp_ns) const;
+    // T_current_previous at constant velocity; turns as the inertial sensors say, where they do.
+    Eigen::Isometry3d expect(const std::optional<KnownRotation>& turn,
+                             std::int64_t timestamp_ns) const;
+    void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
+    // The last pose is known better now.
+    void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
+
+    bool started() const { return started_; }
+    const Eigen::Isometry3d& T_world_cam() const { return T_world_cam_; }
+    std::int64_t timestamp_ns() const { return timestamp_ns_; }
+
+private:
+    RectifiedRig rig_;
+    bool started_ = false;
+    std::int64_t timestamp_ns_ = 0;
+    Eigen::Isometry3d T_world_cam_ = Eigen::Isometry3d::Identity();
+    Eigen::Vector3d velocity_cam_ = Eigen::Vector3d::Zero();   // m/s
+    Eigen::Vector3d turn_rate_cam_ = Eigen::Vector3d::Zero();  // rad/s
+};
+
+}  // namespace divemesh::worker

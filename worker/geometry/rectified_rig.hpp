@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace divemesh::worker {
+
+// The ideal pair that rectification makes: both image planes parallel, rows aligned, no
+// distortion. Frame `cam` below and in all steps is the rectified left camera (z forward, x to the
+// right camera).
+struct RectifiedRig {
+    int width_px = 0;
+    int height_px = 0;
+    double focal_px = 0.0;
+    double cx_px = 0.0;
+    double cy_px = 0.0;
+    double baseline_m = 0.0;
+    Eigen::Isometry3d T_imu_cam = Eigen::Isometry3d::Identity();
+
+    double depth_m(double disparity_px) const { return focal_px * baseline_m / disparity_px; }
+    double disparity_px(double depth_m) const { return focal_px * baseline_m / depth_m; }
+    Eigen::Vector3d point_cam(double u_px, double v_px, double depth) const {
+        return {(u_px - cx_px) / focal_px * depth, (v_px - cy_px) / focal_px * depth, depth};
+    }
+    Eigen::Vector2d pixel(const Eigen::Vector3d& p_cam) const {
+        return {focal_px * p_cam.x() / p_cam.z() + cx_px, focal_px * p_cam.y() / p_cam.z() + cy_px};
+    }
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/geometry/rig.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// Undistorts a pair and turns both images into one plane (Bouguet's method, as OpenCV's
+// stereoRectify). Thread-safe after construction.
+class Rectifier {
+public:
+    explicit Rectifier(const Rig& rig);
+
+    const RectifiedRig& rig() const { return rig_; }
+    RectifiedFrame rectify(const StereoFrame& frame) const;
+
+private:
+    RectifiedRig rig_;
+    cv::Mat left_map_[2];
+    cv::Mat right_map_[2];
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace divemesh::worker {
+
+// The rotation by |w| about w, rad (Rodrigues), and back with |w| <= pi.
+inline Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& w) {
+    const double angle = w.norm();
+    if (angle < 1e-12)
+        return Eigen::Quaterniond(1.0, 0.5 * w.x(), 0.5 * w.y(), 0.5 * w.z()).normalized();
+    return Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle));
+}
+
+inline Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& q) {
+    const Eigen::AngleAxisd turn(q.w() < 0.0 ? Eigen::Quaterniond(-q.coeffs()) : q);
+    return turn.angle() * turn.axis();
+}
+
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+    Eigen::Matrix3d m;
+    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+    return m;
+}
+
+// d exp(w + dw) = exp(w) exp(J dw): the right Jacobian of SO(3).
+inline Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
+    const double angle = w.norm();
+    const Eigen::Matrix3d W = cross_matrix(w);
+    if (angle < 1e-5) return Eigen::Matrix3d::Identity() - 0.5 * W;
+    const double squared = angle * angle;
+    return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / squared * W +
+           (angle - std::sin(angle)) / (squared * angle) * W * W;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+
+#include "worker/child_process.hpp"
+
+namespace divemesh::worker {
+
+struct WorkerConfig {
+    std::string catalog_url;
+    std::string blobs_url;
+    std::filesystem::path work_folder;                    // scratch of running attempts
+    std::filesystem::path executable = "/proc/self/exe";  // run as: executable attempt REQUEST
+    int num_slots = 1;                                    // jobs at a time
+    int num_threads = 0;                                  // per job; 0: as the job's options say
+    std::chrono::milliseconds lease = std::chrono::seconds(20);
+    std::chrono::milliseconds renew_every = std::chrono::seconds(5);
+    std::chrono::milliseconds poll_every = std::chrono::milliseconds(500);
+    std::chrono::milliseconds deadline = std::chrono::hours(48);       // of one attempt
+    std::chrono::milliseconds cancel_grace = std::chrono::seconds(5);  // SIGTERM, then SIGKILL
+    ProcessLimits limits;
+};
+
+// The parent of a worker: claims jobs, has a child do each attempt, renews the lease by timer,
+// publishes what the child made. Returns when `stop` is requested: running attempts are given back
+// to the queue. Throws Error{Unavailable} when catalog or blob store cannot be opened.
+void run_worker(const WorkerConfig& config, std::stop_token stop);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace divemesh::worker {
+
+// What a stereo pair says about depth, in the rectified left image.
+struct DepthMap {
+    cv::Mat disparity_px;        // CV_32F, height x width; <= 0: unknown
+    cv::Mat sigma_disparity_px;  // CV_32F, standard deviation; where disparity_px > 0
+};
+
+// A rectified pair: grey for matching, the left one also in the colours it came with.
+struct RectifiedFrame {
+    int index = 0;
+    std::int64_t timestamp_ns = 0;
+    cv::Mat left;        // CV_8UC1
+    cv::Mat right;       // CV_8UC1
+    cv::Mat left_color;  // CV_8UC3 BGR; grey dives: three equal channels
+};
+
+// A frame that is kept for mapping: its pose here, its pictures and depth in the keyframe store
+// under the same frame index.
+struct Keyframe {
+    int frame_index = 0;
+    std::int64_t timestamp_ns = 0;
+    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  // rectified left camera
+};
+
+struct KeyframeImages {
+    cv::Mat left_color;  // CV_8UC3 BGR, rectified
+    DepthMap depth;
+};
+
+}  // namespace divemesh::worker

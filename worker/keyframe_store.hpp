@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "worker/keyframe.hpp"
+
+namespace divemesh::worker {
+
+// Keyframe pictures and depth on disk, one file a keyframe, so that memory does not grow with the
+// dive and every later stage can start from them. Disparity is kept to 1/128 px, sigma to 1/64 px,
+// colour as JPEG. write() from one thread at a time, read() from any number.
+class KeyframeStore {
+public:
+    explicit KeyframeStore(std::filesystem::path folder);  // made when missing
+
+    void write(int frame_index, const KeyframeImages& images) const;  // throws Error{OutOfSpace}
+    KeyframeImages read(int frame_index) const;                       // throws Error{NotFound}
+
+private:
+    std::filesystem::path file_of(int frame_index) const;
+
+    std::filesystem::path folder_;
+};
+
+}  // namespace divemesh::worker

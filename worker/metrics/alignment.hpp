@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "worker/metrics/trajectory_pairs.hpp"
+
+namespace divemesh::worker {
+
+struct Alignment {
+    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // scale 1
+    double sim3_scale = 1.0;  // the scale that would fit best beside the same rotation
+};
+
+// Least squares over the positions (Umeyama 1991). Where they lie on a line, the rotation about it
+// comes from the orientations, each weighing as three points 1 m off would.
+Alignment align(const std::vector<PosePair>& pairs);
+
+// `aligned` with the best scale about the centre instead of 1: Sim(3) positions in the reference.
+std::vector<Eigen::Vector3d> scaled_about_centre(const std::vector<PosePair>& pairs,
+                                                 const Alignment& alignment);
+
+}  // namespace divemesh::worker

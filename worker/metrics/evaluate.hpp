@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace divemesh::worker {
+
+// `divemesh evaluate trajectory`: any pair of TUM, EuRoC and KITTI files; KITTI's are paired line
+// by line, which only works with another KITTI file. The figures of metrics.json's trajectory.
+nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
+                                   const std::filesystem::path& reference);
+
+struct MeshEvaluationRequest {
+    std::filesystem::path estimate;   // PLY
+    std::filesystem::path reference;  // PLY
+    // Both: the estimate is moved by the SE(3) that lays its trajectory on the true one, and what
+    // is farther than 4 m from every pose is left out. Neither: the meshes share a frame.
+    std::optional<std::filesystem::path> estimate_trajectory;
+    std::optional<std::filesystem::path> reference_trajectory;
+};
+
+// `divemesh evaluate mesh`: the figures of metrics.json's surface.
+nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request);
+
+}  // namespace divemesh::worker

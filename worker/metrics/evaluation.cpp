@@ -1,0 +1,73 @@
+#include "worker/metrics/evaluation.hpp"
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation) {
+    try {
+        evaluation.trajectory = trajectory_error(input.trajectory, input.ground_truth);
+        evaluation.causal = trajectory_error(input.causal, input.ground_truth);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::BadData) throw;
+        evaluation.findings.push_back(
+            {Severity::Warning,
+             "ground_truth_unusable",
+             "mav0/state_groundtruth_estimate0/data.csv",
+             error.what(),
+             "give the ground truth on the cameras' clock, or remove it: the result is not "
+             "measured against it"});
+    }
+}
+
+void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
+    SurfaceErrorInput surface;
+    surface.T_reference_world = evaluation.trajectory->T_reference_estimate;
+    for (const StampedPose& pose : input.trajectory)
+        surface.camera_positions_world.emplace_back(
+            (pose.T_world_imu * input.rig.T_imu_cam0).translation());
+    surface.num_threads = input.num_threads;
+    try {
+        evaluation.surface = surface_error(input.mesh, *input.reference, surface);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::BadData) throw;
+        evaluation.findings.push_back(
+            {Severity::Warning,
+             "surface_not_measured",
+             "reference.ply",
+             error.what(),
+             "check that both the mesh and the reference hold triangles"});
+    }
+}
+
+void add_known_distances(const EvaluationInput& input, Evaluation& evaluation) {
+    std::vector<std::int64_t> timestamps_ns;
+    for (const Keyframe& keyframe : input.keyframes) timestamps_ns.push_back(keyframe.timestamp_ns);
+    const SurfaceIndex reference(*input.reference);
+    evaluation.known_distances = measure_known_distances(
+        input.known_distances,
+        MarkingInput{input.rig, input.ground_truth, timestamps_ns, reference},
+        input.trajectory);
+}
+
+}  // namespace
+
+Evaluation evaluate_reconstruction(const EvaluationInput& input) {
+    Evaluation evaluation;
+    if (!input.ground_truth.empty()) add_trajectory_errors(input, evaluation);
+    const bool has_truth = evaluation.trajectory.has_value() && input.reference.has_value();
+    if (has_truth) add_surface_error(input, evaluation);
+    if (has_truth && !input.known_distances.empty()) add_known_distances(input, evaluation);
+    if (!has_truth && !input.known_distances.empty())
+        evaluation.findings.push_back(
+            {Severity::Info,
+             "known_distances_not_measured",
+             "measurements.json",
+             std::to_string(input.known_distances.size()) +
+                 " known distances, but nothing says where their ends appear in the pictures",
+             "they are measured where the dive also has ground truth and reference.ply"});
+    return evaluation;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "schemas/finding.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/metrics/known_distances.hpp"
+#include "worker/metrics/surface_error.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+struct EvaluationInput {
+    const Rig& rig;
+    const Trajectory& trajectory;  // final
+    const Trajectory& causal;
+    const std::vector<Keyframe>& keyframes;
+    const Mesh& mesh;
+    const Trajectory& ground_truth;  // empty: none
+    const std::vector<KnownDistance>& known_distances;
+    const std::optional<Mesh>& reference;  // in the ground truth's world
+    int num_threads = 0;
+};
+
+// The result against whatever truth the dive brings. What it does not bring is not there; truth
+// that does not fit (another time) is a finding, never an exception: the reconstruction stands.
+struct Evaluation {
+    std::optional<TrajectoryError> trajectory;
+    std::optional<TrajectoryError> causal;
+    std::optional<SurfaceError> surface;
+    std::optional<KnownDistanceErrors> known_distances;
+    std::vector<Finding> findings;
+};
+
+Evaluation evaluate_reconstruction(const EvaluationInput& input);
+
+}  // namespace divemesh::worker

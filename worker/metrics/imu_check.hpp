@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// What the accelerometer says about the rig as calibrated: turned into the world by the
+// trajectory, its mean over a dive is gravity's reaction, 9.81 m/s^2 straight up. A wrong unit, a
+// wrong axis or an inverted camera-IMU transform shows here.
+struct GravityCheck {
+    double magnitude_m_s2 = 0.0;
+    double tilt_deg = 0.0;  // between the mean and the world's z
+};
+
+// Nothing when there is no IMU or it does not overlap the trajectory in time.
+std::optional<GravityCheck> check_gravity(const std::vector<ImuSample>& imu,
+                                          const Trajectory& trajectory);
+
+// How much later the IMU's clock shows the same turn than the cameras' (t_imu = t_cam + offset, as
+// Kalibr has it), s: the shift within 50 ms that brings gyro and trajectory together best. An
+// estimator that leans on the gyro pulls it towards 0. Nothing when there is no IMU or too little
+// turning to tell.
+std::optional<double> estimate_time_offset_s(const std::vector<ImuSample>& imu,
+                                             const Trajectory& trajectory);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,199 @@
+#include "worker/metrics/known_distances.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/metrics/summary.hpp"
+#include "worker/metrics/trajectory_pairs.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMinKeyframes = 4;
+
+// A pixel with the camera that saw it and where that was.
+struct View {
+    const Camera& camera;
+    Eigen::Isometry3d T_world_cam;
+    Eigen::Vector2d pixel;
+};
+
+std::optional<Eigen::Vector2d> project_inside(const Camera& camera, const Eigen::Vector3d& p_cam) {
+    const auto pixel = camera.project(p_cam);
+    if (!pixel || !camera.contains(*pixel)) return std::nullopt;
+    // Far outside the lens's field the distortion polynomial folds back into the picture.
+    const Eigen::Vector3d ray = camera.unproject(*pixel);
+    if ((ray.head<2>() - p_cam.head<2>() / p_cam.z()).norm() > 1e-3) return std::nullopt;
+    return pixel;
+}
+
+bool is_hidden(const Eigen::Vector3d& eye,
+               const Eigen::Vector3d& point,
+               const MarkingInput& input) {
+    const Eigen::Vector3d way = point - eye;
+    const auto hit = input.reference.first_hit_m(eye.cast<float>(), way.normalized().cast<float>());
+    return hit && static_cast<double>(*hit) < way.norm() - input.tolerance_m;
+}
+
+std::vector<View> views_of(const std::vector<Mark>& marks,
+                           const Rig& rig,
+                           const Trajectory& trajectory,
+                           int min_keyframes) {
+    std::vector<View> views;
+    int num_keyframes = 0;
+    for (const Mark& mark : marks) {
+        const auto T_world_imu = pose_at(trajectory, mark.timestamp_ns);
+        if (!T_world_imu) continue;
+        ++num_keyframes;
+        views.push_back({rig.cam0, *T_world_imu * rig.T_imu_cam0, mark.pixel_left});
+        if (mark.pixel_right)
+            views.push_back({rig.cam1, *T_world_imu * rig.T_imu_cam1, *mark.pixel_right});
+    }
+    if (num_keyframes < min_keyframes) views.clear();
+    return views;
+}
+
+// The point with the least sum of squared distances to all rays.
+std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const View& view : views) {
+        const Eigen::Vector3d ray =
+            (view.T_world_cam.linear() * view.camera.unproject(view.pixel)).normalized();
+        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+        A += across;
+        b += across * view.T_world_cam.translation();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
+    constexpr double kLeastParallax = 1e-6;  // mean squared sine between the rays
+    if (solver.eigenvalues()[0] < kLeastParallax * static_cast<double>(views.size()))
+        return std::nullopt;
+    return A.ldlt().solve(b);
+}
+
+// One Gauss-Newton step over reprojection, pixels; nothing when the point is behind a camera.
+std::optional<Eigen::Vector3d> reprojection_step(const std::vector<View>& views,
+                                                 const Eigen::Vector3d& point) {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    for (const View& view : views) {
+        const Eigen::Isometry3d T_cam_world = view.T_world_cam.inverse();
+        const auto pixel = view.camera.project(T_cam_world * point);
+        if (!pixel) return std::nullopt;
+        Eigen::Matrix<double, 2, 3> J;
+        constexpr double kStep_m = 1e-6;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
+            const auto ahead = view.camera.project(T_cam_world * (point + step));
+            const auto behind = view.camera.project(T_cam_world * (point - step));
+            if (!ahead || !behind) return std::nullopt;
+            J.col(axis) = (*ahead - *behind) / (2.0 * kStep_m);
+        }
+        H += J.transpose() * J;
+        gradient += J.transpose() * (view.pixel - *pixel);
+    }
+    return H.ldlt().solve(gradient);
+}
+
+void summarise(KnownDistanceErrors& errors) {
+    std::vector<double> differences;
+    double products = 0.0;
+    double squares = 0.0;
+    for (const MeasuredDistance& distance : errors.distances) {
+        if (!distance.measured_m) continue;
+        differences.push_back(std::abs(*distance.measured_m - distance.known_m));
+        products += *distance.measured_m * distance.known_m;
+        squares += distance.known_m * distance.known_m;
+    }
+    errors.num_measured = static_cast<std::int64_t>(differences.size());
+    if (differences.empty()) return;
+    errors.scale_error = products / squares - 1.0;
+    errors.median_abs_error_m = median(differences);
+    errors.rmse_m = root_mean_square(differences);
+    errors.max_abs_error_m = *std::max_element(differences.begin(), differences.end());
+}
+
+}  // namespace
+
+std::vector<Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input) {
+    std::vector<Mark> marks;
+    if (static_cast<double>(input.reference.distance_m(p_world.cast<float>())) > input.tolerance_m)
+        return marks;
+    for (const std::int64_t timestamp_ns : input.keyframe_timestamps_ns) {
+        const auto T_world_imu = pose_at(input.ground_truth, timestamp_ns);
+        if (!T_world_imu) continue;
+        const Eigen::Isometry3d T_world_cam0 = *T_world_imu * input.rig.T_imu_cam0;
+        const Eigen::Isometry3d T_world_cam1 = *T_world_imu * input.rig.T_imu_cam1;
+        const Eigen::Vector3d p_cam0 = T_world_cam0.inverse() * p_world;
+        const auto left = project_inside(input.rig.cam0, p_cam0);
+        if (!left || p_cam0.norm() > input.max_range_m ||
+            is_hidden(T_world_cam0.translation(), p_world, input))
+            continue;
+        auto right = project_inside(input.rig.cam1, T_world_cam1.inverse() * p_world);
+        if (is_hidden(T_world_cam1.translation(), p_world, input)) right.reset();
+        marks.push_back({timestamp_ns, *left, right});
+    }
+    return marks;
+}
+
+std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
+                                           const Rig& rig,
+                                           const Trajectory& trajectory,
+                                           int min_keyframes) {
+    const std::vector<View> views = views_of(marks, rig, trajectory, min_keyframes);
+    if (views.empty()) return std::nullopt;
+    auto point = nearest_to_rays(views);
+    for (int i = 0; point && i < 10; ++i) {
+        const auto step = reprojection_step(views, *point);
+        if (!step || !step->allFinite()) break;
+        *point += *step;
+        if (step->norm() < 1e-9) break;
+    }
+    return point;
+}
+
+KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
+                                            const MarkingInput& input,
+                                            const Trajectory& trajectory) {
+    KnownDistanceErrors errors;
+    for (const KnownDistance& known : distances) {
+        const std::vector<Mark> marks_a = mark_point(known.a_world, input);
+        const std::vector<Mark> marks_b = mark_point(known.b_world, input);
+        MeasuredDistance measured;
+        measured.name = known.name;
+        measured.known_m = known.distance_m;
+        measured.num_keyframes_a = static_cast<int>(marks_a.size());
+        measured.num_keyframes_b = static_cast<int>(marks_b.size());
+        const auto a = triangulate(marks_a, input.rig, trajectory, kMinKeyframes);
+        const auto b = triangulate(marks_b, input.rig, trajectory, kMinKeyframes);
+        if (a && b) measured.measured_m = (*a - *b).norm();
+        errors.distances.push_back(measured);
+    }
+    summarise(errors);
+    return errors;
+}
+
+nlohmann::json to_metrics(const KnownDistanceErrors& errors) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const MeasuredDistance& distance : errors.distances) {
+        nlohmann::json entry = {{"name", distance.name},
+                                {"known_m", distance.known_m},
+                                {"measured_m", nullptr},
+                                {"num_keyframes_a", distance.num_keyframes_a},
+                                {"num_keyframes_b", distance.num_keyframes_b}};
+        if (distance.measured_m) entry["measured_m"] = *distance.measured_m;
+        list.push_back(std::move(entry));
+    }
+    nlohmann::json json = {{"num_distances", errors.distances.size()},
+                           {"num_measured", errors.num_measured},
+                           {"distances", list}};
+    if (errors.num_measured == 0) return json;
+    json["scale_error"] = errors.scale_error;
+    json["median_abs_error_m"] = errors.median_abs_error_m;
+    json["rmse_m"] = errors.rmse_m;
+    json["max_abs_error_m"] = errors.max_abs_error_m;
+    return json;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,204 @@
+#include "worker/metrics/metrics_document.hpp"
+
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "schemas/content_hash.hpp"
+#include "schemas/json.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+double clock_s(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double rate(std::int64_t count, double seconds) {
+    return seconds > 0.0 ? static_cast<double>(count) / seconds : 0.0;
+}
+
+std::string_view to_string(Distortion distortion) {
+    switch (distortion) {
+        case Distortion::None: return "none";
+        case Distortion::RadialTangential: return "radial-tangential";
+        case Distortion::Equidistant: return "equidistant";
+    }
+    return "";
+}
+
+void append(std::string& text, double value) {
+    char number[40];
+    std::snprintf(number, sizeof number, "%.12g\n", value);
+    text += number;
+}
+
+void append(std::string& text, const Camera& camera, const Eigen::Isometry3d& T_imu_cam) {
+    for (const double value : {static_cast<double>(camera.width_px),
+                               static_cast<double>(camera.height_px),
+                               camera.fx_px,
+                               camera.fy_px,
+                               camera.cx_px,
+                               camera.cy_px})
+        append(text, value);
+    text.append(to_string(camera.distortion)).append("\n");
+    for (const double value : camera.distortion_coefficients) append(text, value);
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
+}
+
+// The same for the same calibration, wherever its numbers were read from.
+std::string calibration_sha256(const Rig& rig) {
+    std::string text;
+    append(text, rig.cam0, rig.T_imu_cam0);
+    append(text, rig.cam1, rig.T_imu_cam1);
+    return sha256_hex(text);
+}
+
+json calibration(const MetricsInput& input) {
+    const Rig& rig = input.rig;
+    json result = {{"body_frame", rig.imu_noise ? "imu" : "cam0"},
+                   {"baseline_m", rig.baseline_m()},
+                   {"focal_px", {rig.cam0.fx_px, rig.cam0.fy_px}},
+                   {"image_size_px", {rig.cam0.width_px, rig.cam0.height_px}},
+                   {"distortion_model", to_string(rig.cam0.distortion)},
+                   {"sha256", calibration_sha256(rig)}};
+    if (input.gravity)
+        result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
+                             {"tilt_deg", input.gravity->tilt_deg}};
+    if (input.time_offset_s) result["time_offset_s"] = *input.time_offset_s;
+    return result;
+}
+
+json frames(const MetricsInput& input) {
+    const TrackStatistics& track = input.track;
+    return {{"num_frames", track.num_frames},
+            {"num_skipped_frames", track.num_skipped_frames},
+            {"num_frames_tracked", track.num_frames_tracked},
+            {"coverage", rate(track.num_frames_tracked, static_cast<double>(track.num_frames))},
+            {"num_keyframes", input.num_keyframes}};
+}
+
+json tracking(const MetricsInput& input) {
+    const TrackStatistics& track = input.track;
+    json result = {{"mean_tracked_features", track.mean_tracked_features},
+                   {"inlier_share", track.inlier_share},
+                   {"horn_scale_median", track.horn_scale_median},
+                   {"median_depth_m", track.median_depth_m},
+                   {"median_track_life_frames", track.median_track_life_frames},
+                   {"num_landmarks", input.num_landmarks},
+                   {"reprojection_rms_px", input.optimise.reprojection_rms_px}};
+    if (input.rig.imu_noise)
+        result["imu_vision_disagreement_deg"] = track.imu_vision_disagreement_deg;
+    return result;
+}
+
+// The speed of the whole leaves out `evaluate`, which only dives with truth have, and is not told
+// when a stage was reused: it would be of another run.
+json speed(const MetricsInput& input) {
+    json stages = json::array();
+    double wall_s = 0.0;
+    double pipeline_s = 0.0;
+    double cpu_s = 0.0;
+    bool any_reused = false;
+    for (const StageTime& stage : input.stages) {
+        wall_s += stage.wall_s;
+        cpu_s += stage.cpu_s;
+        any_reused = any_reused || stage.reused;
+        if (stage.stage != "evaluate") pipeline_s += stage.wall_s;
+        json entry = {{"stage", stage.stage},
+                      {"wall_s", stage.wall_s},
+                      {"cpu_s", stage.cpu_s},
+                      {"reused", stage.reused}};
+        if (!stage.reused) entry["frames_per_s"] = rate(input.track.num_frames, stage.wall_s);
+        stages.push_back(std::move(entry));
+    }
+    json result = {{"wall_s", wall_s},
+                   {"cpu_s", cpu_s},
+                   {"stages", stages},
+                   {"peak_memory_bytes", peak_memory_bytes()}};
+    if (!any_reused) result["frames_per_s"] = rate(input.track.num_frames, pipeline_s);
+    return result;
+}
+
+json mesh(const MetricsInput& input) {
+    return {{"num_vertices", input.num_vertices},
+            {"num_triangles", input.num_triangles},
+            {"area_m2", input.mesh_area_m2},
+            {"voxel_m", input.voxel_m},
+            {"num_cloud_points", input.num_cloud_points},
+            {"volume_memory_bytes", input.volume_memory_bytes}};
+}
+
+void add_evaluation(const Evaluation& evaluation, json& document) {
+    json& trajectory = document["trajectory"];
+    if (evaluation.trajectory) trajectory["final"] = to_metrics(*evaluation.trajectory);
+    if (evaluation.causal) trajectory["causal"] = to_metrics(*evaluation.causal);
+    if (evaluation.surface) document["surface"] = to_metrics(*evaluation.surface);
+    if (evaluation.known_distances)
+        document["known_distances"] = to_metrics(*evaluation.known_distances);
+}
+
+}  // namespace
+
+json metrics_document(const MetricsInput& input) {
+    json document = {{"format", 1},
+                     {"version", input.version},
+                     {"preset", input.preset},
+                     {"options", options_to_json(input.options)},
+                     {"dive",
+                      {{"name", input.dive_name},
+                       {"content_sha256", input.content_sha256},
+                       {"duration_s", input.duration_s}}},
+                     {"calibration", calibration(input)},
+                     {"frames", frames(input)},
+                     {"tracking", tracking(input)},
+                     {"trajectory", {{"path_length_m", input.path_length_m}}},
+                     {"mesh", mesh(input)},
+                     {"speed", speed(input)}};
+    add_evaluation(input.evaluation, document);
+    std::vector<Finding> findings = input.findings;
+    findings.insert(
+        findings.end(), input.evaluation.findings.begin(), input.evaluation.findings.end());
+    document["findings"] = findings;
+    return document;
+}
+
+Stopwatch::Stopwatch()
+    : wall_start_s_(clock_s(CLOCK_MONOTONIC)), cpu_start_s_(clock_s(CLOCK_PROCESS_CPUTIME_ID)) {}
+
+StageTime Stopwatch::stop(std::string stage) const {
+    return {std::move(stage),
+            clock_s(CLOCK_MONOTONIC) - wall_start_s_,
+            clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_};
+}
+
+double path_length_m(const Trajectory& trajectory) {
+    double length = 0.0;
+    for (std::size_t i = 1; i < trajectory.size(); ++i)
+        length +=
+            (trajectory[i].T_world_imu.translation() - trajectory[i - 1].T_world_imu.translation())
+                .norm();
+    return length;
+}
+
+// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
+std::int64_t peak_memory_bytes() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        if (!line.starts_with("VmHWM:")) continue;
+        std::istringstream words(line.substr(6));
+        std::int64_t num_kib = 0;
+        words >> num_kib;
+        return num_kib * 1024;
+    }
+    return 0;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schemas/finding.hpp"
+#include "schemas/reconstruction_options.hpp"
+#include "worker/geometry/rig.hpp"
+#include "worker/metrics/evaluation.hpp"
+#include "worker/metrics/imu_check.hpp"
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+
+struct StageTime {
+    std::string stage;  // track, optimise, fuse, mesh, texture, evaluate
+    double wall_s = 0.0;
+    double cpu_s = 0.0;   // of all threads
+    bool reused = false;  // taken from an earlier attempt's files
+};
+
+// Wall clock and CPU time of the process since it was made.
+class Stopwatch {
+public:
+    Stopwatch();
+    StageTime stop(std::string stage) const;
+
+private:
+    double wall_start_s_;
+    double cpu_start_s_;
+};
+
+struct MetricsInput {
+    std::string version;
+    std::string preset;
+    ReconstructionOptions options;  // as used
+    std::string dive_name;
+    std::string content_sha256;
+    double duration_s = 0.0;
+    Rig rig;
+    std::optional<GravityCheck> gravity;  // nothing: no IMU
+    std::optional<double> time_offset_s;  // estimated: IMU time minus camera time
+    TrackStatistics track;
+    OptimiseStatistics optimise;
+    std::int64_t num_keyframes = 0;
+    std::int64_t num_landmarks = 0;
+    double path_length_m = 0.0;  // of the final trajectory
+    std::int64_t num_vertices = 0;
+    std::int64_t num_triangles = 0;
+    double mesh_area_m2 = 0.0;
+    std::int64_t num_cloud_points = 0;
+    double voxel_m = 0.0;
+    std::int64_t volume_memory_bytes = 0;
+    std::vector<StageTime> stages;
+    Evaluation evaluation;
+    std::vector<Finding> findings;  // of the dive; the evaluation's own are added
+};
+
+// metrics.json, as schemas/metrics.schema.json describes it. What is not known is left out.
+nlohmann::json metrics_document(const MetricsInput& input);
+
+double path_length_m(const Trajectory& trajectory);
+std::int64_t peak_memory_bytes();  // of this process so far
+
+}  // namespace divemesh::worker

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "worker/metrics/evaluation.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+struct ReportInput {
+    const nlohmann::json& metrics;  // metrics.json
+    const Trajectory& trajectory;   // final
+    const Evaluation& evaluation;
+    std::string picture_png;  // of the result, at most some 100 kB; "" for none
+};
+
+// report.html: one self-contained page for a person. Figures, two plots, the picture, the
+// findings; whatever came from the dive is escaped, no script, nothing is loaded.
+std::string report_html(const ReportInput& input);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <vector>
+
+namespace divemesh::worker {
+
+// Of nothing: 0.
+double mean(const std::vector<double>& values);
+double root_mean_square(const std::vector<double>& values);
+double median(std::vector<double> values);
+
+}  // namespace divemesh::worker

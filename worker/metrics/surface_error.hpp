@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+struct SurfaceErrorInput {
+    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // of the trajectory
+    std::vector<Eigen::Vector3d>
+        camera_positions_world;  // of the estimate; none: no limit of range
+    double max_range_m = 4.0;    // our surface farther than this from every camera is left out
+    std::int64_t num_samples = 1'000'000;  // each way
+    std::uint64_t seed = 1;
+    int num_threads = 0;  // 0: all cores; never changes a figure
+};
+
+// Distances one way: from samples on one surface to the nearest point of the other.
+struct DistanceSummary {
+    std::int64_t num_samples = 0;
+    double median_m = 0.0;
+    double mean_m = 0.0;
+    double rms_m = 0.0;
+    double p90_m = 0.0;
+};
+
+// Precision: share of our surface within the threshold of the reference; recall: share of the
+// reference within it of ours; F1 their harmonic mean (Knapitsch et al. 2017).
+struct ThresholdScore {
+    double threshold_m = 0.0;
+    double precision = 0.0;
+    double recall = 0.0;
+    double f1 = 0.0;
+};
+
+struct SurfaceError {
+    DistanceSummary accuracy;            // ours -> reference
+    DistanceSummary completeness;        // reference -> ours, over the whole reference
+    double share_beyond_range = 0.0;     // of our samples, left out of accuracy
+    std::vector<ThresholdScore> scores;  // 5, 10, 20, 50 mm
+};
+
+// How far our mesh is from the reference mesh. No ICP: ours is moved by T_reference_world alone.
+// Samples are uniform over area; distances are to the nearest point of the nearest triangle.
+// Throws Error{BadData} when either mesh has no area.
+SurfaceError surface_error(const Mesh& mesh_world,
+                           const Mesh& reference,
+                           const SurfaceErrorInput& input);
+
+nlohmann::json to_metrics(const SurfaceError& error);
+
+}  // namespace divemesh::worker

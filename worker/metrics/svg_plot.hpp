@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace divemesh::worker {
+
+struct PlotLine {
+    std::string name;
+    std::string color;  // CSS
+    std::vector<double> x;
+    std::vector<double> y;
+};
+
+struct Plot {
+    std::string title;
+    std::string x_label;
+    std::string y_label;
+    std::vector<PlotLine> lines;
+    bool equal_scale = false;  // a metre is as long on both axes
+};
+
+// One inline <svg> with axes, ticks and a legend. Long lines are thinned to what the eye can tell
+// apart. Texts are escaped.
+std::string svg_plot(const Plot& plot);
+
+std::string escape_html(const std::string& text);
+
+}  // namespace divemesh::worker

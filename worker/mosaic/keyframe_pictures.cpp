@@ -1,0 +1,69 @@
+#include "worker/mosaic/keyframe_pictures.hpp"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "worker/output/atomic_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kWidth_px = 320;
+
+std::string picture_name(int frame_index) {
+    char name[40];
+    std::snprintf(name, sizeof name, "keyframes/%06d.jpg", frame_index);
+    return name;
+}
+
+void write_picture(const std::filesystem::path& file, const cv::Mat& image) {
+    const double scale = std::min(1.0, static_cast<double>(kWidth_px) / image.cols);
+    cv::Mat small;
+    cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
+    std::vector<std::uint8_t> jpeg;
+    cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
+    write_file(file, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+}
+
+nlohmann::json entry_of(const Keyframe& keyframe) {
+    const Eigen::Vector3d p = keyframe.T_world_cam.translation();
+    const Eigen::Quaterniond q(keyframe.T_world_cam.linear());
+    return {{"frame_index", keyframe.frame_index},
+            {"timestamp_ns", keyframe.timestamp_ns},
+            {"picture", picture_name(keyframe.frame_index)},
+            {"position_m", {p.x(), p.y(), p.z()}},
+            {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+}  // namespace
+
+void write_keyframe_pictures(const std::filesystem::path& folder,
+                             const RectifiedRig& rig,
+                             const std::vector<Keyframe>& keyframes,
+                             const KeyframeStore& store,
+                             const ProgressCallback& progress) {
+    std::filesystem::create_directories(folder / "keyframes");
+    nlohmann::json list = nlohmann::json::array();
+    for (const Keyframe& keyframe : keyframes) {
+        Progress done;
+        done.stage = "texture";
+        done.fraction = static_cast<double>(list.size()) / static_cast<double>(keyframes.size());
+        progress(done);
+        write_picture(folder / picture_name(keyframe.frame_index),
+                      store.read(keyframe.frame_index).left_color);
+        list.push_back(entry_of(keyframe));
+    }
+    const nlohmann::json document = {
+        {"frame", "world (m, z up); the camera is the rectified left one, z forward, x right"},
+        {"image_size_px", {rig.width_px, rig.height_px}},
+        {"focal_px", rig.focal_px},
+        {"principal_point_px", {rig.cx_px, rig.cy_px}},
+        {"baseline_m", rig.baseline_m},
+        {"keyframes", list}};
+    write_file(folder / "keyframes.json", document.dump(1) + "\n");
+}
+
+}  // namespace divemesh::worker

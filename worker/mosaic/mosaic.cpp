@@ -1,0 +1,151 @@
+#include "worker/mosaic/mosaic.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+
+struct Bounds {
+    Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::max());
+    Eigen::Vector2f high = Eigen::Vector2f::Constant(std::numeric_limits<float>::lowest());
+
+    Eigen::Vector2f size() const { return high - low; }
+};
+
+Bounds bounds_of(const Mesh& mesh) {
+    Bounds bounds;
+    for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t vertex : triangle) {
+            bounds.low = bounds.low.cwiseMin(mesh.vertices[vertex].head<2>());
+            bounds.high = bounds.high.cwiseMax(mesh.vertices[vertex].head<2>());
+        }
+    return bounds;
+}
+
+double mean_edge_m(const Mesh& mesh) {
+    double sum = 0.0;
+    for (const auto& triangle : mesh.triangles)
+        sum +=
+            static_cast<double>((mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]]).norm());
+    return sum / static_cast<double>(mesh.triangles.size());
+}
+
+double choose_pixel_m(const Mesh& mesh, const Bounds& bounds, const MosaicOptions& options) {
+    constexpr double kFinest_m = 1e-4;
+    const Eigen::Vector2d size = bounds.size().cast<double>();
+    double pixel_m = options.pixel_m > 0.0 ? options.pixel_m : 0.5 * mean_edge_m(mesh);
+    pixel_m = std::max({pixel_m,
+                        kFinest_m,
+                        size.maxCoeff() / (options.max_side_px - 1),
+                        std::sqrt(size.prod() / static_cast<double>(options.max_pixels))});
+    return pixel_m;
+}
+
+// A triangle's corners in pixels (z: height in m) and their colours.
+struct ScreenTriangle {
+    std::array<Eigen::Vector3f, 3> corners;
+    std::array<Eigen::Vector3f, 3> colors;  // b g r
+};
+
+Eigen::Vector3f color_of(const Mesh& mesh, std::uint32_t vertex) {
+    if (!mesh.colors.empty()) {
+        const Color& color = mesh.colors[vertex];
+        return {static_cast<float>(color[2]),
+                static_cast<float>(color[1]),
+                static_cast<float>(color[0])};
+    }
+    const float light = mesh.normals.empty() ? 0.7F : std::abs(mesh.normals[vertex].z());
+    return Eigen::Vector3f::Constant(60.0F + 180.0F * light);
+}
+
+// Pixel centres inside the triangle, the higher surface wins (z-buffer).
+void draw(const ScreenTriangle& triangle, Mosaic& mosaic) {
+    const auto& [a, b, c] = triangle.corners;
+    const float area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+    if (area == 0.0F) return;
+    const auto first = [](float low) {
+        return std::max(0, static_cast<int>(std::ceil(low - 0.5F)));
+    };
+    const auto last = [](float high, int count) {
+        return std::min(count - 1, static_cast<int>(std::floor(high - 0.5F)));
+    };
+    const int last_row = last(std::max({a.y(), b.y(), c.y()}), mosaic.color.rows);
+    const int last_column = last(std::max({a.x(), b.x(), c.x()}), mosaic.color.cols);
+    const int first_column = first(std::min({a.x(), b.x(), c.x()}));
+    for (int row = first(std::min({a.y(), b.y(), c.y()})); row <= last_row; ++row) {
+        auto* heights = mosaic.height_m.ptr<float>(row);
+        auto* colors = mosaic.color.ptr<cv::Vec4b>(row);
+        for (int column = first_column; column <= last_column; ++column) {
+            const float x = static_cast<float>(column) + 0.5F;
+            const float y = static_cast<float>(row) + 0.5F;
+            const float v = ((x - a.x()) * (c.y() - a.y()) - (y - a.y()) * (c.x() - a.x())) / area;
+            const float w = ((b.x() - a.x()) * (y - a.y()) - (b.y() - a.y()) * (x - a.x())) / area;
+            const float u = 1.0F - v - w;
+            if (u < 0.0F || v < 0.0F || w < 0.0F) continue;
+            const float height = u * a.z() + v * b.z() + w * c.z();
+            if (height <= heights[column]) continue;  // false where there was nothing
+            heights[column] = height;
+            const Eigen::Vector3f color =
+                u * triangle.colors[0] + v * triangle.colors[1] + w * triangle.colors[2];
+            for (int channel = 0; channel < 3; ++channel)
+                colors[column][channel] = cv::saturate_cast<std::uint8_t>(color[channel]);
+            colors[column][3] = 255;
+        }
+    }
+}
+
+}  // namespace
+
+Mosaic render_mosaic(const Mesh& mesh, const MosaicOptions& options) {
+    Mosaic mosaic;
+    int width_px = 1;
+    int height_px = 1;
+    mosaic.pixel_m = 1.0;
+    if (!mesh.triangles.empty()) {
+        const Bounds bounds = bounds_of(mesh);
+        mosaic.pixel_m = choose_pixel_m(mesh, bounds, options);
+        mosaic.corner_x_m = static_cast<double>(bounds.low.x());
+        mosaic.corner_y_m = static_cast<double>(bounds.high.y());
+        width_px = 1 + static_cast<int>(static_cast<double>(bounds.size().x()) / mosaic.pixel_m);
+        height_px = 1 + static_cast<int>(static_cast<double>(bounds.size().y()) / mosaic.pixel_m);
+    }
+    mosaic.color = cv::Mat(height_px, width_px, CV_8UC4, cv::Scalar::all(0));
+    mosaic.height_m = cv::Mat(height_px, width_px, CV_32F, cv::Scalar::all(kNothing));
+    for (const auto& triangle : mesh.triangles) {
+        ScreenTriangle screen;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Eigen::Vector3d vertex = mesh.vertices[triangle[i]].cast<double>();
+            screen.corners[i] = Eigen::Vector3d((vertex.x() - mosaic.corner_x_m) / mosaic.pixel_m,
+                                                (mosaic.corner_y_m - vertex.y()) / mosaic.pixel_m,
+                                                vertex.z())
+                                    .cast<float>();
+            screen.colors[i] = color_of(mesh, triangle[i]);
+        }
+        draw(screen, mosaic);
+    }
+    return mosaic;
+}
+
+std::string thumbnail_png(const Mosaic& mosaic, int max_side_px) {
+    cv::Mat picture(mosaic.color.size(), CV_8UC3);
+    for (int row = 0; row < picture.rows; ++row)
+        for (int column = 0; column < picture.cols; ++column) {
+            const auto& pixel = mosaic.color.at<cv::Vec4b>(row, column);
+            picture.at<cv::Vec3b>(row, column) =
+                pixel[3] == 0 ? cv::Vec3b(255, 255, 255) : cv::Vec3b(pixel[0], pixel[1], pixel[2]);
+        }
+    const double scale = static_cast<double>(max_side_px) / std::max(picture.rows, picture.cols);
+    if (scale < 1.0) cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
+    std::vector<std::uint8_t> png;
+    cv::imencode(".png", picture, png);
+    return {png.begin(), png.end()};
+}
+
+}  // namespace divemesh::worker

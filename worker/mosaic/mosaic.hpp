@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+// An orthographic picture of the mesh from above (along gravity). Row 0 is north (largest y),
+// column 0 west (smallest x); pixel (0, 0) has its outer corner at `corner_x_m`, `corner_y_m`.
+struct Mosaic {
+    cv::Mat color;     // CV_8UC4 BGRA; alpha 0 where there is no surface
+    cv::Mat height_m;  // CV_32F, world z of the highest surface; NaN where there is none
+    double pixel_m = 0.0;
+    double corner_x_m = 0.0;
+    double corner_y_m = 0.0;
+};
+
+struct MosaicOptions {
+    double pixel_m = 0.0;  // 0: half the mean edge of the mesh
+    int max_side_px = 8192;
+    std::int64_t max_pixels = 48'000'000;  // coarser pixels where the mesh would need more
+};
+
+// Colours by the vertices, highest surface wins. An empty mesh gives one transparent pixel.
+Mosaic render_mosaic(const Mesh& mesh, const MosaicOptions& options = {});
+
+// mosaic.png, mosaic_height.png (16 bit; 0: nothing there) and mosaic.json with the scales of
+// both, in `folder`.
+void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic);
+
+// The picture scaled down to `max_side_px` on white, for the report.
+std::string thumbnail_png(const Mosaic& mosaic, int max_side_px = 480);
+
+}  // namespace divemesh::worker

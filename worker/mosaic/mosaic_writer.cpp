@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "worker/mosaic/mosaic.hpp"
+#include "worker/output/atomic_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Heights as steps above the lowest, from 1; 0 where there is no surface.
+struct HeightPicture {
+    cv::Mat steps;  // CV_16U
+    double lowest_m = 0.0;
+    double step_m = 1e-4;
+};
+
+HeightPicture height_picture(const cv::Mat& height_m) {
+    constexpr double kMostSteps = 65534.0;
+    HeightPicture picture;
+    double lowest = 0.0;
+    double highest = 0.0;
+    const cv::Mat is_known = height_m == height_m;
+    if (cv::countNonZero(is_known) > 0)
+        cv::minMaxLoc(height_m, &lowest, &highest, nullptr, nullptr, is_known);
+    picture.lowest_m = lowest;
+    picture.step_m = std::max(picture.step_m, (highest - lowest) / kMostSteps);
+    picture.steps = cv::Mat(height_m.size(), CV_16U, cv::Scalar::all(0));
+    for (int row = 0; row < height_m.rows; ++row)
+        for (int column = 0; column < height_m.cols; ++column) {
+            const auto height = static_cast<double>(height_m.at<float>(row, column));
+            if (std::isnan(height)) continue;
+            picture.steps.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
+                1.0 + std::min(kMostSteps, std::round((height - lowest) / picture.step_m)));
+        }
+    return picture;
+}
+
+void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
+    std::vector<std::uint8_t> png;
+    cv::imencode(".png", picture, png);
+    write_file(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+}  // namespace
+
+void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic) {
+    const HeightPicture heights = height_picture(mosaic.height_m);
+    const nlohmann::json description = {
+        {"frame", "world (m, z up); columns run along +x, rows along -y, seen from +z"},
+        {"width_px", mosaic.color.cols},
+        {"height_px", mosaic.color.rows},
+        {"pixel_m", mosaic.pixel_m},
+        {"corner_x_m", mosaic.corner_x_m},
+        {"corner_y_m", mosaic.corner_y_m},
+        {"color_file", "mosaic.png"},
+        {"elevation",
+         {{"file", "mosaic_height.png"},
+          {"meaning", "z_m = lowest_m + (value - 1) * step_m; value 0: no surface"},
+          {"lowest_m", heights.lowest_m},
+          {"step_m", heights.step_m}}}};
+    write_png(folder / "mosaic.png", mosaic.color);
+    write_png(folder / "mosaic_height.png", heights.steps);
+    write_file(folder / "mosaic.json", description.dump(2) + "\n");
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,81 @@
+#include "worker/output/atomic_file.hpp"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+
+[[noreturn]] void fail(const std::filesystem::path& file, int code) {
+    const std::string reason = std::generic_category().message(code);
+    if (code == ENOSPC || code == EDQUOT || code == EFBIG)
+        throw Error(ErrorCode::OutOfSpace,
+                    "cannot write " + file.string() + ": " + reason +
+                        "; free space there or choose another folder");
+    throw Error(ErrorCode::Unavailable, "cannot write " + file.string() + ": " + reason);
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) fail(folder, errno);
+    const int code = fsync(descriptor) == 0 ? 0 : errno;
+    close(descriptor);
+    if (code != 0 && code != EINVAL) fail(folder, code);  // EINVAL: a file system without it
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path file)
+    : file_(std::move(file)), partial_(file_.string() + ".partial") {
+    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail(file_, errno);
+    buffer_.reserve(kBufferBytes);
+}
+
+AtomicFile::~AtomicFile() {
+    if (descriptor_ < 0) return;
+    close(descriptor_);
+    unlink(partial_.c_str());
+}
+
+void AtomicFile::write(std::string_view bytes) {
+    buffer_.append(bytes);
+    if (buffer_.size() >= kBufferBytes) flush();
+}
+
+void AtomicFile::flush() {
+    for (std::string_view rest = buffer_; !rest.empty();) {
+        const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) fail(file_, errno);
+        rest.remove_prefix(static_cast<std::size_t>(written));
+    }
+    buffer_.clear();
+}
+
+void AtomicFile::commit() {
+    flush();
+    if (fsync(descriptor_) != 0) fail(file_, errno);
+    if (close(std::exchange(descriptor_, -1)) != 0 ||
+        rename(partial_.c_str(), file_.c_str()) != 0) {
+        const int code = errno;
+        unlink(partial_.c_str());
+        fail(file_, code);
+    }
+    sync_folder(file_.has_parent_path() ? file_.parent_path() : ".");
+}
+
+void write_file(const std::filesystem::path& file, std::string_view bytes) {
+    AtomicFile output(file);
+    output.write(bytes);
+    output.commit();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace divemesh::worker {
+
+// A file that appears under its name whole or not at all: written beside it as `name.partial`,
+// synced, renamed, the folder synced. Throws Error{OutOfSpace} when the disk or a quota is full,
+// Error{Unavailable} with the system's reason otherwise.
+class AtomicFile {
+public:
+    explicit AtomicFile(std::filesystem::path file);
+    ~AtomicFile();  // without commit() nothing is left behind
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    void write(std::string_view bytes);
+    void commit();
+
+private:
+    void flush();
+
+    std::filesystem::path file_;
+    std::filesystem::path partial_;
+    std::string buffer_;
+    int descriptor_ = -1;
+};
+
+void write_file(const std::filesystem::path& file, std::string_view bytes);
+
+}  // namespace divemesh::worker

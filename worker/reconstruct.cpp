@@ -1,0 +1,149 @@
+#include "worker/reconstruct.hpp"
+
+#include <algorithm>
+
+#include "worker/estimation/follow_keyframes.hpp"
+#include "worker/estimation/frame_features.hpp"
+#include "worker/estimation/global_adjustment.hpp"
+#include "worker/estimation/inertial_prior.hpp"
+#include "worker/estimation/keyframe_map.hpp"
+#include "worker/estimation/motion.hpp"
+#include "worker/estimation/track_summary.hpp"
+#include "worker/geometry/rectifier.hpp"
+#include "worker/steps/extract_surface.hpp"
+#include "worker/steps/match_features.hpp"
+#include "worker/steps/match_stereo.hpp"
+#include "worker/steps/predict_orientation.hpp"
+#include "worker/steps/refine_pose.hpp"
+#include "worker/steps/register_points.hpp"
+#include "worker/steps/track_features.hpp"
+#include "worker/steps/with_depth_at_both_times.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// A pair agrees with a motion within this.
+constexpr double kInlierTolerance_px = 2.0;
+
+void report(const ProgressCallback& progress, std::size_t num_done, const Recording& recording) {
+    Progress at;
+    at.frames_done = static_cast<std::int64_t>(num_done);
+    at.num_frames = recording.num_frames();
+    at.fraction = static_cast<double>(num_done) / std::max(1, recording.num_frames());
+    progress(at);
+}
+
+}  // namespace
+
+Track track(Recording& recording,
+            const ReconstructionOptions& options,
+            const KeyframeStore& store,
+            const ProgressCallback& progress) {
+    const Rectifier rectifier(recording.rig());
+    const RectifiedRig& rig = rectifier.rig();
+    const bool dense = options.estimator == "pairwise";  // else depth at the features alone
+    StereoMatcher stereo(rig, options);
+    FeatureTracker tracker(rig, options);
+    InertialPrior inertial(recording, options);
+    KeyframeMap map(rig, options, recording.rig().imu_noise.value_or(ImuNoise{}), store);
+    Motion motion(rig);
+    Features features;
+    TrackSummary summary;
+    Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
+    Track result;
+    result.rig = rig;
+
+    recording.rewind();
+    while (const auto recorded = recording.next_frame()) {
+        const RectifiedFrame frame = rectifier.rectify(*recorded);
+        const std::int64_t now_ns = frame.timestamp_ns;
+        if (!motion.started()) motion.start(now_ns, first_pose(inertial, rig, now_ns));
+        const std::int64_t before_ns = motion.timestamp_ns();
+        const auto turn = motion.turn(inertial, now_ns);
+        const auto expected = motion.expect(turn, now_ns);
+
+        DepthMap depth = dense ? stereo.match(frame) : DepthMap{};                      // 1
+        Features tracks = tracker.track(frame.left, features, expected);                // 2
+        match_features(frame, depth.disparity_px, options.num_disparities_px, tracks);  // 1
+        PointPairs pairs = with_depth_at_both_times(rig, features, tracks);             // 3
+        map.use_landmarks(motion.T_world_cam(), pairs);
+        const auto vision =
+            register_points(rig, pairs, kInlierTolerance_px, seed_of(options, frame));  // 4
+        const auto guess = predict_orientation(turn, vision);                           // 5
+        const Eigen::Isometry3d T_current_previous =                                    // 6
+            vision.found ? refine_pose(rig, vision.inliers, guess) : expected;
+        motion.advance(T_current_previous, now_ns);
+        T_start_cam = T_start_cam * T_current_previous.inverse();
+        if (dense) learn_bias(inertial, rig, vision, before_ns, now_ns);
+
+        if (map.empty())
+            summary.add_first_frame();
+        else
+            summary.add_frame(tracks, vision, guess);
+        features = consistent(tracks, pairs, vision);
+        const bool keep = map.empty() || (vision.found && map.due(features, now_ns));
+        if (keep || !vision.found)
+            add_new_features(frame, depth, options.num_disparities_px, tracker, features);
+        if (keep) {
+            if (!dense) depth = stereo.match(frame);
+            map.add(frame, depth, features, motion, inertial);
+        }
+        result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});
+        result.odometry.push_back({now_ns, T_start_cam * rig.T_imu_cam.inverse()});
+        report(progress, result.causal.size(), recording);
+    }
+    map.move_to(result);
+    result.statistics = summary.statistics(recording.num_skipped_frames());
+    return result;
+}
+
+OptimisedTrack optimise(const Track& track,
+                        const Recording& recording,
+                        const ReconstructionOptions& options,
+                        const KeyframeStore& /*store*/,
+                        const ProgressCallback& progress) {
+    OptimisedTrack result;
+    result.keyframes = track.keyframes;
+    if (!options.adjust_whole_dive || options.estimator == "pairwise" ||
+        track.keyframes.size() < 2) {  // the paper stops here
+        result.trajectory = track.causal;
+        return result;
+    }
+    const InertialPrior inertial(recording, options);
+    std::vector<Landmark> landmarks = track.landmarks;
+    Progress at;
+    at.fraction = 0.5;
+    result.statistics.reprojection_rms_px =
+        adjust_dive(track.rig, inertial, result.keyframes, landmarks, progress, at);
+    result.trajectory = follow_keyframes(track.odometry, result.keyframes, track.rig.T_imu_cam);
+    return result;
+}
+
+std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
+                             const std::vector<Keyframe>& keyframes,
+                             double median_depth_m,
+                             const ReconstructionOptions& options,
+                             const KeyframeStore& store,
+                             const ProgressCallback& progress) {
+    auto volume = make_volume(rig, options, median_depth_m);
+    Progress done;
+    done.stage = "fuse";
+    done.num_frames = static_cast<std::int64_t>(keyframes.size());
+    for (const Keyframe& keyframe : keyframes) {
+        progress(done);
+        volume->integrate(keyframe, store.read(keyframe.frame_index));  // 7
+        ++done.frames_done;
+        done.fraction =
+            static_cast<double>(done.frames_done) / static_cast<double>(done.num_frames);
+    }
+    progress(done);
+    return volume;
+}
+
+Mesh mesh(const Volume& volume,
+          const ReconstructionOptions& options,
+          const ProgressCallback& progress) {
+    return extract_surface(volume, options, progress);  // 8
+}
+
+}  // namespace divemesh::worker

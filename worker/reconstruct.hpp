@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "schemas/reconstruction_options.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/keyframe_store.hpp"
+#include "worker/observer.hpp"
+#include "worker/recording.hpp"
+#include "worker/steps/add_points.hpp"
+#include "worker/volume/mesh.hpp"
+
+// The method: four stages that together are the paper's eight steps. Each takes plain values and
+// gives plain values, so a stage can start from what the one before wrote to disk
+// (worker/stage_files.hpp).
+namespace divemesh::worker {
+
+// A feature as a keyframe saw it, in the rectified pair.
+struct LandmarkObservation {
+    std::int32_t keyframe = 0;  // index into Track::keyframes
+    float u_px = 0.0F;
+    float v_px = 0.0F;
+    float disparity_px = 0.0F;  // <= 0: seen by the left camera alone
+};
+
+struct Landmark {
+    Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+    std::vector<LandmarkObservation> observations;
+};
+
+struct TrackStatistics {
+    std::int64_t num_frames = 0;          // that decoded
+    std::int64_t num_skipped_frames = 0;  // that did not
+    std::int64_t num_frames_tracked = 0;  // constrained by vision
+    double mean_tracked_features = 0.0;
+    double inlier_share = 0.0;                 // of the tracked features, after RANSAC
+    double imu_vision_disagreement_deg = 0.0;  // RMS per frame of gyro against vision; 0: no IMU
+    double horn_scale_median = 1.0;            // Horn's s, estimated and reported, never applied
+    double median_depth_m = 0.0;               // of the features
+    double median_track_life_frames = 0.0;
+};
+
+// Steps 1 to 6 over all frames.
+struct Track {
+    RectifiedRig rig;
+    Trajectory causal;    // every frame, as known at its time
+    Trajectory odometry;  // the motion from frame to frame, chained: drifts but never jumps
+    std::vector<Keyframe> keyframes;
+    std::vector<Landmark> landmarks;
+    TrackStatistics statistics;
+};
+
+struct OptimiseStatistics {
+    double reprojection_rms_px = 0.0;
+};
+
+struct OptimisedTrack {
+    Trajectory trajectory;  // every frame, with hindsight
+    std::vector<Keyframe> keyframes;
+    OptimiseStatistics statistics;
+};
+
+Track track(Recording& recording,
+            const ReconstructionOptions& options,
+            const KeyframeStore& store,
+            const ProgressCallback& progress);
+
+OptimisedTrack optimise(const Track& track,
+                        const Recording& recording,
+                        const ReconstructionOptions& options,
+                        const KeyframeStore& store,
+                        const ProgressCallback& progress);
+
+std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
+                             const std::vector<Keyframe>& keyframes,
+                             double median_depth_m,
+                             const ReconstructionOptions& options,
+                             const KeyframeStore& store,
+                             const ProgressCallback& progress);
+
+Mesh mesh(const Volume& volume,
+          const ReconstructionOptions& options,
+          const ProgressCallback& progress);
+
+}  // namespace divemesh::worker

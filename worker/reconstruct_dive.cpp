@@ -1,0 +1,242 @@
+#include "worker/reconstruct_dive.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "schemas/content_hash.hpp"
+#include "schemas/error.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/keyframe_store.hpp"
+#include "worker/metrics/evaluation.hpp"
+#include "worker/metrics/metrics_document.hpp"
+#include "worker/metrics/report.hpp"
+#include "worker/metrics/surface_samples.hpp"
+#include "worker/mosaic/keyframe_pictures.hpp"
+#include "worker/mosaic/mosaic.hpp"
+#include "worker/output/atomic_file.hpp"
+#include "worker/output/glb_writer.hpp"
+#include "worker/output/ply.hpp"
+#include "worker/output/trajectory_file.hpp"
+#include "worker/reconstruct.hpp"
+#include "worker/stage_files.hpp"
+#include "worker/stage_progress.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
+    auto dive = Dive::open(request.dive, request.scratch / "dive");
+    for (const Finding& finding : dive->findings())
+        if (finding.severity == Severity::Error)
+            throw Error(ErrorCode::BadData,
+                        (finding.where.empty() ? "" : finding.where + ": ") + finding.message +
+                            (finding.remedy.empty() ? "" : " " + finding.remedy));
+    return dive;
+}
+
+// What a stage's result depends on. The number of threads is not part of it: it changes no byte.
+std::string stage_key(const Dive& dive, const ReconstructionRequest& request) {
+    auto options = options_to_json(request.options);
+    options.erase("num_threads");
+    return sha256_hex(std::string(DIVEMESH_VERSION) + "\n" + dive.content_sha256() + "\n" +
+                      options.dump());
+}
+
+// One run of the stages over one dive: what they hand on, in memory and in the scratch folder.
+class DiveRun {
+public:
+    DiveRun(const ReconstructionRequest& request, const ProgressCallback& progress)
+        : request_(request),
+          stages_(progress),
+          dive_(open_dive(request)),
+          key_(stage_key(*dive_, request)),
+          keyframe_store_(request.scratch / "keyframes") {
+        std::filesystem::create_directories(request.out);
+    }
+
+    nlohmann::json run() {
+        track();
+        optimise();
+        fuse();
+        mesh();
+        texture();
+        return evaluate();
+    }
+
+private:
+    void track();
+    void optimise();
+    void fuse();
+    void mesh();
+    void texture();
+    nlohmann::json evaluate();
+    Evaluation compare_with_truth() const;
+    nlohmann::json metrics(const Evaluation& evaluation) const;
+
+    std::filesystem::path stage_file(const std::string& name) const {
+        return request_.scratch / (name + ".stage");
+    }
+    void stage_done(const Stopwatch& watch, const std::string& stage, bool reused) {
+        stage_times_.push_back(watch.stop(stage));
+        stage_times_.back().reused = reused;
+    }
+
+    const ReconstructionRequest& request_;
+    StageProgress stages_;
+    std::unique_ptr<Dive> dive_;
+    std::string key_;
+    KeyframeStore keyframe_store_;
+    Track track_;
+    OptimisedTrack optimised_;
+    std::unique_ptr<Volume> volume_;
+    Mesh mesh_;
+    std::int64_t num_cloud_points_ = 0;
+    std::string picture_png_;
+    std::vector<StageTime> stage_times_;
+};
+
+void DiveRun::track() {
+    const Stopwatch watch;
+    const auto progress = stages_.begin("track", 0.55);
+    auto stored = load_track(stage_file("track"), key_);
+    const bool reused = stored.has_value();
+    if (!stored) {
+        stored = worker::track(*dive_, request_.options, keyframe_store_, progress);
+        save_track(stage_file("track"), key_, *stored);
+    }
+    track_ = std::move(*stored);
+    write_tum(request_.out / "trajectory_causal.tum", track_.causal);
+    stage_done(watch, "track", reused);
+}
+
+void DiveRun::optimise() {
+    const Stopwatch watch;
+    const auto progress = stages_.begin("optimise", 0.1);
+    auto stored = load_optimised_track(stage_file("optimise"), key_);
+    const bool reused = stored.has_value();
+    if (!stored) {
+        stored = worker::optimise(track_, *dive_, request_.options, keyframe_store_, progress);
+        save_optimised_track(stage_file("optimise"), key_, *stored);
+    }
+    optimised_ = std::move(*stored);
+    write_tum(request_.out / "trajectory.tum", optimised_.trajectory);
+    stage_done(watch, "optimise", reused);
+}
+
+void DiveRun::fuse() {
+    const Stopwatch watch;
+    const auto progress = stages_.begin("fuse", 0.15);
+    const auto file = stage_file("volume-" + key_.substr(0, 16));
+    const bool reused = std::filesystem::exists(file);
+    if (reused) {
+        volume_ = load_volume(file);
+    } else {
+        volume_ = worker::fuse(track_.rig,
+                               optimised_.keyframes,
+                               track_.statistics.median_depth_m,
+                               request_.options,
+                               keyframe_store_,
+                               progress);
+        volume_->save(file);
+    }
+    const PointCloud cloud = volume_->cloud();
+    num_cloud_points_ = static_cast<std::int64_t>(cloud.points.size());
+    write_cloud_ply(request_.out / "cloud.ply", cloud);
+    stage_done(watch, "fuse", reused);
+}
+
+void DiveRun::mesh() {
+    const Stopwatch watch;
+    const auto progress = stages_.begin("mesh", 0.08);
+    auto stored = load_mesh(stage_file("mesh"), key_);
+    const bool reused = stored.has_value();
+    if (!stored) {
+        stored = worker::mesh(*volume_, request_.options, progress);
+        save_mesh(stage_file("mesh"), key_, *stored);
+    }
+    mesh_ = std::move(*stored);
+    write_ply(request_.out / "mesh.ply", mesh_);
+    stage_done(watch, "mesh", reused);
+}
+
+void DiveRun::texture() {
+    const Stopwatch watch;
+    const auto progress = stages_.begin("texture", 0.05);
+    write_glb(request_.out / "mesh.glb", mesh_);
+    progress({.fraction = 0.3});
+    write_keyframe_pictures(
+        request_.out, track_.rig, optimised_.keyframes, keyframe_store_, progress);
+    if (request_.options.texture) {
+        const Mosaic mosaic = render_mosaic(mesh_);
+        write_mosaic(request_.out, mosaic);
+        picture_png_ = thumbnail_png(mosaic);
+    }
+    stage_done(watch, "texture", false);
+}
+
+nlohmann::json DiveRun::evaluate() {
+    const Stopwatch watch;
+    stages_.begin("evaluate", 0.07);
+    const Evaluation evaluation = compare_with_truth();
+    stage_done(watch, "evaluate", false);
+
+    const auto document = metrics(evaluation);
+    write_file(request_.out / "metrics.json", document.dump(2) + "\n");
+    write_file(request_.out / "report.html",
+               report_html({.metrics = document,
+                            .trajectory = optimised_.trajectory,
+                            .evaluation = evaluation,
+                            .picture_png = picture_png_}));
+    stages_.finish();
+    return document;
+}
+
+Evaluation DiveRun::compare_with_truth() const {
+    return evaluate_reconstruction({.rig = dive_->rig(),
+                                    .trajectory = optimised_.trajectory,
+                                    .causal = track_.causal,
+                                    .keyframes = optimised_.keyframes,
+                                    .mesh = mesh_,
+                                    .ground_truth = dive_->ground_truth(),
+                                    .known_distances = dive_->known_distances(),
+                                    .reference = dive_->read_reference_mesh(),
+                                    .num_threads = request_.options.num_threads});
+}
+
+nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
+    return metrics_document(
+        {.version = DIVEMESH_VERSION,
+         .preset = request_.preset,
+         .options = request_.options,
+         .dive_name = dive_->info().name,
+         .content_sha256 = dive_->content_sha256(),
+         .duration_s = dive_->duration_s(),
+         .rig = dive_->rig(),
+         .gravity = check_gravity(dive_->imu(), optimised_.trajectory),
+         .time_offset_s = estimate_time_offset_s(dive_->imu(), optimised_.trajectory),
+         .track = track_.statistics,
+         .optimise = optimised_.statistics,
+         .num_keyframes = std::ssize(optimised_.keyframes),
+         .num_landmarks = std::ssize(track_.landmarks),
+         .path_length_m = path_length_m(optimised_.trajectory),
+         .num_vertices = std::ssize(mesh_.vertices),
+         .num_triangles = std::ssize(mesh_.triangles),
+         .mesh_area_m2 = surface_area_m2(mesh_),
+         .num_cloud_points = num_cloud_points_,
+         .voxel_m = volume_->voxel_m(),
+         .volume_memory_bytes = volume_->memory_bytes(),
+         .stages = stage_times_,
+         .evaluation = evaluation,
+         .findings = dive_->findings()});
+}
+
+}  // namespace
+
+nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
+                                const ProgressCallback& progress) {
+    return DiveRun(request, progress).run();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "schemas/reconstruction_options.hpp"
+#include "worker/observer.hpp"
+
+namespace divemesh::worker {
+
+struct ReconstructionRequest {
+    std::filesystem::path dive;  // folder or archive
+    std::filesystem::path out;   // the artifacts, by the names of the contract; made when missing
+    std::filesystem::path scratch;  // what the stages hand on; the caller removes it
+    std::string preset = "standard";
+    ReconstructionOptions options;
+};
+
+// A dive goes in, the artifacts come out: opens it, runs the stages track, optimise, fuse, mesh,
+// texture, evaluate, and writes trajectory, cloud, mesh, mosaic, keyframes, metrics.json and
+// report.html. Returns what metrics.json holds. Throws Error{BadData} with the first error among
+// the findings, Error{Cancelled}, Error{OutOfSpace}.
+nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
+                                const ProgressCallback& progress);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <ceres/autodiff_cost_function.h>
+
+namespace divemesh::worker {
+
+// An orientation of the body in the world that a sensor (AHRS) states, to sigma per axis:
+//
+//     r = log(q_known^-1 q) / sigma      block: q_world_imu (x y z w)
+//
+// The logarithm is taken as twice the vector part, good to 1e-4 of itself below 3 degrees.
+struct KnownOrientation {
+    Eigen::Quaterniond q_known;
+    double sigma_rad = 0.0;
+
+    template <typename T>
+    bool operator()(const T* const q_world_imu, T* residual) const {
+        const Eigen::Map<const Eigen::Quaternion<T>> q(q_world_imu);
+        const Eigen::Quaternion<T> error = q_known.conjugate().cast<T>() * q;
+        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
+        Eigen::Map<Eigen::Matrix<T, 3, 1>> r(residual);
+        r = sign * error.vec() / T(sigma_rad);
+        return true;
+    }
+
+    static ceres::CostFunction* create(const KnownOrientation& known) {
+        return new ceres::AutoDiffCostFunction<KnownOrientation, 3, 4>(new KnownOrientation(known));
+    }
+};
+
+}  // namespace divemesh::worker

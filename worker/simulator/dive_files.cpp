@@ -1,0 +1,207 @@
+#include "worker/simulator/dive_files.hpp"
+
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "worker/output/atomic_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kRowDigits = 12;
+
+void write_text(const std::filesystem::path& file, const std::string& content) {
+    std::filesystem::create_directories(file.parent_path());
+    write_file(file, content);
+}
+
+void put(std::ostream& out, const Eigen::Vector3d& v) {
+    out << ',' << v.x() << ',' << v.y() << ',' << v.z();
+}
+
+void put(std::ostream& out, const Eigen::Quaterniond& q) {
+    out << ',' << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z();
+}
+
+std::string sensor_yaml(const std::string& type,
+                        const std::string& comment,
+                        const Eigen::Isometry3d& T_imu_sensor,
+                        const std::string& rest) {
+    std::ostringstream out;
+    out << std::setprecision(kRowDigits) << "# General sensor definitions.\nsensor_type: " << type
+        << "\ncomment: " << comment
+        << "\n\n# Sensor extrinsics wrt. the body-frame (sensor to body; the body is the IMU).\n"
+        << "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
+    const Eigen::Matrix4d T = T_imu_sensor.matrix();
+    for (int i = 0; i < 16; ++i)
+        out << (i == 0 ? "" : (i % 4 == 0 ? ",\n         " : ", ")) << T(i / 4, i % 4);
+    out << "]\n" << rest;
+    return out.str();
+}
+
+nlohmann::json to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::json to_json_box(const Eigen::AlignedBox3f& box) {
+    if (box.isEmpty()) return nullptr;
+    return {{"min", to_array(box.min().cast<double>())},
+            {"max", to_array(box.max().cast<double>())}};
+}
+
+}  // namespace
+
+void write_camera_files(const std::filesystem::path& folder,
+                        const Camera& camera,
+                        const Eigen::Isometry3d& T_imu_cam,
+                        double rate_hz,
+                        const std::vector<PictureName>& pictures) {
+    std::ostringstream rows;
+    rows << "#timestamp [ns],filename\n";
+    for (const PictureName& picture : pictures)
+        rows << picture.timestamp_ns << ',' << picture.file << '\n';
+    write_text(folder / "data.csv", rows.str());
+    std::ostringstream rest;
+    const auto& k = camera.distortion_coefficients;
+    rest << std::setprecision(kRowDigits)
+         << "\n# Camera specific definitions.\nrate_hz: " << rate_hz << "\nresolution: ["
+         << camera.width_px << ", " << camera.height_px << "]\ncamera_model: pinhole\nintrinsics: ["
+         << camera.fx_px << ", " << camera.fy_px << ", " << camera.cx_px << ", " << camera.cy_px
+         << "] #fu, fv, cu, cv\ndistortion_model: radial-tangential\ndistortion_coefficients: ["
+         << k[0] << ", " << k[1] << ", " << k[2] << ", " << k[3] << "]\n";
+    write_text(folder / "sensor.yaml",
+               sensor_yaml("camera", "rendered, global shutter", T_imu_cam, rest.str()));
+}
+
+void write_imu_files(const std::filesystem::path& folder,
+                     const ImuNoise& noise,
+                     const std::vector<ImuRecord>& records) {
+    std::ostringstream rows;
+    rows << std::setprecision(kRowDigits)
+         << "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+            "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+    for (const ImuRecord& record : records) {
+        rows << record.sample.timestamp_ns;
+        put(rows, record.sample.angular_velocity_imu);
+        put(rows, record.sample.acceleration_imu);
+        rows << '\n';
+    }
+    write_text(folder / "data.csv", rows.str());
+    std::ostringstream rest;
+    rest << "rate_hz: " << kImuRateHz << "\n\n# inertial sensor noise model parameters\n"
+         << "gyroscope_noise_density: " << noise.gyroscope_noise_density
+         << "     # [ rad / s / sqrt(Hz) ]\ngyroscope_random_walk: " << noise.gyroscope_random_walk
+         << "       # [ rad / s^2 / sqrt(Hz) ]\naccelerometer_noise_density: "
+         << noise.accelerometer_noise_density
+         << "  # [ m / s^2 / sqrt(Hz) ]\naccelerometer_random_walk: "
+         << noise.accelerometer_random_walk << "    # [ m / s^3 / sqrt(Hz) ]\n";
+    write_text(folder / "sensor.yaml",
+               sensor_yaml("imu", "simulated", Eigen::Isometry3d::Identity(), rest.str()));
+}
+
+void write_ground_truth_files(const std::filesystem::path& folder,
+                              const std::vector<ImuRecord>& records) {
+    std::ostringstream rows;
+    rows
+        << std::setprecision(kRowDigits)
+        << "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+           "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], "
+           "b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], "
+           "b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
+    for (const ImuRecord& record : records) {
+        rows << record.sample.timestamp_ns;
+        put(rows, Eigen::Vector3d(record.truth.T_world_imu.translation()));
+        put(rows, Eigen::Quaterniond(record.truth.T_world_imu.linear()));
+        put(rows, record.truth.velocity_world);
+        put(rows, record.gyroscope_bias);
+        put(rows, record.accelerometer_bias);
+        rows << '\n';
+    }
+    write_text(folder / "data.csv", rows.str());
+    write_text(folder / "sensor.yaml",
+               sensor_yaml("visual-inertial",
+                           "exact motion of the body, world z up",
+                           Eigen::Isometry3d::Identity(),
+                           ""));
+}
+
+void write_ahrs_files(const std::filesystem::path& folder,
+                      const std::vector<OrientationSample>& samples) {
+    std::ostringstream rows;
+    rows << std::setprecision(kRowDigits)
+         << "#timestamp [ns],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n";
+    for (const OrientationSample& sample : samples) {
+        rows << sample.timestamp_ns;
+        put(rows, sample.q_world_imu);
+        rows << '\n';
+    }
+    write_text(folder / "data.csv", rows.str());
+    std::ostringstream rest;
+    rest << "rate_hz: " << kAhrsRateHz
+         << "\norientation_error_rms_deg: 0.5   # at most; slowly varying, 0.02 deg white\n";
+    write_text(folder / "sensor.yaml",
+               sensor_yaml("ahrs",
+                           "absolute orientation of the body in the world",
+                           Eigen::Isometry3d::Identity(),
+                           rest.str()));
+}
+
+void write_pressure_file(const std::filesystem::path& folder,
+                         const std::vector<PressureSample>& samples) {
+    std::ostringstream rows;
+    rows << std::setprecision(kRowDigits) << "#timestamp [ns],depth [m]\n";
+    for (const PressureSample& sample : samples)
+        rows << sample.timestamp_ns << ',' << sample.depth_m << '\n';
+    write_text(folder / "data.csv", rows.str());
+}
+
+void write_dive_info(const std::filesystem::path& file,
+                     const SimulateOptions& options,
+                     WaterKind water) {
+    const std::string scene(to_string(options.scene));
+    nlohmann::json info = {
+        {"name", scene + ", seed " + std::to_string(options.seed)},
+        {"site", "simulated " + scene},
+        {"rig", "simulated stereo rig " + std::to_string(options.seed)},
+        {"notes",
+         "rendered with exact ground truth; water: " + std::string(to_string(water)) + "; year " +
+             std::to_string(options.year)},
+        {"tags", {"simulated", scene, std::string(to_string(water))}}};
+    if (water != WaterKind::None) info["water"] = {{"temperature_c", 14.0}, {"salinity_psu", 35.0}};
+    write_text(file, info.dump(1) + "\n");
+}
+
+void write_measurements(const std::filesystem::path& file,
+                        const std::vector<SceneDistance>& distances) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const SceneDistance& entry : distances)
+        list.push_back({{"name", entry.distance.name},
+                        {"what", entry.what},
+                        {"a", to_array(entry.distance.a_world)},
+                        {"b", to_array(entry.distance.b_world)},
+                        {"distance_m", entry.distance.distance_m}});
+    const nlohmann::json all = {{"units", "m"},
+                                {"frame", "world of state_groundtruth_estimate0 (z up)"},
+                                {"distances", list}};
+    write_text(file, all.dump(1) + "\n");
+}
+
+void write_changes(const std::filesystem::path& file,
+                   int year,
+                   const std::vector<SceneChange>& changes) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const SceneChange& change : changes)
+        list.push_back({{"name", change.name},
+                        {"kind", change.kind},
+                        {"before", to_json_box(change.before_world)},
+                        {"after", to_json_box(change.after_world)},
+                        {"volume_before_m3", change.volume_before_m3},
+                        {"volume_after_m3", change.volume_after_m3}});
+    const nlohmann::json all = {{"units", "m"},
+                                {"frame", "world of state_groundtruth_estimate0 (z up)"},
+                                {"from_year", 1},
+                                {"to_year", year},
+                                {"changes", list}};
+    write_text(file, all.dump(1) + "\n");
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "worker/geometry/rig.hpp"
+#include "worker/recording.hpp"
+#include "worker/simulator/inertial_sensors.hpp"
+#include "worker/simulator/scene.hpp"
+#include "worker/simulator/simulate.hpp"
+
+// The files of a dive on disk, in EuRoC's forms. All throw as AtomicFile does.
+namespace divemesh::worker {
+
+struct PictureName {
+    std::int64_t timestamp_ns = 0;
+    std::string file;
+};
+
+void write_camera_files(const std::filesystem::path& folder,
+                        const Camera& camera,
+                        const Eigen::Isometry3d& T_imu_cam,
+                        double rate_hz,
+                        const std::vector<PictureName>& pictures);
+void write_imu_files(const std::filesystem::path& folder,
+                     const ImuNoise& noise,
+                     const std::vector<ImuRecord>& records);
+void write_ground_truth_files(const std::filesystem::path& folder,
+                              const std::vector<ImuRecord>& records);
+void write_ahrs_files(const std::filesystem::path& folder,
+                      const std::vector<OrientationSample>& samples);
+void write_pressure_file(const std::filesystem::path& folder,
+                         const std::vector<PressureSample>& samples);
+void write_dive_info(const std::filesystem::path& file,
+                     const SimulateOptions& options,
+                     WaterKind water);
+void write_measurements(const std::filesystem::path& file,
+                        const std::vector<SceneDistance>& distances);
+void write_changes(const std::filesystem::path& file,
+                   int year,
+                   const std::vector<SceneChange>& changes);
+
+}  // namespace divemesh::worker

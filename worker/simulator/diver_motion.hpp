@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "worker/simulator/jet.hpp"
+
+namespace divemesh::worker {
+
+// Where a diver swims in a scene and where the rig looks: an ellipse about `center`, the body's x
+// axis along the way (turned by `look_yaw`), y to the left, z up, tilted down by `look_pitch`.
+struct SurveyPath {
+    Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  // z: height of the rig
+    double semi_axis_x_m = 3.0;
+    double semi_axis_y_m = 1.3;
+    double start_angle = 0.0;
+    double look_yaw = 0.0;
+    double look_pitch = 0.6;
+    double speed_m_s = 0.25;
+    double max_scale = 1.5;  // how much larger a closed lap may become
+};
+
+struct MotionState {
+    Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
+    Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();
+    Eigen::Vector3d acceleration_world = Eigen::Vector3d::Zero();
+    Eigen::Vector3d angular_velocity_imu = Eigen::Vector3d::Zero();
+};
+
+// The exact motion of the body: the survey path with a diver's sway as sums of sines, smooth for
+// all times. Derivatives are analytic. A closed lap is periodic in everything.
+class DiverMotion {
+public:
+    // An open path of `length_m` from t = 0 on; longer than the ellipse, it goes round again, aside
+    // of its own track.
+    static DiverMotion open_path(const SurveyPath& path, double length_m, std::uint64_t seed);
+    // A closed lap of `length_m` that takes a whole number of frames. Throws Error{InvalidArgument}
+    // when the scene is too small for it.
+    static DiverMotion closed_lap(const SurveyPath& path,
+                                  double length_m,
+                                  double rate_hz,
+                                  std::uint64_t seed);
+
+    MotionState at(double t_s) const;
+    double duration_s() const { return duration_s_; }  // of the open path, or of one lap
+    double length_m(double duration_s) const;
+
+private:
+    struct Sway {
+        double amplitude;
+        double frequency_hz;
+        double phase;
+    };
+    using Sways = std::vector<Sway>;
+
+    DiverMotion(const SurveyPath& path, std::uint64_t seed);
+    void close(double lap_s);
+    Jet sum(const Sways& sways, const Jet& t) const;
+
+    SurveyPath path_;
+    double angle_rate_ = 0.0;  // rad/s round the ellipse
+    double widening_ = 0.0;    // of the ellipse per radian; 0 when closed
+    double duration_s_ = 0.0;
+    std::array<Sways, 6> sways_;  // x y z (m), yaw pitch roll (rad)
+};
+
+}  // namespace divemesh::worker

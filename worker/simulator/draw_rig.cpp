@@ -1,0 +1,64 @@
+#include "worker/simulator/draw_rig.hpp"
+
+#include <numbers>
+
+#include "worker/simulator/hashed_random.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+Eigen::Matrix3d small_rotation(RandomRow& random, double most_deg) {
+    const double x = random.uniform(-most_deg, most_deg) * kDegree;
+    const double y = random.uniform(-most_deg, most_deg) * kDegree;
+    const double z = random.uniform(-most_deg, most_deg) * kDegree;
+    return (Eigen::AngleAxisd(x, Eigen::Vector3d::UnitX()) *
+            Eigen::AngleAxisd(y, Eigen::Vector3d::UnitY()) *
+            Eigen::AngleAxisd(z, Eigen::Vector3d::UnitZ()))
+        .toRotationMatrix();
+}
+
+Camera draw_camera(int width_px, int height_px, double focal_px, RandomRow& random) {
+    Camera camera;
+    const double size = width_px / 640.0;
+    camera.width_px = width_px;
+    camera.height_px = height_px;
+    camera.fx_px = focal_px * size * random.uniform(0.995, 1.005);
+    camera.fy_px = camera.fx_px * random.uniform(0.998, 1.001);
+    camera.cx_px = 0.5 * (width_px - 1) + size * random.uniform(-6.0, 6.0);
+    camera.cy_px = 0.5 * (height_px - 1) + size * random.uniform(-6.0, 6.0);
+    camera.distortion = Distortion::RadialTangential;
+    camera.distortion_coefficients = {random.uniform(-0.16, -0.09),
+                                      random.uniform(0.02, 0.04),
+                                      random.uniform(-5e-4, 5e-4),
+                                      random.uniform(-5e-4, 5e-4)};
+    return camera;
+}
+
+}  // namespace
+
+Rig draw_rig(int width_px, int height_px, std::uint64_t seed) {
+    RandomRow random(hash64(seed, 0x726967ULL));
+    Rig rig;
+    const double focal_px = random.uniform(450.0, 540.0);
+    rig.cam0 = draw_camera(width_px, height_px, focal_px, random);
+    rig.cam1 = draw_camera(width_px, height_px, focal_px, random);
+    Eigen::Matrix3d R_forward_cam;  // camera: x right, y down, z forward; body: forward, left, up
+    R_forward_cam << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    rig.T_imu_cam0.linear() = small_rotation(random, 3.0) * R_forward_cam;
+    rig.T_imu_cam0.translation() = Eigen::Vector3d{
+        random.uniform(0.03, 0.09), random.uniform(0.03, 0.08), random.uniform(-0.05, 0.02)};
+    Eigen::Isometry3d T_cam0_cam1 = Eigen::Isometry3d::Identity();
+    T_cam0_cam1.linear() = small_rotation(random, 0.45);
+    T_cam0_cam1.translation() = Eigen::Vector3d{
+        random.uniform(0.10, 0.15), random.uniform(-0.002, 0.002), random.uniform(-0.002, 0.002)};
+    rig.T_imu_cam1 = rig.T_imu_cam0 * T_cam0_cam1;
+    rig.imu_noise = ImuNoise{.gyroscope_noise_density = 1.7e-4,
+                             .gyroscope_random_walk = 2.0e-5,
+                             .accelerometer_noise_density = 2.0e-3,
+                             .accelerometer_random_walk = 3.0e-4};
+    return rig;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,133 @@
+#include "worker/simulator/inertial_sensors.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "worker/simulator/hashed_random.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// Calls `visit(time from the first frame, stamp)` on the sensor's grid.
+template <typename Visit>
+void for_each_sample(double rate_hz, double duration_s, const Visit& visit) {
+    const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_hz));
+    const auto margin_ns = static_cast<std::int64_t>(std::llround(kSensorMargin_s * 1e9));
+    const auto end_ns = static_cast<std::int64_t>(std::llround(duration_s * 1e9)) + margin_ns;
+    for (std::int64_t t_ns = -margin_ns; t_ns < end_ns + period_ns; t_ns += period_ns)
+        visit(static_cast<double>(t_ns) * 1e-9, kFirstFrame_ns + t_ns);
+}
+
+Eigen::Vector3d gaussian3(RandomRow& random) {
+    const double x = random.gaussian();
+    const double y = random.gaussian();
+    return {x, y, random.gaussian()};
+}
+
+// A slow sine mixture of unit RMS.
+class Wander {
+public:
+    Wander(RandomRow& random, double period_s) {
+        for (Term& term : terms_)
+            term = {random.uniform(0.8, 1.25) / period_s,
+                    random.uniform(0.0, 2.0 * std::numbers::pi)};
+    }
+    double at(double t_s) const {
+        double sum = 0.0;
+        for (const Term& term : terms_)
+            sum += std::sin(2.0 * std::numbers::pi * term.frequency_hz * t_s + term.phase);
+        return sum * std::sqrt(2.0 / static_cast<double>(terms_.size()));
+    }
+
+private:
+    struct Term {
+        double frequency_hz;
+        double phase;
+    };
+    std::array<Term, 3> terms_{};
+};
+
+}  // namespace
+
+std::vector<ImuRecord> simulate_imu(const DiverMotion& motion,
+                                    double duration_s,
+                                    const ImuNoise* noise,
+                                    std::uint64_t seed) {
+    RandomRow random(hash64(seed, 0x696d75ULL));
+    Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();
+    Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
+    if (noise) {
+        gyroscope_bias = 0.006 * gaussian3(random);
+        accelerometer_bias = 0.04 * gaussian3(random);
+    }
+    // White noise density to deviation per sample; random walk to deviation per step.
+    const double white = std::sqrt(kImuRateHz);
+    const double walk = std::sqrt(1.0 / kImuRateHz);
+    std::vector<ImuRecord> records;
+    for_each_sample(kImuRateHz, duration_s, [&](double t_s, std::int64_t timestamp_ns) {
+        ImuRecord record{.sample = {.timestamp_ns = timestamp_ns},
+                         .truth = motion.at(t_s),
+                         .gyroscope_bias = gyroscope_bias,
+                         .accelerometer_bias = accelerometer_bias};
+        const Eigen::Matrix3d R_imu_world = record.truth.T_world_imu.linear().transpose();
+        record.sample.angular_velocity_imu = record.truth.angular_velocity_imu + gyroscope_bias;
+        record.sample.acceleration_imu =
+            R_imu_world * (record.truth.acceleration_world + Eigen::Vector3d(0, 0, kGravity)) +
+            accelerometer_bias;
+        if (noise) {
+            record.sample.angular_velocity_imu +=
+                noise->gyroscope_noise_density * white * gaussian3(random);
+            record.sample.acceleration_imu +=
+                noise->accelerometer_noise_density * white * gaussian3(random);
+            gyroscope_bias += noise->gyroscope_random_walk * walk * gaussian3(random);
+            accelerometer_bias += noise->accelerometer_random_walk * walk * gaussian3(random);
+        }
+        records.push_back(record);
+    });
+    return records;
+}
+
+std::vector<OrientationSample> simulate_ahrs(const DiverMotion& motion,
+                                             double duration_s,
+                                             bool noise,
+                                             std::uint64_t seed) {
+    RandomRow random(hash64(seed, 0x61687273ULL));
+    const Wander tilt_x(random, 12.0);
+    const Wander tilt_y(random, 12.0);
+    const Wander heading(random, 25.0);
+    const double rms = noise ? random.uniform(0.3, 0.5) * kDegree / std::sqrt(3.0) : 0.0;
+    const double white = noise ? 0.02 * kDegree : 0.0;
+    std::vector<OrientationSample> samples;
+    for_each_sample(kAhrsRateHz, duration_s, [&](double t_s, std::int64_t timestamp_ns) {
+        const Eigen::Vector3d error =
+            rms * Eigen::Vector3d(tilt_x.at(t_s), tilt_y.at(t_s), heading.at(t_s)) +
+            white * gaussian3(random);
+        const double angle = error.norm();
+        const Eigen::Vector3d axis =
+            angle > 0.0 ? Eigen::Vector3d(error / angle) : Eigen::Vector3d::UnitX();
+        samples.push_back({timestamp_ns,
+                           Eigen::AngleAxisd(angle, axis) *
+                               Eigen::Quaterniond(motion.at(t_s).T_world_imu.linear())});
+    });
+    return samples;
+}
+
+std::vector<PressureSample> simulate_pressure(const DiverMotion& motion,
+                                              double duration_s,
+                                              double surface_z_m,
+                                              bool noise,
+                                              std::uint64_t seed) {
+    RandomRow random(hash64(seed, 0x7072657373ULL));
+    std::vector<PressureSample> samples;
+    for_each_sample(kPressureRateHz, duration_s, [&](double t_s, std::int64_t timestamp_ns) {
+        const double error_m = noise ? 0.005 * random.gaussian() : 0.0;
+        samples.push_back(
+            {timestamp_ns, surface_z_m - motion.at(t_s).T_world_imu.translation().z() + error_m});
+    });
+    return samples;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "worker/geometry/rig.hpp"
+#include "worker/recording.hpp"
+#include "worker/simulator/diver_motion.hpp"
+
+namespace divemesh::worker {
+
+constexpr double kGravity = 9.81;  // m/s^2, along -z of the world
+constexpr double kImuRateHz = 200.0;
+constexpr double kAhrsRateHz = 100.0;
+constexpr double kPressureRateHz = 10.0;
+constexpr double kSensorMargin_s = 0.5;  // sensors run before the first and after the last frame
+constexpr std::int64_t kFirstFrame_ns = 1'700'000'000'000'000'000;
+
+// What an IMU at the body tells, and the truth of the same moment.
+struct ImuRecord {
+    ImuSample sample;
+    MotionState truth;
+    Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();      // rad/s
+    Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  // m/s^2
+};
+
+// From -kSensorMargin_s to `duration_s` + kSensorMargin_s. Without `noise` the exact values.
+std::vector<ImuRecord> simulate_imu(const DiverMotion& motion,
+                                    double duration_s,
+                                    const ImuNoise* noise,
+                                    std::uint64_t seed);
+// Error of 0.3 to 0.5 degrees that wanders (12 s in tilt, 25 s in heading), 0.02 degrees white.
+std::vector<OrientationSample> simulate_ahrs(const DiverMotion& motion,
+                                             double duration_s,
+                                             bool noise,
+                                             std::uint64_t seed);
+// Depth below a surface at height `surface_z_m` of the world; 5 mm noise.
+std::vector<PressureSample> simulate_pressure(const DiverMotion& motion,
+                                              double duration_s,
+                                              double surface_z_m,
+                                              bool noise,
+                                              std::uint64_t seed);
+
+}  // namespace divemesh::worker

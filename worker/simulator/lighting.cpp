@@ -1,0 +1,94 @@
+#include "worker/simulator/lighting.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "worker/simulator/hashed_random.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kSkyRays = 12;
+constexpr float kSkyReach_m = 1.2F;  // what is farther does not darken
+constexpr float kOffset_m = 2e-3F;
+
+// Directions spread by the cosine over the half space of `normal` (golden-angle spiral).
+float sky_at(const RayCaster& caster,
+             const Eigen::Vector3f& p,
+             const Eigen::Vector3f& normal,
+             double turn) {
+    const Eigen::Vector3f side = normal.unitOrthogonal();
+    const Eigen::Vector3f other = normal.cross(side);
+    int open = 0;
+    for (int i = 0; i < kSkyRays; ++i) {
+        const double r2 = (i + 0.5) / kSkyRays;
+        const double angle = 2.39996323 * i + turn;
+        const auto x = static_cast<float>(std::sqrt(r2) * std::cos(angle));
+        const auto y = static_cast<float>(std::sqrt(r2) * std::sin(angle));
+        const auto z = static_cast<float>(std::sqrt(1.0 - r2));
+        const Eigen::Vector3f direction = x * side + y * other + z * normal;
+        open += caster.is_blocked(p + kOffset_m * normal, direction, kSkyReach_m) ? 0 : 1;
+    }
+    return static_cast<float>(open) / kSkyRays;
+}
+
+// Averages a value over the triangles' neighbours, to take the grain of few rays away.
+void smooth(const Scene& scene, std::vector<float>& values) {
+    std::vector<float> sums(values.size(), 0.0F);
+    std::vector<float> weights(values.size(), 0.0F);
+    for (const auto& t : scene.triangles) {
+        const float mean = (values[t[0]] + values[t[1]] + values[t[2]]) / 3.0F;
+        for (const std::uint32_t vertex : t) {
+            sums[vertex] += mean;
+            weights[vertex] += 1.0F;
+        }
+    }
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (weights[i] > 0.0F) values[i] = sums[i] / weights[i];
+}
+
+}  // namespace
+
+BakedLight::BakedLight(const Scene& scene, const RayCaster& caster, const Eigen::Vector3f& to_sun)
+    : sky_(scene.vertices.size()), sun_(scene.vertices.size()) {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, scene.vertices.size(), 4096), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const Eigen::Vector3f& p = scene.vertices[i];
+                const Eigen::Vector3f& normal = scene.normals[i];
+                const double turn = 2.0 * std::numbers::pi * to_unit(hash64(i));
+                sky_[i] = sky_at(caster, p, normal, turn);
+                const bool shadow = normal.dot(to_sun) <= 0.0F ||
+                                    caster.is_blocked(p + kOffset_m * normal, to_sun, 50.0F);
+                sun_[i] = shadow ? 0.0F : 1.0F;
+            }
+        });
+    smooth(scene, sky_);
+    smooth(scene, sun_);
+}
+
+float caustic(const NoiseField& noise,
+              const Eigen::Vector3f& p_world,
+              const Eigen::Vector3f& to_sun,
+              float t_s,
+              float footprint_m) {
+    const Eigen::Vector2f at =
+        p_world.head<2>() -
+        p_world.z() / to_sun.z() * to_sun.head<2>();  // along the rays of the sun
+    constexpr float kMesh_m = 0.34F;
+    const Eigen::Array4f bend = noise.at({at.x() * 1.7F, at.y() * 1.7F, 0.7F * t_s});
+    const Eigen::Array4f net = noise.at(
+        {at.x() / kMesh_m + 0.55F * bend[0], at.y() / kMesh_m + 0.55F * bend[1], 1.2F * t_s});
+    const auto line = [](float n) {
+        const float ridge = 1.0F - std::min(1.0F, 2.4F * std::abs(n));
+        return ridge * ridge * ridge;
+    };
+    const float detail = band_limit(0.25F * kMesh_m, footprint_m);
+    return 0.45F + detail * 1.7F * (line(net[0]) + line(net[1])) + (1.0F - detail) * 0.55F;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "worker/simulator/noise_field.hpp"
+#include "worker/simulator/ray_caster.hpp"
+#include "worker/simulator/scene.hpp"
+#include "worker/simulator/surface_color.hpp"
+#include "worker/simulator/water.hpp"
+
+namespace divemesh::worker {
+
+// How much of sky and sun reaches each vertex of a scene. Found once, with rays; the scene stands
+// still.
+class BakedLight {
+public:
+    BakedLight(const Scene& scene, const RayCaster& caster, const Eigen::Vector3f& to_sun);
+
+    float sky(std::uint32_t vertex) const { return sky_[vertex]; }  // 0 to 1
+    float sun(std::uint32_t vertex) const { return sun_[vertex]; }  // 0 to 1
+
+private:
+    std::vector<float> sky_;
+    std::vector<float> sun_;
+};
+
+// Sunlight gathered by waves: a net of bright lines that wanders over everything, mean about 1.
+float caustic(const NoiseField& noise,
+              const Eigen::Vector3f& p_world,
+              const Eigen::Vector3f& to_sun,
+              float t_s,
+              float footprint_m);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "worker/geometry/camera.hpp"
+#include "worker/simulator/water.hpp"
+
+namespace divemesh::worker {
+
+// Particles that drift through the water near the cameras: the same ones, at the same places, for
+// both. The lamps light them up close; out of focus they are discs.
+class MarineSnow {
+public:
+    MarineSnow(double particles_per_m3, std::uint64_t seed);
+
+    // Adds what a camera sees of it to a linear picture (CV_32FC3) with this depth (CV_32F, m
+    // along the optical axis, 0: nothing there), and marks it in `mask` (CV_8U) where given.
+    void draw(const Camera& camera,
+              const Eigen::Isometry3d& T_world_cam,
+              double t_s,
+              const Water& water,
+              cv::Mat& radiance,
+              const cv::Mat& depth,
+              cv::Mat* mask) const;
+
+private:
+    struct Particle {
+        Eigen::Vector3d start;
+        Eigen::Vector3d drift;  // m/s
+        double radius_m;
+        float brightness;
+    };
+    std::vector<Particle> particles_;
+};
+
+}  // namespace divemesh::worker

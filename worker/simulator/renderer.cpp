@@ -1,0 +1,207 @@
+#include "worker/simulator/renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tbb/parallel_for.h>
+
+namespace divemesh::worker {
+namespace {
+
+// Where the four rays of a pixel go: a rotated grid about its centre.
+constexpr std::array<std::array<double, 2>, 4> kSubpixels = {
+    {{-0.375, -0.125}, {0.125, -0.375}, {0.375, 0.125}, {-0.125, 0.375}}};
+
+// Lamps on arms at both sides of the rig, in cam0.
+const std::array<Eigen::Vector3d, 2> kLamps_cam0 = {Eigen::Vector3d(-0.45, -0.25, -0.05),
+                                                    Eigen::Vector3d(0.58, -0.25, -0.05)};
+
+cv::Vec3f to_vec(const Rgb& color) { return {color[0], color[1], color[2]}; }
+
+}  // namespace
+
+struct Renderer::Eye {
+    int camera;
+    const Rays* rays;
+    Eigen::Matrix3f R_world_cam;
+    Eigen::Vector3f center_world;
+    float pixel_size;  // of a pixel at 1 m
+    float t_s;
+    std::array<Eigen::Vector3f, 2> lamps_world;
+    struct VisibleFish {
+        Fish::Shape shape;
+        cv::Rect box;
+    };
+    std::vector<VisibleFish> fish;
+};
+
+Renderer::Renderer(const Scene& scene, const Rig& rig, RenderOptions options)
+    : scene_(scene),
+      rig_(rig),
+      options_(std::move(options)),
+      caster_(scene.vertices, scene.triangles),
+      noise_(texture_noise(options_.seed)),
+      to_sun_(Eigen::Vector3f(0.35F, -0.22F, 0.9F).normalized()),
+      light_(scene, caster_, to_sun_),
+      seen_(scene.triangles.size()) {
+    for (std::size_t c = 0; c < rays_.size(); ++c) {
+        const Camera& camera = c == 0 ? rig.cam0 : rig.cam1;
+        for (int v = 0; v < camera.height_px; ++v)
+            for (int u = 0; u < camera.width_px; ++u) {
+                RayCaster::Directions4 four;
+                for (std::size_t i = 0; i < four.size(); ++i)
+                    four[i] = camera.unproject({u + kSubpixels[i][0], v + kSubpixels[i][1]})
+                                  .cast<float>();
+                rays_[c].samples.push_back(four);
+                rays_[c].centers.push_back(camera.unproject(Eigen::Vector2d(u, v)).cast<float>());
+            }
+    }
+}
+
+Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_imu, double t_s) {
+    const Camera& camera = camera_index == 0 ? rig_.cam0 : rig_.cam1;
+    const Eigen::Isometry3d T_world_cam =
+        T_world_imu * (camera_index == 0 ? rig_.T_imu_cam0 : rig_.T_imu_cam1);
+    Eye eye{.camera = camera_index,
+            .rays = &rays_[static_cast<std::size_t>(camera_index)],
+            .R_world_cam = T_world_cam.linear().cast<float>(),
+            .center_world = T_world_cam.translation().cast<float>(),
+            .pixel_size = static_cast<float>(1.0 / camera.fx_px),
+            .t_s = static_cast<float>(t_s)};
+    for (std::size_t i = 0; i < kLamps_cam0.size(); ++i)
+        eye.lamps_world[i] = (T_world_imu * rig_.T_imu_cam0 * kLamps_cam0[i]).cast<float>();
+    for (const Fish& fish : options_.fish) {
+        Fish::Shape shape = fish.at(t_s);
+        const Eigen::Vector3d p_cam = T_world_cam.inverse() * shape.center_world.cast<double>();
+        const auto pixel = camera.project(p_cam);
+        if (!pixel || p_cam.z() < 2.0 * shape.radius_m || p_cam.z() > 6.0) continue;
+        const int reach = 2 + static_cast<int>(1.5 * camera.fx_px * shape.radius_m /
+                                               (p_cam.z() - shape.radius_m));
+        const cv::Rect box(static_cast<int>(pixel->x()) - reach,
+                           static_cast<int>(pixel->y()) - reach,
+                           2 * reach + 1,
+                           2 * reach + 1);
+        eye.fish.push_back({std::move(shape), box});
+    }
+
+    const cv::Size size(camera.width_px, camera.height_px);
+    Rendering rendering{cv::Mat(size, CV_32FC3),
+                        cv::Mat(size, CV_32F),
+                        cv::Mat(size, CV_32FC3),
+                        cv::Mat::zeros(size, CV_8U),
+                        cv::Mat::zeros(size, CV_8U)};
+    tbb::parallel_for(0, camera.height_px, [&](int row) { render_row(eye, row, rendering); });
+    if (options_.snow)
+        options_.snow->draw(camera,
+                            T_world_cam,
+                            t_s,
+                            options_.water,
+                            rendering.radiance,
+                            rendering.depth,
+                            &rendering.snow);
+    return rendering;
+}
+
+void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
+    const int width = rendering.radiance.cols;
+    for (int u = 0; u < width; ++u) {
+        const std::size_t pixel = static_cast<std::size_t>(row) * width + u;
+        RayCaster::Directions4 directions = eye.rays->samples[pixel];
+        for (Eigen::Vector3f& direction : directions) direction = eye.R_world_cam * direction;
+        const auto hits = caster_.cast4(eye.center_world, directions);
+        Rgb sum = Rgb::Zero();
+        Rgb albedo_sum = Rgb::Zero();
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            std::optional<Fish::Hit> fish;
+            for (const Eye::VisibleFish& candidate : eye.fish) {
+                if (!candidate.box.contains({u, row})) continue;
+                const auto hit = Fish::intersect(candidate.shape, eye.center_world, directions[i]);
+                if (hit && (!hits[i].valid() || hit->t < hits[i].t) && (!fish || hit->t < fish->t))
+                    fish = hit;
+            }
+            if (fish) rendering.fish.at<std::uint8_t>(row, u) = 255;
+            Rgb albedo = Rgb::Zero();
+            sum += sample(eye, hits[i], directions[i], fish ? &*fish : nullptr, albedo);
+            albedo_sum += albedo;
+            if (eye.camera == 0 && hits[i].valid() &&
+                hits[i].t * directions[i].norm() < kReferenceRange_m)
+                seen_[hits[i].triangle].store(1, std::memory_order_relaxed);
+        }
+        rendering.radiance.at<cv::Vec3f>(row, u) = to_vec(0.25F * sum);
+        rendering.albedo.at<cv::Vec3f>(row, u) = to_vec(0.25F * albedo_sum);
+        rendering.depth.at<float>(row, u) =
+            options_.exact_depth
+                ? caster_.cast(eye.center_world, eye.R_world_cam * eye.rays->centers[pixel]).t
+                : hits[0].t;
+    }
+}
+
+Rgb Renderer::sample(const Eye& eye,
+                     const RayHit& hit,
+                     const Eigen::Vector3f& direction,
+                     const Fish::Hit* fish,
+                     Rgb& albedo) const {
+    const Water& water = options_.water;
+    Rgb radiance = water.is_water ? water.veil : Rgb(0.5F, 0.5F, 0.5F);
+    if (!hit.valid() && !fish) return radiance;
+    const float range_per_t = direction.norm();
+    if (hit.valid()) {
+        const Point point = point_at(hit, eye.center_world + hit.t * direction);
+        const float cosine = std::abs(point.normal_world.dot(direction)) / range_per_t;
+        const float footprint_m = eye.pixel_size * hit.t / std::sqrt(std::max(0.12F, cosine));
+        albedo =
+            surface_color(*point.object, noise_, point.p_world, point.normal_world, footprint_m);
+        if (!fish)
+            return water.look_through(shade(eye, point, albedo, footprint_m), hit.t * range_per_t);
+    }
+    const Point point{
+        eye.center_world + fish->t * direction, fish->normal_world, nullptr, 1.0F, 1.0F};
+    return water.look_through(shade(eye, point, fish->color, eye.pixel_size * fish->t),
+                              fish->t * range_per_t);
+}
+
+Renderer::Point Renderer::point_at(const RayHit& hit, const Eigen::Vector3f& p_world) const {
+    const auto& corners = scene_.triangles[hit.triangle];
+    const float w = 1.0F - hit.u - hit.v;
+    const auto blend = [&](const auto& value) {
+        return w * value(corners[0]) + hit.u * value(corners[1]) + hit.v * value(corners[2]);
+    };
+    const Eigen::Vector3f normal = w * scene_.normals[corners[0]] +
+                                   hit.u * scene_.normals[corners[1]] +
+                                   hit.v * scene_.normals[corners[2]];
+    return {p_world,
+            normal.normalized(),
+            &scene_.objects[scene_.triangle_object[hit.triangle]],
+            blend([&](std::uint32_t vertex) { return light_.sky(vertex); }),
+            blend([&](std::uint32_t vertex) { return light_.sun(vertex); })};
+}
+
+Rgb Renderer::shade(const Eye& eye, const Point& point, const Rgb& color, float footprint_m) const {
+    const Water& water = options_.water;
+    const Eigen::Vector3f& normal = point.normal_world;
+    Rgb light = water.ambient * ((0.15F + 0.85F * point.sky) * (0.65F + 0.35F * normal.z()));
+    const float facing = point.sun * std::max(0.0F, normal.dot(to_sun_));
+    if (facing > 0.0F) {
+        const float waves = options_.caustics
+                                ? caustic(noise_, point.p_world, to_sun_, eye.t_s, footprint_m)
+                                : 1.0F;
+        light += water.sun * (facing * waves);
+    }
+    for (const Eigen::Vector3f& lamp : eye.lamps_world) {
+        const Eigen::Vector3f to_lamp = lamp - point.p_world;
+        const float range_m = std::max(0.3F, to_lamp.norm());
+        const float cosine = normal.dot(to_lamp) / range_m;
+        if (cosine <= 0.0F) continue;
+        light += water.strobe * (-water.attenuation_per_m * range_m).exp() *
+                 (cosine / (range_m * range_m));
+    }
+    return color * light;
+}
+
+std::vector<bool> Renderer::seen_triangles() const {
+    std::vector<bool> seen(seen_.size());
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        seen[i] = seen_[i].load(std::memory_order_relaxed) != 0;
+    return seen;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <atomic>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "worker/geometry/rig.hpp"
+#include "worker/simulator/fish.hpp"
+#include "worker/simulator/lighting.hpp"
+#include "worker/simulator/marine_snow.hpp"
+#include "worker/simulator/ray_caster.hpp"
+#include "worker/simulator/scene.hpp"
+#include "worker/simulator/water.hpp"
+
+namespace divemesh::worker {
+
+struct RenderOptions {
+    Water water;
+    bool caustics = false;
+    std::vector<Fish> fish;
+    std::shared_ptr<const MarineSnow> snow;  // none: no snow
+    bool exact_depth = false;                // else the depth of a ray near the pixel's centre
+    std::uint64_t seed = 0;                  // of the textures
+};
+
+// One picture before the sensor: linear light, and what is exactly there.
+struct Rendering {
+    cv::Mat radiance;  // CV_32FC3, r g b
+    cv::Mat depth;     // CV_32F, m along the optical axis, of the scene without fish; 0: nothing
+    cv::Mat albedo;    // CV_32FC3, reflectance of the scene without fish
+    cv::Mat fish;      // CV_8U, 255 where any part of a pixel sees a fish
+    cv::Mat snow;      // CV_8U, 255 where snow covers more than a twentieth
+};
+
+// Looks at a scene through the cameras of a rig, four rays a pixel. Uses the threads of the calling
+// arena; the result does not depend on their number.
+class Renderer {
+public:
+    // Keeps references to `scene` and `rig`.
+    Renderer(const Scene& scene, const Rig& rig, RenderOptions options);
+
+    // Camera 0 or 1 with the body at `T_world_imu`, at this time of snow, fish and caustics.
+    Rendering render(int camera, const Eigen::Isometry3d& T_world_imu, double t_s);
+    // Triangles that camera 0 has seen nearer than this, since the start.
+    static constexpr float kReferenceRange_m = 4.0F;
+    std::vector<bool> seen_triangles() const;
+
+private:
+    struct Eye;  // one picture being taken
+    struct Rays {
+        std::vector<RayCaster::Directions4> samples;  // camera frame, z = 1, four a pixel
+        std::vector<Eigen::Vector3f> centers;
+    };
+    struct Point {
+        Eigen::Vector3f p_world;
+        Eigen::Vector3f normal_world;
+        const SceneObject* object;
+        float sky;
+        float sun;
+    };
+
+    void render_row(const Eye& eye, int row, Rendering& rendering);
+    Rgb sample(const Eye& eye,
+               const RayHit& hit,
+               const Eigen::Vector3f& direction,
+               const Fish::Hit* fish,
+               Rgb& albedo) const;
+    Point point_at(const RayHit& hit, const Eigen::Vector3f& p_world) const;
+    Rgb shade(const Eye& eye, const Point& point, const Rgb& color, float footprint_m) const;
+
+    const Scene& scene_;
+    const Rig& rig_;
+    RenderOptions options_;
+    RayCaster caster_;
+    NoiseField noise_;
+    Eigen::Vector3f to_sun_;
+    BakedLight light_;
+    std::array<Rays, 2> rays_;
+    std::vector<std::atomic<std::uint8_t>> seen_;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,244 @@
+#include "worker/simulator/simulate.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <tbb/task_arena.h>
+
+#include "schemas/error.hpp"
+#include "worker/output/ply.hpp"
+#include "worker/simulator/camera_sensor.hpp"
+#include "worker/simulator/dive_files.hpp"
+#include "worker/simulator/draw_rig.hpp"
+#include "worker/simulator/inertial_sensors.hpp"
+#include "worker/simulator/reference_mesh.hpp"
+#include "worker/simulator/renderer.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+namespace fs = std::filesystem;
+
+// When a pair is taken; a later lap shows the picture of the first.
+struct Exposure {
+    std::int64_t timestamp_ns = 0;
+    double t_s = 0.0;
+    int shown = 0;  // index of the pair whose pictures it has
+};
+
+void check_range(const std::string& name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw Error(ErrorCode::InvalidArgument,
+                name + " is " + std::to_string(value) + ": choose " + std::to_string(low) + " to " +
+                    std::to_string(high));
+}
+
+void check(const SimulateOptions& options) {
+    check_range("length_m", options.length_m, 0.1, 1000.0);
+    check_range("rate_hz", options.rate_hz, 1.0, 100.0);
+    check_range("laps", options.laps, 0, 1000);
+    check_range("year", options.year, 1, 10);
+    check_range("width_px", options.width_px, 32, 4096);
+    check_range("height_px", options.height_px, 32, 4096);
+    check_range("jpeg_quality", options.jpeg_quality, 10, 100);
+    check_range("num_threads", options.num_threads, 0, 1024);
+    if (options.out.empty())
+        throw Error(ErrorCode::InvalidArgument, "no folder to write the dive to: name one");
+    std::error_code failure;
+    if (fs::exists(options.out, failure) &&
+        (!fs::is_directory(options.out, failure) || !fs::is_empty(options.out, failure)))
+        throw Error(ErrorCode::Conflict,
+                    options.out.string() + " exists and is not an empty folder: choose another");
+}
+
+std::vector<Exposure> plan_exposures(const SimulateOptions& options, const DiverMotion& motion) {
+    const auto per_pass =
+        options.laps > 0
+            ? static_cast<int>(std::lround(motion.duration_s() * options.rate_hz))
+            : static_cast<int>(std::floor(motion.duration_s() * options.rate_hz + 1e-6)) + 1;
+    const int num_pairs = per_pass * std::max(1, options.laps);
+    std::vector<Exposure> exposures;
+    for (int i = 0; i < num_pairs; ++i) {
+        const std::int64_t since_ns = std::llround(i * 1e9 / options.rate_hz);
+        exposures.push_back(
+            {kFirstFrame_ns + since_ns, static_cast<double>(since_ns) * 1e-9, i % per_pass});
+    }
+    return exposures;
+}
+
+void write_picture(const fs::path& file, const cv::Mat& image, int jpeg_quality) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(file.extension().string(), image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+    std::ofstream stream(file, std::ios::binary);
+    stream.write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream)
+        throw Error(ErrorCode::OutOfSpace,
+                    "cannot write " + file.string() + ": free space or choose another folder");
+}
+
+// One dive being made.
+class Simulation {
+public:
+    Simulation(const SimulateOptions& options, const ProgressCallback& report)
+        : options_(options),
+          report_(report),
+          water_(options.water.value_or(options.scene == SceneKind::Tank ? WaterKind::None
+                                                                         : WaterKind::Green)),
+          scene_(make_scene(options.scene, options.seed, options.year)),
+          rig_(draw_rig(options.width_px, options.height_px, options.seed)),
+          motion_(options.laps > 0
+                      ? DiverMotion::closed_lap(
+                            scene_.path, options.length_m, options.rate_hz, options.seed)
+                      : DiverMotion::open_path(scene_.path, options.length_m, options.seed)),
+          exposures_(plan_exposures(options, motion_)) {}
+
+    void run() {
+        tell(0);
+        make_folders();
+        Renderer renderer(scene_, rig_, render_options());
+        for (std::size_t i = 0; i < exposures_.size(); ++i) {
+            for (int camera = 0; camera < 2; ++camera) {
+                tell(i);
+                take_picture(renderer, i, camera);
+            }
+        }
+        write_sensors();
+        write_measurements(options_.out / "measurements.json", scene_.distances);
+        if (options_.year > 1)
+            write_changes(options_.out / "change.json", options_.year, scene_.changes);
+        write_ply(options_.out / "reference.ply",
+                  make_reference_mesh(scene_, renderer.seen_triangles(), options_.seed));
+        write_dive_info(options_.out / "dive.json", options_, water_);
+        tell(exposures_.size());
+    }
+
+private:
+    RenderOptions render_options() const {
+        RenderOptions render{
+            .water = make_water(water_), .exact_depth = options_.truth, .seed = options_.seed};
+        if (water_ == WaterKind::None) return render;
+        render.caustics = options_.caustics;
+        const double duration_s = motion_.duration_s();
+        if (options_.fish)
+            render.fish = Fish::make_school(
+                motion_, duration_s, rig_.T_imu_cam0.linear().col(2), options_.seed);
+        const double particles_per_m3 =
+            water_ == WaterKind::Turbid ? 400.0 : (water_ == WaterKind::Green ? 150.0 : 60.0);
+        if (options_.snow)
+            render.snow = std::make_shared<MarineSnow>(particles_per_m3, options_.seed);
+        return render;
+    }
+
+    fs::path camera_folder(int camera) const {
+        return options_.out / "mav0" / ("cam" + std::to_string(camera));
+    }
+
+    fs::path truth_folder(int camera, const std::string& what) const {
+        return options_.out / "truth" / ("cam" + std::to_string(camera)) / what;
+    }
+
+    void make_folders() const {
+        for (int camera = 0; camera < 2; ++camera) {
+            fs::create_directories(camera_folder(camera) / "data");
+            if (options_.truth)
+                for (const char* what : {"depth", "albedo", "fish", "snow"})
+                    fs::create_directories(truth_folder(camera, what));
+        }
+    }
+
+    std::string picture_name(std::size_t exposure) const {
+        return std::to_string(exposures_[exposure].timestamp_ns) + (options_.png ? ".png" : ".jpg");
+    }
+
+    void take_picture(Renderer& renderer, std::size_t index, int camera) const {
+        const Exposure& exposure = exposures_[index];
+        const fs::path folder = camera_folder(camera) / "data";
+        const auto shown = static_cast<std::size_t>(exposure.shown);
+        if (shown != index) {  // copies, not links: archives with links are refused
+            fs::copy_file(folder / picture_name(shown), folder / picture_name(index));
+            return;
+        }
+        const Rendering rendering =
+            renderer.render(camera, motion_.at(exposure.t_s).T_world_imu, exposure.t_s);
+        const cv::Mat image = develop(rendering.radiance,
+                                      2 * index + static_cast<std::size_t>(camera),
+                                      exposure.t_s,
+                                      {.exposure = make_water(water_).exposure,
+                                       .noise = options_.noise,
+                                       .seed = options_.seed});
+        write_picture(folder / picture_name(index), image, options_.jpeg_quality);
+        if (options_.truth) write_truth(rendering, exposure.timestamp_ns, camera);
+    }
+
+    void write_truth(const Rendering& rendering, std::int64_t timestamp_ns, int camera) const {
+        const std::string name = std::to_string(timestamp_ns) + ".png";
+        cv::Mat depth_mm;
+        rendering.depth.convertTo(depth_mm, CV_16U, 1000.0);
+        write_picture(truth_folder(camera, "depth") / name, depth_mm, 100);
+        write_picture(truth_folder(camera, "albedo") / name, to_8_bit(rendering.albedo), 100);
+        write_picture(truth_folder(camera, "fish") / name, rendering.fish, 100);
+        write_picture(truth_folder(camera, "snow") / name, rendering.snow, 100);
+    }
+
+    void write_sensors() const {
+        const fs::path mav0 = options_.out / "mav0";
+        std::vector<PictureName> pictures;
+        for (std::size_t i = 0; i < exposures_.size(); ++i)
+            pictures.push_back({exposures_[i].timestamp_ns, picture_name(i)});
+        write_camera_files(
+            camera_folder(0), rig_.cam0, rig_.T_imu_cam0, options_.rate_hz, pictures);
+        write_camera_files(
+            camera_folder(1), rig_.cam1, rig_.T_imu_cam1, options_.rate_hz, pictures);
+        const double end_s = exposures_.back().t_s;
+        const auto records = simulate_imu(
+            motion_, end_s, options_.noise ? &*rig_.imu_noise : nullptr, options_.seed);
+        write_imu_files(mav0 / "imu0", *rig_.imu_noise, records);
+        write_ground_truth_files(mav0 / "state_groundtruth_estimate0", records);
+        write_ahrs_files(mav0 / "ahrs0",
+                         simulate_ahrs(motion_, end_s, options_.noise, options_.seed));
+        if (water_ != WaterKind::None)
+            write_pressure_file(
+                mav0 / "pressure0",
+                simulate_pressure(
+                    motion_, end_s, scene_.surface_z_m, options_.noise, options_.seed));
+    }
+
+    void tell(std::size_t frames_done) const {
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
+        const auto done = static_cast<double>(frames_done);
+        const auto all = static_cast<double>(exposures_.size());
+        Progress progress{.stage = "simulate",
+                          .fraction = done / all,
+                          .frames_done = static_cast<std::int64_t>(frames_done),
+                          .num_frames = static_cast<std::int64_t>(exposures_.size())};
+        if (frames_done > 0) {
+            progress.frames_per_s = done / elapsed.count();
+            progress.seconds_left = (all - done) / progress.frames_per_s;
+        }
+        report_(progress);
+    }
+
+    const SimulateOptions& options_;
+    const ProgressCallback& report_;
+    WaterKind water_;
+    Scene scene_;
+    Rig rig_;
+    DiverMotion motion_;
+    std::vector<Exposure> exposures_;
+    std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+void simulate(const SimulateOptions& options, const ProgressCallback& report) {
+    check(options);
+    tbb::task_arena arena(options.num_threads > 0 ? options.num_threads
+                                                  : tbb::task_arena::automatic);
+    arena.execute([&] { Simulation(options, report).run(); });
+}
+
+}  // namespace divemesh::worker

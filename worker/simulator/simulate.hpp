@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "worker/observer.hpp"
+
+namespace divemesh::worker {
+
+// tank: a furnished room in air. barge: a sunken hull on sand. reef: coral heads and sand channels.
+enum class SceneKind { Tank, Barge, Reef };
+// How far one sees: clear about 15 m, green 5 to 6 m, turbid 2 to 3 m.
+enum class WaterKind { None, Clear, Green, Turbid };
+
+std::string_view to_string(SceneKind kind);
+std::string_view to_string(WaterKind kind);
+SceneKind scene_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
+WaterKind water_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
+
+struct SimulateOptions {
+    SceneKind scene = SceneKind::Barge;
+    std::filesystem::path out;       // made; must not hold a dive yet
+    double length_m = 6.0;           // of the path; of one lap when there are laps
+    double rate_hz = 10.0;           // stereo pairs per second
+    std::uint64_t seed = 1;          // place, rig, motion and noise
+    std::optional<WaterKind> water;  // unset: none for the tank, green elsewhere
+    int laps = 0;                    // 0: an open path; N: a closed lap, swum N times
+    int year = 1;                    // 2: the same place a year later (change.json), and so on
+    bool truth = false;              // also depth, albedo, masks of fish and snow (truth/)
+    bool snow = true;                // snow, fish and caustics: under water only
+    bool fish = true;
+    bool caustics = true;
+    bool noise = true;  // of pictures, IMU and AHRS
+    int width_px = 640;
+    int height_px = 480;
+    bool png = false;  // else JPEG
+    int jpeg_quality = 93;
+    int num_threads = 0;  // 0: as many as there are cores
+};
+
+// Renders a dive with exact ground truth into `options.out`: pictures, IMU, AHRS, trajectory,
+// reference.ply (what cam0 saw within 4 m), measurements.json. The same options give the same
+// bytes, whatever the number of threads. Progress has the one stage "simulate". Throws
+// Error{InvalidArgument} for options out of range, Error{Conflict} when `out` is not empty,
+// Error{OutOfSpace} when a file cannot be written.
+void simulate(const SimulateOptions& options, const ProgressCallback& report = ignore_progress);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,27 @@
+#include "schemas/enum_text.hpp"
+#include "worker/simulator/simulate.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr EnumText<SceneKind> kSceneTexts[] = {
+    {SceneKind::Tank, "tank"}, {SceneKind::Barge, "barge"}, {SceneKind::Reef, "reef"}};
+constexpr EnumText<WaterKind> kWaterTexts[] = {{WaterKind::None, "none"},
+                                               {WaterKind::Clear, "clear"},
+                                               {WaterKind::Green, "green"},
+                                               {WaterKind::Turbid, "turbid"}};
+
+}  // namespace
+
+std::string_view to_string(SceneKind kind) { return enum_to_text(kSceneTexts, kind); }
+std::string_view to_string(WaterKind kind) { return enum_to_text(kWaterTexts, kind); }
+
+SceneKind scene_kind_from_string(std::string_view text) {
+    return enum_from_text<SceneKind>(kSceneTexts, text, "scene");
+}
+
+WaterKind water_kind_from_string(std::string_view text) {
+    return enum_from_text<WaterKind>(kWaterTexts, text, "water");
+}
+
+}  // namespace divemesh::worker

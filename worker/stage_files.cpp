@@ -1,0 +1,173 @@
+#include "worker/stage_files.hpp"
+
+#include "worker/binary_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Eigen::Isometry3d and structs that hold one are stored as their 16 doubles.
+void put_pose(BinaryWriter& file, const Eigen::Isometry3d& T_a_b) { file.put_raw(T_a_b.matrix()); }
+
+Eigen::Isometry3d get_pose(BinaryReader& file) {
+    Eigen::Isometry3d T_a_b;
+    T_a_b.matrix() = file.get<Eigen::Matrix4d>();
+    return T_a_b;
+}
+
+void put_trajectory(BinaryWriter& file, const Trajectory& trajectory) {
+    file.put(static_cast<std::uint64_t>(trajectory.size()));
+    for (const StampedPose& pose : trajectory) {
+        file.put(pose.timestamp_ns);
+        put_pose(file, pose.T_world_imu);
+    }
+}
+
+Trajectory get_trajectory(BinaryReader& file) {
+    Trajectory trajectory;
+    const auto num_poses = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
+        StampedPose pose;
+        pose.timestamp_ns = file.get<std::int64_t>();
+        pose.T_world_imu = get_pose(file);
+        trajectory.push_back(pose);
+    }
+    return trajectory;
+}
+
+void put_keyframes(BinaryWriter& file, const std::vector<Keyframe>& keyframes) {
+    file.put(static_cast<std::uint64_t>(keyframes.size()));
+    for (const Keyframe& keyframe : keyframes) {
+        file.put(keyframe.frame_index);
+        file.put(keyframe.timestamp_ns);
+        put_pose(file, keyframe.T_world_cam);
+    }
+}
+
+std::vector<Keyframe> get_keyframes(BinaryReader& file) {
+    std::vector<Keyframe> keyframes;
+    const auto num_keyframes = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_keyframes && file.ok(); ++i) {
+        Keyframe keyframe;
+        keyframe.frame_index = file.get<int>();
+        keyframe.timestamp_ns = file.get<std::int64_t>();
+        keyframe.T_world_cam = get_pose(file);
+        keyframes.push_back(keyframe);
+    }
+    return keyframes;
+}
+
+void put_rig(BinaryWriter& file, const RectifiedRig& rig) {
+    file.put(rig.width_px);
+    file.put(rig.height_px);
+    for (const double value : {rig.focal_px, rig.cx_px, rig.cy_px, rig.baseline_m}) file.put(value);
+    put_pose(file, rig.T_imu_cam);
+}
+
+RectifiedRig get_rig(BinaryReader& file) {
+    RectifiedRig rig;
+    rig.width_px = file.get<int>();
+    rig.height_px = file.get<int>();
+    for (double* value : {&rig.focal_px, &rig.cx_px, &rig.cy_px, &rig.baseline_m})
+        *value = file.get<double>();
+    rig.T_imu_cam = get_pose(file);
+    return rig;
+}
+
+// A reader past a matching key; nothing when the file is not what the stage would make now.
+std::optional<BinaryReader> open_stage(const std::filesystem::path& path, const std::string& key) {
+    BinaryReader file(path);
+    if (!file.ok() || file.get_text() != key || !file.ok()) return std::nullopt;
+    return file;
+}
+
+template <typename T>
+std::optional<T> complete(const BinaryReader& file, T value) {
+    if (!file.at_end()) return std::nullopt;
+    return value;
+}
+
+}  // namespace
+
+void save_track(const std::filesystem::path& path, const std::string& key, const Track& track) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    put_rig(file, track.rig);
+    put_trajectory(file, track.causal);
+    put_trajectory(file, track.odometry);
+    put_keyframes(file, track.keyframes);
+    file.put(static_cast<std::uint64_t>(track.landmarks.size()));
+    for (const Landmark& landmark : track.landmarks) {
+        file.put_raw(landmark.p_world);
+        file.put_vector(landmark.observations);
+    }
+    file.put(track.statistics);
+    file.commit();
+}
+
+std::optional<Track> load_track(const std::filesystem::path& path, const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    Track track;
+    track.rig = get_rig(*file);
+    track.causal = get_trajectory(*file);
+    track.odometry = get_trajectory(*file);
+    track.keyframes = get_keyframes(*file);
+    const auto num_landmarks = file->get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_landmarks && file->ok(); ++i) {
+        Landmark landmark;
+        landmark.p_world = file->get<Eigen::Vector3d>();
+        landmark.observations = file->get_vector<LandmarkObservation>();
+        track.landmarks.push_back(std::move(landmark));
+    }
+    track.statistics = file->get<TrackStatistics>();
+    return complete(*file, std::move(track));
+}
+
+void save_optimised_track(const std::filesystem::path& path,
+                          const std::string& key,
+                          const OptimisedTrack& track) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    put_trajectory(file, track.trajectory);
+    put_keyframes(file, track.keyframes);
+    file.put(track.statistics);
+    file.commit();
+}
+
+std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& path,
+                                                   const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    OptimisedTrack track;
+    track.trajectory = get_trajectory(*file);
+    track.keyframes = get_keyframes(*file);
+    track.statistics = file->get<OptimiseStatistics>();
+    return complete(*file, std::move(track));
+}
+
+void save_mesh(const std::filesystem::path& path, const std::string& key, const Mesh& mesh) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    file.put_vector(mesh.vertices);
+    file.put_vector(mesh.normals);
+    file.put_vector(mesh.colors);
+    file.put_vector(mesh.sigma_m);
+    file.put_vector(mesh.num_observations);
+    file.put_vector(mesh.triangles);
+    file.commit();
+}
+
+std::optional<Mesh> load_mesh(const std::filesystem::path& path, const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    Mesh mesh;
+    mesh.vertices = file->get_vector<Eigen::Vector3f>();
+    mesh.normals = file->get_vector<Eigen::Vector3f>();
+    mesh.colors = file->get_vector<Color>();
+    mesh.sigma_m = file->get_vector<float>();
+    mesh.num_observations = file->get_vector<std::uint32_t>();
+    mesh.triangles = file->get_vector<std::array<std::uint32_t, 3>>();
+    return complete(*file, std::move(mesh));
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+
+// What a stage hands to the next one, on disk. A file carries the key of what it was made from
+// (content of the dive, options, version): load gives nothing when the file is missing, was made
+// from something else, or is cut short, so that the stage runs again. Written to a temporary name
+// and renamed. save throws Error{OutOfSpace}.
+void save_track(const std::filesystem::path& file, const std::string& key, const Track& track);
+std::optional<Track> load_track(const std::filesystem::path& file, const std::string& key);
+
+void save_optimised_track(const std::filesystem::path& file,
+                          const std::string& key,
+                          const OptimisedTrack& track);
+std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& file,
+                                                   const std::string& key);
+
+void save_mesh(const std::filesystem::path& file, const std::string& key, const Mesh& mesh);
+std::optional<Mesh> load_mesh(const std::filesystem::path& file, const std::string& key);
+
+}  // namespace divemesh::worker

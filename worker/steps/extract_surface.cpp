@@ -1,0 +1,29 @@
+#include "worker/steps/extract_surface.hpp"
+
+#include "worker/volume/marching_cubes.hpp"
+#include "worker/volume/mesh_components.hpp"
+#include "worker/volume/surface_nets.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kLeastComponent_voxels = 100.0;  // faces of a voxel
+
+}  // namespace
+
+Mesh extract_surface(const Volume& volume,
+                     const ReconstructionOptions& options,
+                     const ProgressCallback& progress) {
+    ProgressShare share{"mesh", 0.0, 1.0, progress};
+    share.at(0.0);
+    const auto field = volume.field(options.num_threads);
+    share.begin = 0.2;
+    share.end = 0.95;
+    const MeshingSettings settings{.num_threads = options.num_threads, .progress = share};
+    const Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
+                                                          : surface_nets(*field, settings);
+    return keep_large_components(whole,
+                                 kLeastComponent_voxels * volume.voxel_m() * volume.voxel_m());
+}
+
+}  // namespace divemesh::worker

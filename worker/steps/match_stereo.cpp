@@ -1,0 +1,76 @@
+#include "worker/steps/match_stereo.hpp"
+
+#include <functional>
+#include <opencv2/calib3d.hpp>
+
+#include "worker/stereo/block_matcher.hpp"
+#include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/speckles.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kLeastIsland = 120;        // pixels
+constexpr float kLargestStep_px = 1.5F;  // between neighbours of one surface
+constexpr float kLargestSigma_px = 1.0F;
+
+// OpenCV's single-pass semi-global matcher, for comparison.
+class OpenCvSgbm {
+public:
+    explicit OpenCvSgbm(int num_disparities)
+        : matcher_(cv::StereoSGBM::create(
+              0, num_disparities, 3, 72, 288, 1, 31, 5, 0, 0, cv::StereoSGBM::MODE_SGBM_3WAY)) {}
+
+    cv::Mat compute(const cv::Mat& left, const cv::Mat& right) {
+        cv::Mat fixed_point, disparity;
+        matcher_->compute(left, right, fixed_point);
+        fixed_point.convertTo(disparity, CV_32F, 1.0 / 16.0);
+        disparity.setTo(0.0, disparity < 0.0);
+        return disparity;
+    }
+
+private:
+    cv::Ptr<cv::StereoSGBM> matcher_;
+};
+
+}  // namespace
+
+struct StereoMatcher::Implementation {
+    std::function<cv::Mat(const cv::Mat& left, const cv::Mat& right)> compute;
+    bool refine = false;
+};
+
+StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& options)
+    : implementation_(std::make_unique<Implementation>()) {
+    const auto use = [&](auto matcher) {
+        implementation_->compute = [matcher](const cv::Mat& left, const cv::Mat& right) mutable {
+            return matcher.compute(left, right);
+        };
+    };
+    const int num_disparities = options.num_disparities_px;
+    if (options.stereo == "block")
+        use(BlockMatcher(num_disparities));
+    else if (options.stereo == "opencv_sgbm")
+        use(OpenCvSgbm(num_disparities));
+    else
+        use(CensusSgm(num_disparities));
+    implementation_->refine = options.stereo == "sgm";
+}
+
+StereoMatcher::~StereoMatcher() = default;
+
+DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
+    DepthMap depth;
+    depth.disparity_px = implementation_->compute(frame.left, frame.right);
+    depth.sigma_disparity_px = disparity_sigma(frame.left);
+    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kLargestSigma_px);
+    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kLargestSigma_px);
+    remove_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
+    if (implementation_->refine) refine_disparity(frame.left, frame.right, depth.disparity_px);
+    depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
+    return depth;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,113 @@
+#include "worker/steps/register_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "worker/geometry/horn.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMaxTries = 400;
+constexpr double kConfidence = 0.9999;
+
+double squared_error_px(const RectifiedRig& rig,
+                        const PointPair& pair,
+                        const Eigen::Isometry3d& T_current_previous) {
+    const Eigen::Vector3d p_current = T_current_previous * pair.p_previous;
+    if (p_current.z() < 1e-3) return 1e9;
+    return (project_px(rig, p_current) - pair.current_px).squaredNorm();
+}
+
+std::optional<AbsoluteOrientation> align(const PointPairs& pairs) {
+    std::vector<Eigen::Vector3d> previous;
+    std::vector<Eigen::Vector3d> current;
+    for (const PointPair& pair : pairs) {
+        previous.push_back(pair.p_previous);
+        current.push_back(pair.p_current);
+    }
+    return absolute_orientation(previous, current);
+}
+
+PointPairs three_of(const PointPairs& pairs, std::mt19937_64& random) {
+    const auto draw = [&] { return static_cast<std::size_t>(random() % pairs.size()); };
+    const std::size_t first = draw();
+    std::size_t second = draw();
+    while (second == first) second = draw();
+    std::size_t third = draw();
+    while (third == first || third == second) third = draw();
+    return {pairs[first], pairs[second], pairs[third]};
+}
+
+PointPairs agreeing(const RectifiedRig& rig,
+                    const PointPairs& pairs,
+                    const Eigen::Isometry3d& T_current_previous,
+                    double tolerance_px) {
+    PointPairs result;
+    for (const PointPair& pair : pairs)
+        if (squared_error_px(rig, pair, T_current_previous) < tolerance_px * tolerance_px)
+            result.push_back(pair);
+    return result;
+}
+
+// Tries after which three inliers have been drawn together with kConfidence.
+int tries_needed(std::size_t num_inliers, std::size_t num_pairs) {
+    const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
+    const double miss = 1.0 - share * share * share;
+    if (num_inliers < 3) return kMaxTries;
+    if (miss < 1e-9) return 1;
+    return static_cast<int>(
+        std::min<double>(kMaxTries, std::ceil(std::log(1.0 - kConfidence) / std::log(miss))));
+}
+
+// Truncated squares (MSAC): among sets of equal size the tighter one wins.
+double cost(const RectifiedRig& rig,
+            const PointPairs& pairs,
+            const Eigen::Isometry3d& T_current_previous,
+            double tolerance_px) {
+    double sum = 0.0;
+    const double most = tolerance_px * tolerance_px;
+    for (const PointPair& pair : pairs)
+        sum += std::min(most, squared_error_px(rig, pair, T_current_previous));
+    return sum;
+}
+
+}  // namespace
+
+Registration register_points(const RectifiedRig& rig,
+                             const PointPairs& pairs,
+                             double tolerance_px,
+                             std::uint64_t seed) {
+    Registration result;
+    result.num_pairs = pairs.size();
+    if (pairs.size() < kFewestInliers) return result;
+    std::mt19937_64 random(seed);
+    double least = 1e300;
+    int tries = kMaxTries;
+    for (int i = 0; i < tries; ++i) {
+        const auto guess = align(three_of(pairs, random));
+        if (!guess) continue;
+        const double guess_cost = cost(rig, pairs, guess->T_b_a, tolerance_px);
+        if (guess_cost >= least) continue;
+        least = guess_cost;
+        result.T_current_previous = guess->T_b_a;
+        result.inliers = agreeing(rig, pairs, guess->T_b_a, tolerance_px);
+        tries = std::min(tries, i + 1 + tries_needed(result.inliers.size(), pairs.size()));
+    }
+    // Horn over all inliers, and once more over those that agree with that.
+    for (int i = 0; i < 2; ++i) {
+        const auto all = align(result.inliers);
+        if (!all) break;
+        auto inliers = agreeing(rig, pairs, all->T_b_a, tolerance_px);
+        if (inliers.size() < result.inliers.size() * 9 / 10) break;  // far points pull it off
+        result.T_current_previous = all->T_b_a;
+        result.scale = all->scale;
+        result.inliers = std::move(inliers);
+    }
+    result.found = result.inliers.size() >= kFewestInliers;
+    return result;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "worker/stereo/instructions.hpp"
+
+namespace divemesh::worker {
+
+// The inner loops of block matching over the disparities of one pixel; `num` is a multiple of 32.
+struct BlockKernels {
+    // cost[d] += sign * |left - right_reversed[d]|
+    void (*accumulate)(std::uint16_t* cost,
+                       std::uint8_t left,
+                       const std::uint8_t* right_reversed,
+                       int num,
+                       int sign);
+    // cost[d] += entering[d] - leaving[d]
+    void (*slide)(std::uint16_t* cost,
+                  const std::uint16_t* entering,
+                  const std::uint16_t* leaving,
+                  int num);
+    // The least of cost.
+    std::uint16_t (*least)(const std::uint16_t* cost, int num);
+    // The first place of `value` in cost.
+    int (*find)(const std::uint16_t* cost, std::uint16_t value, int num);
+};
+
+BlockKernels block_kernels(Instructions instructions);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,25 @@
+#pragma once
+
+namespace divemesh::worker {
+
+// What the inner loops are compiled for. Every set gives the same integers: the loops are one
+// source, compiled once per set.
+enum class Instructions { Baseline, Avx2 };
+
+// The widest set that this machine runs.
+inline Instructions best_instructions() {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) return Instructions::Avx2;
+#endif
+    return Instructions::Baseline;
+}
+
+}  // namespace divemesh::worker
+
+// A loop body that is compiled into each of its callers, and a caller compiled for AVX2.
+#define DIVEMESH_INLINE_BODY inline __attribute__((always_inline))
+#if defined(__x86_64__)
+#define DIVEMESH_FOR_AVX2 __attribute__((target("avx2")))
+#else
+#define DIVEMESH_FOR_AVX2
+#endif

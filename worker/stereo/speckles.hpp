@@ -1,0 +1,11 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace divemesh::worker {
+
+// Sets islands of less than `min_pixels` connected pixels, neighbours within `max_step_px` of each
+// other, to unknown (0). CV_32F disparity, px.
+void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+
+namespace divemesh::worker {
+
+// Space is sampled on a lattice of step `voxel_m` through the world's origin: sample (i, j, k) lies
+// at voxel_m * (i, j, k). Samples are kept in blocks of 8 x 8 x 8.
+inline constexpr int kBlockEdge = 8;
+inline constexpr int kBlockSamples = kBlockEdge * kBlockEdge * kBlockEdge;
+
+struct BlockCoordinate {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t z = 0;
+
+    auto operator<=>(const BlockCoordinate&) const = default;
+    BlockCoordinate operator+(const BlockCoordinate& other) const {
+        return {x + other.x, y + other.y, z + other.z};
+    }
+};
+
+struct BlockCoordinateHash {
+    std::size_t operator()(const BlockCoordinate& block) const {
+        auto h =
+            static_cast<std::uint64_t>(static_cast<std::uint32_t>(block.x)) * 0x9E3779B97F4A7C15ULL;
+        h ^=
+            static_cast<std::uint64_t>(static_cast<std::uint32_t>(block.y)) * 0xC2B2AE3D27D4EB4FULL;
+        h ^=
+            static_cast<std::uint64_t>(static_cast<std::uint32_t>(block.z)) * 0x165667B19E3779F9ULL;
+        h ^= h >> 32;
+        return static_cast<std::size_t>(h * 0xD6E8FEB86659FD93ULL);
+    }
+};
+
+inline int sample_index(int x, int y, int z) { return (z * kBlockEdge + y) * kBlockEdge + x; }
+
+// The block of a lattice point, and its place in it (arithmetic shift: negative ones too).
+inline BlockCoordinate block_of(const Eigen::Vector3i& sample) {
+    return {sample.x() >> 3, sample.y() >> 3, sample.z() >> 3};
+}
+inline int index_in_block(const Eigen::Vector3i& sample) {
+    return sample_index(sample.x() & 7, sample.y() & 7, sample.z() & 7);
+}
+inline Eigen::Vector3i first_sample(const BlockCoordinate& block) {
+    return Eigen::Vector3i(block.x, block.y, block.z) * kBlockEdge;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "worker/volume/point_octree.hpp"
+#include "worker/volume/tsdf_volume.hpp"
+
+namespace divemesh::worker {
+
+// The paper's step 7: every point that a keyframe saw goes into an octree, which keeps the weighted
+// mean of each leaf. The surface in it is the zero of the signed distance to the leaves' tangent
+// planes (Hoppe et al. 1992), averaged over the leaves nearby.
+class OctreeVolume : public Volume {
+public:
+    explicit OctreeVolume(const VolumeSettings& settings);
+
+    void integrate(const Keyframe& keyframe, const KeyframeImages& images) override;
+    PointCloud cloud() const override;
+    std::unique_ptr<SignedField> field(int num_threads) const override;
+    void save(const std::filesystem::path& file) const override;
+    std::int64_t memory_bytes() const override { return octree_.memory_bytes(); }
+    double voxel_m() const override { return settings_.voxel_m; }
+
+    static std::unique_ptr<OctreeVolume> load(class BinaryReader& file);
+
+private:
+    int least_views() const;
+
+    VolumeSettings settings_;
+    PointOctree octree_;
+    std::uint32_t num_views_ = 0;
+};
+
+}  // namespace divemesh::worker

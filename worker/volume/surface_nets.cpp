@@ -1,0 +1,331 @@
+#include "worker/volume/surface_nets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "worker/volume/cell_topology.hpp"
+#include "worker/volume/field_reader.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::uint16_t kNoVertex = 0xffff;
+constexpr std::uint32_t kNoIndex = 0xffffffffU;
+
+// A cell that the surface passes: its signs, and its vertices, one per loop.
+struct ActiveCell {
+    std::uint16_t first_vertex = kNoVertex;  // in the block
+    std::uint8_t mask = 0;
+    std::uint8_t joined_face = kNoFace;
+};
+
+struct NetVertex {
+    Eigen::Vector3i cell;
+    Eigen::Vector3f place;  // in the cell, 0 to 1
+    std::array<float, 8> corners_m;
+    bool single = true;  // the only sheet in its cell
+};
+
+struct BlockNet {
+    std::vector<ActiveCell> cells;  // 512, or none when the surface does not pass the block
+    std::vector<NetVertex> vertices;
+    std::uint32_t first_vertex = 0;  // of the block in the mesh
+};
+
+using Quad = std::array<std::uint32_t, 4>;
+
+class SurfaceNets {
+public:
+    SurfaceNets(const SignedField& field, const MeshingSettings& settings)
+        : field_(field), settings_(settings), reader_(field), nets_(field.blocks().size()) {}
+
+    Mesh run() {
+        phase(0.0, 0.4, nets_.size(), [this](std::size_t block) { find_vertices(block); });
+        number_vertices();
+        quads_.resize(nets_.size());
+        phase(0.4, 0.5, nets_.size(), [this](std::size_t block) { find_quads(block); });
+        link_neighbours();
+        read_attributes();
+        relax();
+        return make_mesh();
+    }
+
+private:
+    template <typename Work>
+    void phase(double begin, double end, std::size_t num, const Work& work) const;
+
+    void find_vertices(std::size_t block);
+    int face_to_join(int mask, const Eigen::Vector3i& cell) const;
+    void add_vertices(BlockNet& net, const Eigen::Vector3i& cell, const std::array<float, 8>& at);
+    void number_vertices();
+    void find_quads(std::size_t block);
+    void add_quad(std::size_t block, const Eigen::Vector3i& sample, int axis, bool behind);
+    std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge) const;
+    void link_neighbours();
+    void read_attributes();
+    void relax();
+    void relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>& places) const;
+    Mesh make_mesh() const;
+    Eigen::Vector3f position(std::size_t vertex) const;  // in voxels
+
+    const SignedField& field_;
+    const MeshingSettings& settings_;
+    FieldReader reader_;
+    std::vector<BlockNet> nets_;
+    std::vector<std::vector<Quad>> quads_;
+    std::vector<NetVertex> vertices_;
+    std::vector<SampleAttributes> attributes_;
+    std::vector<std::uint32_t> neighbours_;       // of all vertices, one after the other
+    std::vector<std::uint32_t> first_neighbour_;  // of each vertex, and one behind
+    std::vector<bool> on_border_;
+};
+
+template <typename Work>
+void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& work) const {
+    ProgressShare share = settings_.progress;
+    const double whole = share.end - share.begin;
+    share.end = share.begin + whole * end;
+    share.begin += whole * begin;
+    for_each_index(settings_.num_threads, num, share, work);
+}
+
+void SurfaceNets::find_vertices(std::size_t block) {
+    BlockNeighbourhood samples;
+    reader_.read(block, samples);
+    BlockNet& net = nets_[block];
+    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    for (int z = 0; z < kBlockEdge; ++z)
+        for (int y = 0; y < kBlockEdge; ++y)
+            for (int x = 0; x < kBlockEdge; ++x) {
+                std::array<float, 8> corners;
+                float sum = 0.0F;
+                for (int c = 0; c < 8; ++c) {
+                    corners[c] = samples.distances_m[BlockNeighbourhood::index(
+                        x + (c & 1), y + ((c >> 1) & 1), z + ((c >> 2) & 1))];
+                    sum += corners[c];
+                }
+                if (std::isnan(sum)) continue;
+                const int mask = sign_mask(corners);
+                if (mask == 0 || mask == 255) continue;
+                if (net.cells.empty()) net.cells.resize(kBlockSamples);
+                const Eigen::Vector3i cell = first + Eigen::Vector3i(x, y, z);
+                ActiveCell& active = net.cells[sample_index(x, y, z)];
+                active.mask = static_cast<std::uint8_t>(mask);
+                active.joined_face = static_cast<std::uint8_t>(face_to_join(mask, cell));
+                active.first_vertex = static_cast<std::uint16_t>(net.vertices.size());
+                add_vertices(net, cell, corners);
+            }
+}
+
+// A face that is folded in this cell and in the one behind it is joined in both.
+int SurfaceNets::face_to_join(int mask, const Eigen::Vector3i& cell) const {
+    const int folded = cell_topology(mask).folded_faces;
+    for (int face = 0; face < kNoFace && folded != 0; ++face) {
+        if (((folded >> face) & 1) == 0) continue;
+        Eigen::Vector3i other = cell;
+        other[face / 2] += (face & 1) != 0 ? 1 : -1;
+        std::array<float, 8> corners;
+        if (!reader_.read_cell(other, corners)) continue;
+        if (((cell_topology(sign_mask(corners)).folded_faces >> (face ^ 1)) & 1) != 0) return face;
+    }
+    return kNoFace;
+}
+
+void SurfaceNets::add_vertices(BlockNet& net,
+                               const Eigen::Vector3i& cell,
+                               const std::array<float, 8>& at) {
+    const ActiveCell& active = net.cells[index_in_block(cell)];
+    const CellTopology& topology = cell_topology(active.mask, active.joined_face);
+    for (const auto& loop : topology.loops) {
+        NetVertex vertex{cell, Eigen::Vector3f::Zero(), at, topology.loops.size() == 1};
+        for (const int edge : loop) {
+            const CellEdge ends = cell_edge(edge);
+            const float t = at[ends.from] / (at[ends.from] - at[ends.to]);
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto from = static_cast<float>((ends.from >> axis) & 1);
+                const auto to = static_cast<float>((ends.to >> axis) & 1);
+                vertex.place[axis] += from + t * (to - from);
+            }
+        }
+        vertex.place /= static_cast<float>(loop.size());
+        net.vertices.push_back(vertex);
+    }
+}
+
+void SurfaceNets::number_vertices() {
+    std::size_t num = 0;
+    for (BlockNet& net : nets_) {
+        net.first_vertex = static_cast<std::uint32_t>(num);
+        num += net.vertices.size();
+    }
+    vertices_.reserve(num);
+    for (BlockNet& net : nets_) {
+        vertices_.insert(vertices_.end(), net.vertices.begin(), net.vertices.end());
+        net.vertices = {};
+    }
+}
+
+// Every lattice edge that begins in the block and changes sign is the middle of a quad between its
+// four cells, when each of them has a vertex.
+void SurfaceNets::find_quads(std::size_t block) {
+    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    BlockNeighbourhood samples;
+    reader_.read(block, samples);
+    const auto at = [&](const Eigen::Vector3i& s) {
+        return samples.distances_m[BlockNeighbourhood::index(s.x(), s.y(), s.z())];
+    };
+    for (int z = 0; z < kBlockEdge; ++z)
+        for (int y = 0; y < kBlockEdge; ++y)
+            for (int x = 0; x < kBlockEdge; ++x) {
+                const Eigen::Vector3i sample(x, y, z);
+                const float from = at(sample);
+                if (std::isnan(from)) continue;
+                for (int axis = 0; axis < 3; ++axis) {
+                    const float to = at(sample + Eigen::Vector3i::Unit(axis));
+                    if (!std::isnan(to) && (from < 0.0F) != (to < 0.0F))
+                        add_quad(block, first + sample, axis, from < 0.0F);
+                }
+            }
+}
+
+void SurfaceNets::add_quad(std::size_t block,
+                           const Eigen::Vector3i& sample,
+                           int axis,
+                           bool behind) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    static constexpr int kAround[4][2] = {{-1, -1}, {0, -1}, {0, 0}, {-1, 0}};
+    Quad quad;
+    for (int i = 0; i < 4; ++i) {
+        Eigen::Vector3i cell = sample;
+        cell[u] += kAround[i][0];
+        cell[v] += kAround[i][1];
+        const int edge = 4 * axis - kAround[i][0] - 2 * kAround[i][1];
+        quad[i] = vertex_of(cell, edge);
+        if (quad[i] == kNoIndex) return;
+    }
+    if (!behind) std::swap(quad[1], quad[3]);
+    quads_[block].push_back(quad);
+}
+
+std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell, int edge) const {
+    const std::size_t block = reader_.find(block_of(cell));
+    if (block == FieldReader::kNone || nets_[block].cells.empty()) return kNoIndex;
+    const ActiveCell& active = nets_[block].cells[index_in_block(cell)];
+    if (active.first_vertex == kNoVertex) return kNoIndex;
+    const int loop = cell_topology(active.mask, active.joined_face).loop_of_edge[edge];
+    return nets_[block].first_vertex + active.first_vertex + static_cast<std::uint32_t>(loop);
+}
+
+// Each quad's sides link its vertices. A side of one quad alone is border: its ends stay put, or
+// the net would draw itself together.
+void SurfaceNets::link_neighbours() {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+    for (const auto& quads : quads_)
+        for (const Quad& quad : quads)
+            for (int i = 0; i < 4; ++i) {
+                links.emplace_back(quad[i], quad[(i + 1) & 3]);
+                links.emplace_back(quad[(i + 1) & 3], quad[i]);
+            }
+    settings_.progress.at(0.5);
+    std::sort(links.begin(), links.end());
+    settings_.progress.at(0.6);
+    on_border_.assign(vertices_.size(), false);
+    first_neighbour_.assign(vertices_.size() + 1, 0);
+    for (std::size_t i = 0; i < links.size();) {
+        std::size_t end = i;
+        while (end < links.size() && links[end] == links[i]) ++end;
+        if (end - i == 1) on_border_[links[i].first] = true;
+        neighbours_.push_back(links[i].second);
+        ++first_neighbour_[links[i].first + 1];
+        i = end;
+    }
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+        first_neighbour_[i + 1] += first_neighbour_[i];
+}
+
+void SurfaceNets::read_attributes() {
+    attributes_.resize(vertices_.size());
+    phase(0.6, 0.75, vertices_.size(), [this](std::size_t i) {
+        attributes_[i] = reader_.attributes(vertices_[i].cell, vertices_[i].place);
+    });
+}
+
+void SurfaceNets::relax() {
+    std::vector<Eigen::Vector3f> places(vertices_.size());
+    for (int round = 0; round < settings_.num_relaxations; ++round) {
+        const double done = round, all = settings_.num_relaxations;
+        phase(0.75 + 0.2 * done / all,
+              0.75 + 0.2 * (done + 1.0) / all,
+              vertices_.size(),
+              [&](std::size_t i) { relax_vertex(i, places); });
+        for (std::size_t i = 0; i < vertices_.size(); ++i) vertices_[i].place = places[i];
+    }
+}
+
+void SurfaceNets::relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>& places) const {
+    const NetVertex& here = vertices_[vertex];
+    Eigen::Vector3f& place = places[vertex];
+    place = here.place;
+    if (!here.single) return;
+    const std::uint32_t begin = first_neighbour_[vertex], end = first_neighbour_[vertex + 1];
+    if (!on_border_[vertex] && begin != end) {
+        Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+        for (std::uint32_t i = begin; i < end; ++i)
+            mean += (vertices_[neighbours_[i]].cell - here.cell).cast<float>() +
+                    vertices_[neighbours_[i]].place;
+        place += 0.5F * (mean / static_cast<float>(end - begin) - place);
+    }
+    place = place.cwiseMax(0.0F).cwiseMin(1.0F);
+    const float slack = attributes_[vertex].sigma_m;
+    for (int round = 0; round < 3; ++round) {  // back to the zero and into the cell, in turns
+        const float distance = cell_distance(here.corners_m, place);
+        const Eigen::Vector3f gradient = cell_gradient(here.corners_m, place);
+        const float slope = gradient.squaredNorm();
+        const float excess = distance - std::clamp(distance, -slack, slack);
+        if (excess == 0.0F || slope == 0.0F) break;
+        const Eigen::Vector3f back = gradient * (-excess / slope);
+        place += back * std::min(1.0F, 0.5F / std::max(1e-9F, back.norm()));
+        place = place.cwiseMax(0.0F).cwiseMin(1.0F);
+    }
+}
+
+Eigen::Vector3f SurfaceNets::position(std::size_t vertex) const {
+    return vertices_[vertex].cell.cast<float>() + vertices_[vertex].place;
+}
+
+Mesh SurfaceNets::make_mesh() const {
+    Mesh mesh;
+    const auto voxel = static_cast<float>(field_.voxel_m());
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+        const NetVertex& vertex = vertices_[i];
+        const Eigen::Vector3f gradient = cell_gradient(vertex.corners_m, vertex.place);
+        mesh.vertices.push_back(voxel * position(i));
+        mesh.normals.push_back(gradient.norm() > 0.0F ? Eigen::Vector3f(gradient.normalized())
+                                                      : Eigen::Vector3f::UnitZ());
+        mesh.colors.push_back(attributes_[i].color);
+        mesh.sigma_m.push_back(attributes_[i].sigma_m);
+        mesh.num_observations.push_back(attributes_[i].num_observations);
+    }
+    for (const auto& quads : quads_)
+        for (const Quad& q : quads) {
+            const auto diagonal = [&](int a, int b) {
+                return (mesh.vertices[q[a]] - mesh.vertices[q[b]]).squaredNorm();
+            };
+            const int start = diagonal(0, 2) <= diagonal(1, 3) ? 0 : 1;
+            mesh.triangles.push_back({q[start], q[start + 1], q[start + 2]});
+            mesh.triangles.push_back({q[start], q[start + 2], q[(start + 3) & 3]});
+        }
+    settings_.progress.at(1.0);
+    return mesh;
+}
+
+}  // namespace
+
+Mesh surface_nets(const SignedField& field, const MeshingSettings& settings) {
+    return SurfaceNets(field, settings).run();
+}
+
+}  // namespace divemesh::worker

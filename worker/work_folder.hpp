@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+namespace divemesh::worker {
+
+// A folder of one worker process inside the common work folder, locked while the process lives
+// and removed with it. Making one removes what workers that died left there.
+class WorkFolder {
+public:
+    explicit WorkFolder(const std::filesystem::path& common);  // throws Error{Unavailable}
+    ~WorkFolder();
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+    int lock_ = -1;
+};
+
+}  // namespace divemesh::worker
