@@ -1,5 +1,9 @@
 #include "storage/ids.hpp"
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <sys/random.h>
 #include <vector>
 
@@ -16,13 +20,29 @@ std::vector<unsigned char> random_bytes(std::size_t num_bytes) {
     return bytes;
 }
 
+// The wall clock, but never the same twice and never backwards within this process.
+std::int64_t next_microsecond() {
+    static std::atomic<std::int64_t> last = 0;
+    const std::int64_t now = std::chrono::duration_cast<std::chrono::microseconds>(
+                                 std::chrono::system_clock::now().time_since_epoch())
+                                 .count();
+    std::int64_t before = last.load();
+    while (!last.compare_exchange_weak(before, std::max(now, before + 1))) {
+    }
+    return std::max(now, before + 1);
+}
+
 }  // namespace
 
 std::string new_id(std::string_view kind) {
-    static constexpr std::string_view kDigits = "abcdefghijklmnopqrstuvwxyz234567";
-    std::string id = std::string(kind) + "_";
-    for (const unsigned char byte : random_bytes(20)) id += kDigits[byte % kDigits.size()];
-    return id;
+    // In ASCII order, so that ids sort as the numbers do.
+    static constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuv";
+    std::string digits(20, '0');
+    std::int64_t microseconds = next_microsecond();
+    for (int i = 10; i >= 0; --i, microseconds >>= 5) digits[i] = kDigits[microseconds & 31];
+    const std::vector<unsigned char> bytes = random_bytes(9);
+    for (int i = 0; i < 9; ++i) digits[11 + i] = kDigits[bytes[i] & 31];
+    return std::string(kind) + "_" + digits;
 }
 
 std::string random_hex(std::size_t num_bytes) {

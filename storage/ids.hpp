@@ -5,7 +5,8 @@
 
 namespace divemesh::storage {
 
-// "dive_" and 20 random letters and digits (100 bit): safe in URLs, file names and blob keys.
+// "dive_" and 20 letters and digits, safe in URLs, file names and blob keys: 11 of time, 9 (45 bit)
+// random. Ids of one process sort in the order they were made, so rows of one millisecond do too.
 std::string new_id(std::string_view kind);
 
 // `num_bytes` from the kernel's random source, as lower-case hex.

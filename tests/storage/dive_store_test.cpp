@@ -15,7 +15,7 @@ TEST_F(DiveStoreTest, ADiveComesWithItsIntakeJobAndTheReconstructionAskedFor) {
 
     EXPECT_FALSE(created.existed);
     EXPECT_EQ(created.dive.state, DiveState::Checking);
-    EXPECT_THAT(created.dive.id, testing::MatchesRegex("dive_[a-z2-7]+"));
+    EXPECT_THAT(created.dive.id, testing::MatchesRegex("dive_[0-9a-v]+"));
     const Job job = jobs_.get(created.job_id);
     EXPECT_EQ(job.state, JobState::Held);
     EXPECT_EQ(job.preset, "paper");

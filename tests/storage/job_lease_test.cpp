@@ -48,6 +48,18 @@ TEST_F(JobLeaseTest, ClaimsByPriorityThenAgeAndIntakeBeforeAllOthers) {
     EXPECT_THAT(order, ElementsAre("intake", urgent.id, first.id, second.id));
 }
 
+// Many are queued within one millisecond of the catalog's clock.
+TEST_F(JobLeaseTest, JobsOfOneMillisecondAreClaimedInTheOrderTheyCame) {
+    const Dive dive = ready_dive();
+    std::vector<std::string> queued;
+    for (int i = 0; i < 30; ++i) queued.push_back(enqueue(dive).id);
+
+    std::vector<std::string> claimed;
+    for (int i = 0; i < 30; ++i) claimed.push_back(claim().job.id);
+
+    EXPECT_EQ(claimed, queued);
+}
+
 TEST_F(JobLeaseTest, ArtifactsBecomeVisibleWithTheSuccess) {
     const Job job = enqueue(ready_dive());
     const Lease lease = claim().lease;
