@@ -25,7 +25,7 @@ step() {
 trap 'printf "%s\n" "${timings[@]}" "$(printf "%6d s  in all" "$SECONDS")"' EXIT
 
 check_format() { git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror; }
-install_validators() { npm ci --prefix tests/end_to_end/js --no-audit --no-fund --loglevel=error; }
+install_npm_packages() { npm ci --prefix tests/end_to_end/js --no-audit --no-fund --loglevel=error; }
 build() {
     local preset=$1
     shift
@@ -34,7 +34,7 @@ build() {
 lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang-tidy -p build/release --quiet; }
 
 step "install packages" deploy/install.sh
-step "install validators (npm)" install_validators
+step "install validators and clients (npm)" install_npm_packages
 step "format" check_format
 step "build, release" build release
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <gmock/gmock.h>
 
 #include "tests/end_to_end/service.hpp"
 #include "tests/paths.hpp"
@@ -64,6 +65,26 @@ TEST_F(ReconstructionTest, GivesFilesThatForeignValidatorsAccept) {
                   (source_directory() / "schemas/metrics.schema.json").string()},
                  service / ".");
     EXPECT_EQ(node.wait(120s), 0) << node.stdout_text() << node.stderr_text();
+}
+
+TEST_F(ReconstructionTest, GivesTheSameBytesWithOneThreadAndWithTwo) {
+    const auto reconstruct = [&](const std::string& num_threads) {
+        const fs::path out = service / ("threads-" + num_threads);
+        const Outcome made = service.run(
+            {"reconstruct", small_dive().string(), "--out", out.string(), "--threads", num_threads},
+            300s);
+        EXPECT_EQ(made.exit_code, 0) << made.err;
+        return out;
+    };
+    const fs::path one = reconstruct("1");
+    const fs::path two = reconstruct("2");
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(one))
+        if (entry.is_regular_file()) names.push_back(fs::relative(entry.path(), one).string());
+    EXPECT_THAT(names, testing::IsSupersetOf({"mesh.glb", "mesh.ply", "cloud.ply", "mosaic.png"}));
+    for (const std::string& name : names)
+        if (name != "metrics.json" && name != "report.html")  // they hold the times taken
+            EXPECT_TRUE(read_text(one / name) == read_text(two / name)) << name;
 }
 
 TEST_F(ReconstructionTest, RunsAgainWhenItsWorkerIsKilled) {

@@ -47,6 +47,7 @@ public:
     std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
     Process& server() { return *server_; }
     const std::string& address() const { return address_; }
+    const std::string& token() const { return token_; }
     std::vector<std::string> processes() const;  // command lines of all that name our folder
 
 private:

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/end_to_end/service.hpp"
+#include "tests/paths.hpp"
 
 namespace divemesh {
 namespace {
@@ -70,6 +71,26 @@ TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
     EXPECT_NE(packed.err.find("has this dive already"), std::string::npos) << packed.err;
     EXPECT_EQ(packed.out, folder.out);
     expect_one_ready_dive();
+}
+
+TEST_F(UploadTest, WorksWithAStockTusClientInTwoSittings) {
+    const fs::path scripts = source_directory() / "tests/end_to_end/js";
+    if (!fs::exists(scripts / "node_modules/tus-js-client"))
+        GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
+    service.start_server(1);
+    const std::string archive = (service / "dive.tar").string();
+    ASSERT_EQ(
+        std::system(("tar -C '" + small_dive().string() + "' -cf '" + archive + "' .").c_str()), 0);
+    Process node({"/usr/bin/env",
+                  "node",
+                  (scripts / "tus_upload.mjs").string(),
+                  archive,
+                  service.address() + "/api/v1/uploads"},
+                 service / ".",
+                 {{"DIVEMESH_TOKEN", service.token()}});
+    EXPECT_EQ(node.wait(120s), 0) << node.stderr_text();
+    EXPECT_TRUE(wait_until(60s, [&] { return service.dives().at(0).at("state") == "ready"; }));
+    EXPECT_EQ(node.stdout_text(), service.dives().at(0).at("id").get<std::string>() + "\n");
 }
 
 TEST_F(UploadTest, TellsTheFindingsOfADiveThatIsRefused) {

@@ -35,12 +35,24 @@ struct DiveInfo {
     std::optional<double> water_salinity_psu;
 };
 
-// measurements.json: a length that is known from elsewhere, its ends in the ground truth's world.
+// A point as it is marked in one stereo pair; pixels of the recorded (distorted) pictures.
+struct Mark {
+    std::int64_t timestamp_ns = 0;  // of the frame
+    Eigen::Vector2d pixel_left = Eigen::Vector2d::Zero();
+    std::optional<Eigen::Vector2d> pixel_right;  // nothing: not marked there
+};
+
+// measurements.json: a length that is known from elsewhere. Its ends are points of the ground
+// truth's world, or marked in pictures by hand.
 struct KnownDistance {
     std::string name;
     Eigen::Vector3d a_world = Eigen::Vector3d::Zero();
     Eigen::Vector3d b_world = Eigen::Vector3d::Zero();
     double distance_m = 0.0;
+    std::vector<Mark> marks_a;  // where both are given, a_world and b_world are not looked at
+    std::vector<Mark> marks_b;
+
+    bool is_marked() const { return !marks_a.empty() && !marks_b.empty(); }
 };
 
 // A dive on disk: a folder, or a zip, tar, tar.gz or tar.zst of it, in EuRoC/ASL layout with

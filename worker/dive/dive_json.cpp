@@ -13,6 +13,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxTags = 64;
 constexpr std::size_t kMaxDistances = 100'000;
+constexpr std::size_t kMaxMarks = 10'000;  // of one end
 
 // The object in `text`; an empty one, and a warning, when there is none.
 json parse_object(std::string_view text, const std::string& file, FindingLog& findings) {
@@ -53,16 +54,56 @@ void read_water(const json& object, DiveInfo& info) {
         if (!info.water_salinity_psu) info.water_salinity_psu = number_at(water, key);
 }
 
-std::optional<Eigen::Vector3d> point_at(const json& object, const char* key) {
+template <int kSize>
+std::optional<Eigen::Vector<double, kSize>> point_at(const json& object, const char* key) {
     const auto found = object.find(key);
-    if (found == object.end() || !found->is_array() || found->size() != 3) return std::nullopt;
-    Eigen::Vector3d point;
-    for (int i = 0; i < 3; ++i) {
+    if (found == object.end() || !found->is_array() || found->size() != kSize) return std::nullopt;
+    Eigen::Vector<double, kSize> point;
+    for (int i = 0; i < kSize; ++i) {
         const json& value = (*found)[static_cast<std::size_t>(i)];
         if (!value.is_number()) return std::nullopt;
         point[i] = value.get<double>();
     }
     return point.allFinite() ? std::optional(point) : std::nullopt;
+}
+
+// {"timestamp_ns": 1, "left": [u, v], "right": [u, v]}, the right one optional.
+std::optional<Mark> parse_mark(const json& item) {
+    if (!item.is_object()) return std::nullopt;
+    const auto timestamp_ns = item.find("timestamp_ns");
+    const auto left = point_at<2>(item, "left");
+    if (timestamp_ns == item.end() || !timestamp_ns->is_number_integer() || !left)
+        return std::nullopt;
+    if (item.contains("right") && !point_at<2>(item, "right")) return std::nullopt;
+    return Mark{timestamp_ns->get<std::int64_t>(), *left, point_at<2>(item, "right")};
+}
+
+// Nothing when one of the marks is not as it should be: a length of the others would be another.
+std::vector<Mark> marks_at(const json& object, const char* key) {
+    std::vector<Mark> marks;
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_array() || found->size() > kMaxMarks) return marks;
+    for (const json& item : *found) {
+        const auto mark = parse_mark(item);
+        if (!mark) return {};
+        marks.push_back(*mark);
+    }
+    return marks;
+}
+
+std::optional<KnownDistance> parse_known_distance(const json& item) {
+    if (!item.is_object()) return std::nullopt;
+    KnownDistance known;
+    known.name = text_at(item, "name");
+    known.distance_m = number_at(item, "distance_m").value_or(0.0);
+    known.marks_a = marks_at(item, "marks_a");
+    known.marks_b = marks_at(item, "marks_b");
+    const auto a = point_at<3>(item, "a");
+    const auto b = point_at<3>(item, "b");
+    if (known.distance_m <= 0.0 || !(known.is_marked() || (a && b))) return std::nullopt;
+    known.a_world = a.value_or(Eigen::Vector3d::Zero());
+    known.b_world = b.value_or(Eigen::Vector3d::Zero());
+    return known;
 }
 
 }  // namespace
@@ -91,20 +132,18 @@ std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingL
     if (list == object.end() || !list->is_array()) return distances;
     for (const json& item : *list) {
         if (distances.size() == kMaxDistances) break;
-        const std::string name = item.is_object() ? text_at(item, "name") : "";
-        const auto a = item.is_object() ? point_at(item, "a") : std::nullopt;
-        const auto b = item.is_object() ? point_at(item, "b") : std::nullopt;
-        const double distance_m =
-            item.is_object() ? number_at(item, "distance_m").value_or(0.0) : 0.0;
-        if (a && b && distance_m > 0.0) {
-            distances.push_back({name, *a, *b, distance_m});
+        if (const auto known = parse_known_distance(item)) {
+            distances.push_back(*known);
             continue;
         }
         findings.warning("measurement_incomplete",
                          file,
-                         "the distance '" + printable(name) +
-                             "' is left out: it needs a, b (three numbers each) and distance_m > 0",
-                         "Write the ends in the ground truth's world, in m.");
+                         "the distance '" +
+                             printable(item.is_object() ? text_at(item, "name") : "") +
+                             "' is left out: it needs distance_m > 0 and its ends, as a, b (three "
+                             "numbers each) or as marks_a, marks_b (timestamp_ns, left, right)",
+                         "Write the ends in the ground truth's world, in m, or mark them in at "
+                         "least four frames, in pixels.");
     }
     return distances;
 }

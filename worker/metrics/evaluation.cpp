@@ -1,5 +1,7 @@
 #include "worker/metrics/evaluation.hpp"
 
+#include <algorithm>
+
 #include "schemas/error.hpp"
 
 namespace divemesh::worker {
@@ -41,14 +43,18 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
     }
 }
 
-void add_known_distances(const EvaluationInput& input, Evaluation& evaluation) {
+void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluation& evaluation) {
+    if (!has_truth) {
+        evaluation.known_distances =
+            measure_known_distances(input.known_distances, nullptr, input.rig, input.trajectory);
+        return;
+    }
     std::vector<std::int64_t> timestamps_ns;
     for (const Keyframe& keyframe : input.keyframes) timestamps_ns.push_back(keyframe.timestamp_ns);
     const SurfaceIndex reference(*input.reference);
-    evaluation.known_distances = measure_known_distances(
-        input.known_distances,
-        MarkingInput{input.rig, input.ground_truth, timestamps_ns, reference},
-        input.trajectory);
+    const MarkingInput truth{input.rig, input.ground_truth, timestamps_ns, reference};
+    evaluation.known_distances =
+        measure_known_distances(input.known_distances, &truth, input.rig, input.trajectory);
 }
 
 }  // namespace
@@ -58,15 +64,22 @@ Evaluation evaluate_reconstruction(const EvaluationInput& input) {
     if (!input.ground_truth.empty()) add_trajectory_errors(input, evaluation);
     const bool has_truth = evaluation.trajectory.has_value() && input.reference.has_value();
     if (has_truth) add_surface_error(input, evaluation);
-    if (has_truth && !input.known_distances.empty()) add_known_distances(input, evaluation);
-    if (!has_truth && !input.known_distances.empty())
+    const auto num_unmarked = std::count_if(
+        input.known_distances.begin(), input.known_distances.end(), [](const KnownDistance& known) {
+            return !known.is_marked();
+        });
+    const auto num_known = static_cast<std::ptrdiff_t>(input.known_distances.size());
+    if (num_known > 0 && (has_truth || num_unmarked < num_known))
+        add_known_distances(input, has_truth, evaluation);
+    if (!has_truth && num_unmarked > 0)
         evaluation.findings.push_back(
             {Severity::Info,
              "known_distances_not_measured",
              "measurements.json",
-             std::to_string(input.known_distances.size()) +
+             std::to_string(num_unmarked) +
                  " known distances, but nothing says where their ends appear in the pictures",
-             "they are measured where the dive also has ground truth and reference.ply"});
+             "mark both ends in four frames or more (marks_a, marks_b); points a, b are measured "
+             "where the dive also has ground truth and reference.ply"});
     return evaluation;
 }
 

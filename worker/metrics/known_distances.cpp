@@ -154,19 +154,24 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
 }
 
 KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
-                                            const MarkingInput& input,
+                                            const MarkingInput* truth,
+                                            const Rig& rig,
                                             const Trajectory& trajectory) {
     KnownDistanceErrors errors;
     for (const KnownDistance& known : distances) {
-        const std::vector<Mark> marks_a = mark_point(known.a_world, input);
-        const std::vector<Mark> marks_b = mark_point(known.b_world, input);
+        std::vector<Mark> marks_a = known.marks_a;
+        std::vector<Mark> marks_b = known.marks_b;
+        if (!known.is_marked()) {
+            marks_a = truth ? mark_point(known.a_world, *truth) : std::vector<Mark>();
+            marks_b = truth ? mark_point(known.b_world, *truth) : std::vector<Mark>();
+        }
         MeasuredDistance measured;
         measured.name = known.name;
         measured.known_m = known.distance_m;
         measured.num_keyframes_a = static_cast<int>(marks_a.size());
         measured.num_keyframes_b = static_cast<int>(marks_b.size());
-        const auto a = triangulate(marks_a, input.rig, trajectory, kMinKeyframes);
-        const auto b = triangulate(marks_b, input.rig, trajectory, kMinKeyframes);
+        const auto a = triangulate(marks_a, rig, trajectory, kMinKeyframes);
+        const auto b = triangulate(marks_b, rig, trajectory, kMinKeyframes);
         if (a && b) measured.measured_m = (*a - *b).norm();
         errors.distances.push_back(measured);
     }

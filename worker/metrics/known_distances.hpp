@@ -14,19 +14,11 @@
 
 namespace divemesh::worker {
 
-// An end point as it is marked by hand in a pair of pictures; pixels of the recorded (distorted)
-// images.
-struct Mark {
-    std::int64_t timestamp_ns = 0;
-    Eigen::Vector2d pixel_left = Eigen::Vector2d::Zero();
-    std::optional<Eigen::Vector2d> pixel_right;  // nothing: outside the right picture
-};
-
 struct MeasuredDistance {
     std::string name;
     double known_m = 0.0;
     std::optional<double> measured_m;  // nothing: an end is marked in too few keyframes
-    int num_keyframes_a = 0;           // that show the end
+    int num_keyframes_a = 0;           // that show the end, or frames it is marked in
     int num_keyframes_b = 0;
 };
 
@@ -62,9 +54,11 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
                                            int min_keyframes = 4);
 
 // Each known distance as a photogrammetrist would take it: both ends marked, triangulated with our
-// poses, subtracted.
+// poses, subtracted. Ends that are given as points are marked with the help of `truth`; without it
+// they count as not measured.
 KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
-                                            const MarkingInput& input,
+                                            const MarkingInput* truth,
+                                            const Rig& rig,
                                             const Trajectory& trajectory);
 
 nlohmann::json to_metrics(const KnownDistanceErrors& errors);

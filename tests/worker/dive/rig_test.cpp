@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/dive/tiny_dive.hpp"
@@ -64,6 +65,31 @@ TEST(RigTest, MeasurementsReferenceMeshAndWaterAreRead) {
     ASSERT_EQ(dive->known_distances().size(), 1U);
     EXPECT_EQ(dive->known_distances()[0].b_world, Eigen::Vector3d(3, 4, 0));
     EXPECT_EQ(dive->read_reference_mesh()->triangles.size(), 1U);
+}
+
+TEST(MeasurementsTest, EndsMarkedInPictures) {
+    const TemporaryFolder folder;
+    const TinyDive tiny(folder / "dive");
+    tiny.write("measurements.json", R"({"distances": [
+        {"name": "bar", "distance_m": 1,
+         "marks_a": [{"timestamp_ns": 7, "left": [1.5, 2], "right": [0.5, 2]}],
+         "marks_b": [{"timestamp_ns": 7, "left": [9, 8]}]},
+        {"name": "one end", "distance_m": 1, "marks_a": [{"timestamp_ns": 7, "left": [1, 2]}]},
+        {"name": "text", "distance_m": 1, "marks_a": [{"timestamp_ns": 7, "left": ["1", 2]}],
+         "marks_b": [{"timestamp_ns": 7, "left": [9, 8]}]}]})");
+
+    const auto dive = Dive::open(tiny.folder(), folder / "scratch");
+
+    ASSERT_EQ(dive->known_distances().size(), 1U);
+    const KnownDistance& bar = dive->known_distances()[0];
+    EXPECT_EQ(bar.marks_a.at(0).timestamp_ns, 7);
+    EXPECT_EQ(bar.marks_a.at(0).pixel_right, Eigen::Vector2d(0.5, 2.0));
+    EXPECT_EQ(bar.marks_b.at(0).pixel_left, Eigen::Vector2d(9.0, 8.0));
+    EXPECT_FALSE(bar.marks_b.at(0).pixel_right.has_value());
+    EXPECT_EQ(std::count_if(dive->findings().begin(),
+                            dive->findings().end(),
+                            [](const Finding& f) { return f.code == "measurement_incomplete"; }),
+              2);
 }
 
 }  // namespace

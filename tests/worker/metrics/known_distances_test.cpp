@@ -44,8 +44,8 @@ protected:
     KnownDistanceErrors measure(const std::vector<KnownDistance>& known,
                                 const Trajectory& trajectory) const {
         const SurfaceIndex reference(floor_);
-        return measure_known_distances(
-            known, MarkingInput{rig_, truth_, timestamps_ns_, reference}, trajectory);
+        const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+        return measure_known_distances(known, &truth, rig_, trajectory);
     }
 
     Rig rig_;
@@ -105,6 +105,37 @@ TEST_F(KnownDistancesTest, ThreeKeyframesAreTooFew) {
     const KnownDistanceErrors errors = measure({bar_}, truth_);
     EXPECT_EQ(errors.distances[0].num_keyframes_a, 3);
     EXPECT_FALSE(errors.distances[0].measured_m.has_value());
+}
+
+TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
+    const auto marks_of = [&](const Eigen::Vector3d& p_world) {
+        std::vector<Mark> marks;
+        for (const StampedPose& pose : truth_) {
+            const auto left =
+                rig_.cam0.project((pose.T_world_imu * rig_.T_imu_cam0).inverse() * p_world);
+            const auto right =
+                rig_.cam1.project((pose.T_world_imu * rig_.T_imu_cam1).inverse() * p_world);
+            marks.push_back({pose.timestamp_ns, left.value(), right});
+        }
+        for (std::size_t i = 0; i < marks.size(); i += 2) marks[i].pixel_right.reset();
+        return marks;
+    };
+    KnownDistance marked{
+        "bar", {}, {}, bar_.distance_m, marks_of(bar_.a_world), marks_of(bar_.b_world)};
+    const auto measured_m = [&] {
+        return measure_known_distances({marked}, nullptr, rig_, truth_).distances[0].measured_m;
+    };
+    EXPECT_NEAR(measured_m().value(), bar_.distance_m, 1e-7);
+
+    marked.marks_a.resize(3);
+    EXPECT_FALSE(measured_m().has_value());  // three frames are too few
+}
+
+TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {
+    KnownDistance marked = bar_;
+    marked.marks_a.assign(6, {-1, {320.0, 240.0}, std::nullopt});
+    marked.marks_b = marked.marks_a;
+    EXPECT_EQ(measure_known_distances({marked}, nullptr, rig_, truth_).num_measured, 0);
 }
 
 TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {
