@@ -19,6 +19,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("use_imu", options.use_imu, "use the inertial unit where the dive has one");
     visit("use_ahrs", options.use_ahrs, "use the absolute orientation where the dive has it");
     visit("adjust_whole_dive", options.adjust_whole_dive, "adjust the whole trajectory with hindsight (window estimator)");
+    visit("surface", options.surface, "make cloud, mesh and what follows; false: the trajectory alone");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
     visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
     visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");

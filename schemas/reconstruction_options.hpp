@@ -22,6 +22,7 @@ struct ReconstructionOptions {
     bool use_imu = true;
     bool use_ahrs = true;
     bool adjust_whole_dive = true;  // with hindsight
+    bool surface = true;            // false: the trajectory alone, steps 7 and 8 left out
     // step 7, fusion
     std::string fusion = "tsdf";  // octree (the paper) | tsdf
     double voxel_m = 0.0;         // 0: chosen from rig and range

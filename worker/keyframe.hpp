@@ -32,7 +32,7 @@ struct Keyframe {
 
 struct KeyframeImages {
     cv::Mat left_color;  // CV_8UC3 BGR, rectified
-    DepthMap depth;
+    DepthMap depth;      // empty when no surface is asked for
 };
 
 }  // namespace divemesh::worker

@@ -85,7 +85,7 @@ Track track(Recording& recording,
         if (keep || !vision.found)
             add_new_features(frame, depth, options.num_disparities_px, tracker, features);
         if (keep) {
-            if (!dense) depth = stereo.match(frame);
+            if (!dense && options.surface) depth = stereo.match(frame);
             map.add(frame, depth, features, motion, inertial);
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});

@@ -44,6 +44,8 @@ std::string stage_key(const Dive& dive, const ReconstructionRequest& request) {
                       options.dump());
 }
 
+constexpr double kShareWithoutSurface = 0.72;  // of track, optimise and evaluate
+
 // One run of the stages over one dive: what they hand on, in memory and in the scratch folder.
 class DiveRun {
 public:
@@ -59,22 +61,31 @@ public:
     nlohmann::json run() {
         track();
         optimise();
-        fuse();
-        mesh();
-        texture();
+        if (request_.options.surface) make_surface();
         return evaluate();
     }
 
 private:
     void track();
     void optimise();
+    void make_surface() {
+        fuse();
+        mesh();
+        texture();
+    }
     void fuse();
     void mesh();
     void texture();
     nlohmann::json evaluate();
     Evaluation compare_with_truth() const;
     nlohmann::json metrics(const Evaluation& evaluation) const;
+    std::optional<MeshFigures> mesh_figures() const;
 
+    // `share` of the whole when a surface is made; without one the other stages are all there is.
+    ProgressCallback begin(const std::string& stage, double share) {
+        return stages_.begin(stage,
+                             request_.options.surface ? share : share / kShareWithoutSurface);
+    }
     std::filesystem::path stage_file(const std::string& name) const {
         return request_.scratch / (name + ".stage");
     }
@@ -99,7 +110,7 @@ private:
 
 void DiveRun::track() {
     const Stopwatch watch;
-    const auto progress = stages_.begin("track", 0.55);
+    const auto progress = begin("track", 0.55);
     auto stored = load_track(stage_file("track"), key_);
     const bool reused = stored.has_value();
     if (!stored) {
@@ -113,7 +124,7 @@ void DiveRun::track() {
 
 void DiveRun::optimise() {
     const Stopwatch watch;
-    const auto progress = stages_.begin("optimise", 0.1);
+    const auto progress = begin("optimise", 0.1);
     auto stored = load_optimised_track(stage_file("optimise"), key_);
     const bool reused = stored.has_value();
     if (!stored) {
@@ -127,7 +138,7 @@ void DiveRun::optimise() {
 
 void DiveRun::fuse() {
     const Stopwatch watch;
-    const auto progress = stages_.begin("fuse", 0.15);
+    const auto progress = begin("fuse", 0.15);
     const auto file = stage_file("volume-" + key_.substr(0, 16));
     const bool reused = std::filesystem::exists(file);
     if (reused) {
@@ -149,7 +160,7 @@ void DiveRun::fuse() {
 
 void DiveRun::mesh() {
     const Stopwatch watch;
-    const auto progress = stages_.begin("mesh", 0.08);
+    const auto progress = begin("mesh", 0.08);
     auto stored = load_mesh(stage_file("mesh"), key_);
     const bool reused = stored.has_value();
     if (!stored) {
@@ -163,9 +174,9 @@ void DiveRun::mesh() {
 
 void DiveRun::texture() {
     const Stopwatch watch;
-    const auto progress = stages_.begin("texture", 0.05);
+    const auto progress = begin("texture", 0.05);
     write_glb(request_.out / "mesh.glb", mesh_);
-    progress({.fraction = 0.3});
+    progress({});
     write_keyframe_pictures(
         request_.out, track_.rig, optimised_.keyframes, keyframe_store_, progress);
     if (request_.options.texture) {
@@ -178,7 +189,7 @@ void DiveRun::texture() {
 
 nlohmann::json DiveRun::evaluate() {
     const Stopwatch watch;
-    stages_.begin("evaluate", 0.07);
+    begin("evaluate", 0.07);
     const Evaluation evaluation = compare_with_truth();
     stage_done(watch, "evaluate", false);
 
@@ -198,7 +209,7 @@ Evaluation DiveRun::compare_with_truth() const {
                                     .trajectory = optimised_.trajectory,
                                     .causal = track_.causal,
                                     .keyframes = optimised_.keyframes,
-                                    .mesh = mesh_,
+                                    .mesh = request_.options.surface ? &mesh_ : nullptr,
                                     .ground_truth = dive_->ground_truth(),
                                     .known_distances = dive_->known_distances(),
                                     .reference = dive_->read_reference_mesh(),
@@ -221,15 +232,20 @@ nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
          .num_keyframes = std::ssize(optimised_.keyframes),
          .num_landmarks = std::ssize(track_.landmarks),
          .path_length_m = path_length_m(optimised_.trajectory),
-         .num_vertices = std::ssize(mesh_.vertices),
-         .num_triangles = std::ssize(mesh_.triangles),
-         .mesh_area_m2 = surface_area_m2(mesh_),
-         .num_cloud_points = num_cloud_points_,
-         .voxel_m = volume_->voxel_m(),
-         .volume_memory_bytes = volume_->memory_bytes(),
+         .mesh = mesh_figures(),
          .stages = stage_times_,
          .evaluation = evaluation,
          .findings = dive_->findings()});
+}
+
+std::optional<MeshFigures> DiveRun::mesh_figures() const {
+    if (!request_.options.surface) return std::nullopt;
+    return MeshFigures{.num_vertices = std::ssize(mesh_.vertices),
+                       .num_triangles = std::ssize(mesh_.triangles),
+                       .area_m2 = surface_area_m2(mesh_),
+                       .voxel_m = volume_->voxel_m(),
+                       .num_cloud_points = num_cloud_points_,
+                       .volume_memory_bytes = volume_->memory_bytes()};
 }
 
 }  // namespace

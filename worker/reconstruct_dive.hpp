@@ -19,8 +19,9 @@ struct ReconstructionRequest {
 
 // A dive goes in, the artifacts come out: opens it, runs the stages track, optimise, fuse, mesh,
 // texture, evaluate, and writes trajectory, cloud, mesh, mosaic, keyframes, metrics.json and
-// report.html. Returns what metrics.json holds. Throws Error{BadData} with the first error among
-// the findings, Error{Cancelled}, Error{OutOfSpace}.
+// report.html; with options.surface false only track, optimise and evaluate, and what they write.
+// Returns what metrics.json holds. Throws Error{BadData} with the first error among the findings,
+// Error{Cancelled}, Error{OutOfSpace}.
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const ProgressCallback& progress);
 

@@ -31,7 +31,7 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
             (pose.T_world_imu * input.rig.T_imu_cam0).translation());
     surface.num_threads = input.num_threads;
     try {
-        evaluation.surface = surface_error(input.mesh, *input.reference, surface);
+        evaluation.surface = surface_error(*input.mesh, *input.reference, surface);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::BadData) throw;
         evaluation.findings.push_back(
@@ -63,7 +63,7 @@ Evaluation evaluate_reconstruction(const EvaluationInput& input) {
     Evaluation evaluation;
     if (!input.ground_truth.empty()) add_trajectory_errors(input, evaluation);
     const bool has_truth = evaluation.trajectory.has_value() && input.reference.has_value();
-    if (has_truth) add_surface_error(input, evaluation);
+    if (has_truth && input.mesh != nullptr) add_surface_error(input, evaluation);
     const auto num_unmarked = std::count_if(
         input.known_distances.begin(), input.known_distances.end(), [](const KnownDistance& known) {
             return !known.is_marked();

@@ -17,7 +17,7 @@ struct EvaluationInput {
     const Trajectory& trajectory;  // final
     const Trajectory& causal;
     const std::vector<Keyframe>& keyframes;
-    const Mesh& mesh;
+    const Mesh* mesh;                // none: no surface was asked for
     const Trajectory& ground_truth;  // empty: none
     const std::vector<KnownDistance>& known_distances;
     const std::optional<Mesh>& reference;  // in the ground truth's world

@@ -127,13 +127,13 @@ json speed(const MetricsInput& input) {
     return result;
 }
 
-json mesh(const MetricsInput& input) {
-    return {{"num_vertices", input.num_vertices},
-            {"num_triangles", input.num_triangles},
-            {"area_m2", input.mesh_area_m2},
-            {"voxel_m", input.voxel_m},
-            {"num_cloud_points", input.num_cloud_points},
-            {"volume_memory_bytes", input.volume_memory_bytes}};
+json mesh(const MeshFigures& figures) {
+    return {{"num_vertices", figures.num_vertices},
+            {"num_triangles", figures.num_triangles},
+            {"area_m2", figures.area_m2},
+            {"voxel_m", figures.voxel_m},
+            {"num_cloud_points", figures.num_cloud_points},
+            {"volume_memory_bytes", figures.volume_memory_bytes}};
 }
 
 void add_evaluation(const Evaluation& evaluation, json& document) {
@@ -160,8 +160,8 @@ json metrics_document(const MetricsInput& input) {
                      {"frames", frames(input)},
                      {"tracking", tracking(input)},
                      {"trajectory", {{"path_length_m", input.path_length_m}}},
-                     {"mesh", mesh(input)},
                      {"speed", speed(input)}};
+    if (input.mesh) document["mesh"] = mesh(*input.mesh);
     add_evaluation(input.evaluation, document);
     std::vector<Finding> findings = input.findings;
     findings.insert(

@@ -33,6 +33,15 @@ private:
     double cpu_start_s_;
 };
 
+struct MeshFigures {
+    std::int64_t num_vertices = 0;
+    std::int64_t num_triangles = 0;
+    double area_m2 = 0.0;
+    double voxel_m = 0.0;
+    std::int64_t num_cloud_points = 0;
+    std::int64_t volume_memory_bytes = 0;
+};
+
 struct MetricsInput {
     std::string version;
     std::string preset;
@@ -47,13 +56,8 @@ struct MetricsInput {
     OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;
-    double path_length_m = 0.0;  // of the final trajectory
-    std::int64_t num_vertices = 0;
-    std::int64_t num_triangles = 0;
-    double mesh_area_m2 = 0.0;
-    std::int64_t num_cloud_points = 0;
-    double voxel_m = 0.0;
-    std::int64_t volume_memory_bytes = 0;
+    double path_length_m = 0.0;       // of the final trajectory
+    std::optional<MeshFigures> mesh;  // nothing: no surface was asked for
     std::vector<StageTime> stages;
     Evaluation evaluation;
     std::vector<Finding> findings;  // of the dive; the evaluation's own are added

@@ -57,6 +57,8 @@ MetricsInput dive_with_everything() {
     for (const double threshold : {0.005, 0.01, 0.02, 0.05})
         surface.scores.push_back({threshold, 0.5, 0.5, 0.5});
     input.evaluation.surface = surface;
+    input.mesh =
+        MeshFigures{.num_vertices = 3, .num_triangles = 1, .area_m2 = 0.5, .voxel_m = 0.01};
     KnownDistanceErrors known;
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;
@@ -65,7 +67,7 @@ MetricsInput dive_with_everything() {
     return input;
 }
 
-TEST(MetricsDocument, FitsItsSchemaWithAndWithoutTruth) {
+TEST(MetricsDocument, FitsItsSchemaWithAndWithoutTruthAndSurface) {
     EXPECT_TRUE(is_valid(metrics_document(plain_dive())));
     EXPECT_TRUE(is_valid(metrics_document(dive_with_everything())));
 }

@@ -49,6 +49,15 @@ TEST(KeyframeStore, UnknownDisparityStaysUnknown) {
     EXPECT_EQ(store.read(0).depth.disparity_px.at<float>(10, 3), 0.0F);
 }
 
+TEST(KeyframeStore, APictureWithoutDepthStaysWithout) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    store.write(0, {gradient_images().left_color, {}});
+    const auto read = store.read(0);
+    EXPECT_TRUE(read.depth.disparity_px.empty());
+    EXPECT_EQ(read.left_color.size(), cv::Size(64, 48));
+}
+
 TEST(KeyframeStore, AMissingOrShortenedFileIsATypedError) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
