@@ -31,9 +31,9 @@ public:
         std::shared_ptr<Holder> holder_;
     };
 
-    explicit UploadTurns(boost::asio::any_io_executor executor,
+    explicit UploadTurns(const boost::asio::any_io_executor& executor,
                          std::chrono::milliseconds patience = std::chrono::seconds(10))
-        : strand_(boost::asio::make_strand(std::move(executor))), patience_(patience) {}
+        : strand_(boost::asio::make_strand(executor)), patience_(patience) {}
 
     // `stop` is called, on any thread, when a newer request wants the upload; it must not block.
     // Throws Error{Unavailable} when the older request has not ended in time.
