@@ -18,6 +18,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("estimator", options.estimator, "pairwise (the paper) or window (sliding-window adjustment)");
     visit("use_imu", options.use_imu, "use the inertial unit where the dive has one");
     visit("use_ahrs", options.use_ahrs, "use the absolute orientation where the dive has it");
+    visit("use_pressure", options.use_pressure, "use the depth by pressure where the dive has it");
     visit("adjust_whole_dive", options.adjust_whole_dive, "adjust the whole trajectory with hindsight (window estimator)");
     visit("surface", options.surface, "make cloud, mesh and what follows; false: the trajectory alone");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");

@@ -21,6 +21,7 @@ struct ReconstructionOptions {
     std::string estimator = "window";  // pairwise (the paper) | window
     bool use_imu = true;
     bool use_ahrs = true;
+    bool use_pressure = true;
     bool adjust_whole_dive = true;  // with hindsight
     bool surface = true;            // false: the trajectory alone, steps 7 and 8 left out
     // step 7, fusion

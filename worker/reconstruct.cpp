@@ -45,8 +45,8 @@ Track track(Recording& recording,
     StereoMatcher stereo(rig, options);
     FeatureTracker tracker(rig, options);
     InertialPrior inertial(recording, options);
-    KeyframeMap map(rig, options, recording.rig().imu_noise.value_or(ImuNoise{}), store);
-    Motion motion(rig);
+    KeyframeMap map(rig, options, inertial, store);
+    Motion motion(rig, inertial);
     Features features;
     TrackSummary summary;
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
@@ -59,7 +59,7 @@ Track track(Recording& recording,
         const std::int64_t now_ns = frame.timestamp_ns;
         if (!motion.started()) motion.start(now_ns, first_pose(inertial, rig, now_ns));
         const std::int64_t before_ns = motion.timestamp_ns();
-        const auto turn = motion.turn(inertial, now_ns);
+        const auto turn = motion.turn(now_ns);
         const auto expected = motion.expect(turn, now_ns);
 
         DepthMap depth = dense ? stereo.match(frame) : DepthMap{};                      // 1

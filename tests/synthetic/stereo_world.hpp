@@ -26,7 +26,7 @@ inline worker::RectifiedRig rig() {
 }
 
 // A diver's way along a wall: 3 cm a frame, with roll, pitch, yaw and heave.
-inline Eigen::Isometry3d T_world_cam(int frame) {
+inline Eigen::Isometry3d T_world_cam(double frame) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << 0.03 * frame, 0.05 * std::sin(0.05 * frame), 0.04 * std::sin(0.04 * frame);
     T.linear() = worker::rotation_from_vector({0.05 * std::sin(0.06 * frame),

@@ -3,8 +3,11 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "worker/estimation/gyroscope_integral.hpp"
+#include "worker/estimation/marginalisation.hpp"
+#include "worker/estimation/preintegration.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/observer.hpp"
 
@@ -14,9 +17,10 @@ namespace divemesh::worker {
 struct BodyState {
     Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_world_imu = Eigen::Vector3d::Zero();
-    Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();  // rad/s
+    Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  // m/s
+    ImuBias bias;
 
-    static BodyState at(const Eigen::Isometry3d& T_world_imu, const Eigen::Vector3d& bias);
+    static BodyState at(const Eigen::Isometry3d& T_world_imu, const ImuBias& bias);
     Eigen::Isometry3d T_world_imu() const;
 };
 
@@ -40,9 +44,34 @@ public:
                   BodyState& to,
                   const GyroscopeIntegral& turn,
                   double random_walk);
-    void add_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
-    void fix_bias(BodyState& state);
-    void add_orientation(BodyState& state, const Eigen::Quaterniond& q_world_imu, double sigma_rad);
+    // Gyroscope and accelerometer between two states, and their biases, which walk as `noise` says.
+    // `down_world`, a unit vector, is where gravity points: unknown, and the same all along.
+    void add_motion(BodyState& from,
+                    BodyState& to,
+                    const PreintegratedImu& motion,
+                    const ImuNoise& noise,
+                    Eigen::Vector3d& down_world);
+    void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
+    void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
+    void fix_gyroscope_bias(BodyState& state);
+    // The AHRS's word. `q_world_ahrs`, its world in ours, is unknown and the same all along.
+    void add_orientation(BodyState& state,
+                         Eigen::Quaterniond& q_world_ahrs,
+                         const Eigen::Quaterniond& q_ahrs_imu,
+                         double sigma_rad);
+
+    // Depth below a surface that lies `offset_m` above the world's origin, unknown as well.
+    void add_depth(BodyState& state,
+                   Eigen::Vector3d& down_world,
+                   double& offset_m,
+                   double depth_m,
+                   double sigma_m);
+    void add_down(Eigen::Vector3d& down_world, const Eigen::Vector3d& known, double sigma);
+
+    void add_prior(const LinearPrior& prior);
+    // What was added says this about all but the `leaving` blocks of numbers; `before` is the prior
+    // among it.
+    LinearPrior marginalise(const std::vector<double*>& leaving, const LinearPrior& before);
 
     enum class Size { Window, Dive };
     // Reports `at` to `progress` every iteration. Throws what the callback throws.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "worker/estimation/adjustment.hpp"
+#include "worker/estimation/inertial_factors.hpp"
 #include "worker/steps/feature.hpp"
 
 namespace divemesh::worker {
@@ -10,44 +11,16 @@ namespace {
 
 constexpr int kMaxIterations = 15;
 constexpr std::size_t kMostObservations = 400'000;
-constexpr double kFirstBiasSigma = 0.02;  // rad/s
-// The AHRS errs by half a degree, slowly: neighbours in time say the same thing again.
-constexpr double kAhrsSigma_rad = 0.01;
-constexpr double kAhrsCorrelation_s = 12.0;
 
 Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
 }
-
-double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
 // Every n-th landmark, so that no more than kMostObservations remain.
 std::size_t stride_for(const std::vector<Landmark>& landmarks) {
     std::size_t num_observations = 0;
     for (const Landmark& landmark : landmarks) num_observations += landmark.observations.size();
     return 1 + num_observations / kMostObservations;
-}
-
-void add_inertial(Adjustment& adjustment,
-                  const InertialPrior& inertial,
-                  const std::vector<Keyframe>& keyframes,
-                  std::vector<BodyState>& states) {
-    bool bias_held = false;
-    for (std::size_t k = 0; k < states.size(); ++k) {
-        const std::int64_t now_ns = keyframes[k].timestamp_ns;
-        const std::int64_t before_ns = k > 0 ? keyframes[k - 1].timestamp_ns : now_ns;
-        if (const auto known = inertial.absolute(now_ns); known && k > 0) {
-            const double times = kAhrsCorrelation_s / std::max(0.1, seconds(now_ns - before_ns));
-            adjustment.add_orientation(
-                states[k], *known, kAhrsSigma_rad * std::sqrt(std::max(1.0, times)));
-        }
-        const auto turn = inertial.integral(before_ns, now_ns);
-        if (!turn) continue;
-        adjustment.add_turn(states[k - 1], states[k], *turn, inertial.gyroscope_random_walk());
-        if (!bias_held)
-            adjustment.add_bias(states[k - 1], Eigen::Vector3d::Zero(), kFirstBiasSigma);
-        bias_held = true;
-    }
 }
 
 double reprojection_rms_px(const RectifiedRig& rig,
@@ -89,10 +62,13 @@ double adjust_dive(const RectifiedRig& rig,
                                        landmarks[i].p_world,
                                        measurement_px(seen),
                                        kFeatureSigma_px);
-    add_inertial(adjustment, inertial, keyframes, states);
+    WorldReference reference;
+    add_inertial_factors(adjustment, inertial, keyframes, states, reference);
     adjustment.solve(Adjustment::Size::Dive, kMaxIterations, progress, at);
+    const Eigen::Quaterniond q_level_world = levelling(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
-        keyframes[k].T_world_cam = states[k].T_world_imu() * rig.T_imu_cam;
+        keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
+    for (Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
     return reprojection_rms_px(rig, keyframes, landmarks);
 }
 

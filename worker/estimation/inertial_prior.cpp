@@ -9,23 +9,83 @@ namespace divemesh::worker {
 namespace {
 
 constexpr std::int64_t kLongestAhrsGap_ns = 200'000'000;
+constexpr std::int64_t kLongestPressureGap_ns = 1'000'000'000;
 constexpr std::int64_t kLevelling_ns = 1'000'000'000;
 constexpr double kAhrsTurnSigma_rad = 1e-3;    // white noise of two readings
 constexpr double kAhrsDrift_rad_per_s = 3e-3;  // its slow error on the move
+constexpr double kWrongGravity_m_s2 = 0.6;     // an accelerometer further off is not used
+// Data sheets do not know of thrusters and kicks: what they state is taken as so much more.
+constexpr double kGyroscopeInflation = 3.0;
+constexpr double kAccelerometerInflation = 10.0;
 constexpr double kVisionTurnSigma_rad = 5e-4;  // of one frame's rotation by vision
+
+ImuNoise inflated(ImuNoise noise) {
+    noise.gyroscope_noise_density *= kGyroscopeInflation;
+    noise.accelerometer_noise_density *= kAccelerometerInflation;
+    return noise;
+}
+
+// Where a time lies among samples: between two of them that are no further apart than `longest_ns`.
+template <typename Sample>
+struct Bracket {
+    const Sample* before;
+    const Sample* after;
+    double share;  // 0 at before, 1 at after
+};
+
+template <typename Sample>
+std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
+                                       std::int64_t time_ns,
+                                       std::int64_t longest_ns) {
+    const auto after = std::lower_bound(
+        samples.begin(), samples.end(), time_ns, [](const Sample& sample, std::int64_t time) {
+            return sample.timestamp_ns < time;
+        });
+    if (after == samples.end()) return std::nullopt;
+    if (after->timestamp_ns == time_ns) return Bracket<Sample>{&*after, &*after, 0.0};
+    if (after == samples.begin()) return std::nullopt;
+    const auto before = after - 1;
+    const std::int64_t gap_ns = after->timestamp_ns - before->timestamp_ns;
+    if (gap_ns > longest_ns) return std::nullopt;
+    return Bracket<Sample>{
+        &*before,
+        &*after,
+        static_cast<double>(time_ns - before->timestamp_ns) / static_cast<double>(gap_ns)};
+}
+
+// A diver's specific force is gravity's reaction, most of the time.
+bool feels_gravity(const std::vector<ImuSample>& samples) {
+    if (samples.empty()) return false;
+    std::vector<double> forces;
+    forces.reserve(samples.size());
+    for (const ImuSample& sample : samples) forces.push_back(sample.acceleration_imu.norm());
+    const auto middle = forces.begin() + std::ssize(forces) / 2;
+    std::nth_element(forces.begin(), middle, forces.end());
+    return std::abs(*middle - kGravity_m_s2) < kWrongGravity_m_s2;
+}
 
 }  // namespace
 
 InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOptions& options)
     : recording_(recording),
       gyroscope_(options.use_imu && recording.rig().imu_noise && !recording.imu().empty()),
+      accelerometer_(gyroscope_ && feels_gravity(recording.imu())),
       ahrs_(options.use_ahrs && !recording.ahrs().empty()),
-      noise_(recording.rig().imu_noise.value_or(ImuNoise{})) {}
+      pressure_(options.use_pressure && !recording.pressure().empty()),
+      noise_(inflated(recording.rig().imu_noise.value_or(ImuNoise{}))) {}
 
 std::optional<GyroscopeIntegral> InertialPrior::integral(std::int64_t from_ns,
                                                          std::int64_t to_ns) const {
     if (!gyroscope_) return std::nullopt;
-    return integrate_gyroscope(recording_.imu(), from_ns, to_ns, bias_, noise_);
+    return integrate_gyroscope(recording_.imu(), from_ns, to_ns, bias_.gyroscope, noise_);
+}
+
+std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
+                                                      std::int64_t to_ns) const {
+    if (!accelerometer_) return std::nullopt;
+    const auto result = preintegrate(recording_.imu(), from_ns, to_ns, bias_, noise_);
+    const auto* motion = std::get_if<PreintegratedImu>(&result);
+    return motion ? std::optional(*motion) : std::nullopt;
 }
 
 std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int64_t to_ns) const {
@@ -42,22 +102,27 @@ std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int6
 
 std::optional<Eigen::Quaterniond> InertialPrior::absolute(std::int64_t time_ns) const {
     if (!ahrs_) return std::nullopt;
-    const auto& samples = recording_.ahrs();
-    const auto after = std::lower_bound(samples.begin(),
-                                        samples.end(),
-                                        time_ns,
-                                        [](const OrientationSample& sample, std::int64_t time) {
-                                            return sample.timestamp_ns < time;
-                                        });
-    if (after == samples.end()) return std::nullopt;
-    if (after->timestamp_ns == time_ns) return after->q_world_imu;
-    if (after == samples.begin()) return std::nullopt;
-    const auto before = after - 1;
-    const std::int64_t gap_ns = after->timestamp_ns - before->timestamp_ns;
-    if (gap_ns > kLongestAhrsGap_ns) return std::nullopt;
-    return before->q_world_imu.slerp(
-        static_cast<double>(time_ns - before->timestamp_ns) / static_cast<double>(gap_ns),
-        after->q_world_imu);
+    const auto around = bracket(recording_.ahrs(), time_ns, kLongestAhrsGap_ns);
+    if (!around) return std::nullopt;
+    return around->before->q_world_imu.slerp(around->share, around->after->q_world_imu);
+}
+
+std::optional<double> InertialPrior::depth_m(std::int64_t time_ns) const {
+    if (!pressure_) return std::nullopt;
+    const auto around = bracket(recording_.pressure(), time_ns, kLongestPressureGap_ns);
+    if (!around) return std::nullopt;
+    return around->before->depth_m +
+           around->share * (around->after->depth_m - around->before->depth_m);
+}
+
+SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns) const {
+    SensorReadings readings;
+    readings.interval_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    readings.motion = motion(from_ns, to_ns);
+    if (!readings.motion) readings.turn = integral(from_ns, to_ns);
+    readings.q_ahrs_imu = absolute(to_ns);
+    readings.depth_m = depth_m(to_ns);
+    return readings;
 }
 
 Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
@@ -100,13 +165,13 @@ void InertialPrior::learn_bias(std::int64_t from_ns,
     const double gain = variance / (variance + measured * measured);
     // One wild frame must not throw it off.
     const double limit = 3.0 * std::sqrt(variance + measured * measured);
-    bias_ += gain * error.cwiseMax(-limit).cwiseMin(limit);
+    bias_.gyroscope += gain * error.cwiseMax(-limit).cwiseMin(limit);
     bias_sigma_ = std::sqrt((1.0 - gain) * variance);
 }
 
-void InertialPrior::set_bias(const Eigen::Vector3d& bias, double sigma) {
+void InertialPrior::set_bias(const ImuBias& bias, double gyroscope_sigma) {
     bias_ = bias;
-    bias_sigma_ = sigma;
+    bias_sigma_ = gyroscope_sigma;
 }
 
 }  // namespace divemesh::worker

@@ -6,25 +6,47 @@
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/gyroscope_integral.hpp"
+#include "worker/estimation/preintegration.hpp"
 #include "worker/recording.hpp"
 #include "worker/steps/predict_orientation.hpp"
 
 namespace divemesh::worker {
 
-// What the dive's inertial sensors say about orientation: the gyroscope where there is one, else
-// the AHRS. The gyroscope's bias is learnt from vision as the dive goes on.
+constexpr double kFirstGyroscopeBiasSigma = 0.02;     // rad/s, of a cheap sensor
+constexpr double kFirstAccelerometerBiasSigma = 0.1;  // m/s^2
+
+// What the sensors say about one time, and about the motion to it from an earlier one.
+struct SensorReadings {
+    double interval_s = 0.0;
+    std::optional<PreintegratedImu> motion;
+    std::optional<GyroscopeIntegral> turn;         // where there is no accelerometer to trust
+    std::optional<Eigen::Quaterniond> q_ahrs_imu;  // in the AHRS's own world, z up
+    std::optional<double> depth_m;                 // below some surface
+};
+
+// What the dive's inertial sensors say: about orientation the gyroscope where there is one, else
+// the AHRS; about motion gyroscope and accelerometer. Biases are learnt from vision as the dive
+// goes on.
 class InertialPrior {
 public:
     InertialPrior(const Recording& recording, const ReconstructionOptions& options);
 
     bool has_gyroscope() const { return gyroscope_; }
+    bool has_accelerometer() const { return accelerometer_; }
     bool has_ahrs() const { return ahrs_; }
+    bool has_pressure() const { return pressure_; }
 
     // q_from_to of the body. Nothing when no sensor covers the interval.
     std::optional<KnownRotation> turn(std::int64_t from_ns, std::int64_t to_ns) const;
     std::optional<GyroscopeIntegral> integral(std::int64_t from_ns, std::int64_t to_ns) const;
-    // q_world_imu by the AHRS, interpolated.
+    // Nothing without an accelerometer that feels gravity.
+    std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
+    // q_ahrs_imu by the AHRS, interpolated.
     std::optional<Eigen::Quaterniond> absolute(std::int64_t time_ns) const;
+    // By the pressure, interpolated.
+    std::optional<double> depth_m(std::int64_t time_ns) const;
+    // All of these; with `from_ns` == `to_ns` those of the moment alone.
+    SensorReadings readings(std::int64_t from_ns, std::int64_t to_ns) const;
     // q_world_imu, z up: by the AHRS; else by the accelerometer over the second that follows, the
     // camera looking along x; without either the camera is taken to be held level.
     Eigen::Quaterniond initial_orientation(std::int64_t time_ns,
@@ -32,17 +54,20 @@ public:
 
     // Vision saw the body turn by `seen` over the interval.
     void learn_bias(std::int64_t from_ns, std::int64_t to_ns, const Eigen::Quaterniond& seen);
-    void set_bias(const Eigen::Vector3d& bias, double sigma);
-    const Eigen::Vector3d& bias() const { return bias_; }
-    double gyroscope_random_walk() const { return noise_.gyroscope_random_walk; }
+    void set_bias(const ImuBias& bias, double gyroscope_sigma);
+    const ImuBias& bias() const { return bias_; }
+    // As it is on a diver: white noise larger than the data sheet's.
+    const ImuNoise& noise() const { return noise_; }
 
 private:
     const Recording& recording_;
     bool gyroscope_ = false;
+    bool accelerometer_ = false;
     bool ahrs_ = false;
+    bool pressure_ = false;
     ImuNoise noise_;
-    Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();  // rad/s
-    double bias_sigma_ = 0.02;                        // rad/s, of a cheap gyroscope at first
+    ImuBias bias_;
+    double bias_sigma_ = kFirstGyroscopeBiasSigma;  // rad/s
 };
 
 }  // namespace divemesh::worker

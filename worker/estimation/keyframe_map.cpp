@@ -3,19 +3,20 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of the bias that a window has estimated
+constexpr std::size_t kFewestForInertia = 4;  // keyframes that tell velocity and vertical
+constexpr double kWindowBiasSigma = 3e-4;     // rad/s, of the bias that a window has estimated
 
 }  // namespace
 
 KeyframeMap::KeyframeMap(const RectifiedRig& rig,
                          const ReconstructionOptions& options,
-                         const ImuNoise& noise,
+                         const InertialPrior& inertial,
                          const KeyframeStore& store)
     : rig_(rig),
       pairwise_(options.estimator == "pairwise"),
       store_(store),
       rule_(rig),
-      window_(rig, noise.gyroscope_random_walk) {}
+      window_(rig, inertial.noise()) {}
 
 void KeyframeMap::use_landmarks(const Eigen::Isometry3d& T_world_previous,
                                 PointPairs& pairs) const {
@@ -34,20 +35,20 @@ void KeyframeMap::add(const RectifiedFrame& frame,
     store_.write(frame.index, {frame.left_color, depth});
     rule_.taken(features, frame.timestamp_ns);
     const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
-    const std::int64_t before_ns = last_ns_;
+    const std::int64_t before_ns = empty() ? frame.timestamp_ns : last_ns_;
     last_ns_ = frame.timestamp_ns;
     if (pairwise_) {
         keyframes_.push_back(keyframe);
         return;
     }
     const bool first = window_.empty();
-    window_.add_keyframe(keyframe,
-                         features,
-                         first ? std::nullopt : inertial.integral(before_ns, frame.timestamp_ns));
+    window_.add_keyframe(keyframe, features, inertial.readings(before_ns, frame.timestamp_ns));
     if (first) return;
     window_.adjust();
     motion.correct(window_.T_world_cam());
-    inertial.set_bias(window_.gyroscope_bias(), kWindowBiasSigma);
+    if (inertial.has_accelerometer() && window_.keyframes().size() >= kFewestForInertia)
+        motion.correct(window_.state().velocity_world, window_.reference().down_world);
+    inertial.set_bias(window_.state().bias, kWindowBiasSigma);
 }
 
 void KeyframeMap::move_to(Track& track) {

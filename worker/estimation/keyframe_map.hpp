@@ -20,7 +20,7 @@ class KeyframeMap {
 public:
     KeyframeMap(const RectifiedRig& rig,
                 const ReconstructionOptions& options,
-                const ImuNoise& noise,
+                const InertialPrior& inertial,
                 const KeyframeStore& store);
 
     // Landmarks take the place of the points measured at t-1 (window estimator).

@@ -20,9 +20,8 @@ void Motion::start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_c
     T_world_cam_ = T_world_cam;
 }
 
-std::optional<KnownRotation> Motion::turn(const InertialPrior& inertial,
-                                          std::int64_t timestamp_ns) const {
-    const auto turn_imu = inertial.turn(timestamp_ns_, timestamp_ns);
+std::optional<KnownRotation> Motion::turn(std::int64_t timestamp_ns) const {
+    const auto turn_imu = inertial_.turn(timestamp_ns_, timestamp_ns);
     if (!turn_imu) return std::nullopt;
     const Eigen::Quaterniond q_imu_cam(rig_.T_imu_cam.linear());
     const Eigen::Quaterniond q_previous_current = q_imu_cam.conjugate() * turn_imu->q * q_imu_cam;
@@ -31,6 +30,9 @@ std::optional<KnownRotation> Motion::turn(const InertialPrior& inertial,
 
 Eigen::Isometry3d Motion::expect(const std::optional<KnownRotation>& turn,
                                  std::int64_t timestamp_ns) const {
+    if (fall_)
+        if (const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns))
+            return by_inertia(*motion).inverse();
     const double interval_s =
         std::min(seconds(timestamp_ns - timestamp_ns_), kLongestExtrapolation_s);
     Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
@@ -41,9 +43,30 @@ Eigen::Isometry3d Motion::expect(const std::optional<KnownRotation>& turn,
     return T_previous_current.inverse();
 }
 
+Eigen::Isometry3d Motion::by_inertia(const PreintegratedImu& motion) const {
+    const double dt_s = motion.turn.duration_s;
+    const Eigen::Isometry3d T_world_imu = T_world_cam_ * rig_.T_imu_cam.inverse();
+    Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+    T_from_to.linear() = motion.turn.q_from_to.toRotationMatrix();
+    T_from_to.translation() =
+        T_world_imu.linear().transpose() *
+            (fall_->velocity_world * dt_s + 0.5 * kGravity_m_s2 * dt_s * dt_s * fall_->down_world) +
+        motion.position_change;
+    return rig_.T_imu_cam.inverse() * T_from_to * rig_.T_imu_cam;
+}
+
 void Motion::advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns) {
     const Eigen::Isometry3d T_previous_current = T_current_previous.inverse();
     const double interval_s = std::max(seconds(timestamp_ns - timestamp_ns_), 1e-6);
+    if (fall_) {
+        const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns);
+        if (motion)
+            fall_->velocity_world += kGravity_m_s2 * motion->turn.duration_s * fall_->down_world +
+                                     T_world_cam_.linear() * rig_.T_imu_cam.linear().transpose() *
+                                         motion->velocity_change;
+        else
+            fall_.reset();
+    }
     const Eigen::Quaterniond turned(T_previous_current.linear());
     // In the frame of the new camera, from where the next step is reckoned.
     velocity_cam_ = T_current_previous.linear() * T_previous_current.translation() / interval_s;

@@ -14,25 +14,40 @@ namespace divemesh::worker {
 // carries on when vision fails.
 class Motion {
 public:
-    explicit Motion(const RectifiedRig& rig) : rig_(rig) {}
+    Motion(const RectifiedRig& rig, const InertialPrior& inertial)
+        : rig_(rig), inertial_(inertial) {}
 
     void start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_cam);
     // The camera's turn by the inertial sensors since the last frame.
-    std::optional<KnownRotation> turn(const InertialPrior& inertial,
-                                      std::int64_t timestamp_ns) const;
-    // T_current_previous at constant velocity; turns as the inertial sensors say, where they do.
+    std::optional<KnownRotation> turn(std::int64_t timestamp_ns) const;
+    // T_current_previous by the inertial unit once velocity and vertical are known; else at
+    // constant velocity, turned as the inertial sensors say, where they do.
     Eigen::Isometry3d expect(const std::optional<KnownRotation>& turn,
                              std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
-    // The last pose is known better now.
+    // The last pose is known better now; with an inertial unit so are velocity and vertical.
     void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
+    void correct(const Eigen::Vector3d& velocity_world, const Eigen::Vector3d& down_world) {
+        fall_ = Fall{velocity_world, down_world};
+    }
 
     bool started() const { return started_; }
     const Eigen::Isometry3d& T_world_cam() const { return T_world_cam_; }
     std::int64_t timestamp_ns() const { return timestamp_ns_; }
 
 private:
+    // T_previous_current.
+    Eigen::Isometry3d by_inertia(const PreintegratedImu& motion) const;
+
+    // What the inertial unit has to be told to say how the body moves.
+    struct Fall {
+        Eigen::Vector3d velocity_world;
+        Eigen::Vector3d down_world;
+    };
+
     RectifiedRig rig_;
+    const InertialPrior& inertial_;
+    std::optional<Fall> fall_;
     bool started_ = false;
     std::int64_t timestamp_ns_ = 0;
     Eigen::Isometry3d T_world_cam_ = Eigen::Isometry3d::Identity();

@@ -1,16 +1,18 @@
 #include "worker/estimation/window.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kNumFree = 7;    // keyframes that move
+constexpr std::size_t kNumFree = 7;    // keyframes apart from each other that are adjusted
+constexpr std::size_t kMostFree = 12;  // with those where the camera stood still
 constexpr std::size_t kMostFixed = 8;  // older ones that hold them
 constexpr int kMaxIterations = 6;
-constexpr double kOutlier = 5.0;                                   // in sigmas, per measurement
-constexpr double kFirstBiasSigma = 0.02;                           // rad/s
+constexpr double kOutlier = 5.0;       // in sigmas, per measurement
+constexpr double kLeastShift = 0.002;  // of the picture's width, median: less is standing still
 const Eigen::Vector3d kLandmarkSigma_px = 0.5 * kFeatureSigma_px;  // of an adjusted landmark
 
 Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
@@ -32,16 +34,12 @@ bool fits(const RectifiedRig& rig,
 
 void Window::add_keyframe(const Keyframe& keyframe,
                           const Features& features,
-                          const std::optional<GyroscopeIntegral>& turn) {
+                          const SensorReadings& readings) {
     const auto index = static_cast<std::int32_t>(keyframes_.size());
-    Eigen::Vector3d bias = Eigen::Vector3d::Zero();
-    if (turn)
-        bias = turn->bias;
-    else if (!entries_.empty())
-        bias = gyroscope_bias();
-    Entry& entry = entries_.emplace_back();
-    entry.state = BodyState::at(keyframe.T_world_cam * rig_.T_imu_cam.inverse(), bias);
-    entry.turn = turn;
+    if (entries_.empty()) reference_->depth_offset_m = readings.depth_m.value_or(0.0);
+    Entry entry;
+    entry.state = first_state(keyframe, readings);
+    entry.readings = readings;
     for (const Feature& feature : features) {
         if (!has_depth(feature) && !landmark_of_feature_.contains(feature.id)) continue;
         const std::size_t landmark = landmark_of(feature, keyframe);
@@ -51,7 +49,39 @@ void Window::add_keyframe(const Keyframe& keyframe,
                                                      static_cast<float>(feature.disparity_px)});
         entry.landmarks.push_back(landmark);
     }
+    entry.moved = has_moved(entry);
+    entries_.push_back(std::move(entry));
     keyframes_.push_back(keyframe);
+    // The mean velocity over the first interval is what there is to start from.
+    if (index == 1) entries_[0].state.velocity_world = entries_[1].state.velocity_world;
+}
+
+BodyState Window::first_state(const Keyframe& keyframe, const SensorReadings& readings) const {
+    BodyState state = BodyState::at(keyframe.T_world_cam * rig_.T_imu_cam.inverse(), {});
+    if (entries_.empty()) return state;
+    const BodyState& before = entries_.back().state;
+    state.bias = before.bias;
+    if (readings.motion && chained(entries_.size() - 1))
+        state.velocity_world = before.velocity_world +
+                               kGravity_m_s2 * readings.interval_s * reference_->down_world +
+                               before.q_world_imu * readings.motion->velocity_change;
+    else if (readings.interval_s > 0.0)
+        state.velocity_world = (state.p_world_imu - before.p_world_imu) / readings.interval_s;
+    return state;
+}
+
+bool Window::has_moved(const Entry& entry) const {
+    std::vector<double> shifts;
+    for (const std::size_t index : entry.landmarks) {
+        const auto& seen = landmarks_[index].observations;
+        if (seen.size() < 2 || seen[seen.size() - 2].keyframe + 1 != seen.back().keyframe) continue;
+        shifts.push_back(std::hypot(seen.back().u_px - seen[seen.size() - 2].u_px,
+                                    seen.back().v_px - seen[seen.size() - 2].v_px));
+    }
+    if (shifts.empty()) return true;
+    const auto middle = shifts.begin() + std::ssize(shifts) / 2;
+    std::nth_element(shifts.begin(), middle, shifts.end());
+    return *middle > kLeastShift * rig_.width_px;
 }
 
 std::size_t Window::landmark_of(const Feature& feature, const Keyframe& keyframe) {
@@ -62,19 +92,55 @@ std::size_t Window::landmark_of(const Feature& feature, const Keyframe& keyframe
 
 void Window::adjust() {
     const std::size_t num = keyframes_.size();
-    const std::size_t first_free = num > kNumFree ? num - kNumFree : 1;
-    const std::size_t first = first_free > kMostFixed ? first_free - kMostFixed : 0;
     if (num < 2) return;
+    const std::size_t first_free = this->first_free();
+    const std::size_t first = first_free > kMostFixed ? first_free - kMostFixed : 0;
+    leave_behind(first_free);
 
     Adjustment adjustment(rig_);
     for (std::size_t k = first; k < num; ++k)
         adjustment.add_state(entries_[k].state, k < first_free);
     add_landmarks(adjustment, first, first_free);
-    add_turns(adjustment, first_free);
+    add_readings(adjustment);
     adjustment.solve(Adjustment::Size::Window, kMaxIterations, ignore_progress, {});
     for (std::size_t k = first_free; k < num; ++k)
         keyframes_[k].T_world_cam = entries_[k].state.T_world_imu() * rig_.T_imu_cam;
     drop_outliers(first_free);
+}
+
+// Keyframes where nothing moved do not push out those that know how it moved before.
+std::size_t Window::first_free() const {
+    std::size_t first = entries_.size();
+    std::size_t num_apart = 0;
+    while (first > 1 && num_apart < kNumFree && entries_.size() - first < kMostFree)
+        if (entries_[--first].moved) ++num_apart;
+    return first;
+}
+
+bool Window::chained(std::size_t k) const {
+    return k > 0 && (entries_[k].readings.motion || entries_[k].readings.turn);
+}
+
+// Velocity and biases of keyframes whose pose is held from now on become a prior of the next one's.
+void Window::leave_behind(std::size_t first_free) {
+    if (first_free == 1)
+        return;  // the first keyframe's pose is held, the rest of it is not known yet
+    for (; oldest_ < first_free; ++oldest_) {
+        BodyState& from = entries_[oldest_].state;
+        const SensorReadings& readings = entries_[oldest_ + 1].readings;
+        Adjustment leaving(rig_);
+        leaving.add_state(from, true);
+        leaving.add_state(entries_[oldest_ + 1].state, oldest_ + 1 < first_free);
+        add_moment(leaving, entries_[oldest_].readings, from, *reference_);
+        if (oldest_ == 0) add_first_vertical(leaving, readings, *reference_);
+        if (!chained(oldest_)) add_first_biases(leaving, readings, from);
+        add_way(leaving, readings, noise_, from, entries_[oldest_ + 1].state, *reference_);
+        leaving.add_prior(prior_);
+        prior_ = leaving.marginalise({from.velocity_world.data(),
+                                      from.bias.gyroscope.data(),
+                                      from.bias.accelerometer.data()},
+                                     prior_);
+    }
 }
 
 void Window::add_landmarks(Adjustment& adjustment, std::size_t first, std::size_t first_free) {
@@ -93,16 +159,16 @@ void Window::add_landmarks(Adjustment& adjustment, std::size_t first, std::size_
     }
 }
 
-void Window::add_turns(Adjustment& adjustment, std::size_t first_free) {
-    bool held = false;
-    for (std::size_t k = first_free; k < entries_.size(); ++k) {
-        if (!entries_[k].turn) continue;
+void Window::add_readings(Adjustment& adjustment) {
+    adjustment.add_prior(prior_);
+    for (std::size_t k = oldest_; k < entries_.size(); ++k) {
+        const SensorReadings& readings = entries_[k].readings;
+        add_moment(adjustment, readings, entries_[k].state, *reference_);
+        if (k == oldest_) continue;
         BodyState& from = entries_[k - 1].state;
-        adjustment.add_turn(from, entries_[k].state, *entries_[k].turn, gyroscope_random_walk_);
-        if (!held && first_free > 1) adjustment.fix_bias(from);
-        if (!held && first_free == 1)
-            adjustment.add_bias(from, Eigen::Vector3d::Zero(), kFirstBiasSigma);
-        held = true;
+        if (k == 1) add_first_vertical(adjustment, readings, *reference_);
+        if (!chained(k - 1)) add_first_biases(adjustment, readings, from);
+        add_way(adjustment, readings, noise_, from, entries_[k].state, *reference_);
     }
 }
 

@@ -2,30 +2,34 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <optional>
+#include <deque>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
 #include "worker/estimation/adjustment.hpp"
-#include "worker/estimation/gyroscope_integral.hpp"
+#include "worker/estimation/inertial_factors.hpp"
+#include "worker/estimation/inertial_prior.hpp"
+#include "worker/estimation/marginalisation.hpp"
 #include "worker/reconstruct.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
 
 namespace divemesh::worker {
 
-// The last keyframes and what they saw, adjusted together: poses, landmarks and the gyroscope's
-// bias all free, so that a noisy depth is never taken for the truth. Older keyframes that see the
-// same landmarks hold the window in place.
+// The last keyframes and what they saw and felt, adjusted together: poses, velocities, biases,
+// landmarks and the vertical all free, so that a noisy depth is never taken for the truth. Older
+// keyframes that see the same landmarks hold the poses in place; what was felt on the way to them
+// stays as a prior. Without inertial sensors vision does it alone.
 class Window {
 public:
-    Window(const RectifiedRig& rig, double gyroscope_random_walk)
-        : rig_(rig), gyroscope_random_walk_(gyroscope_random_walk) {}
+    // `noise`: of the readings, as InertialPrior has it.
+    Window(const RectifiedRig& rig, const ImuNoise& noise) : rig_(rig), noise_(noise) {}
 
-    // `turn`: the gyroscope's word since the keyframe before.
+    // `readings`: of the sensors at the keyframe, and since the one before.
     void add_keyframe(const Keyframe& keyframe,
                       const Features& features,
-                      const std::optional<GyroscopeIntegral>& turn);
+                      const SensorReadings& readings);
     void adjust();
 
     // Where a landmark is known, it takes the place of the point measured at t-1.
@@ -33,27 +37,38 @@ public:
 
     bool empty() const { return keyframes_.empty(); }
     const Eigen::Isometry3d& T_world_cam() const { return keyframes_.back().T_world_cam; }
-    const Eigen::Vector3d& gyroscope_bias() const { return entries_.back().state.gyroscope_bias; }
+    const BodyState& state() const { return entries_.back().state; }  // of the last keyframe
+    const WorldReference& reference() const { return *reference_; }
     const std::vector<Keyframe>& keyframes() const { return keyframes_; }
     std::vector<Landmark> landmarks() const;  // seen by two keyframes or more
 
 private:
     struct Entry {
         BodyState state;
-        std::optional<GyroscopeIntegral> turn;  // since the keyframe before
-        std::vector<std::size_t> landmarks;     // seen here
+        SensorReadings readings;
+        std::vector<std::size_t> landmarks;  // seen here
+        bool moved = true;                   // since the keyframe before
     };
     std::size_t landmark_of(const Feature& feature, const Keyframe& keyframe);
+    BodyState first_state(const Keyframe& keyframe, const SensorReadings& readings) const;
+    bool has_moved(const Entry& entry) const;
+    std::size_t first_free() const;
+    // Whether the sensors reach back from a keyframe to the one before.
+    bool chained(std::size_t k) const;
+    void leave_behind(std::size_t first_free);
     void add_landmarks(Adjustment& adjustment, std::size_t first, std::size_t first_free);
-    void add_turns(Adjustment& adjustment, std::size_t first_free);
+    void add_readings(Adjustment& adjustment);
     void drop_outliers(std::size_t first_free);
 
     RectifiedRig rig_;
-    double gyroscope_random_walk_;
+    ImuNoise noise_;
     std::vector<Keyframe> keyframes_;
-    std::vector<Entry> entries_;
+    std::deque<Entry> entries_;  // states stay where they are: the prior knows them by place
     std::vector<Landmark> landmarks_;
     std::unordered_map<std::int64_t, std::size_t> landmark_of_feature_;
+    std::unique_ptr<WorldReference> reference_ = std::make_unique<WorldReference>();
+    LinearPrior prior_;       // about oldest_ and the world
+    std::size_t oldest_ = 0;  // whose velocity and biases are still unknown
 };
 
 }  // namespace divemesh::worker

@@ -5,19 +5,22 @@
 
 namespace divemesh::worker {
 
-// An orientation of the body in the world that a sensor (AHRS) states, to sigma per axis:
+// An orientation of the body that a sensor (AHRS) states in a world of its own, to sigma per axis:
 //
-//     r = log(q_known^-1 q) / sigma      block: q_world_imu (x y z w)
+//     r = log(q_ahrs_imu^-1 q_world_ahrs^-1 q_world_imu) / sigma
 //
-// The logarithm is taken as twice the vector part, good to 1e-4 of itself below 3 degrees.
+// Blocks: q_world_ahrs, q_world_imu (x y z w). The logarithm is taken as twice the vector part,
+// good to 1e-4 of itself below 3 degrees.
 struct KnownOrientation {
-    Eigen::Quaterniond q_known;
+    Eigen::Quaterniond q_ahrs_imu;
     double sigma_rad = 0.0;
 
     template <typename T>
-    bool operator()(const T* const q_world_imu, T* residual) const {
+    bool operator()(const T* const q_world_ahrs, const T* const q_world_imu, T* residual) const {
+        const Eigen::Map<const Eigen::Quaternion<T>> world(q_world_ahrs);
         const Eigen::Map<const Eigen::Quaternion<T>> q(q_world_imu);
-        const Eigen::Quaternion<T> error = q_known.conjugate().cast<T>() * q;
+        const Eigen::Quaternion<T> error =
+            q_ahrs_imu.conjugate().cast<T>() * (world.conjugate() * q);
         const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
         Eigen::Map<Eigen::Matrix<T, 3, 1>> r(residual);
         r = sign * error.vec() / T(sigma_rad);
@@ -25,7 +28,8 @@ struct KnownOrientation {
     }
 
     static ceres::CostFunction* create(const KnownOrientation& known) {
-        return new ceres::AutoDiffCostFunction<KnownOrientation, 3, 4>(new KnownOrientation(known));
+        return new ceres::AutoDiffCostFunction<KnownOrientation, 3, 4, 4>(
+            new KnownOrientation(known));
     }
 };
 

@@ -16,7 +16,7 @@ using synthetic::IsPoseWithin;
 constexpr int kStep = 6;  // frames from keyframe to keyframe
 constexpr int kNumKeyframes = 20;
 
-std::optional<GyroscopeIntegral> perfect_turn(int from, int to) {
+SensorReadings perfect_turn(int from, int to) {
     const auto R_world_imu = [](int frame) {
         return Eigen::Quaterniond(synthetic::T_world_cam(frame).linear() *
                                   synthetic::rig().T_imu_cam.linear().transpose());
@@ -26,7 +26,10 @@ std::optional<GyroscopeIntegral> perfect_turn(int from, int to) {
     turn.q_from_to = R_world_imu(from).conjugate() * R_world_imu(to);
     turn.d_rotation_d_bias = -turn.duration_s * Eigen::Matrix3d::Identity();
     turn.sigma_rad = 2e-4;
-    return turn;
+    SensorReadings readings;
+    readings.interval_s = turn.duration_s;
+    readings.turn = turn;
+    return readings;
 }
 
 // Swims along the wall: RANSAC against what was seen last, landmarks once they are known, a
@@ -34,9 +37,9 @@ std::optional<GyroscopeIntegral> perfect_turn(int from, int to) {
 Window swim(double noise_px, double fish_share, bool gyroscope) {
     const RectifiedRig rig = synthetic::rig();
     synthetic::World world(0.03 * kStep * kNumKeyframes, fish_share, 11);
-    Window window(rig, 1e-5);
+    Window window(rig, ImuNoise{2e-4, 1e-5});
     Features before = world.see(synthetic::T_world_cam(0), 0, noise_px);
-    window.add_keyframe({0, 0, synthetic::T_world_cam(0)}, before, std::nullopt);
+    window.add_keyframe({0, 0, synthetic::T_world_cam(0)}, before, {});
     for (int k = 1; k <= kNumKeyframes; ++k) {
         const int frame = kStep * k;
         const Features now = world.see(synthetic::T_world_cam(frame), frame, noise_px);
@@ -55,7 +58,7 @@ Window swim(double noise_px, double fish_share, bool gyroscope) {
                 kept.push_back(feature);
         }
         window.add_keyframe(
-            keyframe, kept, gyroscope ? perfect_turn(frame - kStep, frame) : std::nullopt);
+            keyframe, kept, gyroscope ? perfect_turn(frame - kStep, frame) : SensorReadings{});
         window.adjust();
         before = now;
     }

@@ -1,0 +1,105 @@
+#include "worker/estimation/inertial_factors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+// The AHRS errs by half a degree, slowly: neighbours in time say the same thing again.
+constexpr double kAhrsSigma_rad = 0.01;
+constexpr double kAhrsCorrelation_s = 12.0;
+constexpr double kPressureSigma_m = 0.02;  // with the waves above
+constexpr double kFirstDownSigma = 0.2;    // of the vertical, where only the pressure knows of it
+
+double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
+
+// Central differences of the positions.
+void set_velocities(const std::vector<Keyframe>& keyframes, std::vector<BodyState>& states) {
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const std::size_t before = k > 0 ? k - 1 : k;
+        const std::size_t after = std::min(k + 1, states.size() - 1);
+        if (before == after) continue;
+        states[k].velocity_world =
+            (states[after].p_world_imu - states[before].p_world_imu) /
+            seconds(keyframes[after].timestamp_ns - keyframes[before].timestamp_ns);
+    }
+}
+
+}  // namespace
+
+void add_way(Adjustment& adjustment,
+             const SensorReadings& readings,
+             const ImuNoise& noise,
+             BodyState& from,
+             BodyState& to,
+             WorldReference& reference) {
+    if (readings.motion)
+        adjustment.add_motion(from, to, *readings.motion, noise, reference.down_world);
+    if (readings.turn) adjustment.add_turn(from, to, *readings.turn, noise.gyroscope_random_walk);
+}
+
+void add_moment(Adjustment& adjustment,
+                const SensorReadings& readings,
+                BodyState& state,
+                WorldReference& reference) {
+    if (readings.q_ahrs_imu) {
+        const double times = kAhrsCorrelation_s / std::max(0.1, readings.interval_s);
+        adjustment.add_orientation(state,
+                                   reference.q_world_ahrs,
+                                   *readings.q_ahrs_imu,
+                                   kAhrsSigma_rad * std::sqrt(std::max(1.0, times)));
+    }
+    if (readings.depth_m)
+        adjustment.add_depth(state,
+                             reference.down_world,
+                             reference.depth_offset_m,
+                             *readings.depth_m,
+                             kPressureSigma_m);
+}
+
+void add_first_biases(Adjustment& adjustment, const SensorReadings& readings, BodyState& from) {
+    if (readings.motion || readings.turn)
+        adjustment.add_gyroscope_bias(from, Eigen::Vector3d::Zero(), kFirstGyroscopeBiasSigma);
+    if (readings.motion)
+        adjustment.add_accelerometer_bias(
+            from, Eigen::Vector3d::Zero(), kFirstAccelerometerBiasSigma);
+}
+
+void add_first_vertical(Adjustment& adjustment,
+                        const SensorReadings& readings,
+                        WorldReference& reference) {
+    if (readings.depth_m && !readings.motion)
+        adjustment.add_down(reference.down_world, reference.down_world, kFirstDownSigma);
+}
+
+void add_inertial_factors(Adjustment& adjustment,
+                          const InertialPrior& inertial,
+                          const std::vector<Keyframe>& keyframes,
+                          std::vector<BodyState>& states,
+                          WorldReference& reference) {
+    set_velocities(keyframes, states);
+    bool chained = false;  // the readings from the keyframe before
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const std::int64_t now_ns = keyframes[k].timestamp_ns;
+        const SensorReadings readings =
+            inertial.readings(k > 0 ? keyframes[k - 1].timestamp_ns : now_ns, now_ns);
+        add_moment(adjustment, readings, states[k], reference);
+        if (k == 0) {
+            reference.depth_offset_m = readings.depth_m.value_or(0.0);
+            continue;
+        }
+        if (k == 1) add_first_vertical(adjustment, readings, reference);
+        if (!chained) add_first_biases(adjustment, readings, states[k - 1]);
+        add_way(adjustment, readings, inertial.noise(), states[k - 1], states[k], reference);
+        chained = readings.motion || readings.turn;
+    }
+}
+
+Eigen::Quaterniond levelling(const InertialPrior& inertial, const WorldReference& reference) {
+    if (inertial.has_accelerometer() || inertial.has_pressure())
+        return Eigen::Quaterniond::FromTwoVectors(reference.down_world, -Eigen::Vector3d::UnitZ());
+    return reference.q_world_ahrs.conjugate();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <ceres/autodiff_cost_function.h>
+
+#include "worker/estimation/preintegration.hpp"
+
+namespace divemesh::worker {
+
+// The inertial unit between two keyframes i and j, dt apart (Forster et al. 2017, eq. 45), with
+// g = kGravity_m_s2 * down:
+//
+//     e_turn     = log((q_ij exp(J_R (b_g - b_g0)))^-1 q_i^-1 q_j)
+//     e_velocity = q_i^-1 (v_j - v_i - g dt) - (dv + J_v (b - b_0))
+//     e_position = q_i^-1 (p_j - p_i - v_i dt - g dt^2 / 2) - (dp + J_p (b - b_0))
+//     r = L^-1 e,   L L^T = the covariance of the integral
+//
+// Blocks: q_world_imu (x y z w), p_world_imu, velocity_world, gyroscope and accelerometer bias of
+// i; the first three of j; down_world (unit vector). The logarithm is taken as twice the vector
+// part: the rest is far below the noise.
+class InertialMotion {
+public:
+    explicit InertialMotion(const PreintegratedImu& integral)
+        : integral_(integral),
+          whiten_(
+              integral.covariance.llt().matrixL().solve(PreintegratedImu::Covariance::Identity())) {
+    }
+
+    template <typename T>
+    bool operator()(const T* const q_i,
+                    const T* const p_i,
+                    const T* const v_i,
+                    const T* const gyroscope_bias,
+                    const T* const accelerometer_bias,
+                    const T* const q_j,
+                    const T* const p_j,
+                    const T* const v_j,
+                    const T* const down_world,
+                    T* residual) const {
+        using Vector = Eigen::Matrix<T, 3, 1>;
+        using ConstVector = Eigen::Map<const Vector>;
+        const Eigen::Map<const Eigen::Quaternion<T>> from(q_i);
+        const Eigen::Map<const Eigen::Quaternion<T>> to(q_j);
+        const double dt = integral_.turn.duration_s;
+        const Vector g = T(kGravity_m_s2) * ConstVector(down_world);
+        const Vector gyroscope = ConstVector(gyroscope_bias) - integral_.turn.bias.cast<T>();
+        const Vector accelerometer =
+            ConstVector(accelerometer_bias) - integral_.accelerometer_bias.cast<T>();
+
+        const Vector half = T(0.5) * (integral_.turn.d_rotation_d_bias.cast<T>() * gyroscope);
+        const Eigen::Quaternion<T> correction(T(1.0), half.x(), half.y(), half.z());
+        const Eigen::Quaternion<T> turn =
+            integral_.turn.q_from_to.cast<T>() * correction.normalized();
+        const Eigen::Quaternion<T> error = turn.conjugate() * (from.conjugate() * to);
+        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
+        Eigen::Matrix<T, 9, 1> e;
+        e.template head<3>() = sign * error.vec();
+        e.template segment<3>(3) =
+            from.conjugate() * Vector(ConstVector(v_j) - ConstVector(v_i) - g * T(dt)) -
+            (integral_.velocity_change.cast<T>() +
+             integral_.d_velocity_d_gyroscope.cast<T>() * gyroscope +
+             integral_.d_velocity_d_accelerometer.cast<T>() * accelerometer);
+        e.template tail<3>() =
+            from.conjugate() * Vector(ConstVector(p_j) - ConstVector(p_i) -
+                                      ConstVector(v_i) * T(dt) - g * T(0.5 * dt * dt)) -
+            (integral_.position_change.cast<T>() +
+             integral_.d_position_d_gyroscope.cast<T>() * gyroscope +
+             integral_.d_position_d_accelerometer.cast<T>() * accelerometer);
+        Eigen::Map<Eigen::Matrix<T, 9, 1>>(residual).noalias() = whiten_.cast<T>() * e;
+        return true;
+    }
+
+    static ceres::CostFunction* create(const PreintegratedImu& integral) {
+        return new ceres::AutoDiffCostFunction<InertialMotion, 9, 4, 3, 3, 3, 3, 4, 3, 3, 3>(
+            new InertialMotion(integral));
+    }
+
+private:
+    PreintegratedImu integral_;
+    PreintegratedImu::Covariance whiten_;  // L^-1
+};
+
+}  // namespace divemesh::worker
