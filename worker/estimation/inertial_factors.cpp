@@ -6,9 +6,11 @@
 namespace divemesh::worker {
 namespace {
 
-// The AHRS errs by half a degree, slowly: neighbours in time say the same thing again.
+// The AHRS errs by half a degree, slowly: neighbours in time say the same thing again. White noise
+// with the slow part of a Gauss-Markov error has its variance times twice its time constant over
+// the interval.
 constexpr double kAhrsSigma_rad = 0.01;
-constexpr double kAhrsCorrelation_s = 12.0;
+constexpr double kAhrsTimeConstant_s = 30.0;
 constexpr double kPressureSigma_m = 0.02;  // with the waves above
 constexpr double kFirstDownSigma = 0.2;    // of the vertical, where only the pressure knows of it
 
@@ -44,7 +46,7 @@ void add_moment(Adjustment& adjustment,
                 BodyState& state,
                 WorldReference& reference) {
     if (readings.q_ahrs_imu) {
-        const double times = kAhrsCorrelation_s / std::max(0.1, readings.interval_s);
+        const double times = 2.0 * kAhrsTimeConstant_s / std::max(0.1, readings.interval_s);
         adjustment.add_orientation(state,
                                    reference.q_world_ahrs,
                                    *readings.q_ahrs_imu,
