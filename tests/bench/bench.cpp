@@ -1,80 +1,51 @@
-// Runs the shared dives through `divemesh reconstruct` and prints one JSON of what came out.
+// Runs dives through `divemesh reconstruct` and prints one JSON of what came out.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
-#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <optional>
+#include <stdexcept>
 
+#include "tests/bench/dive_folder.hpp"
+#include "tests/bench/judge.hpp"
+#include "tests/bench/klt_baseline.hpp"
 #include "tests/bench/machine.hpp"
 #include "tests/bench/plan.hpp"
-#include "tests/paths.hpp"
+#include "tests/bench/program.hpp"
 #include "tests/temporary_folder.hpp"
-
-extern char** environ;
 
 namespace divemesh::bench {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using Names = std::vector<std::string>;
+
+const Names kGroups = {"trajectory", "surface", "speed"};
 
 struct Options {
-    std::vector<std::string> only = {"trajectory", "surface", "speed"};
-    std::vector<std::string> dives;  // empty: all
-    int num_repeats = 3;             // of the runs that measure speed
+    Names only = kGroups;
+    Names dives;          // empty: all
+    Names presets;        // empty: all
+    Names ablations;      // empty: all
+    int num_repeats = 3;  // of the runs that measure speed
     bool require = false;
     fs::path program;
-    fs::path keep;  // results stay here; "": nowhere
+    fs::path cache;  // of rendered dives
+    fs::path keep;   // results stay here; "": nowhere
 };
 
-bool contains(const std::vector<std::string>& list, const std::string& item) {
-    return std::find(list.begin(), list.end(), item) != list.end();
-}
-
-// Exit code of the program; what it prints goes to `log`.
-int run_program(std::vector<std::string> words, const fs::path& log) {
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(
-        &actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-    pid_t child = 0;
-    const int failure =
-        posix_spawn(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failure != 0) return 127;
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-}
-
-std::string last_lines(const fs::path& log) {
-    std::ifstream stream(log);
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    return text.size() > 600 ? text.substr(text.size() - 600) : text;
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t middle = values.size() / 2;
-    return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+bool wanted(const Names& list, const std::string& item) {
+    return list.empty() || std::find(list.begin(), list.end(), item) != list.end();
 }
 
 // The median of each figure over the documents that have it.
 json median_figures(const std::vector<json>& documents) {
     json figures = json::object();
-    for (const Figure& figure : kFigures) {
+    for (const Figure& figure : all_figures()) {
         const json::json_pointer pointer(figure.pointer);
         std::vector<double> values;
         for (const json& document : documents)
@@ -85,78 +56,138 @@ json median_figures(const std::vector<json>& documents) {
     return figures;
 }
 
-json reconstruct(const Run& run, int num_repeats, const Options& options, const fs::path& folder) {
-    json result = {{"dive", run.dive}, {"preset", run.preset}};
+// Of the stages that a trajectory needs; with surface=false nothing dense is in them, but for the
+// pairwise estimator.
+double cpu_ms_per_frame(const json& metrics) {
+    double cpu_s = 0.0;
+    for (const json& stage : metrics["speed"]["stages"])
+        if (stage["stage"] == "track" || stage["stage"] == "optimise")
+            cpu_s += stage["cpu_s"].get<double>();
+    return 1e3 * cpu_s / std::max(1.0, metrics["frames"]["num_frames"].get<double>());
+}
+
+void add_trajectory_figures(const json& metrics, json& result) {
+    json& figures = result["figures"];
+    figures["cpu_ms_per_frame"] = cpu_ms_per_frame(metrics);
+    if (figures.contains("ate_rmse_m"))
+        figures["ate_percent_of_path"] =
+            100.0 * figures["ate_rmse_m"].get<double>() / figures["path_length_m"].get<double>();
+    for (const char* which : {"final", "causal"}) {
+        const json::json_pointer pointer(std::string("/trajectory/") + which + "/segments");
+        if (metrics.contains(pointer)) result["segments"][which] = metrics[pointer];
+    }
+}
+
+Names words_of(const Run& run, const fs::path& dive, const fs::path& out, const Options& options) {
+    Names words = {options.program.string(),
+                   "reconstruct",
+                   dive.string(),
+                   "--out",
+                   out.string(),
+                   "--preset",
+                   run.preset};
+    json overrides = run.ablation.options;
+    if (run.group == "trajectory") overrides["surface"] = false;
+    for (const auto& [name, value] : overrides.items())
+        words.insert(
+            words.end(),
+            {"--set", name + "=" + (value.is_string() ? value.get<std::string>() : value.dump())});
+    return words;
+}
+
+json reconstruct(const Run& run,
+                 const fs::path& dive,
+                 const Options& options,
+                 const fs::path& folder) {
+    json result = {{"group", run.group},
+                   {"dive", run.dive.name},
+                   {"preset", run.preset},
+                   {"ablation", run.ablation.name}};
+    const std::string name =
+        run.group + "-" + run.dive.name + "-" + run.preset + "-" + run.ablation.name;
+    const int num_repeats = run.group == "speed" ? options.num_repeats : 1;
     std::vector<json> documents;
     for (int repeat = 0; repeat < num_repeats; ++repeat) {
-        const fs::path out = folder / (run.dive + "-" + run.preset);
-        const fs::path log = folder / (run.dive + "-" + run.preset + ".log");
-        std::cerr << run.dive << ", " << run.preset << ", " << repeat + 1 << " of " << num_repeats
-                  << "\n";
-        const int code = run_program({options.program.string(),
-                                      "reconstruct",
-                                      shared_data(run.dive).string(),
-                                      "--out",
-                                      out.string(),
-                                      "--preset",
-                                      run.preset},
-                                     log);
+        std::cerr << name << (num_repeats > 1 ? ", " + std::to_string(repeat + 1) : "") << "\n";
+        const fs::path log = folder / (name + ".log");
+        const int code = run_program(words_of(run, dive, folder / name, options), log);
         if (code != 0) {
             result["failed"] = {{"exit_code", code}, {"output", last_lines(log)}};
             return result;
         }
-        documents.push_back(json::parse(std::ifstream(out / "metrics.json")));
+        documents.push_back(json::parse(std::ifstream(folder / name / "metrics.json")));
     }
-    result["num_repeats"] = num_repeats;
     result["figures"] = median_figures(documents);
     result["stages"] = documents.back()["speed"]["stages"];
+    if (run.group == "speed") result["num_repeats"] = num_repeats;
+    if (run.group == "trajectory") add_trajectory_figures(documents.back(), result);
     return result;
 }
 
-// What is not measured (an absent dive, a failed run) is not met.
-json judge(const Goal& goal, const json& runs) {
-    json judged = {{"dive", goal.dive},
-                   {"preset", goal.preset},
-                   {"figure", goal.figure},
-                   {goal.at_most ? "at_most" : "at_least", goal.value},
-                   {"measured", nullptr},
-                   {"met", false}};
-    for (const json& run : runs) {
-        if (run["dive"] != goal.dive || run["preset"] != goal.preset) continue;
-        const json figures = run.value("figures", json::object());
-        if (!figures.contains(goal.figure)) continue;
-        const double value = figures[goal.figure].get<double>();
-        judged["measured"] = value;
-        judged["met"] =
-            goal.at_most ? std::abs(value) <= goal.value : std::abs(value) >= goal.value;
-    }
-    return judged;
+// A cost against that of the least that has to be done, measured beside it.
+void add_klt_baseline(const Run& run, const fs::path& dive, json& result) {
+    const bool real_cost = run.group == "trajectory" && !run.dive.simulated &&
+                           run.preset == "standard" && run.ablation.name == "none";
+    if (!real_cost || !result.contains("figures")) return;
+    json& figures = result["figures"];
+    figures["klt_cpu_ms_per_frame"] = klt_cpu_ms_per_frame(dive);
+    figures["cpu_to_klt"] =
+        figures["cpu_ms_per_frame"].get<double>() / figures["klt_cpu_ms_per_frame"].get<double>();
+}
+
+// By name, as the program that is measured has them: it may be of another version.
+json options_of(const fs::path& program, const fs::path& folder) {
+    const fs::path answer = folder / "options.json";
+    if (run_program({program.string(), "--json", "reconstruct", "--explain"}, answer, true) != 0)
+        throw std::runtime_error("does not run: " + program.string());
+    return json::parse(std::ifstream(answer));
+}
+
+// Without the options that the program does not know; nothing when none of them is left.
+std::optional<Ablation> known_part(const Ablation& ablation, const json& known_options) {
+    Ablation result{ablation.name, json::object()};
+    for (const auto& [name, value] : ablation.options.items())
+        if (known_options.contains(name)) result.options[name] = value;
+    if (result.options.empty() && !ablation.options.empty()) return std::nullopt;
+    return result;
+}
+
+std::vector<Run> plan_runs(const Options& options, const json& known_options) {
+    std::vector<Run> runs;
+    for (const std::string& group : options.only)
+        for (const Run& run : runs_of(group)) {
+            const auto ablation = known_part(run.ablation, known_options);
+            if (ablation && wanted(options.dives, run.dive.name) &&
+                wanted(options.presets, run.preset) && wanted(options.ablations, ablation->name))
+                runs.push_back({run.group, run.dive, run.preset, *ablation});
+        }
+    return runs;
 }
 
 json run_all(const Options& options, const fs::path& folder) {
-    json report = {{"machine", describe_machine()},
-                   {"runs", json::array()},
-                   {"goals", json::array()},
-                   {"absent", json::array()}};
-    for (const Run& run : kRuns) {
-        const auto wanted = [&](const std::string& group) { return contains(options.only, group); };
-        if (!options.dives.empty() && !contains(options.dives, run.dive)) continue;
-        if (std::none_of(run.groups.begin(), run.groups.end(), wanted)) continue;
-        if (!fs::exists(shared_data(run.dive))) {
-            std::cerr << "absent: " << shared_data(run.dive).string()
-                      << " (DIVEMESH_SHARED says where the shared data are)\n";
-            if (!std::count(report["absent"].begin(), report["absent"].end(), run.dive))
-                report["absent"].push_back(run.dive);
+    json report = {
+        {"machine", describe_machine()}, {"runs", json::array()}, {"goals", json::array()}};
+    Names absent;
+    for (const Run& run : plan_runs(options, options_of(options.program, folder))) {
+        if (std::count(absent.begin(), absent.end(), run.dive.name) > 0) continue;
+        const auto dive = dive_folder(run.dive, options.program, options.cache);
+        if (!dive) {
+            absent.push_back(run.dive.name);
             continue;
         }
-        const bool for_speed = run.groups.contains("speed") && wanted("speed");
-        report["runs"].push_back(
-            reconstruct(run, for_speed ? options.num_repeats : 1, options, folder));
+        json result = reconstruct(run, *dive, options, folder);
+        add_klt_baseline(run, *dive, result);
+        report["runs"].push_back(std::move(result));
     }
-    for (const Goal& goal : kGoals)
-        if (contains(options.only, goal.group) &&
-            (options.dives.empty() || contains(options.dives, goal.dive)))
+    report["absent"] = absent;
+    report["track_life"] = compare_track_life(report["runs"]);
+    for (const Goal& goal : all_goals()) {
+        const auto asked = [&](const std::string& dive) { return wanted(options.dives, dive); };
+        if (wanted(options.only, goal.group) && wanted(options.presets, goal.preset) &&
+            wanted(options.ablations, "none") &&
+            std::all_of(goal.dives.begin(), goal.dives.end(), asked))
             report["goals"].push_back(judge(goal, report["runs"]));
+    }
     return report;
 }
 
@@ -168,21 +199,38 @@ int exit_code(const json& report, const Options& options) {
     return 0;
 }
 
+template <typename Items>
+Names names_of(const Items& items) {
+    Names names;
+    for (const auto& item : items) names.push_back(item.name);
+    return names;
+}
+
 }  // namespace
 }  // namespace divemesh::bench
 
 int main(int argc, char** argv) {
     using namespace divemesh;
     bench::Options options;
-    CLI::App app{"Reconstructs the shared dives and prints the figures as one JSON."};
-    app.add_option("--only", options.only, "trajectory, surface, speed; default: all of them")
-        ->delimiter(',')
-        ->check(CLI::IsMember({"trajectory", "surface", "speed"}));
-    app.add_option("--dive", options.dives, "names of dives; default: all")->delimiter(',');
+    CLI::App app{"Reconstructs dives and prints the figures as one JSON."};
+    const auto choose =
+        [&](const char* flag, auto& list, const bench::Names& known, const char* text) {
+            app.add_option(flag, list, text)->delimiter(',')->check(CLI::IsMember(known));
+        };
+    choose("--only", options.only, bench::kGroups, "groups of runs; default: all");
+    choose("--dive", options.dives, bench::names_of(bench::all_dives()), "default: all");
+    choose("--preset", options.presets, bench::all_presets(), "default: all");
+    choose("--ablation",
+           options.ablations,
+           bench::names_of(bench::all_ablations()),
+           "of the group trajectory; none: the preset as it is; default: all");
     app.add_option("--repeat", options.num_repeats, "runs that measure speed; the median counts")
         ->check(CLI::Range(1, 100));
     app.add_flag("--require", options.require, "exit 3 when a goal is not met");
     app.add_option("--program", options.program, "the divemesh to run")->required();
+    app.add_option("--cache", options.cache, "folder of the rendered dives")
+        ->required()
+        ->take_last();
     app.add_option("--keep", options.keep, "leave the results in this folder");
     CLI11_PARSE(app, argc, argv);
 

@@ -1,11 +1,15 @@
 #!/bin/bash
-# Reconstructs the dives of the shared data (DIVEMESH_SHARED, default ../shared) and prints what came
-# out as one JSON: tests/bench/run.sh [--only trajectory,surface,speed] [--dive NAME,...]
-# [--repeat N] [--require] [--keep DIR]. Builds what it needs first.
+# Reconstructs dives and prints what came out as one JSON:
+#   tests/bench/run.sh [--only trajectory,surface,speed] [--dive NAME,...] [--preset NAME,...]
+#                      [--ablation NAME,...] [--repeat N] [--require] [--keep DIR] [--cache DIR]
+# Dives: those of the shared data (DIVEMESH_SHARED, default ../shared) and simulated ones, which are
+# rendered once into build/bench, anew when the simulator has changed. Builds what it needs first.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 {
     cmake --preset release --log-level=WARNING
     cmake --build --preset release --target divemesh divemesh_bench
 } >&2
-exec build/release/tests/bench/divemesh_bench --program "$PWD/build/release/divemesh" "$@"
+simulator=$(cat worker/simulator/* | sha256sum | cut -c1-12)
+exec build/release/tests/bench/divemesh_bench --program "$PWD/build/release/divemesh" \
+    --cache "build/bench/dives-$simulator" "$@"

@@ -15,6 +15,7 @@ namespace {
 constexpr int kSkyRays = 12;
 constexpr float kSkyReach_m = 1.2F;  // what is farther does not darken
 constexpr float kOffset_m = 2e-3F;
+constexpr std::size_t kVerticesAtOnce = 16384;  // some 50 ms
 
 // Directions spread by the cosine over the half space of `normal` (golden-angle spiral).
 float sky_at(const RayCaster& caster,
@@ -53,20 +54,28 @@ void smooth(const Scene& scene, std::vector<float>& values) {
 
 }  // namespace
 
-BakedLight::BakedLight(const Scene& scene, const RayCaster& caster, const Eigen::Vector3f& to_sun)
+BakedLight::BakedLight(const Scene& scene,
+                       const RayCaster& caster,
+                       const Eigen::Vector3f& to_sun,
+                       const std::function<void()>& check_cancelled)
     : sky_(scene.vertices.size()), sun_(scene.vertices.size()) {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, scene.vertices.size(), 4096), [&](const auto& range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                const Eigen::Vector3f& p = scene.vertices[i];
-                const Eigen::Vector3f& normal = scene.normals[i];
-                const double turn = 2.0 * std::numbers::pi * to_unit(hash64(i));
-                sky_[i] = sky_at(caster, p, normal, turn);
-                const bool shadow = normal.dot(to_sun) <= 0.0F ||
-                                    caster.is_blocked(p + kOffset_m * normal, to_sun, 50.0F);
-                sun_[i] = shadow ? 0.0F : 1.0F;
-            }
-        });
+    const auto bake = [&](std::size_t i) {
+        const Eigen::Vector3f& p = scene.vertices[i];
+        const Eigen::Vector3f& normal = scene.normals[i];
+        const double turn = 2.0 * std::numbers::pi * to_unit(hash64(i));
+        sky_[i] = sky_at(caster, p, normal, turn);
+        const bool shadow =
+            normal.dot(to_sun) <= 0.0F || caster.is_blocked(p + kOffset_m * normal, to_sun, 50.0F);
+        sun_[i] = shadow ? 0.0F : 1.0F;
+    };
+    for (std::size_t start = 0; start < scene.vertices.size(); start += kVerticesAtOnce) {
+        check_cancelled();
+        const std::size_t end = std::min(scene.vertices.size(), start + kVerticesAtOnce);
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(start, end, 1024),
+                          [&](const auto& range) {
+                              for (std::size_t i = range.begin(); i < range.end(); ++i) bake(i);
+                          });
+    }
     smooth(scene, sky_);
     smooth(scene, sun_);
 }
@@ -80,9 +89,9 @@ float caustic(const NoiseField& noise,
         p_world.head<2>() -
         p_world.z() / to_sun.z() * to_sun.head<2>();  // along the rays of the sun
     constexpr float kMesh_m = 0.34F;
-    const Eigen::Array4f bend = noise.at({at.x() * 1.7F, at.y() * 1.7F, 0.7F * t_s});
+    const Eigen::Array4f bend = noise.at({at.x() * 1.7F, at.y() * 1.7F, 1.6F * t_s});
     const Eigen::Array4f net = noise.at(
-        {at.x() / kMesh_m + 0.55F * bend[0], at.y() / kMesh_m + 0.55F * bend[1], 1.2F * t_s});
+        {at.x() / kMesh_m + 0.55F * bend[0], at.y() / kMesh_m + 0.55F * bend[1], 2.7F * t_s});
     const auto line = [](float n) {
         const float ridge = 1.0F - std::min(1.0F, 2.4F * std::abs(n));
         return ridge * ridge * ridge;

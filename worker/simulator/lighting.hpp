@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "worker/simulator/noise_field.hpp"
@@ -16,7 +17,12 @@ namespace divemesh::worker {
 // still.
 class BakedLight {
 public:
-    BakedLight(const Scene& scene, const RayCaster& caster, const Eigen::Vector3f& to_sun);
+    // `check_cancelled` is called many times a second, between threads' work; what it throws comes
+    // out.
+    BakedLight(const Scene& scene,
+               const RayCaster& caster,
+               const Eigen::Vector3f& to_sun,
+               const std::function<void()>& check_cancelled);
 
     float sky(std::uint32_t vertex) const { return sky_[vertex]; }  // 0 to 1
     float sun(std::uint32_t vertex) const { return sun_[vertex]; }  // 0 to 1

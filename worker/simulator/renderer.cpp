@@ -15,6 +15,11 @@ constexpr std::array<std::array<double, 2>, 4> kSubpixels = {
 const std::array<Eigen::Vector3d, 2> kLamps_cam0 = {Eigen::Vector3d(-0.45, -0.25, -0.05),
                                                     Eigen::Vector3d(0.58, -0.25, -0.05)};
 
+// Within a pixel a surface is one piece when its normals differ by less than 11 degrees and its
+// depth, in footprints of the pixel, by less than on a slope of 80 degrees.
+constexpr float kSmoothCosine = 0.98F;
+constexpr float kSmoothSlope = 6.0F;
+
 cv::Vec3f to_vec(const Rgb& color) { return {color[0], color[1], color[2]}; }
 
 }  // namespace
@@ -34,27 +39,39 @@ struct Renderer::Eye {
     std::vector<VisibleFish> fish;
 };
 
-Renderer::Renderer(const Scene& scene, const Rig& rig, RenderOptions options)
+Renderer::Renderer(const Scene& scene,
+                   const Rig& rig,
+                   RenderOptions options,
+                   const std::function<void()>& check_cancelled)
     : scene_(scene),
       rig_(rig),
       options_(std::move(options)),
       caster_(scene.vertices, scene.triangles),
       noise_(texture_noise(options_.seed)),
       to_sun_(Eigen::Vector3f(0.35F, -0.22F, 0.9F).normalized()),
-      light_(scene, caster_, to_sun_),
+      light_(scene, caster_, to_sun_, check_cancelled),
       seen_(scene.triangles.size()) {
     for (std::size_t c = 0; c < rays_.size(); ++c) {
-        const Camera& camera = c == 0 ? rig.cam0 : rig.cam1;
-        for (int v = 0; v < camera.height_px; ++v)
-            for (int u = 0; u < camera.width_px; ++u) {
-                RayCaster::Directions4 four;
-                for (std::size_t i = 0; i < four.size(); ++i)
-                    four[i] = camera.unproject({u + kSubpixels[i][0], v + kSubpixels[i][1]})
-                                  .cast<float>();
-                rays_[c].samples.push_back(four);
-                rays_[c].centers.push_back(camera.unproject(Eigen::Vector2d(u, v)).cast<float>());
-            }
+        check_cancelled();
+        rays_[c] = rays_of(c == 0 ? rig.cam0 : rig.cam1);
     }
+}
+
+Renderer::Rays Renderer::rays_of(const Camera& camera) {
+    Rays rays;
+    const auto num_pixels = static_cast<std::size_t>(camera.width_px) * camera.height_px;
+    rays.samples.resize(num_pixels);
+    rays.centers.resize(num_pixels);
+    tbb::parallel_for(0, camera.height_px, [&](int v) {
+        for (int u = 0; u < camera.width_px; ++u) {
+            const std::size_t pixel = static_cast<std::size_t>(v) * camera.width_px + u;
+            for (std::size_t i = 0; i < kSubpixels.size(); ++i)
+                rays.samples[pixel][i] =
+                    camera.unproject({u + kSubpixels[i][0], v + kSubpixels[i][1]}).cast<float>();
+            rays.centers[pixel] = camera.unproject(Eigen::Vector2d(u, v)).cast<float>();
+        }
+    });
+    return rays;
 }
 
 Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_imu, double t_s) {
@@ -108,31 +125,83 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
         RayCaster::Directions4 directions = eye.rays->samples[pixel];
         for (Eigen::Vector3f& direction : directions) direction = eye.R_world_cam * direction;
         const auto hits = caster_.cast4(eye.center_world, directions);
-        Rgb sum = Rgb::Zero();
-        Rgb albedo_sum = Rgb::Zero();
-        for (std::size_t i = 0; i < hits.size(); ++i) {
-            std::optional<Fish::Hit> fish;
-            for (const Eye::VisibleFish& candidate : eye.fish) {
-                if (!candidate.box.contains({u, row})) continue;
-                const auto hit = Fish::intersect(candidate.shape, eye.center_world, directions[i]);
-                if (hit && (!hits[i].valid() || hit->t < hits[i].t) && (!fish || hit->t < fish->t))
-                    fish = hit;
+        if (eye.camera == 0) mark_seen(hits, directions);
+        const bool fish_near = std::any_of(eye.fish.begin(), eye.fish.end(), [&](const auto& fish) {
+            return fish.box.contains({u, row});
+        });
+        const auto point = fish_near ? std::nullopt : one_point(eye, hits, directions);
+        Rgb albedo = Rgb::Zero();
+        Rgb radiance = Rgb::Zero();
+        if (point)
+            radiance = look_at(eye, *point, albedo);
+        else
+            for (std::size_t i = 0; i < hits.size(); ++i) {
+                const auto fish =
+                    fish_near ? nearest_fish(eye, {u, row}, hits[i], directions[i]) : std::nullopt;
+                if (fish) rendering.fish.at<std::uint8_t>(row, u) = 255;
+                Rgb albedo_there = Rgb::Zero();
+                radiance +=
+                    0.25F *
+                    sample(eye, hits[i], directions[i], fish ? &*fish : nullptr, albedo_there);
+                albedo += 0.25F * albedo_there;
             }
-            if (fish) rendering.fish.at<std::uint8_t>(row, u) = 255;
-            Rgb albedo = Rgb::Zero();
-            sum += sample(eye, hits[i], directions[i], fish ? &*fish : nullptr, albedo);
-            albedo_sum += albedo;
-            if (eye.camera == 0 && hits[i].valid() &&
-                hits[i].t * directions[i].norm() < kReferenceRange_m)
-                seen_[hits[i].triangle].store(1, std::memory_order_relaxed);
-        }
-        rendering.radiance.at<cv::Vec3f>(row, u) = to_vec(0.25F * sum);
-        rendering.albedo.at<cv::Vec3f>(row, u) = to_vec(0.25F * albedo_sum);
+        rendering.radiance.at<cv::Vec3f>(row, u) = to_vec(radiance);
+        rendering.albedo.at<cv::Vec3f>(row, u) = to_vec(albedo);
         rendering.depth.at<float>(row, u) =
             options_.exact_depth
                 ? caster_.cast(eye.center_world, eye.R_world_cam * eye.rays->centers[pixel]).t
                 : hits[0].t;
     }
+}
+
+void Renderer::mark_seen(const RayHits4& hits, const RayCaster::Directions4& directions) {
+    for (std::size_t i = 0; i < hits.size(); ++i)
+        if (hits[i].valid() && hits[i].t * directions[i].norm() < kReferenceRange_m)
+            seen_[hits[i].triangle].store(1, std::memory_order_relaxed);
+}
+
+std::optional<Fish::Hit> Renderer::nearest_fish(const Eye& eye,
+                                                const cv::Point& pixel,
+                                                const RayHit& hit,
+                                                const Eigen::Vector3f& direction) const {
+    std::optional<Fish::Hit> nearest;
+    for (const Eye::VisibleFish& candidate : eye.fish) {
+        if (!candidate.box.contains(pixel)) continue;
+        const auto fish = Fish::intersect(candidate.shape, eye.center_world, direction);
+        if (fish && (!hit.valid() || fish->t < hit.t) && (!nearest || fish->t < nearest->t))
+            nearest = fish;
+    }
+    return nearest;
+}
+
+std::optional<Renderer::Point> Renderer::one_point(const Eye& eye,
+                                                   const RayHits4& hits,
+                                                   const RayCaster::Directions4& directions) const {
+    const auto object = [&](const RayHit& hit) { return scene_.triangle_object[hit.triangle]; };
+    for (const RayHit& hit : hits)
+        if (!hit.valid() || object(hit) != object(hits[0])) return std::nullopt;
+    Point sum = point_at(hits[0], eye.center_world, directions[0]);
+    const Eigen::Vector3f normal = sum.normal_world;
+    float nearest = sum.t;
+    float farthest = sum.t;
+    for (std::size_t i = 1; i < hits.size(); ++i) {
+        const Point point = point_at(hits[i], eye.center_world, directions[i]);
+        if (point.normal_world.dot(normal) < kSmoothCosine) return std::nullopt;
+        nearest = std::min(nearest, point.t);
+        farthest = std::max(farthest, point.t);
+        sum.p_world += point.p_world;
+        sum.normal_world += point.normal_world;
+        sum.t += point.t;
+        sum.sky += point.sky;
+        sum.sun += point.sun;
+    }
+    if (farthest - nearest > kSmoothSlope * eye.pixel_size * nearest) return std::nullopt;
+    return Point{0.25F * sum.p_world,
+                 sum.normal_world.normalized(),
+                 sum.object,
+                 0.25F * sum.t,
+                 0.25F * sum.sky,
+                 0.25F * sum.sun};
 }
 
 Rgb Renderer::sample(const Eye& eye,
@@ -142,24 +211,26 @@ Rgb Renderer::sample(const Eye& eye,
                      Rgb& albedo) const {
     const Water& water = options_.water;
     Rgb radiance = water.is_water ? water.veil : Rgb(0.5F, 0.5F, 0.5F);
-    if (!hit.valid() && !fish) return radiance;
-    const float range_per_t = direction.norm();
-    if (hit.valid()) {
-        const Point point = point_at(hit, eye.center_world + hit.t * direction);
-        const float cosine = std::abs(point.normal_world.dot(direction)) / range_per_t;
-        const float footprint_m = eye.pixel_size * hit.t / std::sqrt(std::max(0.12F, cosine));
-        albedo =
-            surface_color(*point.object, noise_, point.p_world, point.normal_world, footprint_m);
-        if (!fish)
-            return water.look_through(shade(eye, point, albedo, footprint_m), hit.t * range_per_t);
-    }
+    if (hit.valid()) radiance = look_at(eye, point_at(hit, eye.center_world, direction), albedo);
+    if (!fish) return radiance;
     const Point point{
-        eye.center_world + fish->t * direction, fish->normal_world, nullptr, 1.0F, 1.0F};
+        eye.center_world + fish->t * direction, fish->normal_world, nullptr, fish->t, 1.0F, 1.0F};
     return water.look_through(shade(eye, point, fish->color, eye.pixel_size * fish->t),
-                              fish->t * range_per_t);
+                              fish->t * direction.norm());
 }
 
-Renderer::Point Renderer::point_at(const RayHit& hit, const Eigen::Vector3f& p_world) const {
+Rgb Renderer::look_at(const Eye& eye, const Point& point, Rgb& albedo) const {
+    const Eigen::Vector3f ray = point.p_world - eye.center_world;
+    const float range_m = ray.norm();
+    const float cosine = std::abs(point.normal_world.dot(ray)) / range_m;
+    const float footprint_m = eye.pixel_size * point.t / std::sqrt(std::max(0.12F, cosine));
+    albedo = surface_color(*point.object, noise_, point.p_world, point.normal_world, footprint_m);
+    return options_.water.look_through(shade(eye, point, albedo, footprint_m), range_m);
+}
+
+Renderer::Point Renderer::point_at(const RayHit& hit,
+                                   const Eigen::Vector3f& origin,
+                                   const Eigen::Vector3f& direction) const {
     const auto& corners = scene_.triangles[hit.triangle];
     const float w = 1.0F - hit.u - hit.v;
     const auto blend = [&](const auto& value) {
@@ -168,9 +239,10 @@ Renderer::Point Renderer::point_at(const RayHit& hit, const Eigen::Vector3f& p_w
     const Eigen::Vector3f normal = w * scene_.normals[corners[0]] +
                                    hit.u * scene_.normals[corners[1]] +
                                    hit.v * scene_.normals[corners[2]];
-    return {p_world,
+    return {origin + hit.t * direction,
             normal.normalized(),
             &scene_.objects[scene_.triangle_object[hit.triangle]],
+            hit.t,
             blend([&](std::uint32_t vertex) { return light_.sky(vertex); }),
             blend([&](std::uint32_t vertex) { return light_.sun(vertex); })};
 }

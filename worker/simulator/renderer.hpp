@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "worker/geometry/rig.hpp"
@@ -35,12 +37,18 @@ struct Rendering {
     cv::Mat snow;      // CV_8U, 255 where snow covers more than a twentieth
 };
 
-// Looks at a scene through the cameras of a rig, four rays a pixel. Uses the threads of the calling
-// arena; the result does not depend on their number.
+// Looks at a scene through the cameras of a rig, four rays a pixel. Patterns and light are faded to
+// what a pixel resolves, so a pixel that shows one smooth piece of surface is shaded once. Uses the
+// threads of the calling arena; the result does not depend on their number.
 class Renderer {
 public:
-    // Keeps references to `scene` and `rig`.
-    Renderer(const Scene& scene, const Rig& rig, RenderOptions options);
+    // Keeps references to `scene` and `rig`. Takes seconds; `check_cancelled` is called meanwhile,
+    // and what it throws comes out.
+    Renderer(
+        const Scene& scene,
+        const Rig& rig,
+        RenderOptions options,
+        const std::function<void()>& check_cancelled = [] {});
 
     // Camera 0 or 1 with the body at `T_world_imu`, at this time of snow, fish and caustics.
     Rendering render(int camera, const Eigen::Isometry3d& T_world_imu, double t_s);
@@ -58,17 +66,34 @@ private:
         Eigen::Vector3f p_world;
         Eigen::Vector3f normal_world;
         const SceneObject* object;
+        float t;  // depth along the optical axis, m
         float sky;
         float sun;
     };
 
+    static Rays rays_of(const Camera& camera);
+    using RayHits4 = std::array<RayHit, 4>;
+
     void render_row(const Eye& eye, int row, Rendering& rendering);
+    void mark_seen(const RayHits4& hits, const RayCaster::Directions4& directions);
+    std::optional<Fish::Hit> nearest_fish(const Eye& eye,
+                                          const cv::Point& pixel,
+                                          const RayHit& hit,
+                                          const Eigen::Vector3f& direction) const;
+    // The mean of what the four rays meet, when that is one smooth piece of one object.
+    std::optional<Point> one_point(const Eye& eye,
+                                   const RayHits4& hits,
+                                   const RayCaster::Directions4& directions) const;
     Rgb sample(const Eye& eye,
                const RayHit& hit,
                const Eigen::Vector3f& direction,
                const Fish::Hit* fish,
                Rgb& albedo) const;
-    Point point_at(const RayHit& hit, const Eigen::Vector3f& p_world) const;
+    // What is seen of a point of the scene, and its own colour.
+    Rgb look_at(const Eye& eye, const Point& point, Rgb& albedo) const;
+    Point point_at(const RayHit& hit,
+                   const Eigen::Vector3f& origin,
+                   const Eigen::Vector3f& direction) const;
     Rgb shade(const Eye& eye, const Point& point, const Rgb& color, float footprint_m) const;
 
     const Scene& scene_;

@@ -99,7 +99,7 @@ public:
     void run() {
         tell(0);
         make_folders();
-        Renderer renderer(scene_, rig_, render_options());
+        Renderer renderer(scene_, rig_, render_options(), [this] { tell(0); });
         for (std::size_t i = 0; i < exposures_.size(); ++i) {
             for (int camera = 0; camera < 2; ++camera) {
                 tell(i);

@@ -194,6 +194,16 @@ TEST(SimulateTest, CancellationLeavesThroughTheCallback) {
     EXPECT_THROW(simulate(small_dive(folder / "dive"), cancel), Error);
 }
 
+TEST(SimulateTest, CancellationIsHeardWhileTheSceneIsSetUp) {
+    const TemporaryFolder folder;
+    int num_calls = 0;
+    const auto cancel = [&](const Progress&) {
+        if (++num_calls == 5) throw Error(ErrorCode::Cancelled, "enough");
+    };
+    EXPECT_THROW(simulate(small_dive(folder / "dive"), cancel), Error);
+    EXPECT_TRUE(fs::is_empty(folder / "dive/mav0/cam0/data"));
+}
+
 TEST(SimulateTest, BadOptionsAreRefusedBeforeAnythingIsWritten) {
     const TemporaryFolder folder;
     auto options = small_dive(folder / "dive");

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "tests/bench/plan.hpp"
+
+namespace divemesh::bench {
+
+// Where a dive lies: the shared data, or the cache, into which a simulated one is rendered once.
+// Nothing when the shared data do not hold it or it could not be rendered; stderr says which.
+std::optional<std::filesystem::path> dive_folder(const Dive& dive,
+                                                 const std::filesystem::path& program,
+                                                 const std::filesystem::path& cache);
+
+}  // namespace divemesh::bench

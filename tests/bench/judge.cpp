@@ -1,0 +1,85 @@
+#include "tests/bench/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::bench {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSimilarLife = 0.3;
+
+// The figure of a run without ablation.
+std::optional<double> find_figure(const json& runs,
+                                  const std::string& group,
+                                  const std::string& dive,
+                                  const std::string& preset,
+                                  const std::string& figure) {
+    for (const json& run : runs) {
+        if (run["group"] != group || run["dive"] != dive || run["preset"] != preset ||
+            run["ablation"] != "none")
+            continue;
+        const json figures = run.value("figures", json::object());
+        if (figures.contains(figure)) return figures[figure].get<double>();
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t middle = values.size() / 2;
+    return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+json judge(const Goal& goal, const json& runs) {
+    std::vector<double> values;
+    for (const std::string& dive : goal.dives)
+        if (const auto value = find_figure(runs, goal.group, dive, goal.preset, goal.figure))
+            values.push_back(std::abs(*value));
+    json judged = {{"dives", goal.dives.size() == 1 ? json(goal.dives[0]) : json(goal.dives)},
+                   {"preset", goal.preset},
+                   {"figure", goal.figure},
+                   {goal.at_most ? "at_most" : "at_least", goal.value},
+                   {"measured", nullptr},
+                   {"met", false}};
+    if (goal.dives.size() > 1) {
+        judged["over"] = goal.over == Goal::Over::Median ? "median" : "worst";
+        judged["num_dives_measured"] = values.size();
+    }
+    if (values.empty()) return judged;
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    const double value = goal.over == Goal::Over::Median ? median(values)
+                         : goal.at_most                  ? *most
+                                                         : *least;
+    judged["measured"] = value;
+    judged["met"] = values.size() == goal.dives.size() &&
+                    (goal.at_most ? value <= goal.value : value >= goal.value);
+    return judged;
+}
+
+json compare_track_life(const json& runs) {
+    const auto life_of = [&](const std::string& dive) {
+        return find_figure(runs, "trajectory", dive, "standard", "median_track_life_frames");
+    };
+    json result = {{"simulated_frames", json::object()}};
+    std::vector<double> simulated;
+    for (const Dive& dive : all_dives()) {
+        if (!dive.simulated || dive.simulated->scene != "barge") continue;
+        if (const auto life = life_of(dive.name)) {
+            simulated.push_back(*life);
+            result["simulated_frames"][dive.name] = *life;
+        }
+    }
+    const auto shared = life_of("barge");
+    if (!shared || simulated.empty()) return nullptr;
+    const double ratio = median(simulated) / *shared;
+    result["barge_frames"] = *shared;
+    result["ratio"] = ratio;
+    result["within_30_percent"] = std::abs(ratio - 1.0) <= kSimilarLife;
+    return result;
+}
+
+}  // namespace divemesh::bench

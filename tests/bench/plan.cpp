@@ -1,0 +1,138 @@
+#include "tests/bench/plan.hpp"
+
+#include <algorithm>
+
+namespace divemesh::bench {
+namespace {
+
+constexpr int kNumSeeds = 5;
+
+std::vector<std::string> simulated_names() {
+    std::vector<std::string> names;
+    for (const Dive& dive : all_dives())
+        if (dive.simulated) names.push_back(dive.name);
+    return names;
+}
+
+Dive dive_named(const std::string& name) {
+    return *std::find_if(all_dives().begin(), all_dives().end(), [&](const Dive& dive) {
+        return dive.name == name;
+    });
+}
+
+std::vector<Run> trajectory_runs() {
+    std::vector<Run> runs;
+    for (const Dive& dive : all_dives())
+        for (const std::string& preset : all_presets())
+            for (const Ablation& ablation : all_ablations())
+                if (preset == "standard" || ablation.name == "none")
+                    runs.push_back({"trajectory", dive, preset, ablation});
+    return runs;
+}
+
+}  // namespace
+
+const std::vector<Dive>& all_dives() {
+    static const std::vector<Dive> dives = [] {
+        std::vector<Dive> list = {{"tank", {}}, {"euroc_mh01", {}}, {"barge", {}}};
+        for (const char* scene : {"tank", "barge", "reef"})
+            for (int seed = 1; seed <= kNumSeeds; ++seed)
+                list.push_back({std::string("sim-") + scene + "-" + std::to_string(seed),
+                                Dive::Simulated{scene, seed}});
+        return list;
+    }();
+    return dives;
+}
+
+const std::vector<std::string>& all_presets() {
+    static const std::vector<std::string> presets = {"paper", "fast", "standard", "accurate"};
+    return presets;
+}
+
+const std::vector<Ablation>& all_ablations() {
+    static const std::vector<Ablation> ablations = {
+        {"none", nlohmann::json::object()},
+        {"imu_off", {{"use_imu", false}}},
+        {"ahrs_off", {{"use_ahrs", false}}},
+        {"window_off", {{"estimator", "pairwise"}}},
+        {"loops_off", {{"close_loops", false}}},
+        {"hindsight_off", {{"close_loops", false}, {"adjust_whole_dive", false}}}};
+    return ablations;
+}
+
+std::vector<Run> runs_of(const std::string& group) {
+    const Ablation none = all_ablations().front();
+    if (group == "trajectory") return trajectory_runs();
+    if (group == "surface")
+        return {{group, dive_named("tank"), "standard", none},
+                {group, dive_named("barge"), "standard", none}};
+    return {{group, dive_named("tank"), "standard", none},
+            {group, dive_named("euroc_mh01"), "standard", none}};
+}
+
+const std::vector<Goal>& all_goals() {
+    using Over = Goal::Over;
+    static const std::vector<std::string> simulated = simulated_names();
+    // clang-format off
+    static const std::vector<Goal> goals = {
+        {"trajectory", {"tank"},       "paper",    "ate_rmse_m",          Over::Worst,  true,  0.020},
+        {"trajectory", {"tank"},       "paper",    "scale_error",         Over::Worst,  true,  0.010},
+        {"trajectory", {"tank"},       "standard", "ate_rmse_m",          Over::Worst,  true,  0.0012},
+        {"trajectory", {"euroc_mh01"}, "standard", "ate_rmse_m",          Over::Worst,  true,  0.004},
+        {"trajectory", {"euroc_mh01"}, "standard", "causal_ate_rmse_m",   Over::Worst,  true,  0.008},
+        {"trajectory", {"euroc_mh01"}, "standard", "coverage",            Over::Worst,  false, 1.0},
+        {"trajectory", {"barge"},      "standard", "ate_rmse_m",          Over::Worst,  true,  0.010},
+        {"trajectory", {"barge"},      "standard", "causal_ate_rmse_m",   Over::Worst,  true,  0.030},
+        {"trajectory", {"barge"},      "standard", "coverage",            Over::Worst,  false, 0.995},
+        {"trajectory", simulated,      "standard", "ate_percent_of_path", Over::Median, true,  0.1},
+        {"trajectory", simulated,      "standard", "ate_percent_of_path", Over::Worst,  true,  0.3},
+        {"trajectory", simulated,      "standard", "coverage",            Over::Worst,  false, 0.99},
+        {"trajectory", {"tank"},       "standard", "cpu_ms_per_frame",    Over::Worst,  true,  12.0},
+        {"trajectory", {"barge"},      "standard", "cpu_ms_per_frame",    Over::Worst,  true,  12.0},
+        {"trajectory", {"barge"},      "standard", "cpu_to_klt",          Over::Worst,  true,  1.3},
+        {"surface",    {"barge"},      "standard", "accuracy_median_m",   Over::Worst,  true,  0.020},
+        {"speed",      {"tank"},       "standard", "frames_per_s",        Over::Worst,  false, 10.0},
+    };
+    // clang-format on
+    return goals;
+}
+
+const std::vector<Figure>& all_figures() {
+    // clang-format off
+    static const std::vector<Figure> figures = {
+        {"num_frames",               "/frames/num_frames"},
+        {"coverage",                 "/frames/coverage"},
+        {"mean_tracked_features",    "/tracking/mean_tracked_features"},
+        {"median_track_life_frames", "/tracking/median_track_life_frames"},
+        {"inlier_share",             "/tracking/inlier_share"},
+        {"path_length_m",            "/trajectory/final/path_length_m"},
+        {"ate_rmse_m",               "/trajectory/final/ate_rmse_m"},
+        {"ate_max_m",                "/trajectory/final/ate_max_m"},
+        {"rotation_rmse_deg",        "/trajectory/final/rotation_rmse_deg"},
+        {"sim3_scale",               "/trajectory/final/sim3_scale"},
+        {"drift_percent",            "/trajectory/final/drift_percent"},
+        {"end_drift_percent",        "/trajectory/final/end_drift_percent"},
+        {"causal_ate_rmse_m",        "/trajectory/causal/ate_rmse_m"},
+        {"causal_drift_percent",     "/trajectory/causal/drift_percent"},
+        {"num_distances_measured",   "/known_distances/num_measured"},
+        {"scale_error",              "/known_distances/scale_error"},
+        {"distance_median_error_m",  "/known_distances/median_abs_error_m"},
+        {"accuracy_median_m",        "/surface/accuracy/median_m"},
+        {"accuracy_rms_m",           "/surface/accuracy/rms_m"},
+        {"completeness_median_m",    "/surface/completeness/median_m"},
+        {"f1_5mm",                   "/surface/scores/0/f1"},
+        {"f1_10mm",                  "/surface/scores/1/f1"},
+        {"f1_20mm",                  "/surface/scores/2/f1"},
+        {"f1_50mm",                  "/surface/scores/3/f1"},
+        {"mesh_area_m2",             "/mesh/area_m2"},
+        {"num_triangles",            "/mesh/num_triangles"},
+        {"frames_per_s",             "/speed/frames_per_s"},
+        {"cpu_s",                    "/speed/cpu_s"},
+        {"wall_s",                   "/speed/wall_s"},
+        {"peak_memory_bytes",        "/speed/peak_memory_bytes"},
+    };
+    // clang-format on
+    return figures;
+}
+
+}  // namespace divemesh::bench
