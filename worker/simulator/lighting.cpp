@@ -89,9 +89,9 @@ float caustic(const NoiseField& noise,
         p_world.head<2>() -
         p_world.z() / to_sun.z() * to_sun.head<2>();  // along the rays of the sun
     constexpr float kMesh_m = 0.34F;
-    const Eigen::Array4f bend = noise.at({at.x() * 1.7F, at.y() * 1.7F, 1.6F * t_s});
+    const Eigen::Array4f bend = noise.at({at.x() * 1.7F, at.y() * 1.7F, 1.1F * t_s});
     const Eigen::Array4f net = noise.at(
-        {at.x() / kMesh_m + 0.55F * bend[0], at.y() / kMesh_m + 0.55F * bend[1], 2.7F * t_s});
+        {at.x() / kMesh_m + 0.55F * bend[0], at.y() / kMesh_m + 0.55F * bend[1], 1.9F * t_s});
     const auto line = [](float n) {
         const float ridge = 1.0F - std::min(1.0F, 2.4F * std::abs(n));
         return ridge * ridge * ridge;
