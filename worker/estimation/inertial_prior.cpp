@@ -15,8 +15,8 @@ constexpr double kAhrsTurnSigma_rad = 1e-3;    // white noise of two readings
 constexpr double kAhrsDrift_rad_per_s = 3e-3;  // its slow error on the move
 constexpr double kWrongGravity_m_s2 = 0.6;     // an accelerometer further off is not used
 // Data sheets do not know of thrusters and kicks: what they state is taken as so much more.
-constexpr double kGyroscopeInflation = 3.0;
-constexpr double kAccelerometerInflation = 10.0;
+constexpr double kGyroscopeInflation = 1.5;
+constexpr double kAccelerometerInflation = 5.0;
 constexpr double kVisionTurnSigma_rad = 5e-4;  // of one frame's rotation by vision
 
 ImuNoise inflated(ImuNoise noise) {

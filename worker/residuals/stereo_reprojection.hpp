@@ -1,9 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <ceres/autodiff_cost_function.h>
+#include <ceres/sized_cost_function.h>
 
 #include "worker/geometry/rectified_rig.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 
 namespace divemesh::worker {
 
@@ -41,10 +42,71 @@ struct StereoReprojection {
         return true;
     }
 
-    static ceres::CostFunction* create(const StereoReprojection& reprojection) {
-        return new ceres::AutoDiffCostFunction<StereoReprojection, 3, 4, 3, 3>(
-            new StereoReprojection(reprojection));
-    }
+    static ceres::CostFunction* create(const StereoReprojection& reprojection);
 };
+
+// The same with its derivatives written out: most of what an adjustment computes is this. With
+// u = -q.vec() and d = p_world - p_world_imu,
+//
+//     q^-1 d = d + 2 w (u x d) + 2 u x (u x d)
+//     d/du   = -2 w [d]x + 2 ((u d) 1 + u d^T - 2 d u^T),   d/dw = 2 (u x d)
+class StereoReprojectionCost : public ceres::SizedCostFunction<3, 4, 3, 3> {
+public:
+    explicit StereoReprojectionCost(const StereoReprojection& reprojection)
+        : reprojection_(reprojection),
+          R_cam_imu_(reprojection.rig.T_imu_cam.linear().transpose()) {}
+
+    bool Evaluate(double const* const* blocks,
+                  double* residual,
+                  double** jacobians) const override {
+        if (!reprojection_(blocks[0], blocks[1], blocks[2], residual)) return false;
+        if (!jacobians) return true;
+        const Eigen::Map<const Eigen::Quaterniond> q(blocks[0]);
+        const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(blocks[2]) -
+                                  Eigen::Map<const Eigen::Vector3d>(blocks[1]);
+        const Eigen::Matrix3d by_imu = by_point_in_imu(q.conjugate() * d);
+        const Eigen::Matrix3d by_world = by_imu * rotation_as_computed(q);
+        if (jacobians[2]) store(by_world, jacobians[2]);
+        if (jacobians[1]) store(-by_world, jacobians[1]);
+        if (!jacobians[0]) return true;
+        const Eigen::Vector3d u = -q.vec();
+        Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> by_q(jacobians[0]);
+        by_q.leftCols<3>() = by_imu * (2.0 * q.w() * cross_matrix(d) -
+                                       2.0 * (u.dot(d) * Eigen::Matrix3d::Identity() +
+                                              u * d.transpose() - 2.0 * d * u.transpose()));
+        by_q.col(3) = by_imu * (2.0 * u.cross(d));
+        return true;
+    }
+
+private:
+    static void store(const Eigen::Matrix3d& jacobian, double* to) {
+        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = jacobian;
+    }
+    // The residual by the landmark in imu.
+    Eigen::Matrix3d by_point_in_imu(const Eigen::Vector3d& in_imu) const {
+        const RectifiedRig& rig = reprojection_.rig;
+        const Eigen::Vector3d p = R_cam_imu_ * (in_imu - rig.T_imu_cam.translation());
+        const double scale = rig.focal_px / p.z();
+        const Eigen::Vector3d& sigma = reprojection_.sigma_px;
+        Eigen::Matrix3d by_cam;
+        by_cam << scale / sigma.x(), 0.0, -scale * p.x() / p.z() / sigma.x(),  //
+            0.0, scale / sigma.y(), -scale * p.y() / p.z() / sigma.y(),        //
+            0.0, 0.0, -scale * rig.baseline_m / p.z() / sigma.z();
+        if (reprojection_.measured_px.z() <= 0.0) by_cam.row(2).setZero();
+        return by_cam * R_cam_imu_;
+    }
+    // d (q^-1 d) / d d of the formula above, which holds for a q that is not quite a unit, too.
+    static Eigen::Matrix3d rotation_as_computed(const Eigen::Quaterniond& q) {
+        const Eigen::Matrix3d U = -cross_matrix(q.vec());
+        return Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U;
+    }
+
+    const StereoReprojection reprojection_;
+    const Eigen::Matrix3d R_cam_imu_;
+};
+
+inline ceres::CostFunction* StereoReprojection::create(const StereoReprojection& reprojection) {
+    return new StereoReprojectionCost(reprojection);
+}
 
 }  // namespace divemesh::worker

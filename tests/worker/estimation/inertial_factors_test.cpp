@@ -112,5 +112,39 @@ TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.1);
 }
 
+TEST(InertialFactorsTest, TakeTheDepthBetweenReadingsButNotAcrossAGap) {
+    synthetic::SensorRecording recording;
+    recording.its_pressure = {{0, 5.0}, {100'000'000, 6.0}, {2'000'000'000, 9.0}};
+    const InertialPrior inertial(recording, {});
+    const SensorReadings readings = inertial.readings(0, 25'000'000);
+
+    ASSERT_TRUE(readings.depth_m);
+    EXPECT_NEAR(*readings.depth_m, 5.25, 1e-12);
+    EXPECT_FALSE(readings.motion || readings.turn || readings.q_ahrs_imu);
+    EXPECT_FALSE(inertial.depth_m(1'000'000'000));
+    EXPECT_FALSE(inertial.depth_m(2'000'000'001));
+}
+
+// Up and down along the wall: what the depths have to say is which way that is.
+TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndSinks) {
+    TiltedDive dive;
+    Adjustment adjustment(synthetic::rig());
+    for (std::size_t k = 0; k < dive.states.size(); ++k) {
+        const auto t = static_cast<double>(k);
+        const Eigen::Vector3d p(0.1 * t, 0.3 * std::sin(t), 0.5 * std::sin(0.7 * t));
+        dive.states[k].p_world_imu = kTilt * p;
+        adjustment.add_state(dive.states[k], true);
+        dive.recording.its_pressure.push_back({dive.keyframes[k].timestamp_ns, 8.0 - p.z()});
+    }
+    dive.recording.its_rig.imu_noise.reset();
+    const InertialPrior inertial(dive.recording, {});
+    WorldReference reference;
+    add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
+    adjustment.solve(Adjustment::Size::Dive, 15, ignore_progress, {});
+
+    EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.5);
+    EXPECT_NEAR(reference.depth_offset_m, 8.0, 0.01);
+}
+
 }  // namespace
 }  // namespace divemesh::worker
