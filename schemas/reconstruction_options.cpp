@@ -21,6 +21,8 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("use_pressure", options.use_pressure, "use the depth by pressure where the dive has it");
     visit("adjust_whole_dive", options.adjust_whole_dive, "adjust the whole trajectory with hindsight (window estimator)");
     visit("surface", options.surface, "make cloud, mesh and what follows; false: the trajectory alone");
+    visit("align_imu", options.align_imu, "find time offset and rotation of the inertial unit against the cameras (window estimator)");
+    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion with hindsight (window estimator)");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
     visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
     visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");

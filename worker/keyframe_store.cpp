@@ -9,6 +9,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "schemas/error.hpp"
@@ -37,6 +38,13 @@ Stored quantise(float value, float step) {
 
 KeyframeStore::KeyframeStore(std::filesystem::path folder) : folder_(std::move(folder)) {
     std::filesystem::create_directories(folder_);
+}
+
+KeyframeStore KeyframeStore::rerectified(
+    std::shared_ptr<const KeyframeRerectifier> rerectifier) const {
+    KeyframeStore store = *this;
+    store.rerectifier_ = std::move(rerectifier);
+    return store;
 }
 
 std::filesystem::path KeyframeStore::file_of(int frame_index) const {
@@ -108,7 +116,7 @@ KeyframeImages KeyframeStore::read(int frame_index) const {
     const auto* jpeg = reinterpret_cast<const std::uint8_t*>(sigmas + num_pixels);
     images.left_color =
         cv::imdecode(std::vector<std::uint8_t>(jpeg, jpeg + jpeg_bytes), cv::IMREAD_COLOR);
-    return images;
+    return rerectifier_ ? rerectifier_->moved(images) : images;
 }
 
 }  // namespace divemesh::worker

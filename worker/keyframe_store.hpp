@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
+#include "worker/geometry/rerectifier.hpp"
 #include "worker/keyframe.hpp"
 
 namespace divemesh::worker {
@@ -12,6 +14,8 @@ namespace divemesh::worker {
 class KeyframeStore {
 public:
     explicit KeyframeStore(std::filesystem::path folder);  // made when missing
+    // The same store; what is read is as if rectified with other lenses.
+    KeyframeStore rerectified(std::shared_ptr<const KeyframeRerectifier> rerectifier) const;
 
     void write(int frame_index, const KeyframeImages& images) const;  // throws Error{OutOfSpace}
     KeyframeImages read(int frame_index) const;                       // throws Error{NotFound}
@@ -20,6 +24,7 @@ private:
     std::filesystem::path file_of(int frame_index) const;
 
     std::filesystem::path folder_;
+    std::shared_ptr<const KeyframeRerectifier> rerectifier_;
 };
 
 }  // namespace divemesh::worker

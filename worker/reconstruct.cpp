@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "worker/estimation/calibration_refinement.hpp"
 #include "worker/estimation/follow_keyframes.hpp"
 #include "worker/estimation/frame_features.hpp"
 #include "worker/estimation/global_adjustment.hpp"
+#include "worker/estimation/imu_aligner.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_map.hpp"
 #include "worker/estimation/motion.hpp"
@@ -45,6 +47,7 @@ Track track(Recording& recording,
     StereoMatcher stereo(rig, options);
     FeatureTracker tracker(rig, options);
     InertialPrior inertial(recording, options);
+    ImuAligner aligner(recording);
     KeyframeMap map(rig, options, inertial, store);
     Motion motion(rig, inertial);
     Features features;
@@ -74,7 +77,10 @@ Track track(Recording& recording,
             vision.found ? refine_pose(rig, vision.inliers, guess) : expected;
         motion.advance(T_current_previous, now_ns);
         T_start_cam = T_start_cam * T_current_previous.inverse();
-        if (dense) learn_bias(inertial, rig, vision, before_ns, now_ns);
+        if (dense)
+            learn_bias(inertial, rig, vision, before_ns, now_ns);
+        else if (options.align_imu)
+            aligner.watch(rig, vision, before_ns, now_ns, inertial);
 
         if (map.empty())
             summary.add_first_frame();
@@ -93,6 +99,7 @@ Track track(Recording& recording,
         report(progress, result.causal.size(), recording);
     }
     map.move_to(result);
+    result.imu_alignment = aligner.alignment();
     result.statistics = summary.statistics(recording.num_skipped_frames());
     return result;
 }
@@ -104,18 +111,25 @@ OptimisedTrack optimise(const Track& track,
                         const ProgressCallback& progress) {
     OptimisedTrack result;
     result.keyframes = track.keyframes;
+    result.rig = track.rig;
     if (!options.adjust_whole_dive || options.estimator == "pairwise" ||
         track.keyframes.size() < 2) {  // the paper stops here
         result.trajectory = track.causal;
         return result;
     }
-    const InertialPrior inertial(recording, options);
-    std::vector<Landmark> landmarks = track.landmarks;
+    InertialPrior inertial(recording, options);
     Progress at;
+    at.fraction = 0.1;
+    result.calibration = refine_calibration(track, recording, options, inertial, progress, at);
+    inertial.align({result.calibration.applied_alignment().time_offset_s});
+    Track refined = with_calibration(track, recording.rig(), result.calibration);
+    result.rig = refined.rig;
     at.fraction = 0.5;
-    result.statistics.reprojection_rms_px =
-        adjust_dive(track.rig, inertial, result.keyframes, landmarks, progress, at);
-    result.trajectory = follow_keyframes(track.odometry, result.keyframes, track.rig.T_imu_cam);
+    const AdjustedDive adjusted =
+        adjust_dive(refined.rig, inertial, result.keyframes, refined.landmarks, progress, at);
+    result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
+    result.trajectory = follow_keyframes(refined.odometry, result.keyframes, refined.rig.T_imu_cam);
+    result.covariances = covariances_at(adjusted.covariances, result.trajectory);
     return result;
 }
 

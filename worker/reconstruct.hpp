@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "schemas/reconstruction_options.hpp"
+#include "worker/estimation/imu_alignment.hpp"
+#include "worker/estimation/pose_covariance.hpp"
+#include "worker/estimation/refined_calibration.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/keyframe.hpp"
 #include "worker/keyframe_store.hpp"
@@ -52,6 +55,7 @@ struct Track {
     Trajectory odometry;  // the motion from frame to frame, chained: drifts but never jumps
     std::vector<Keyframe> keyframes;
     std::vector<Landmark> landmarks;
+    ImuAlignment imu_alignment;  // as found on the way
     TrackStatistics statistics;
 };
 
@@ -62,6 +66,9 @@ struct OptimiseStatistics {
 struct OptimisedTrack {
     Trajectory trajectory;  // every frame, with hindsight
     std::vector<Keyframe> keyframes;
+    RectifiedRig rig;  // its body as refined
+    RefinedCalibration calibration;
+    CovarianceTrack covariances;  // of every frame; empty: not known
     OptimiseStatistics statistics;
 };
 

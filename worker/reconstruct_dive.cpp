@@ -16,6 +16,7 @@
 #include "worker/mosaic/keyframe_pictures.hpp"
 #include "worker/mosaic/mosaic.hpp"
 #include "worker/output/atomic_file.hpp"
+#include "worker/output/covariance_file.hpp"
 #include "worker/output/glb_writer.hpp"
 #include "worker/output/ply.hpp"
 #include "worker/output/trajectory_file.hpp"
@@ -132,7 +133,12 @@ void DiveRun::optimise() {
         save_optimised_track(stage_file("optimise"), key_, *stored);
     }
     optimised_ = std::move(*stored);
+    if (optimised_.calibration.lenses_applied)
+        keyframe_store_ = keyframe_store_.rerectified(std::make_shared<KeyframeRerectifier>(
+            track_.rig,
+            Rerectifier(dive_->rig(), track_.rig, optimised_.calibration.applied_lenses)));
     write_tum(request_.out / "trajectory.tum", optimised_.trajectory);
+    write_covariances(request_.out / "trajectory_covariance.csv", optimised_.covariances);
     stage_done(watch, "optimise", reused);
 }
 
@@ -144,7 +150,7 @@ void DiveRun::fuse() {
     if (reused) {
         volume_ = load_volume(file);
     } else {
-        volume_ = worker::fuse(track_.rig,
+        volume_ = worker::fuse(optimised_.rig,
                                optimised_.keyframes,
                                track_.statistics.median_depth_m,
                                request_.options,
@@ -178,7 +184,7 @@ void DiveRun::texture() {
     write_glb(request_.out / "mesh.glb", mesh_);
     progress({});
     write_keyframe_pictures(
-        request_.out, track_.rig, optimised_.keyframes, keyframe_store_, progress);
+        request_.out, optimised_.rig, optimised_.keyframes, keyframe_store_, progress);
     if (request_.options.texture) {
         const Mosaic mosaic = render_mosaic(mesh_);
         write_mosaic(request_.out, mosaic);
@@ -208,6 +214,7 @@ Evaluation DiveRun::compare_with_truth() const {
     return evaluate_reconstruction({.rig = dive_->rig(),
                                     .trajectory = optimised_.trajectory,
                                     .causal = track_.causal,
+                                    .covariances = optimised_.covariances,
                                     .keyframes = optimised_.keyframes,
                                     .mesh = request_.options.surface ? &mesh_ : nullptr,
                                     .ground_truth = dive_->ground_truth(),
@@ -217,25 +224,27 @@ Evaluation DiveRun::compare_with_truth() const {
 }
 
 nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
-    return metrics_document(
-        {.version = DIVEMESH_VERSION,
-         .preset = request_.preset,
-         .options = request_.options,
-         .dive_name = dive_->info().name,
-         .content_sha256 = dive_->content_sha256(),
-         .duration_s = dive_->duration_s(),
-         .rig = dive_->rig(),
-         .gravity = check_gravity(dive_->imu(), optimised_.trajectory),
-         .time_offset_s = estimate_time_offset_s(dive_->imu(), optimised_.trajectory),
-         .track = track_.statistics,
-         .optimise = optimised_.statistics,
-         .num_keyframes = std::ssize(optimised_.keyframes),
-         .num_landmarks = std::ssize(track_.landmarks),
-         .path_length_m = path_length_m(optimised_.trajectory),
-         .mesh = mesh_figures(),
-         .stages = stage_times_,
-         .evaluation = evaluation,
-         .findings = dive_->findings()});
+    return metrics_document({.version = DIVEMESH_VERSION,
+                             .preset = request_.preset,
+                             .options = request_.options,
+                             .dive_name = dive_->info().name,
+                             .content_sha256 = dive_->content_sha256(),
+                             .duration_s = dive_->duration_s(),
+                             .rig = dive_->rig(),
+                             .gravity = check_gravity(dive_->imu(), optimised_.trajectory),
+                             .refined = optimised_.calibration,
+                             .end_covariance_m2 = optimised_.covariances.empty()
+                                                      ? std::optional<Eigen::Matrix3d>()
+                                                      : optimised_.covariances.back().position_m2,
+                             .track = track_.statistics,
+                             .optimise = optimised_.statistics,
+                             .num_keyframes = std::ssize(optimised_.keyframes),
+                             .num_landmarks = std::ssize(track_.landmarks),
+                             .path_length_m = path_length_m(optimised_.trajectory),
+                             .mesh = mesh_figures(),
+                             .stages = stage_times_,
+                             .evaluation = evaluation,
+                             .findings = dive_->findings()});
 }
 
 std::optional<MeshFigures> DiveRun::mesh_figures() const {

@@ -73,6 +73,74 @@ RectifiedRig get_rig(BinaryReader& file) {
     return rig;
 }
 
+void put_alignment(BinaryWriter& file, const ImuAlignment& alignment) {
+    file.put(alignment.time_offset_s);
+    file.put_raw(alignment.q_body_imu.coeffs());
+}
+
+ImuAlignment get_alignment(BinaryReader& file) {
+    ImuAlignment alignment;
+    alignment.time_offset_s = file.get<double>();
+    alignment.q_body_imu.coeffs() = file.get<Eigen::Vector4d>();
+    return alignment;
+}
+
+void put_calibration(BinaryWriter& file, const RefinedCalibration& calibration) {
+    put_alignment(file, calibration.imu);
+    file.put(calibration.time_offset_sigma_s);
+    file.put_raw(calibration.rotation_sigma_rad);
+    for (std::size_t side = 0; side < 2; ++side) {
+        file.put_raw(calibration.lenses[side].values);
+        file.put_raw(calibration.applied_lenses[side].values);
+        file.put_raw(calibration.lens_sigmas[side]);
+    }
+    file.put(calibration.lens_shift_px);
+    for (const bool applied : {calibration.time_offset_applied,
+                               calibration.rotation_applied,
+                               calibration.lenses_applied})
+        file.put(static_cast<std::uint8_t>(applied));
+}
+
+RefinedCalibration get_calibration(BinaryReader& file) {
+    RefinedCalibration calibration;
+    calibration.imu = get_alignment(file);
+    calibration.time_offset_sigma_s = file.get<double>();
+    calibration.rotation_sigma_rad = file.get<Eigen::Vector3d>();
+    for (std::size_t side = 0; side < 2; ++side) {
+        calibration.lenses[side].values = file.get<LensChange::Vector>();
+        calibration.applied_lenses[side].values = file.get<LensChange::Vector>();
+        calibration.lens_sigmas[side] = file.get<LensChange::Vector>();
+    }
+    calibration.lens_shift_px = file.get<double>();
+    for (bool* applied : {&calibration.time_offset_applied,
+                          &calibration.rotation_applied,
+                          &calibration.lenses_applied})
+        *applied = file.get<std::uint8_t>() != 0;
+    return calibration;
+}
+
+void put_covariances(BinaryWriter& file, const CovarianceTrack& covariances) {
+    file.put(static_cast<std::uint64_t>(covariances.size()));
+    for (const PoseCovariance& pose : covariances) {
+        file.put(pose.timestamp_ns);
+        file.put_raw(pose.position_m2);
+        file.put_raw(pose.rotation_rad2);
+    }
+}
+
+CovarianceTrack get_covariances(BinaryReader& file) {
+    CovarianceTrack covariances;
+    const auto num_poses = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
+        PoseCovariance pose;
+        pose.timestamp_ns = file.get<std::int64_t>();
+        pose.position_m2 = file.get<Eigen::Matrix3d>();
+        pose.rotation_rad2 = file.get<Eigen::Matrix3d>();
+        covariances.push_back(pose);
+    }
+    return covariances;
+}
+
 // A reader past a matching key; nothing when the file is not what the stage would make now.
 std::optional<BinaryReader> open_stage(const std::filesystem::path& path, const std::string& key) {
     BinaryReader file(path);
@@ -100,6 +168,7 @@ void save_track(const std::filesystem::path& path, const std::string& key, const
         file.put_raw(landmark.p_world);
         file.put_vector(landmark.observations);
     }
+    put_alignment(file, track.imu_alignment);
     file.put(track.statistics);
     file.commit();
 }
@@ -119,6 +188,7 @@ std::optional<Track> load_track(const std::filesystem::path& path, const std::st
         landmark.observations = file->get_vector<LandmarkObservation>();
         track.landmarks.push_back(std::move(landmark));
     }
+    track.imu_alignment = get_alignment(*file);
     track.statistics = file->get<TrackStatistics>();
     return complete(*file, std::move(track));
 }
@@ -130,6 +200,9 @@ void save_optimised_track(const std::filesystem::path& path,
     file.put_text(key);
     put_trajectory(file, track.trajectory);
     put_keyframes(file, track.keyframes);
+    put_rig(file, track.rig);
+    put_calibration(file, track.calibration);
+    put_covariances(file, track.covariances);
     file.put(track.statistics);
     file.commit();
 }
@@ -141,6 +214,9 @@ std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& 
     OptimisedTrack track;
     track.trajectory = get_trajectory(*file);
     track.keyframes = get_keyframes(*file);
+    track.rig = get_rig(*file);
+    track.calibration = get_calibration(*file);
+    track.covariances = get_covariances(*file);
     track.statistics = file->get<OptimiseStatistics>();
     return complete(*file, std::move(track));
 }

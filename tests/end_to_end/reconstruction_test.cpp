@@ -37,6 +37,7 @@ TEST_F(ReconstructionTest, TurnsAnUploadedDiveIntoAMeasuredMesh) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     for (const char* name : {"trajectory.tum",
                              "trajectory_causal.tum",
+                             "trajectory_covariance.csv",
                              "cloud.ply",
                              "mesh.ply",
                              "mesh.glb",

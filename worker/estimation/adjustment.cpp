@@ -8,9 +8,12 @@
 #include <ceres/sphere_manifold.h>
 #include <cmath>
 #include <initializer_list>
+#include <unordered_map>
 #include <unordered_set>
 
+#include "worker/estimation/reduced_information.hpp"
 #include "worker/estimation/solver_progress.hpp"
+#include "worker/estimation/sparse_inverse.hpp"
 #include "worker/residuals/gyroscope_turn.hpp"
 #include "worker/residuals/inertial_motion.hpp"
 #include "worker/residuals/known_orientation.hpp"
@@ -243,6 +246,29 @@ void Adjustment::solve(Size size,
     ceres::Solver::Summary summary;
     ceres::Solve(options, &own.problem, &summary);
     callback.rethrow();
+}
+
+std::vector<StateCovariance> Adjustment::covariances(std::vector<BodyState>& states) {
+    auto& own = *implementation_;
+    std::vector<double*> points;
+    for (double* landmark : own.landmarks)
+        if (points.empty() || points.back() != landmark) points.push_back(landmark);
+    const ReducedInformation information =
+        reduced_information(own.problem, own.others, points, kHuberReprojection);
+    const auto inverse = SparseInverse::of(information.lower);
+    if (!inverse) return {};
+    std::unordered_map<const double*, int> start;
+    for (std::size_t i = 0; i < own.others.size(); ++i)
+        start.emplace(own.others[i], information.start[i]);
+    std::vector<StateCovariance> result(states.size());
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const int rotation = start.at(own.q(states[k]));
+        const int position = start.at(states[k].p_world_imu.data());
+        if (position >= 0) result[k].position_m2 = inverse->block(position, 3);
+        // Ceres' tangent of a quaternion is half the rotation vector.
+        if (rotation >= 0) result[k].rotation_rad2 = 4.0 * inverse->block(rotation, 3);
+    }
+    return result;
 }
 
 }  // namespace divemesh::worker

@@ -24,6 +24,12 @@ struct BodyState {
     Eigen::Isometry3d T_world_imu() const;
 };
 
+// How uncertain a state is against what was held, axes of the world.
+struct StateCovariance {
+    Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d rotation_rad2 = Eigen::Matrix3d::Zero();
+};
+
 // Bundle adjustment: body states and landmarks that fit best what the cameras and the inertial
 // sensors measured, by Ceres. States and landmarks belong to the caller, stay where they are until
 // solve() has changed them. One thread: the same input gives the same bits.
@@ -76,6 +82,10 @@ public:
     enum class Size { Window, Dive };
     // Reports `at` to `progress` every iteration. Throws what the callback throws.
     void solve(Size size, int max_iterations, const ProgressCallback& progress, const Progress& at);
+    // Of states that were solved for, marginal; the cameras' noise as their residuals show it.
+    // Observations of one landmark must have been added after one another. Nothing when the states
+    // are not determined.
+    std::vector<StateCovariance> covariances(std::vector<BodyState>& states);
 
 private:
     struct Implementation;

@@ -1,6 +1,7 @@
 #include "worker/estimation/global_adjustment.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "worker/estimation/adjustment.hpp"
 #include "worker/estimation/inertial_factors.hpp"
@@ -40,14 +41,27 @@ double reprojection_rms_px(const RectifiedRig& rig,
     return num > 0 ? std::sqrt(squares / static_cast<double>(num)) : 0.0;
 }
 
+CovarianceTrack relative_to_first(Adjustment& adjustment,
+                                  const std::vector<Keyframe>& keyframes,
+                                  std::vector<BodyState>& states) {
+    const auto in_world = adjustment.covariances(states);
+    const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
+    CovarianceTrack track;
+    for (std::size_t k = 0; k < in_world.size(); ++k)
+        track.push_back({keyframes[k].timestamp_ns,
+                         R_world_first.transpose() * in_world[k].position_m2 * R_world_first,
+                         R_world_first.transpose() * in_world[k].rotation_rad2 * R_world_first});
+    return track;
+}
+
 }  // namespace
 
-double adjust_dive(const RectifiedRig& rig,
-                   const InertialPrior& inertial,
-                   std::vector<Keyframe>& keyframes,
-                   std::vector<Landmark>& landmarks,
-                   const ProgressCallback& progress,
-                   const Progress& at) {
+AdjustedDive adjust_dive(const RectifiedRig& rig,
+                         const InertialPrior& inertial,
+                         std::vector<Keyframe>& keyframes,
+                         std::vector<Landmark>& landmarks,
+                         const ProgressCallback& progress,
+                         const Progress& at) {
     std::vector<BodyState> states;
     states.reserve(keyframes.size());
     for (const Keyframe& keyframe : keyframes)
@@ -65,11 +79,12 @@ double adjust_dive(const RectifiedRig& rig,
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, keyframes, states, reference);
     adjustment.solve(Adjustment::Size::Dive, kMaxIterations, progress, at);
+    CovarianceTrack covariances = relative_to_first(adjustment, keyframes, states);
     const Eigen::Quaterniond q_level_world = levelling(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
     for (Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
-    return reprojection_rms_px(rig, keyframes, landmarks);
+    return {reprojection_rms_px(rig, keyframes, landmarks), std::move(covariances)};
 }
 
 }  // namespace divemesh::worker

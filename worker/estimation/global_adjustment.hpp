@@ -3,20 +3,25 @@
 #include <vector>
 
 #include "worker/estimation/inertial_prior.hpp"
+#include "worker/estimation/pose_covariance.hpp"
 #include "worker/observer.hpp"
 #include "worker/reconstruct.hpp"
 
 namespace divemesh::worker {
 
+struct AdjustedDive {
+    double reprojection_rms_px = 0.0;
+    CovarianceTrack covariances;  // of the keyframes; empty when they are not determined
+};
+
 // All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays where it is. Landmarks are
-// thinned evenly so that an hour's dive stays solvable. Returns the root mean square of the
-// reprojection errors, px.
-double adjust_dive(const RectifiedRig& rig,
-                   const InertialPrior& inertial,
-                   std::vector<Keyframe>& keyframes,
-                   std::vector<Landmark>& landmarks,
-                   const ProgressCallback& progress,
-                   const Progress& at);
+// thinned evenly so that an hour's dive stays solvable.
+AdjustedDive adjust_dive(const RectifiedRig& rig,
+                         const InertialPrior& inertial,
+                         std::vector<Keyframe>& keyframes,
+                         std::vector<Landmark>& landmarks,
+                         const ProgressCallback& progress,
+                         const Progress& at);
 
 }  // namespace divemesh::worker

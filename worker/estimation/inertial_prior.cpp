@@ -68,22 +68,29 @@ bool feels_gravity(const std::vector<ImuSample>& samples) {
 
 InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOptions& options)
     : recording_(recording),
+      imu_(recording.imu()),
+      orientations_(recording.ahrs()),
       gyroscope_(options.use_imu && recording.rig().imu_noise && !recording.imu().empty()),
       accelerometer_(gyroscope_ && feels_gravity(recording.imu())),
       ahrs_(options.use_ahrs && !recording.ahrs().empty()),
       pressure_(options.use_pressure && !recording.pressure().empty()),
       noise_(inflated(recording.rig().imu_noise.value_or(ImuNoise{}))) {}
 
+void InertialPrior::align(const ImuAlignment& alignment) {
+    imu_ = aligned(recording_.imu(), alignment);
+    orientations_ = aligned(recording_.ahrs(), alignment);
+}
+
 std::optional<GyroscopeIntegral> InertialPrior::integral(std::int64_t from_ns,
                                                          std::int64_t to_ns) const {
     if (!gyroscope_) return std::nullopt;
-    return integrate_gyroscope(recording_.imu(), from_ns, to_ns, bias_.gyroscope, noise_);
+    return integrate_gyroscope(imu_, from_ns, to_ns, bias_.gyroscope, noise_);
 }
 
 std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
                                                       std::int64_t to_ns) const {
     if (!accelerometer_) return std::nullopt;
-    const auto result = preintegrate(recording_.imu(), from_ns, to_ns, bias_, noise_);
+    const auto result = preintegrate(imu_, from_ns, to_ns, bias_, noise_);
     const auto* motion = std::get_if<PreintegratedImu>(&result);
     return motion ? std::optional(*motion) : std::nullopt;
 }
@@ -102,7 +109,7 @@ std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int6
 
 std::optional<Eigen::Quaterniond> InertialPrior::absolute(std::int64_t time_ns) const {
     if (!ahrs_) return std::nullopt;
-    const auto around = bracket(recording_.ahrs(), time_ns, kLongestAhrsGap_ns);
+    const auto around = bracket(orientations_, time_ns, kLongestAhrsGap_ns);
     if (!around) return std::nullopt;
     return around->before->q_world_imu.slerp(around->share, around->after->q_world_imu);
 }
@@ -131,7 +138,7 @@ Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
     Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // no inertial sensor: the camera is held level
     if (gyroscope_) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (const ImuSample& sample : recording_.imu()) {
+        for (const ImuSample& sample : imu_) {
             if (sample.timestamp_ns < time_ns) continue;
             if (sample.timestamp_ns > time_ns + kLevelling_ns) break;
             const auto turned = turn(time_ns, sample.timestamp_ns);

@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/gyroscope_integral.hpp"
+#include "worker/estimation/imu_alignment.hpp"
 #include "worker/estimation/preintegration.hpp"
 #include "worker/recording.hpp"
 #include "worker/steps/predict_orientation.hpp"
@@ -30,6 +32,9 @@ struct SensorReadings {
 class InertialPrior {
 public:
     InertialPrior(const Recording& recording, const ReconstructionOptions& options);
+
+    // From now on the samples are taken for what a unit that sits as calibrated would have said.
+    void align(const ImuAlignment& alignment);
 
     bool has_gyroscope() const { return gyroscope_; }
     bool has_accelerometer() const { return accelerometer_; }
@@ -61,6 +66,8 @@ public:
 
 private:
     const Recording& recording_;
+    std::vector<ImuSample> imu_;
+    std::vector<OrientationSample> orientations_;
     bool gyroscope_ = false;
     bool accelerometer_ = false;
     bool ahrs_ = false;

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/geometry/rectified_lens.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -16,19 +17,6 @@ struct Extent {
     double top = -1e9;
     double bottom = 1e9;
 };
-
-// Half of the rotation between the cameras each, then the row axis along the baseline: column i
-// holds axis i of the rectified camera in the frame of cam0.
-Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
-    const Eigen::AngleAxisd turn(T_cam0_cam1.linear());
-    const Eigen::Matrix3d middle =
-        Eigen::AngleAxisd(0.5 * turn.angle(), turn.axis()).toRotationMatrix();
-    Eigen::Matrix3d axes;
-    axes.col(0) = T_cam0_cam1.translation().normalized();
-    axes.col(1) = middle.col(2).cross(axes.col(0)).normalized();
-    axes.col(2) = axes.col(0).cross(axes.col(1));
-    return axes;
-}
 
 void narrow(Extent& extent, const Camera& camera, const Eigen::Matrix3d& R_rectified_camera) {
     const auto ray = [&](double u, double v) {
@@ -48,17 +36,14 @@ void narrow(Extent& extent, const Camera& camera, const Eigen::Matrix3d& R_recti
 }
 
 // Where every rectified pixel lies in the picture as recorded.
-void make_map(const Camera& camera,
-              const Eigen::Matrix3d& R_camera_rectified,
-              const RectifiedRig& rig,
-              cv::Mat (&map)[2]) {
+void make_map(const RectifiedLens& lens, const RectifiedRig& rig, cv::Mat (&map)[2]) {
     cv::Mat x(rig.height_px, rig.width_px, CV_32F);
     cv::Mat y(rig.height_px, rig.width_px, CV_32F);
     for (int v = 0; v < rig.height_px; ++v) {
         for (int u = 0; u < rig.width_px; ++u) {
-            const auto pixel = camera.project(R_camera_rectified * rig.point_cam(u, v, 1.0));
-            x.at<float>(v, u) = pixel ? static_cast<float>(pixel->x()) : -1.0F;
-            y.at<float>(v, u) = pixel ? static_cast<float>(pixel->y()) : -1.0F;
+            const Eigen::Vector2d pixel = lens.recorded_px(rig, Eigen::Vector2d(u, v));
+            x.at<float>(v, u) = static_cast<float>(pixel.x());
+            y.at<float>(v, u) = static_cast<float>(pixel.y());
         }
     }
     cv::convertMaps(x, y, map[0], map[1], CV_16SC2);
@@ -79,12 +64,11 @@ Rectifier::Rectifier(const Rig& rig) {
         throw Error(ErrorCode::BadData,
                     "the right camera is not to the right of the left one: check T_BS of cam0 and "
                     "cam1, or swap the two folders");
-    const Eigen::Matrix3d R_cam0_rectified = rectified_axes(T_cam0_cam1);
-    const Eigen::Matrix3d R_cam1_rectified = T_cam0_cam1.linear().transpose() * R_cam0_rectified;
+    const auto [left, right] = rectified_lenses(rig);
 
     Extent extent;
-    narrow(extent, rig.cam0, R_cam0_rectified.transpose());
-    narrow(extent, rig.cam1, R_cam1_rectified.transpose());
+    narrow(extent, rig.cam0, left.R_camera_rectified.transpose());
+    narrow(extent, rig.cam1, right.R_camera_rectified.transpose());
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
     // The widest view without unseen borders, but of a fisheye only the middle.
@@ -104,9 +88,9 @@ Rectifier::Rectifier(const Rig& rig) {
     rig_.cy_px = 0.5 * height - rig_.focal_px * 0.5 * (extent.top + extent.bottom);
     rig_.baseline_m = rig.baseline_m();
     rig_.T_imu_cam = rig.T_imu_cam0;
-    rig_.T_imu_cam.linear() = rig.T_imu_cam0.linear() * R_cam0_rectified;
-    make_map(rig.cam0, R_cam0_rectified, rig_, left_map_);
-    make_map(rig.cam1, R_cam1_rectified, rig_, right_map_);
+    rig_.T_imu_cam.linear() = rig.T_imu_cam0.linear() * left.R_camera_rectified;
+    make_map(left, rig_, left_map_);
+    make_map(right, rig_, right_map_);
 }
 
 RectifiedFrame Rectifier::rectify(const StereoFrame& frame) const {

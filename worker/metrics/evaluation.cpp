@@ -11,6 +11,8 @@ void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation)
     try {
         evaluation.trajectory = trajectory_error(input.trajectory, input.ground_truth);
         evaluation.causal = trajectory_error(input.causal, input.ground_truth);
+        evaluation.covariance =
+            check_covariances(input.trajectory, input.covariances, input.ground_truth);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::BadData) throw;
         evaluation.findings.push_back(

@@ -5,6 +5,7 @@
 
 #include "schemas/finding.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/metrics/covariance_check.hpp"
 #include "worker/metrics/known_distances.hpp"
 #include "worker/metrics/surface_error.hpp"
 #include "worker/metrics/trajectory_error.hpp"
@@ -16,6 +17,7 @@ struct EvaluationInput {
     const Rig& rig;
     const Trajectory& trajectory;  // final
     const Trajectory& causal;
+    const CovarianceTrack& covariances;  // of the final one; empty: none
     const std::vector<Keyframe>& keyframes;
     const Mesh* mesh;                // none: no surface was asked for
     const Trajectory& ground_truth;  // empty: none
@@ -29,6 +31,7 @@ struct EvaluationInput {
 struct Evaluation {
     std::optional<TrajectoryError> trajectory;
     std::optional<TrajectoryError> causal;
+    std::optional<CovarianceCheck> covariance;
     std::optional<SurfaceError> surface;
     std::optional<KnownDistanceErrors> known_distances;
     std::vector<Finding> findings;

@@ -19,11 +19,4 @@ struct GravityCheck {
 std::optional<GravityCheck> check_gravity(const std::vector<ImuSample>& imu,
                                           const Trajectory& trajectory);
 
-// How much later the IMU's clock shows the same turn than the cameras' (t_imu = t_cam + offset, as
-// Kalibr has it), s: the shift within 50 ms that brings gyro and trajectory together best. An
-// estimator that leans on the gyro pulls it towards 0. Nothing when there is no IMU or too little
-// turning to tell.
-std::optional<double> estimate_time_offset_s(const std::vector<ImuSample>& imu,
-                                             const Trajectory& trajectory);
-
 }  // namespace divemesh::worker

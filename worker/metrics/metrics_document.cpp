@@ -1,5 +1,6 @@
 #include "worker/metrics/metrics_document.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -8,11 +9,14 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/json.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kDegPerRad = 57.29577951308232;
 
 double clock_s(clockid_t clock) {
     timespec now{};
@@ -61,6 +65,38 @@ std::string calibration_sha256(const Rig& rig) {
     return sha256_hex(text);
 }
 
+json estimate(double value, double sigma) { return {{"value", value}, {"sigma", sigma}}; }
+
+// A camera as refined: stated values with what was found to be missing.
+json lens(const Camera& stated, const LensChange& change, const LensChange::Vector& sigmas) {
+    const Camera camera = change.applied(stated);
+    return {{"fx_px", estimate(camera.fx_px, sigmas[0] * stated.fx_px)},
+            {"fy_px", estimate(camera.fy_px, sigmas[0] * stated.fy_px)},
+            {"cx_px", estimate(camera.cx_px, sigmas[1])},
+            {"cy_px", estimate(camera.cy_px, sigmas[2])},
+            {"k1", estimate(camera.distortion_coefficients[0], sigmas[3])},
+            {"k2", estimate(camera.distortion_coefficients[1], sigmas[4])}};
+}
+
+json refined(const MetricsInput& input) {
+    const RefinedCalibration& refined = input.refined;
+    json result = {{"lenses",
+                    {{"cam0", lens(input.rig.cam0, refined.lenses[0], refined.lens_sigmas[0])},
+                     {"cam1", lens(input.rig.cam1, refined.lenses[1], refined.lens_sigmas[1])},
+                     {"shift_px", refined.lens_shift_px},
+                     {"applied", refined.lenses_applied}}}};
+    if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return result;
+    const Eigen::Vector3d w = kDegPerRad * vector_from_rotation(refined.imu.q_body_imu);
+    const Eigen::Vector3d sigma = kDegPerRad * refined.rotation_sigma_rad;
+    result["time_offset_s"] = estimate(refined.imu.time_offset_s, refined.time_offset_sigma_s);
+    result["time_offset_s"]["applied"] = refined.time_offset_applied;
+    result["rotation_deg"] = {{"vector", {w.x(), w.y(), w.z()}},
+                              {"sigma", {sigma.x(), sigma.y(), sigma.z()}},
+                              {"angle", w.norm()},
+                              {"applied", refined.rotation_applied}};
+    return result;
+}
+
 json calibration(const MetricsInput& input) {
     const Rig& rig = input.rig;
     json result = {{"body_frame", rig.imu_noise ? "imu" : "cam0"},
@@ -72,7 +108,7 @@ json calibration(const MetricsInput& input) {
     if (input.gravity)
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
                              {"tilt_deg", input.gravity->tilt_deg}};
-    if (input.time_offset_s) result["time_offset_s"] = *input.time_offset_s;
+    if (input.refined.is_known()) result["refined"] = refined(input);
     return result;
 }
 
@@ -139,6 +175,8 @@ json mesh(const MeshFigures& figures) {
 void add_evaluation(const Evaluation& evaluation, json& document) {
     json& trajectory = document["trajectory"];
     if (evaluation.trajectory) trajectory["final"] = to_metrics(*evaluation.trajectory);
+    if (evaluation.covariance)
+        trajectory["covariance"]["check"] = to_metrics(*evaluation.covariance);
     if (evaluation.causal) trajectory["causal"] = to_metrics(*evaluation.causal);
     if (evaluation.surface) document["surface"] = to_metrics(*evaluation.surface);
     if (evaluation.known_distances)
@@ -162,6 +200,9 @@ json metrics_document(const MetricsInput& input) {
                      {"trajectory", {{"path_length_m", input.path_length_m}}},
                      {"speed", speed(input)}};
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
+    if (input.end_covariance_m2)
+        document["trajectory"]["covariance"]["end_sigma_m"] =
+            std::sqrt(input.end_covariance_m2->trace());
     add_evaluation(input.evaluation, document);
     std::vector<Finding> findings = input.findings;
     findings.insert(

@@ -51,7 +51,8 @@ struct MetricsInput {
     double duration_s = 0.0;
     Rig rig;
     std::optional<GravityCheck> gravity;  // nothing: no IMU
-    std::optional<double> time_offset_s;  // estimated: IMU time minus camera time
+    RefinedCalibration refined;
+    std::optional<Eigen::Matrix3d> end_covariance_m2;  // of the last position; nothing: not known
     TrackStatistics track;
     OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;

@@ -98,8 +98,21 @@ Rows dive_rows(const Figures& figures) {
     figures.add(rows, "Focal length", "/calibration/focal_px/0", "%.1f px");
     figures.add(rows, "Gravity as measured", "/calibration/gravity/magnitude_m_s2", "%.3f m/s²");
     figures.add(rows, "Tilt of gravity", "/calibration/gravity/tilt_deg", "%.2f°");
+    figures.add(rows,
+                "IMU clock ahead of the cameras",
+                "/calibration/refined/time_offset_s/value",
+                "%.2f ms",
+                1e3);
     figures.add(
-        rows, "IMU clock ahead of the cameras", "/calibration/time_offset_s", "%.2f ms", 1e3);
+        rows, "Its standard deviation", "/calibration/refined/time_offset_s/sigma", "%.2f ms", 1e3);
+    figures.add(rows,
+                "IMU turned against the calibration",
+                "/calibration/refined/rotation_deg/angle",
+                "%.2f°");
+    figures.add(rows,
+                "Bending of the pictures that the calibration misses",
+                "/calibration/refined/lenses/shift_px",
+                "%.2f px");
     return rows;
 }
 

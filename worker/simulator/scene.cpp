@@ -130,6 +130,7 @@ Scene make_scene(SceneKind kind, std::uint64_t seed, int year) {
         case SceneKind::Tank: return make_tank_scene(seed, year);
         case SceneKind::Barge: return make_barge_scene(seed, year);
         case SceneKind::Reef: return make_reef_scene(seed, year);
+        case SceneKind::Bed: return make_bed_scene(seed, year);
     }
     throw Error(ErrorCode::InvalidArgument, "unknown scene");
 }

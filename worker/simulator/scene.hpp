@@ -62,6 +62,7 @@ Scene make_scene(SceneKind kind, std::uint64_t seed, int year);
 Scene make_tank_scene(std::uint64_t seed, int year);
 Scene make_barge_scene(std::uint64_t seed, int year);
 Scene make_reef_scene(std::uint64_t seed, int year);
+Scene make_bed_scene(std::uint64_t seed, int year);
 
 // Collects objects into a scene.
 class SceneBuilder {

@@ -10,7 +10,8 @@
 namespace divemesh::worker {
 
 // tank: a furnished room in air. barge: a sunken hull on sand. reef: coral heads and sand channels.
-enum class SceneKind { Tank, Barge, Reef };
+// bed: a plane, to see what a wrong calibration bends.
+enum class SceneKind { Tank, Barge, Reef, Bed };
 // How far one sees: clear about 15 m, green 5 to 6 m, turbid 2 to 3 m.
 enum class WaterKind { None, Clear, Green, Turbid };
 

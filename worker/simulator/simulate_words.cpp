@@ -4,8 +4,10 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr EnumText<SceneKind> kSceneTexts[] = {
-    {SceneKind::Tank, "tank"}, {SceneKind::Barge, "barge"}, {SceneKind::Reef, "reef"}};
+constexpr EnumText<SceneKind> kSceneTexts[] = {{SceneKind::Tank, "tank"},
+                                               {SceneKind::Barge, "barge"},
+                                               {SceneKind::Reef, "reef"},
+                                               {SceneKind::Bed, "bed"}};
 constexpr EnumText<WaterKind> kWaterTexts[] = {{WaterKind::None, "none"},
                                                {WaterKind::Clear, "clear"},
                                                {WaterKind::Green, "green"},

@@ -49,7 +49,10 @@ MetricsInput dive_with_everything() {
     MetricsInput input = plain_dive();
     input.rig.imu_noise = ImuNoise{};
     input.gravity = GravityCheck{9.8, 0.1};
-    input.time_offset_s = -0.002;
+    input.end_covariance_m2 = 1e-6 * Eigen::Matrix3d::Identity();
+    input.evaluation.covariance = CovarianceCheck{100, 3.1, 0.94};
+    input.refined.time_offset_sigma_s = 1e-4;
+    for (auto& sigmas : input.refined.lens_sigmas) sigmas.setConstant(0.01);
     input.evaluation.trajectory = TrajectoryError{};
     input.evaluation.trajectory->segments = {{1.0, 10, 0.5, 0.6, 0.1, 0.2}};
     input.evaluation.causal = input.evaluation.trajectory;

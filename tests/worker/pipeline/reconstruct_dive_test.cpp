@@ -59,9 +59,13 @@ TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingEl
     const auto whole = reconstruct("whole", {{"voxel_m", 0.02}});
     const auto alone = reconstruct("alone", {{"surface", false}});
     EXPECT_EQ(names_in(folder_ / "alone"),
-              (std::set<std::string>{
-                  "trajectory.tum", "trajectory_causal.tum", "metrics.json", "report.html"}));
-    for (const auto* name : {"trajectory.tum", "trajectory_causal.tum"})
+              (std::set<std::string>{"trajectory.tum",
+                                     "trajectory_causal.tum",
+                                     "trajectory_covariance.csv",
+                                     "metrics.json",
+                                     "report.html"}));
+    for (const auto* name :
+         {"trajectory.tum", "trajectory_causal.tum", "trajectory_covariance.csv"})
         EXPECT_EQ(content(folder_ / "alone" / name), content(folder_ / "whole" / name)) << name;
     EXPECT_EQ(alone["trajectory"], whole["trajectory"]);
     EXPECT_TRUE(whole.contains("mesh"));

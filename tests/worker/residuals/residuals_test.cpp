@@ -6,6 +6,8 @@
 #include "worker/residuals/gyroscope_turn.hpp"
 #include "worker/residuals/inertial_motion.hpp"
 #include "worker/residuals/known_orientation.hpp"
+#include "worker/residuals/lens_reprojection.hpp"
+#include "worker/residuals/misaligned_turn.hpp"
 #include "worker/residuals/point_transfer.hpp"
 #include "worker/residuals/pressure_depth.hpp"
 #include "worker/residuals/random_walk.hpp"
@@ -45,6 +47,56 @@ TEST(StereoReprojectionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
 
     EXPECT_LT(largest_residual(*cost, blocks), 1e-9);
     expect_true_jacobians(*cost, blocks);
+}
+
+TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDerivatives) {
+    const RectifiedRig rig = synthetic::rig();
+    const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(20);
+    const Eigen::Isometry3d T_world_imu = T_world_cam * rig.T_imu_cam.inverse();
+    const Eigen::Vector3d p_cam(0.3, -0.2, 1.7);
+    const Eigen::Vector3d p_world = T_world_cam * p_cam;
+    LensReprojection reprojection;
+    reprojection.shift_px.setRandom();
+    Eigen::Matrix<double, LensReprojection::kNumChanges, 1> change;
+    change.setLinSpaced(-0.2, 0.3);
+    reprojection.stereo = {rig,
+                           project_px(rig, p_cam) + reprojection.shift_px * change,
+                           Eigen::Vector3d(0.3, 0.3, 0.2)};
+    const CostFunction cost(LensReprojection::create(reprojection));
+    const Eigen::Vector3d t = T_world_imu.translation();
+    const std::vector<std::vector<double>> blocks = {
+        block(Eigen::Quaterniond(T_world_imu.linear())),
+        {t.x(), t.y(), t.z()},
+        {p_world.x(), p_world.y(), p_world.z()},
+        {change.data(), change.data() + change.size()}};
+
+    EXPECT_LT(largest_residual(*cost, blocks), 1e-9);
+    expect_true_jacobians(*cost, blocks);
+}
+
+TEST(MisalignedTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+    MisalignedTurn turn;
+    turn.integral.duration_s = 0.5;
+    turn.integral.q_from_to = rotation_from_vector({0.1, -0.05, 0.2});
+    turn.integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
+    turn.integral.sigma_rad = 1e-3;
+    turn.d_rotation_d_time = Eigen::Vector3d(0.1, -0.2, 0.05);
+    turn.time_offset_s = 0.004;
+    const Eigen::Quaterniond q_i = rotation_from_vector({0.4, 0.1, 0.9});
+    const Eigen::Vector3d m(0.01, -0.02, 0.015);
+    const Eigen::Quaterniond M = MisalignedTurn::small(m);
+    const Eigen::Quaterniond q_j = q_i * (M * turn.integral.q_from_to * M.conjugate());
+    const CostFunction cost(MisalignedTurn::create(turn));
+
+    EXPECT_LT(largest_residual(*cost,
+                               {block(q_i), block(q_j), {0, 0, 0}, {m.x(), m.y(), m.z()}, {0.004}}),
+              1e-9);
+    expect_true_jacobians(*cost,
+                          {block(q_i),
+                           block(q_j * rotation_from_vector({0.01, 0.0, 0.02})),
+                           {0.01, -0.02, 0.005},
+                           {0.02, 0.01, -0.01},
+                           {0.006}});
 }
 
 TEST(PointTransferTest, VanishesAtTheTruthAndHasTrueDerivatives) {

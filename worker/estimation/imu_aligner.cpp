@@ -1,0 +1,38 @@
+#include "worker/estimation/imu_aligner.hpp"
+
+#include "worker/steps/refine_pose.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::int64_t kShortest_ns = 2'000'000'000;
+constexpr std::size_t kMostTurns = 600;
+constexpr std::size_t kFewestPairs = 30;
+
+}  // namespace
+
+void ImuAligner::watch(const RectifiedRig& rig,
+                       const Registration& vision,
+                       std::int64_t before_ns,
+                       std::int64_t now_ns,
+                       InertialPrior& inertial) {
+    if (!inertial.has_gyroscope() || turns_.size() >= kMostTurns) return;
+    if (!vision.found || vision.inliers.size() < kFewestPairs) return;
+    const Eigen::Isometry3d T_current_previous =
+        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
+    const Eigen::Quaterniond q_body_cam(rig.T_imu_cam.linear());
+    const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
+    turns_.push_back({before_ns, now_ns, q_body_cam * q_previous_current * q_body_cam.conjugate()});
+    if (turns_.size() < next_size_ || now_ns - turns_.front().from_ns < kShortest_ns) return;
+    next_size_ = turns_.size() + turns_.size() / 2;
+    const auto estimate = estimate_alignment(samples_, turns_);
+    if (!estimate) return;
+    ImuAlignment alignment;
+    if (estimate->time_offset_is_significant())
+        alignment.time_offset_s = estimate->alignment.time_offset_s;
+    if (estimate->rotation_is_significant()) alignment.q_body_imu = estimate->alignment.q_body_imu;
+    alignment_ = alignment;
+    inertial.align(alignment);
+}
+
+}  // namespace divemesh::worker

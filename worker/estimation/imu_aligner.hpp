@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/estimation/imu_alignment.hpp"
+#include "worker/estimation/inertial_prior.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/steps/register_points.hpp"
+
+namespace divemesh::worker {
+
+// Watches the first minute of a dive for a time offset and a misalignment of the inertial unit, so
+// that the tracking does not lean on a prediction that is always late or askew. What is not plainly
+// there is left alone; the adjustment of the whole dive looks again.
+class ImuAligner {
+public:
+    explicit ImuAligner(const Recording& recording) : samples_(recording.imu()) {}
+
+    // `vision` saw the camera move over the interval. Changes `inertial` when the turns so far say
+    // so: after two seconds, and whenever there are half as many turns again.
+    void watch(const RectifiedRig& rig,
+               const Registration& vision,
+               std::int64_t before_ns,
+               std::int64_t now_ns,
+               InertialPrior& inertial);
+
+    const ImuAlignment& alignment() const { return alignment_; }
+
+private:
+    const std::vector<ImuSample>& samples_;
+    std::vector<SeenTurn> turns_;
+    std::size_t next_size_ = 40;
+    ImuAlignment alignment_;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,85 @@
+#include "worker/geometry/rectified_lens.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace divemesh::worker {
+namespace {
+
+// Column i holds axis i of the rectified camera in the frame of cam0.
+Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
+    const Eigen::AngleAxisd turn(T_cam0_cam1.linear());
+    const Eigen::Matrix3d middle =
+        Eigen::AngleAxisd(0.5 * turn.angle(), turn.axis()).toRotationMatrix();
+    Eigen::Matrix3d axes;
+    axes.col(0) = T_cam0_cam1.translation().normalized();
+    axes.col(1) = middle.col(2).cross(axes.col(0)).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    return axes;
+}
+
+Eigen::Vector2d project(const Camera& camera, const Eigen::Vector3d& ray_cam) {
+    return camera.project(ray_cam).value_or(Eigen::Vector2d(-1.0, -1.0));
+}
+
+}  // namespace
+
+Eigen::Vector2d RectifiedLens::recorded_px(const RectifiedRig& rig,
+                                           const Eigen::Vector2d& rectified_px) const {
+    return project(camera,
+                   R_camera_rectified * rig.point_cam(rectified_px.x(), rectified_px.y(), 1.0));
+}
+
+Eigen::Vector2d RectifiedLens::rectified_px(const RectifiedRig& rig,
+                                            const Eigen::Vector2d& recorded_px) const {
+    Eigen::Vector3d ray = R_camera_rectified.transpose() * camera.unproject(recorded_px);
+    ray.z() = std::max(ray.z(), 1e-3);
+    return rig.pixel(ray);
+}
+
+std::array<RectifiedLens, 2> rectified_lenses(const Rig& rig) {
+    const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
+    const Eigen::Matrix3d R_cam0_rectified = rectified_axes(T_cam0_cam1);
+    return {{{rig.cam0, R_cam0_rectified},
+             {rig.cam1, T_cam0_cam1.linear().transpose() * R_cam0_rectified}}};
+}
+
+Camera LensChange::applied(const Camera& camera) const {
+    Camera result = camera;
+    result.fx_px *= 1.0 + values[0];
+    result.fy_px *= 1.0 + values[0];
+    result.cx_px += values[1];
+    result.cy_px += values[2];
+    result.distortion_coefficients[0] += values[3];
+    result.distortion_coefficients[1] += values[4];
+    return result;
+}
+
+Eigen::Matrix<double, 2, LensChange::kSize> shift_of_change(const RectifiedRig& rig,
+                                                            const RectifiedLens& lens,
+                                                            const Eigen::Vector2d& rectified_px) {
+    constexpr double kStep_px = 0.5;
+    Eigen::Matrix2d recorded_by_rectified;
+    for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector2d step = kStep_px * Eigen::Vector2d::Unit(axis);
+        recorded_by_rectified.col(axis) = (lens.recorded_px(rig, rectified_px + step) -
+                                           lens.recorded_px(rig, rectified_px - step)) /
+                                          (2.0 * kStep_px);
+    }
+    const Eigen::Vector3d ray =
+        lens.R_camera_rectified * rig.point_cam(rectified_px.x(), rectified_px.y(), 1.0);
+    Eigen::Matrix<double, 2, LensChange::kSize> recorded_by_change;
+    for (int i = 0; i < LensChange::kSize; ++i) {
+        LensChange above;
+        LensChange below;
+        const double step = i == 1 || i == 2 ? 0.1 : 1e-4;
+        above.values[i] = step;
+        below.values[i] = -step;
+        recorded_by_change.col(i) =
+            (project(above.applied(lens.camera), ray) - project(below.applied(lens.camera), ray)) /
+            (2.0 * step);
+    }
+    return recorded_by_rectified.inverse() * recorded_by_change;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/geometry/rig.hpp"
+
+namespace divemesh::worker {
+
+// A camera as recorded and where rectification turned it.
+struct RectifiedLens {
+    Camera camera;
+    Eigen::Matrix3d R_camera_rectified = Eigen::Matrix3d::Identity();
+
+    // Of a pixel in the rectified picture.
+    Eigen::Vector2d recorded_px(const RectifiedRig& rig, const Eigen::Vector2d& rectified_px) const;
+    Eigen::Vector2d rectified_px(const RectifiedRig& rig, const Eigen::Vector2d& recorded_px) const;
+};
+
+// Half of the rotation between the cameras each, then the row axis along the baseline (Bouguet).
+std::array<RectifiedLens, 2> rectified_lenses(const Rig& rig);  // left, right
+
+// How a calibration errs, of one camera: relative focal length (both axes), principal point (px)
+// and the first two coefficients of the distortion.
+struct LensChange {
+    static constexpr int kSize = 5;
+    using Vector = Eigen::Matrix<double, kSize, 1>;
+
+    Vector values = Vector::Zero();  // focal length, cx, cy, k1, k2
+
+    Camera applied(const Camera& camera) const;
+};
+
+// d(u, v)/d(change): how far the picture of a ray moves, in the rectified picture as it was made,
+// when the camera is not what rectification took it for. Linear in the change.
+Eigen::Matrix<double, 2, LensChange::kSize> shift_of_change(const RectifiedRig& rig,
+                                                            const RectifiedLens& lens,
+                                                            const Eigen::Vector2d& rectified_px);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,90 @@
+#include "worker/geometry/rerectifier.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace divemesh::worker {
+namespace {
+
+std::array<RectifiedLens, 2> changed(std::array<RectifiedLens, 2> lenses,
+                                     const std::array<LensChange, 2>& change) {
+    for (std::size_t side = 0; side < 2; ++side)
+        lenses[side].camera = change[side].applied(lenses[side].camera);
+    return lenses;
+}
+
+float row_at(const cv::Mat& image, double u, int v) {
+    const int left = std::clamp(static_cast<int>(std::floor(u)), 0, image.cols - 2);
+    const auto share = static_cast<float>(u - left);
+    const float* row = image.ptr<float>(v) + left;
+    return (1.0F - share) * row[0] + share * row[1];
+}
+
+}  // namespace
+
+Rerectifier::Rerectifier(const Rig& rig,
+                         const RectifiedRig& rectified,
+                         const std::array<LensChange, 2>& change)
+    : rectified_(rectified), stated_(rectified_lenses(rig)), refined_(changed(stated_, change)) {}
+
+Eigen::Vector2d Rerectifier::forward(std::size_t side, const Eigen::Vector2d& pixel) const {
+    return refined_[side].rectified_px(rectified_, stated_[side].recorded_px(rectified_, pixel));
+}
+
+Eigen::Vector2d Rerectifier::back(std::size_t side, const Eigen::Vector2d& pixel) const {
+    return stated_[side].rectified_px(rectified_, refined_[side].recorded_px(rectified_, pixel));
+}
+
+Eigen::Vector3d Rerectifier::moved(const Eigen::Vector3d& measured_px) const {
+    const Eigen::Vector2d left = forward(0, measured_px.head<2>());
+    if (measured_px.z() <= 0.0) return {left.x(), left.y(), measured_px.z()};
+    const Eigen::Vector2d right = forward(1, {measured_px.x() - measured_px.z(), measured_px.y()});
+    return {left.x(), left.y(), left.x() - right.x()};
+}
+
+KeyframeRerectifier::KeyframeRerectifier(const RectifiedRig& rectified,
+                                         const Rerectifier& rerectifier)
+    : source_x_(rectified.height_px, rectified.width_px, CV_32F),
+      source_y_(rectified.height_px, rectified.width_px, CV_32F),
+      shift_right_(rectified.height_px, rectified.width_px, CV_32F) {
+    for (int v = 0; v < rectified.height_px; ++v) {
+        for (int u = 0; u < rectified.width_px; ++u) {
+            const Eigen::Vector2d pixel(u, v);
+            const Eigen::Vector2d source = rerectifier.back(0, pixel);
+            source_x_.at<float>(v, u) = static_cast<float>(source.x());
+            source_y_.at<float>(v, u) = static_cast<float>(source.y());
+            shift_right_.at<float>(v, u) =
+                static_cast<float>(rerectifier.forward(1, pixel).x() - pixel.x());
+        }
+    }
+}
+
+KeyframeImages KeyframeRerectifier::moved(const KeyframeImages& images) const {
+    KeyframeImages result;
+    cv::remap(images.left_color, result.left_color, source_x_, source_y_, cv::INTER_LINEAR);
+    const cv::Mat& disparity = images.depth.disparity_px;
+    result.depth.disparity_px = cv::Mat::zeros(disparity.size(), CV_32F);
+    result.depth.sigma_disparity_px = cv::Mat::zeros(disparity.size(), CV_32F);
+    for (int v = 0; v < disparity.rows; ++v) {
+        for (int u = 0; u < disparity.cols; ++u) {
+            const double x = source_x_.at<float>(v, u);
+            const int column = static_cast<int>(std::lround(x));
+            const int row = static_cast<int>(std::lround(source_y_.at<float>(v, u)));
+            if (column < 0 || row < 0 || column >= disparity.cols || row >= disparity.rows)
+                continue;
+            const double old_px = disparity.at<float>(row, column);
+            if (old_px <= 0.0) continue;
+            const double right = x - old_px;
+            if (right < 0.0 || right > disparity.cols - 1) continue;
+            const double new_px = u - (right + row_at(shift_right_, right, row));
+            if (new_px <= 0.0) continue;
+            result.depth.disparity_px.at<float>(v, u) = static_cast<float>(new_px);
+            result.depth.sigma_disparity_px.at<float>(v, u) =
+                images.depth.sigma_disparity_px.at<float>(row, column);
+        }
+    }
+    return result;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+
+#include "worker/estimation/pose_covariance.hpp"
+
+namespace divemesh::worker {
+
+// CSV, one row a pose: timestamp_ns, the six entries xx xy xz yy yz zz of the position's covariance
+// (m^2), then those of the rotation's (rad^2); relative to the first pose, in its body's axes.
+// No row when they are not known.
+void write_covariances(const std::filesystem::path& file, const CovarianceTrack& covariances);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <ceres/autodiff_cost_function.h>
+
+#include "worker/estimation/gyroscope_integral.hpp"
+
+namespace divemesh::worker {
+
+// The turn between two keyframes by a gyroscope that sits askew by m and whose clock is off by dt:
+//
+//     r = log((M q_ij exp(J_b (b_i - b_0) + J_t (dt - dt_0)) M^-1)^-1 q_i^-1 q_j) / sigma
+//
+// M = exp(m) maps imu to body; q_ij was integrated at dt_0, and J_t = w_j - q_ij^-1 w_i are the
+// rates at its two ends. Blocks: q_world_body of i and j (x y z w), bias of i (rad/s, imu), m
+// (rad), dt (s). Logarithms are taken as twice the vector part; m stays within some degrees.
+struct MisalignedTurn {
+    GyroscopeIntegral integral;
+    Eigen::Vector3d d_rotation_d_time = Eigen::Vector3d::Zero();  // rad/s
+    double time_offset_s = 0.0;                                   // dt_0
+
+    template <typename T>
+    bool operator()(const T* const q_i,
+                    const T* const q_j,
+                    const T* const bias_i,
+                    const T* const misalignment,
+                    const T* const time_offset,
+                    T* residual) const {
+        using Vector = Eigen::Matrix<T, 3, 1>;
+        using Quaternion = Eigen::Quaternion<T>;
+        const Eigen::Map<const Quaternion> from(q_i);
+        const Eigen::Map<const Quaternion> to(q_j);
+        const Eigen::Map<const Vector> bias(bias_i);
+        const Eigen::Map<const Vector> m(misalignment);
+        const Vector change =
+            integral.d_rotation_d_bias.cast<T>() * (bias - integral.bias.cast<T>()) +
+            d_rotation_d_time.cast<T>() * (time_offset[0] - T(time_offset_s));
+        const Quaternion turn_imu = integral.q_from_to.cast<T>() * small<T>(change);
+        const Quaternion M = small<T>(m);
+        const Quaternion turn = M * turn_imu * M.conjugate();
+        const Quaternion error = turn.conjugate() * (from.conjugate() * to);
+        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
+        Eigen::Map<Vector> r(residual);
+        r = sign * error.vec() / T(integral.sigma_rad);
+        return true;
+    }
+
+    template <typename T>
+    static Eigen::Quaternion<T> small(const Eigen::Matrix<T, 3, 1>& w) {
+        return Eigen::Quaternion<T>(T(1.0), T(0.5) * w.x(), T(0.5) * w.y(), T(0.5) * w.z())
+            .normalized();
+    }
+
+    static ceres::CostFunction* create(const MisalignedTurn& turn) {
+        return new ceres::AutoDiffCostFunction<MisalignedTurn, 3, 4, 4, 3, 3, 1>(
+            new MisalignedTurn(turn));
+    }
+};
+
+}  // namespace divemesh::worker
