@@ -20,6 +20,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("use_ahrs", options.use_ahrs, "use the absolute orientation where the dive has it");
     visit("use_pressure", options.use_pressure, "use the depth by pressure where the dive has it");
     visit("adjust_whole_dive", options.adjust_whole_dive, "adjust the whole trajectory with hindsight (window estimator)");
+    visit("close_loops", options.close_loops, "recognise places that the dive came to again, and adjust with them");
     visit("surface", options.surface, "make cloud, mesh and what follows; false: the trajectory alone");
     visit("align_imu", options.align_imu, "find time offset and rotation of the inertial unit against the cameras (window estimator)");
     visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion with hindsight (window estimator)");
@@ -74,6 +75,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
         options.stereo = "block";
         options.estimator = "pairwise";
         options.adjust_whole_dive = false;
+        options.close_loops = false;
         options.fusion = "octree";
         return options;
     }

@@ -23,6 +23,7 @@ struct ReconstructionOptions {
     bool use_ahrs = true;
     bool use_pressure = true;
     bool adjust_whole_dive = true;  // with hindsight
+    bool close_loops = true;        // places that the dive came to again; of the above
     bool align_imu = true;          // estimate its time offset and rotation against the cameras
     bool refine_lenses = true;      // estimate focal length, principal point and distortion
     bool surface = true;            // false: the trajectory alone, steps 7 and 8 left out

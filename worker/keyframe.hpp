@@ -23,11 +23,12 @@ struct RectifiedFrame {
 };
 
 // A frame that is kept for mapping: its pose here, its pictures and depth in the keyframe store
-// under the same frame index.
+// under the same frame index. Nothing but a guess ties keyframes of different pieces.
 struct Keyframe {
     int frame_index = 0;
     std::int64_t timestamp_ns = 0;
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  // rectified left camera
+    std::int32_t piece = 0;
 };
 
 struct KeyframeImages {

@@ -9,6 +9,10 @@
 #include "worker/estimation/imu_aligner.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_map.hpp"
+#include "worker/estimation/loops/close_loops.hpp"
+#include "worker/estimation/loops/find_loops.hpp"
+#include "worker/estimation/loops/pieces.hpp"
+#include "worker/estimation/loops/scene_memory.hpp"
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/track_summary.hpp"
 #include "worker/geometry/rectifier.hpp"
@@ -26,6 +30,8 @@ namespace {
 
 // A pair agrees with a motion within this.
 constexpr double kInlierTolerance_px = 2.0;
+// How far a camera sees, in median depths of the dive.
+constexpr double kReach = 3.0;
 
 void report(const ProgressCallback& progress, std::size_t num_done, const Recording& recording) {
     Progress at;
@@ -49,6 +55,7 @@ Track track(Recording& recording,
     InertialPrior inertial(recording, options);
     ImuAligner aligner(recording);
     KeyframeMap map(rig, options, inertial, store);
+    SceneMemory memory(rig, options);
     Motion motion(rig, inertial);
     Features features;
     TrackSummary summary;
@@ -90,9 +97,12 @@ Track track(Recording& recording,
         const bool keep = map.empty() || (vision.found && map.due(features, now_ns));
         if (keep || !vision.found)
             add_new_features(frame, depth, options.num_disparities_px, tracker, features);
+        if (!vision.found) memory.lose_sight();
         if (keep) {
             if (!dense && options.surface) depth = stereo.match(frame);
+            memory.recognise(frame, seed_of(options, frame), features, motion);
             map.add(frame, depth, features, motion, inertial);
+            memory.keep(frame, features, motion.T_world_cam());
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});
         result.odometry.push_back({now_ns, T_start_cam * rig.T_imu_cam.inverse()});
@@ -100,6 +110,7 @@ Track track(Recording& recording,
     }
     map.move_to(result);
     result.imu_alignment = aligner.alignment();
+    result.views = memory.take_views();
     result.statistics = summary.statistics(recording.num_skipped_frames());
     return result;
 }
@@ -107,7 +118,7 @@ Track track(Recording& recording,
 OptimisedTrack optimise(const Track& track,
                         const Recording& recording,
                         const ReconstructionOptions& options,
-                        const KeyframeStore& /*store*/,
+                        const KeyframeStore& store,
                         const ProgressCallback& progress) {
     OptimisedTrack result;
     result.keyframes = track.keyframes;
@@ -120,14 +131,22 @@ OptimisedTrack optimise(const Track& track,
     InertialPrior inertial(recording, options);
     Progress at;
     at.fraction = 0.1;
-    result.calibration = refine_calibration(track, recording, options, inertial, progress, at);
+    const FoundLoops found =
+        find_loops(track, store, static_cast<std::uint64_t>(options.seed), progress);
+    result.statistics.loops = found.statistics;
+    Track closed = track;
+    close_loops(track.rig, found.loops, closed.keyframes, closed.landmarks);
+    result.keyframes = closed.keyframes;
+    at.fraction = 0.4;
+    result.calibration = refine_calibration(closed, recording, options, inertial, progress, at);
     inertial.align({result.calibration.applied_alignment().time_offset_s});
-    Track refined = with_calibration(track, recording.rig(), result.calibration);
+    Track refined = with_calibration(closed, recording.rig(), result.calibration);
     result.rig = refined.rig;
-    at.fraction = 0.5;
+    at.fraction = 0.6;
     const AdjustedDive adjusted =
         adjust_dive(refined.rig, inertial, result.keyframes, refined.landmarks, progress, at);
     result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
+    lay_apart(kReach * track.statistics.median_depth_m, result.keyframes);
     result.trajectory = follow_keyframes(refined.odometry, result.keyframes, refined.rig.T_imu_cam);
     result.covariances = covariances_at(adjusted.covariances, result.trajectory);
     return result;

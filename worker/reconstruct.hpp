@@ -8,6 +8,7 @@
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/imu_alignment.hpp"
+#include "worker/estimation/loops/described_view.hpp"
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/estimation/refined_calibration.hpp"
 #include "worker/geometry/rectified_rig.hpp"
@@ -55,12 +56,22 @@ struct Track {
     Trajectory odometry;  // the motion from frame to frame, chained: drifts but never jumps
     std::vector<Keyframe> keyframes;
     std::vector<Landmark> landmarks;
-    ImuAlignment imu_alignment;  // as found on the way
+    std::vector<DescribedView> views;  // of the keyframes; none: no loop is looked for
+    ImuAlignment imu_alignment;        // as found on the way
     TrackStatistics statistics;
+};
+
+// Two keyframes that may show the same place: looked at, found to by geometry, believed.
+struct LoopStatistics {
+    std::int64_t num_candidates = 0;
+    std::int64_t num_matched = 0;
+    std::int64_t num_accepted = 0;
+    double largest_correction_m = 0.0;  // by an accepted one, of where the track saw itself
 };
 
 struct OptimiseStatistics {
     double reprojection_rms_px = 0.0;
+    LoopStatistics loops;
 };
 
 struct OptimisedTrack {

@@ -241,6 +241,7 @@ nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
                              .num_keyframes = std::ssize(optimised_.keyframes),
                              .num_landmarks = std::ssize(track_.landmarks),
                              .path_length_m = path_length_m(optimised_.trajectory),
+                             .pieces = pieces_of(optimised_.trajectory, optimised_.keyframes),
                              .mesh = mesh_figures(),
                              .stages = stage_times_,
                              .evaluation = evaluation,

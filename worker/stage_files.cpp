@@ -40,6 +40,7 @@ void put_keyframes(BinaryWriter& file, const std::vector<Keyframe>& keyframes) {
         file.put(keyframe.frame_index);
         file.put(keyframe.timestamp_ns);
         put_pose(file, keyframe.T_world_cam);
+        file.put(keyframe.piece);
     }
 }
 
@@ -51,6 +52,7 @@ std::vector<Keyframe> get_keyframes(BinaryReader& file) {
         keyframe.frame_index = file.get<int>();
         keyframe.timestamp_ns = file.get<std::int64_t>();
         keyframe.T_world_cam = get_pose(file);
+        keyframe.piece = file.get<std::int32_t>();
         keyframes.push_back(keyframe);
     }
     return keyframes;
@@ -169,6 +171,8 @@ void save_track(const std::filesystem::path& path, const std::string& key, const
         file.put_vector(landmark.observations);
     }
     put_alignment(file, track.imu_alignment);
+    file.put(static_cast<std::uint64_t>(track.views.size()));
+    for (const DescribedView& view : track.views) file.put_vector(view);
     file.put(track.statistics);
     file.commit();
 }
@@ -189,6 +193,9 @@ std::optional<Track> load_track(const std::filesystem::path& path, const std::st
         track.landmarks.push_back(std::move(landmark));
     }
     track.imu_alignment = get_alignment(*file);
+    const auto num_views = file->get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_views && file->ok(); ++i)
+        track.views.push_back(file->get_vector<DescribedPoint>());
     track.statistics = file->get<TrackStatistics>();
     return complete(*file, std::move(track));
 }

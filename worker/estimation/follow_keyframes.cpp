@@ -32,6 +32,7 @@ Trajectory follow_keyframes(const Trajectory& odometry,
     Trajectory result = odometry;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
         const bool last = k + 1 == keyframes.size();
+        const bool ends = last || keyframes[k + 1].piece != keyframes[k].piece;
         const std::size_t from = k == 0 ? 0 : frame_at(odometry, keyframes[k].timestamp_ns);
         const std::size_t to =
             last ? odometry.size() : frame_at(odometry, keyframes[k + 1].timestamp_ns);
@@ -40,7 +41,7 @@ Trajectory follow_keyframes(const Trajectory& odometry,
             const Eigen::Isometry3d forward =
                 T_world_from * odometry[from].T_world_imu.inverse() * odometry[i].T_world_imu;
             result[i].T_world_imu = forward;
-            if (last) continue;
+            if (ends) continue;
             const Eigen::Isometry3d backward = keyframes[k + 1].T_world_cam * T_imu_cam.inverse() *
                                                odometry[to].T_world_imu.inverse() *
                                                odometry[i].T_world_imu;

@@ -9,7 +9,8 @@ namespace divemesh::worker {
 
 // The poses of all frames once those of the keyframes are known: between two keyframes a frame
 // moves as `odometry` (T_start_imu) says, and what the odometry misses from one keyframe to the
-// next is spread over the frames between by time.
+// next is spread over the frames between by time. After the last keyframe of a piece frames go on
+// by the odometry alone.
 Trajectory follow_keyframes(const Trajectory& odometry,
                             const std::vector<Keyframe>& keyframes,
                             const Eigen::Isometry3d& T_imu_cam);

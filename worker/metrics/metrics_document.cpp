@@ -135,6 +135,28 @@ json tracking(const MetricsInput& input) {
     return result;
 }
 
+json pieces(const std::vector<Piece>& pieces) {
+    json result = json::array();
+    for (const Piece& piece : pieces) {
+        json intervals = json::array();
+        for (const Piece::Interval& interval : piece.intervals)
+            intervals.push_back({{"first_ns", interval.first_ns}, {"last_ns", interval.last_ns}});
+        result.push_back({{"num_frames", piece.num_frames},
+                          {"num_keyframes", piece.num_keyframes},
+                          {"path_length_m", piece.path_length_m},
+                          {"intervals", intervals}});
+    }
+    return result;
+}
+
+json loops(const LoopStatistics& loops) {
+    return {{"num_candidates", loops.num_candidates},
+            {"num_matched", loops.num_matched},
+            {"num_accepted", loops.num_accepted},
+            {"num_rejected", loops.num_matched - loops.num_accepted},
+            {"largest_correction_m", loops.largest_correction_m}};
+}
+
 // The speed of the whole leaves out `evaluate`, which only dives with truth have, and is not told
 // when a stage was reused: it would be of another run.
 json speed(const MetricsInput& input) {
@@ -198,6 +220,8 @@ json metrics_document(const MetricsInput& input) {
                      {"frames", frames(input)},
                      {"tracking", tracking(input)},
                      {"trajectory", {{"path_length_m", input.path_length_m}}},
+                     {"loops", loops(input.optimise.loops)},
+                     {"pieces", pieces(input.pieces)},
                      {"speed", speed(input)}};
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
     if (input.end_covariance_m2)

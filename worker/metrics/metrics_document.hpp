@@ -11,6 +11,7 @@
 #include "worker/geometry/rig.hpp"
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/imu_check.hpp"
+#include "worker/metrics/pieces.hpp"
 #include "worker/reconstruct.hpp"
 
 namespace divemesh::worker {
@@ -57,7 +58,8 @@ struct MetricsInput {
     OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;
-    double path_length_m = 0.0;       // of the final trajectory
+    double path_length_m = 0.0;  // of the final trajectory, all pieces
+    std::vector<Piece> pieces;
     std::optional<MeshFigures> mesh;  // nothing: no surface was asked for
     std::vector<StageTime> stages;
     Evaluation evaluation;

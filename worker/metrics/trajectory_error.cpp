@@ -127,6 +127,7 @@ TrajectoryError trajectory_error(const Trajectory& estimate,
     result.num_poses_outside = static_cast<std::int64_t>(estimate.size() - pairs.size());
     add_absolute_errors(pairs, result);
     add_relative_errors(pairs, result);
+    result.revisit = revisit_error(pairs);
     return result;
 }
 
@@ -139,20 +140,26 @@ nlohmann::json to_metrics(const TrajectoryError& error) {
                             {"translation_rmse_percent", segment.translation_rmse_percent},
                             {"rotation_mean_deg_per_m", segment.rotation_mean_deg_per_m},
                             {"rotation_rmse_deg_per_m", segment.rotation_rmse_deg_per_m}});
-    return {{"num_poses", error.num_poses},
-            {"num_poses_outside", error.num_poses_outside},
-            {"path_length_m", error.path_length_m},
-            {"ate_rmse_m", error.ate_rmse_m},
-            {"ate_mean_m", error.ate_mean_m},
-            {"ate_median_m", error.ate_median_m},
-            {"ate_max_m", error.ate_max_m},
-            {"rotation_rmse_deg", error.rotation_rmse_deg},
-            {"sim3_scale", error.sim3_scale},
-            {"sim3_ate_rmse_m", error.sim3_ate_rmse_m},
-            {"end_drift_m", error.end_drift_m},
-            {"end_drift_percent", error.end_drift_percent},
-            {"drift_percent", error.drift_percent},
-            {"segments", segments}};
+    nlohmann::json metrics = {{"num_poses", error.num_poses},
+                              {"num_poses_outside", error.num_poses_outside},
+                              {"path_length_m", error.path_length_m},
+                              {"ate_rmse_m", error.ate_rmse_m},
+                              {"ate_mean_m", error.ate_mean_m},
+                              {"ate_median_m", error.ate_median_m},
+                              {"ate_max_m", error.ate_max_m},
+                              {"rotation_rmse_deg", error.rotation_rmse_deg},
+                              {"sim3_scale", error.sim3_scale},
+                              {"sim3_ate_rmse_m", error.sim3_ate_rmse_m},
+                              {"end_drift_m", error.end_drift_m},
+                              {"end_drift_percent", error.end_drift_percent},
+                              {"drift_percent", error.drift_percent},
+                              {"segments", segments}};
+    if (error.revisit)
+        metrics["revisit"] = {{"num_frames", error.revisit->num_frames},
+                              {"translation_rmse_m", error.revisit->translation_rmse_m},
+                              {"translation_max_m", error.revisit->translation_max_m},
+                              {"rotation_rmse_deg", error.revisit->rotation_rmse_deg}};
+    return metrics;
 }
 
 }  // namespace divemesh::worker

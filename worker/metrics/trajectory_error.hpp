@@ -5,18 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "worker/metrics/revisit_error.hpp"
+#include "worker/metrics/trajectory_error_options.hpp"
 #include "worker/recording.hpp"
 
 namespace divemesh::worker {
-
-struct TrajectoryErrorOptions {
-    // Where the estimate's body sits in the reference's body; the identity when both follow the
-    // same one. Aligning a camera's path to an IMU's without this is wrong as soon as it turns.
-    Eigen::Isometry3d T_referencebody_estimatebody = Eigen::Isometry3d::Identity();
-    bool pair_by_index = false;         // KITTI: line by line, stamps play no part
-    double max_gap_s = 1.0;             // truth further apart than this is not interpolated
-    double max_extrapolation_s = 0.01;  // beyond its ends the truth holds still for so long
-};
 
 // Relative error over all pieces of the path whose true length reaches length_m (Geiger et al.
 // 2012, KITTI odometry, with lengths that fit a dive and every frame as a start).
@@ -42,10 +35,11 @@ struct TrajectoryError {
     double rotation_rmse_deg = 0.0;  // after the same alignment
     double sim3_scale = 1.0;         // diagnostic: the scale that would fit best, not applied
     double sim3_ate_rmse_m = 0.0;
-    double end_drift_m = 0.0;            // at the last pose, with the first poses laid on another
-    double end_drift_percent = 0.0;      // of path_length_m
-    double drift_percent = 0.0;          // mean of translation error / length over all segments
-    std::vector<SegmentError> segments;  // 1, 2, 5, 10 m; those the path is long enough for
+    double end_drift_m = 0.0;             // at the last pose, with the first poses laid on another
+    double end_drift_percent = 0.0;       // of path_length_m
+    double drift_percent = 0.0;           // mean of translation error / length over all segments
+    std::vector<SegmentError> segments;   // 1, 2, 5, 10 m; those the path is long enough for
+    std::optional<RevisitError> revisit;  // nothing: the path never comes back
     Eigen::Isometry3d T_reference_estimate = Eigen::Isometry3d::Identity();
     std::vector<std::int64_t> timestamps_ns;  // of the compared poses
     std::vector<Eigen::Vector3d> reference;   // true positions there

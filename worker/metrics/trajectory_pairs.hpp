@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "worker/metrics/trajectory_error.hpp"
+#include "worker/metrics/trajectory_error_options.hpp"
+#include "worker/recording.hpp"
 
 namespace divemesh::worker {
 

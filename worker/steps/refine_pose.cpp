@@ -17,12 +17,14 @@ Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
     Eigen::Vector3d translation = guess.T_current_previous.translation();
     ceres::Problem problem;
     for (const PointPair& pair : pairs)
-        problem.AddResidualBlock(
-            PointTransfer::create(
-                {rig, pair.previous_px, pair.current_px, pair.previous_sigma_px, kFeatureSigma_px}),
-            new ceres::HuberLoss(2.0),
-            rodrigues.data(),
-            translation.data());
+        problem.AddResidualBlock(PointTransfer::create({rig,
+                                                        pair.previous_px,
+                                                        pair.current_px,
+                                                        pair.previous_sigma_px,
+                                                        pair.current_sigma_px}),
+                                 new ceres::HuberLoss(2.0),
+                                 rodrigues.data(),
+                                 translation.data());
     if (guess.rotation)
         problem.AddResidualBlock(
             RotationPrior::create(guess.rotation->q, guess.rotation->sigma_rad),

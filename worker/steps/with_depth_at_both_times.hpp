@@ -15,6 +15,7 @@ struct PointPair {
     Eigen::Vector3d previous_px = Eigen::Vector3d::Zero();  // u, v, disparity
     Eigen::Vector3d current_px = Eigen::Vector3d::Zero();
     Eigen::Vector3d previous_sigma_px = kFeatureSigma_px;
+    Eigen::Vector3d current_sigma_px = kFeatureSigma_px;
     Eigen::Vector3d p_previous = Eigen::Vector3d::Zero();  // m, in the camera at t-1
     Eigen::Vector3d p_current = Eigen::Vector3d::Zero();   // m, in the camera at t
 };

@@ -40,6 +40,7 @@ MetricsInput plain_dive() {
     input.rig = rig();
     input.track.num_frames = 100;
     input.track.num_frames_tracked = 90;
+    input.pieces = {{100, 20, 3.5, {{0, 9'900'000'000}}}};
     input.stages = {{"track", 4.0, 8.0}, {"fuse", 1.0, 1.0}, {"evaluate", 20.0, 30.0}};
     input.findings = {{Severity::Warning, "frame_skipped", "frame 3", "cut short", ""}};
     return input;
@@ -55,6 +56,7 @@ MetricsInput dive_with_everything() {
     for (auto& sigmas : input.refined.lens_sigmas) sigmas.setConstant(0.01);
     input.evaluation.trajectory = TrajectoryError{};
     input.evaluation.trajectory->segments = {{1.0, 10, 0.5, 0.6, 0.1, 0.2}};
+    input.evaluation.trajectory->revisit = RevisitError{40, 0.01, 0.02, 0.3};
     input.evaluation.causal = input.evaluation.trajectory;
     SurfaceError surface;
     for (const double threshold : {0.005, 0.01, 0.02, 0.05})

@@ -116,6 +116,26 @@ TEST(TrajectoryError, TruthIsInterpolatedToTheStampsOfTheEstimate) {
     EXPECT_LT(error.ate_max_m, 1e-9);
 }
 
+TEST(TrajectoryError, ComingBackIsMeasuredAgainstTheFirstVisit) {
+    const Motion circle = [](double t) {
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() << 2.0 * std::cos(0.25 * t), 2.0 * std::sin(0.25 * t), 0.0;
+        pose.rotate(Eigen::AngleAxisd(0.25 * t, Eigen::Vector3d::UnitZ()));
+        return pose;
+    };
+    const Trajectory truth = sample(circle, 280);  // a lap takes 251.3
+    Trajectory estimate = truth;
+    for (std::size_t i = 250; i < estimate.size(); ++i)
+        estimate[i].T_world_imu.translation().z() += 0.03;
+    EXPECT_FALSE(trajectory_error(truth, sample(straight, 280)).revisit);
+    const auto revisit = trajectory_error(estimate, truth).revisit;
+    ASSERT_TRUE(revisit);
+    EXPECT_GE(revisit->num_frames, 28);
+    EXPECT_LE(revisit->num_frames, 60);
+    EXPECT_NEAR(revisit->translation_max_m, 0.03, 1e-6);
+    EXPECT_LT(revisit->rotation_rmse_deg, 1e-6);
+}
+
 TEST(TrajectoryError, ALongGapInTheTruthIsNotBridged) {
     Trajectory truth = sample(straight, 100);
     truth.erase(truth.begin() + 20, truth.begin() + 60);  // 4 s

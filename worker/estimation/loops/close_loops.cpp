@@ -1,0 +1,64 @@
+#include "worker/estimation/loops/close_loops.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "worker/estimation/loops/adjust_poses.hpp"
+#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/pieces.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Further off than this, the adjustment of the whole dive may not find back by itself.
+constexpr double kBasin_px = 10.0;
+
+// How far off the landmarks seen again are, median over the worst loop.
+double worst_error_px(const RectifiedRig& rig,
+                      const std::vector<Loop>& loops,
+                      const std::vector<Keyframe>& keyframes,
+                      const std::vector<Landmark>& landmarks) {
+    double worst = 0.0;
+    for (const Loop& loop : loops) {
+        std::vector<double> errors_px;
+        for (const Reobservation& again : loop.reobservations) {
+            const auto k = static_cast<std::size_t>(again.seen.keyframe);
+            const Eigen::Vector3d p_cam =
+                keyframes[k].T_world_cam.inverse() * landmarks[again.landmark].p_world;
+            errors_px.push_back(
+                p_cam.z() < 0.05
+                    ? 1e9
+                    : (rig.pixel(p_cam) - Eigen::Vector2d(again.seen.u_px, again.seen.v_px))
+                          .norm());
+        }
+        const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
+        std::nth_element(errors_px.begin(), middle, errors_px.end());
+        worst = std::max(worst, *middle);
+    }
+    return worst;
+}
+
+// Every landmark once in every keyframe.
+void fuse_landmarks(const std::vector<Loop>& loops, std::vector<Landmark>& landmarks) {
+    std::set<std::pair<std::size_t, std::int32_t>> added;
+    for (const Loop& loop : loops)
+        for (const Reobservation& again : loop.reobservations)
+            if (added.insert({again.landmark, again.seen.keyframe}).second)
+                landmarks[again.landmark].observations.push_back(again.seen);
+}
+
+}  // namespace
+
+void close_loops(const RectifiedRig& rig,
+                 const std::vector<Loop>& loops,
+                 std::vector<Keyframe>& keyframes,
+                 std::vector<Landmark>& landmarks) {
+    const DriftBound drift(keyframes, landmarks);
+    number_pieces(drift, loops, keyframes);
+    if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
+        adjust_poses(loops, drift, keyframes, landmarks);
+    fuse_landmarks(loops, landmarks);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/estimation/loops/loop.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+
+// Landmarks of each visit get what the other saw of them as observations, for the adjustment of the
+// whole dive to use; where the track has run too far off for it to find back, a pose graph brings
+// the keyframes near first. Keyframes learn which piece they belong to.
+void close_loops(const RectifiedRig& rig,
+                 const std::vector<Loop>& loops,
+                 std::vector<Keyframe>& keyframes,
+                 std::vector<Landmark>& landmarks);
+
+}  // namespace divemesh::worker

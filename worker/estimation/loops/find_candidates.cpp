@@ -1,0 +1,100 @@
+#include "worker/estimation/loops/find_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/estimation/loops/place_index.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kMostCandidates = 3;  // of one keyframe
+constexpr std::size_t kApart = 3;           // keyframes between two of them
+constexpr double kLeastLikeness = 0.02;
+constexpr double kMostTurn_rad = 1.0;  // between the lines of sight
+constexpr double kNumSigmas = 3.0;
+
+// What a keyframe looks at.
+struct Sight {
+    Eigen::Vector3d centre_world = Eigen::Vector3d::Zero();
+    Eigen::Vector3d axis_world = Eigen::Vector3d::UnitZ();
+    double radius_m = 0.0;  // 0: nothing with a depth
+};
+
+Sight sight_of(const RectifiedRig& rig, const Keyframe& keyframe, const DescribedView& view) {
+    std::vector<float> disparities_px;
+    for (const DescribedPoint& point : view)
+        if (point.disparity_px > 0.0F) disparities_px.push_back(point.disparity_px);
+    Sight sight;
+    if (disparities_px.empty()) return sight;
+    const auto middle =
+        disparities_px.begin() + static_cast<std::ptrdiff_t>(disparities_px.size() / 2);
+    std::nth_element(disparities_px.begin(), middle, disparities_px.end());
+    const double depth_m = rig.depth_m(*middle);
+    sight.centre_world = keyframe.T_world_cam * Eigen::Vector3d(0.0, 0.0, depth_m);
+    sight.axis_world = keyframe.T_world_cam.linear().col(2);
+    sight.radius_m = depth_m * rig.width_px / (2.0 * rig.focal_px);
+    return sight;
+}
+
+class Gate {
+public:
+    Gate(const RectifiedRig& rig,
+         const std::vector<Keyframe>& keyframes,
+         const std::vector<DescribedView>& views,
+         const DriftBound& drift)
+        : drift_(drift) {
+        for (std::size_t k = 0; k < keyframes.size(); ++k)
+            sights_.push_back(sight_of(rig, keyframes[k], views[k]));
+    }
+
+    // May the two show the same place?
+    bool open(std::size_t a, std::size_t b) const {
+        const Sight& one = sights_[a];
+        const Sight& other = sights_[b];
+        if (one.radius_m <= 0.0 || other.radius_m <= 0.0) return false;
+        const double distance_m = (one.centre_world - other.centre_world).norm();
+        if (distance_m > one.radius_m + other.radius_m + kNumSigmas * drift_.position_sigma_m(a, b))
+            return false;
+        const double turn_rad =
+            std::acos(std::clamp(one.axis_world.dot(other.axis_world), -1.0, 1.0));
+        return turn_rad < kMostTurn_rad + kNumSigmas * drift_.orientation_sigma_rad(a, b);
+    }
+
+private:
+    const DriftBound& drift_;
+    std::vector<Sight> sights_;
+};
+
+}  // namespace
+
+std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
+                                           const std::vector<Keyframe>& keyframes,
+                                           const std::vector<DescribedView>& views,
+                                           const DriftBound& drift) {
+    if (views.size() != keyframes.size()) return {};
+    const PlaceIndex index(views);
+    const Gate gate(rig, keyframes, views, drift);
+    std::vector<LoopCandidate> candidates;
+    for (std::size_t k = 0; k < keyframes.size(); ++k) {
+        const std::vector<float> likeness = index.likeness(k);
+        std::vector<std::size_t> possible;
+        for (std::size_t i = 0; i < drift.first_tied(k); ++i)
+            if (likeness[i] >= kLeastLikeness && gate.open(i, k)) possible.push_back(i);
+        std::stable_sort(possible.begin(), possible.end(), [&](std::size_t a, std::size_t b) {
+            return likeness[a] > likeness[b];
+        });
+        std::vector<std::size_t> chosen;
+        for (const std::size_t i : possible) {
+            if (chosen.size() == kMostCandidates) break;
+            if (std::all_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
+                    return std::max(i, other) - std::min(i, other) > kApart;
+                }))
+                chosen.push_back(i);
+        }
+        for (const std::size_t i : chosen) candidates.push_back({i, k});
+    }
+    return candidates;
+}
+
+}  // namespace divemesh::worker

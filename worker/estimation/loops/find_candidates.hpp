@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "worker/estimation/loops/described_view.hpp"
+#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+
+namespace divemesh::worker {
+
+struct LoopCandidate {
+    std::size_t from = 0;  // the earlier keyframe
+    std::size_t to = 0;
+};
+
+// For every keyframe the few earlier ones that look most like it, among those that the track does
+// not tie to it anyway and that, as far as the track may have drifted, may show the same place.
+// None without views.
+std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
+                                           const std::vector<Keyframe>& keyframes,
+                                           const std::vector<DescribedView>& views,
+                                           const DriftBound& drift);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "worker/estimation/loops/loop.hpp"
+#include "worker/keyframe_store.hpp"
+#include "worker/observer.hpp"
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+
+struct FoundLoops {
+    std::vector<Loop> loops;
+    LoopStatistics statistics;
+};
+
+// Places that the dive came to again: keyframes that look alike, where the track may have been at
+// the same place by then; that agree in geometry; and that agree with each other. From a place that
+// was recognised the loops grow: the keyframes before and after it are measured by where they must
+// be.
+FoundLoops find_loops(const Track& track,
+                      const KeyframeStore& store,
+                      std::uint64_t seed,
+                      const ProgressCallback& progress);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "worker/estimation/loops/described_view.hpp"
+#include "worker/estimation/loops/loop.hpp"
+#include "worker/estimation/loops/observe_again.hpp"
+#include "worker/keyframe_store.hpp"
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+
+// Whether two keyframes show the same place, by geometry: descriptors agree on one rigid motion,
+// and with it landmarks of each are found again in the other, all over the picture.
+class LoopMeter {
+public:
+    // Refers to all of them.
+    LoopMeter(const RectifiedRig& rig,
+              const std::vector<Keyframe>& keyframes,
+              const std::vector<Landmark>& landmarks,
+              const std::vector<DescribedView>& views,
+              const KeyframeStore& store);
+
+    // From nothing but what the two look like.
+    std::optional<Loop> recognise(std::size_t from, std::size_t to, std::uint64_t seed);
+    // From a guess of the motion between them, to some pixels.
+    std::optional<Loop> measure(std::size_t from,
+                                std::size_t to,
+                                const Eigen::Isometry3d& T_to_from);
+
+private:
+    struct Seen {
+        std::size_t landmark = 0;
+        LandmarkObservation observation;
+    };
+    cv::Mat picture(std::size_t keyframe);
+    std::vector<KnownPoint> known_points(std::size_t keyframe) const;
+    std::vector<Reobservation> reobservations(const Features& found,
+                                              std::size_t of,
+                                              std::size_t in) const;
+
+    const RectifiedRig& rig_;
+    const std::vector<Keyframe>& keyframes_;
+    const std::vector<Landmark>& landmarks_;
+    const std::vector<DescribedView>& views_;
+    const KeyframeStore& store_;
+    std::vector<std::vector<Seen>> seen_;      // by each keyframe
+    std::map<std::size_t, cv::Mat> pictures_;  // the last ones used
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,117 @@
+#include "worker/estimation/loops/observe_again.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <set>
+
+#include "worker/steps/align_patch.hpp"
+#include "worker/steps/refine_pose.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kLeastCorrelation = 0.8;
+constexpr double kNearest_m = 0.05;
+constexpr double kTolerance_px = 2.0;
+constexpr std::size_t kFewest = 20;
+constexpr int kCellColumns = 8;
+constexpr int kCellRows = 6;
+constexpr std::size_t kFewestCells = 8;  // of the picture that hold one
+// The left picture alone says nothing of disparity.
+const Eigen::Vector3d kLeftSigma_px(kFeatureSigma_px.x(), kFeatureSigma_px.y(), 1e4);
+constexpr double kMostStretch = 2.5;  // of a patch, either way
+
+// d pixel(from) / d pixel(to) at a point, its surface taken to face the camera `from`.
+Eigen::Matrix2d stretch(const RectifiedRig& rig,
+                        const KnownPoint& point,
+                        const Eigen::Isometry3d& T_to_from) {
+    const Eigen::Vector2d centre = rig.pixel(T_to_from * point.p_cam);
+    const double step_m = point.p_cam.z() / rig.focal_px;  // a pixel wide
+    Eigen::Matrix2d to_by_from;
+    for (int axis = 0; axis < 2; ++axis)
+        to_by_from.col(axis) =
+            rig.pixel(T_to_from * (point.p_cam + step_m * Eigen::Vector3d::Unit(axis))) - centre;
+    return to_by_from.inverse();
+}
+
+Features look_for(const RectifiedRig& rig,
+                  const cv::Mat& from,
+                  const std::vector<KnownPoint>& points,
+                  const cv::Mat& to,
+                  const Eigen::Isometry3d& T_to_from) {
+    Features found;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Eigen::Vector3d p_to = T_to_from * points[i].p_cam;
+        if (p_to.z() < kNearest_m) continue;
+        const Eigen::Matrix2d warp = stretch(rig, points[i], T_to_from);
+        const double area = std::abs(warp.determinant());
+        if (!(area < kMostStretch * kMostStretch && area * kMostStretch * kMostStretch > 1.0))
+            continue;
+        const auto patch = Patch::read(from, points[i].pixel, warp);
+        if (!patch) continue;
+        const auto there = patch->align(to, rig.pixel(p_to), false);
+        if (!there || there->correlation < kLeastCorrelation) continue;
+        found.push_back({static_cast<std::int64_t>(i), there->pixel, 0.0});
+    }
+    return found;
+}
+
+Eigen::Isometry3d refined(const RectifiedRig& rig,
+                          const std::vector<KnownPoint>& points,
+                          const Features& found,
+                          const Eigen::Isometry3d& T_to_from) {
+    PointPairs pairs;
+    for (const Feature& feature : found) {
+        PointPair pair;
+        pair.p_previous = points[static_cast<std::size_t>(feature.id)].p_cam;
+        pair.previous_px = project_px(rig, pair.p_previous);
+        pair.current_px << feature.pixel, rig.disparity_px((T_to_from * pair.p_previous).z());
+        pair.current_sigma_px = kLeftSigma_px;
+        pairs.push_back(pair);
+    }
+    return refine_pose(rig, pairs, {T_to_from, std::nullopt, 0.0});
+}
+
+Features agreeing(const RectifiedRig& rig,
+                  const std::vector<KnownPoint>& points,
+                  const Features& found,
+                  const Eigen::Isometry3d& T_to_from) {
+    Features result;
+    for (const Feature& feature : found) {
+        const Eigen::Vector3d p_to = T_to_from * points[static_cast<std::size_t>(feature.id)].p_cam;
+        if (p_to.z() > kNearest_m && (rig.pixel(p_to) - feature.pixel).norm() < kTolerance_px)
+            result.push_back(feature);
+    }
+    return result;
+}
+
+std::size_t num_cells(const RectifiedRig& rig, const Features& features) {
+    std::set<int> cells;
+    for (const Feature& feature : features)
+        cells.insert(static_cast<int>(feature.pixel.y() * kCellRows / rig.height_px) *
+                         kCellColumns +
+                     static_cast<int>(feature.pixel.x() * kCellColumns / rig.width_px));
+    return cells.size();
+}
+
+}  // namespace
+
+std::optional<Features> observe_again(const RectifiedRig& rig,
+                                      const cv::Mat& from,
+                                      const std::vector<KnownPoint>& points,
+                                      const cv::Mat& to,
+                                      Eigen::Isometry3d& T_to_from) {
+    Features found;
+    for (int sweep = 0; sweep < 2; ++sweep) {
+        found = look_for(rig, from, points, to, T_to_from);
+        for (int pass = 0; pass < 2; ++pass) {
+            if (found.size() < kFewest) return std::nullopt;
+            T_to_from = refined(rig, points, found, T_to_from);
+            found = agreeing(rig, points, found, T_to_from);
+        }
+    }
+    if (found.size() < kFewest || num_cells(rig, found) < kFewestCells) return std::nullopt;
+    return found;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,70 @@
+#include "worker/estimation/loops/pieces.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kBridged_s = 1.0;
+
+// Sets that grow together (Tarjan 1975); the lowest member stands for its set.
+class Sets {
+public:
+    explicit Sets(std::size_t num) : parent_(num) {
+        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+    }
+    std::size_t find(std::size_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::size_t a, std::size_t b) {
+        const std::size_t of_a = find(a);
+        const std::size_t of_b = find(b);
+        parent_[std::max(of_a, of_b)] = std::min(of_a, of_b);
+    }
+
+private:
+    std::vector<std::size_t> parent_;
+};
+
+struct Extent {
+    double low_m = 1e300;
+    double high_m = -1e300;
+};
+
+}  // namespace
+
+void number_pieces(const DriftBound& drift,
+                   const std::vector<Loop>& loops,
+                   std::vector<Keyframe>& keyframes) {
+    Sets tied(keyframes.size());
+    for (std::size_t k = 1; k < keyframes.size(); ++k)
+        if (drift.blind_s(k - 1, k) <= kBridged_s) tied.join(k - 1, k);
+    for (const Loop& loop : loops) tied.join(loop.from, loop.to);
+    std::map<std::size_t, std::int32_t> number;
+    for (std::size_t k = 0; k < keyframes.size(); ++k)
+        keyframes[k].piece =
+            number.try_emplace(tied.find(k), static_cast<std::int32_t>(number.size()))
+                .first->second;
+}
+
+void lay_apart(double reach_m, std::vector<Keyframe>& keyframes) {
+    std::map<std::int32_t, Extent> extents;
+    for (const Keyframe& keyframe : keyframes) {
+        Extent& extent = extents[keyframe.piece];
+        extent.low_m = std::min(extent.low_m, keyframe.T_world_cam.translation().x() - reach_m);
+        extent.high_m = std::max(extent.high_m, keyframe.T_world_cam.translation().x() + reach_m);
+    }
+    std::map<std::int32_t, double> shift_m;
+    double taken_m = -1e300;
+    for (const auto& [piece, extent] : extents) {
+        shift_m[piece] = std::max(0.0, taken_m - extent.low_m);
+        taken_m = std::max(taken_m, extent.high_m + shift_m[piece]);
+    }
+    for (Keyframe& keyframe : keyframes)
+        keyframe.T_world_cam.translation().x() += shift_m[keyframe.piece];
+}
+
+}  // namespace divemesh::worker

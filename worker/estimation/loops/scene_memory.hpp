@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "schemas/reconstruction_options.hpp"
+#include "worker/estimation/loops/described_view.hpp"
+#include "worker/estimation/loops/observe_again.hpp"
+#include "worker/estimation/motion.hpp"
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/steps/feature.hpp"
+
+namespace divemesh::worker {
+
+// What the keyframes are recognised by, and the last of them in full: when the scene was out of
+// sight, and what comes into sight again overlaps with it, the dive goes on where it is.
+class SceneMemory {
+public:
+    SceneMemory(const RectifiedRig& rig, const ReconstructionOptions& options);
+
+    // A frame was not constrained by vision.
+    void lose_sight() { lost_ = true; }
+
+    // A frame about to be kept. After sight was lost: features of the last keyframe that it shows
+    // join `features` under their ids, and `motion` is put right.
+    void recognise(const RectifiedFrame& frame,
+                   std::uint64_t seed,
+                   Features& features,
+                   Motion& motion);
+    // It was kept, at this pose.
+    void keep(const RectifiedFrame& frame,
+              const Features& features,
+              const Eigen::Isometry3d& T_world_cam);
+
+    std::vector<DescribedView>&& take_views() { return std::move(views_); }
+
+private:
+    struct Known {
+        Eigen::Isometry3d T_now_then = Eigen::Isometry3d::Identity();
+        Features features;  // of the last keyframe, by their ids, where they are now
+    };
+    std::optional<Known> find_last(const RectifiedFrame& frame, std::uint64_t seed) const;
+
+    RectifiedRig rig_;
+    bool used_;
+    int num_disparities_px_;
+    bool lost_ = false;
+    std::vector<DescribedView> views_;  // of all keyframes
+    DescribedView view_;                // of the frame about to be kept
+    cv::Mat last_left_;
+    Features last_features_;
+    Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
+};
+
+}  // namespace divemesh::worker
