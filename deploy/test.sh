@@ -38,7 +38,7 @@ step "install validators and clients (npm)" install_npm_packages
 step "format" check_format
 step "build, release" build release
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
-step "unit tests, sanitizers" ctest --preset debug
+step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
 step "all tests, release" ctest --preset release
 
 if $full; then
