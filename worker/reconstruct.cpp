@@ -15,7 +15,9 @@
 #include "worker/estimation/loops/scene_memory.hpp"
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/track_summary.hpp"
+#include "worker/frames_ahead.hpp"
 #include "worker/geometry/rectifier.hpp"
+#include "worker/keyframe_writer.hpp"
 #include "worker/steps/extract_surface.hpp"
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/match_stereo.hpp"
@@ -50,11 +52,14 @@ Track track(Recording& recording,
     const Rectifier rectifier(recording.rig());
     const RectifiedRig& rig = rectifier.rig();
     const bool dense = options.estimator == "pairwise";  // else depth at the features alone
+    Workers workers(options.num_threads);
+    FramesAhead frames(recording, rectifier, workers);
+    KeyframeWriter writer(rig, options, store, workers);
     StereoMatcher stereo(rig, options);
     FeatureTracker tracker(rig, options);
     InertialPrior inertial(recording, options);
     ImuAligner aligner(recording);
-    KeyframeMap map(rig, options, inertial, store);
+    KeyframeMap map(rig, options, inertial, writer);
     SceneMemory memory(rig, options);
     Motion motion(rig, inertial);
     Features features;
@@ -63,16 +68,15 @@ Track track(Recording& recording,
     Track result;
     result.rig = rig;
 
-    recording.rewind();
-    while (const auto recorded = recording.next_frame()) {
-        const RectifiedFrame frame = rectifier.rectify(*recorded);
+    while (const auto next = frames.next()) {
+        const RectifiedFrame& frame = *next;
         const std::int64_t now_ns = frame.timestamp_ns;
         if (!motion.started()) motion.start(now_ns, first_pose(inertial, rig, now_ns));
         const std::int64_t before_ns = motion.timestamp_ns();
         const auto turn = motion.turn(now_ns);
         const auto expected = motion.expect(turn, now_ns);
 
-        DepthMap depth = dense ? stereo.match(frame) : DepthMap{};                      // 1
+        const DepthMap depth = dense ? stereo.match(frame) : DepthMap{};                // 1
         Features tracks = tracker.track(frame.left, features, expected);                // 2
         match_features(frame, depth.disparity_px, options.num_disparities_px, tracks);  // 1
         PointPairs pairs = with_depth_at_both_times(rig, features, tracks);             // 3
@@ -99,7 +103,6 @@ Track track(Recording& recording,
             add_new_features(frame, depth, options.num_disparities_px, tracker, features);
         if (!vision.found) memory.lose_sight();
         if (keep) {
-            if (!dense && options.surface) depth = stereo.match(frame);
             memory.recognise(frame, seed_of(options, frame), features, motion);
             map.add(frame, depth, features, motion, inertial);
             memory.keep(frame, features, motion.T_world_cam());
@@ -108,6 +111,7 @@ Track track(Recording& recording,
         result.odometry.push_back({now_ns, T_start_cam * rig.T_imu_cam.inverse()});
         report(progress, result.causal.size(), recording);
     }
+    writer.finish();
     map.move_to(result);
     result.imu_alignment = aligner.alignment();
     result.views = memory.take_views();

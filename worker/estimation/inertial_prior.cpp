@@ -73,6 +73,7 @@ InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOpt
       gyroscope_(options.use_imu && recording.rig().imu_noise && !recording.imu().empty()),
       accelerometer_(gyroscope_ && feels_gravity(recording.imu())),
       ahrs_(options.use_ahrs && !recording.ahrs().empty()),
+      ahrs_leads_(options.estimator == "pairwise"),
       pressure_(options.use_pressure && !recording.pressure().empty()),
       noise_(inflated(recording.rig().imu_noise.value_or(ImuNoise{}))) {}
 
@@ -96,9 +97,16 @@ std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
 }
 
 std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int64_t to_ns) const {
-    if (const auto gyroscope = integral(from_ns, to_ns))
-        return KnownRotation{gyroscope->q_from_to,
-                             std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
+    const auto by_ahrs = turn_by_ahrs(from_ns, to_ns);
+    if (by_ahrs && ahrs_leads_) return by_ahrs;
+    const auto gyroscope = integral(from_ns, to_ns);
+    if (!gyroscope) return by_ahrs;
+    return KnownRotation{gyroscope->q_from_to,
+                         std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
+}
+
+std::optional<KnownRotation> InertialPrior::turn_by_ahrs(std::int64_t from_ns,
+                                                         std::int64_t to_ns) const {
     const auto from = absolute(from_ns);
     const auto to = absolute(to_ns);
     if (!from || !to) return std::nullopt;

@@ -27,8 +27,8 @@ struct SensorReadings {
 };
 
 // What the dive's inertial sensors say: about orientation the gyroscope where there is one, else
-// the AHRS; about motion gyroscope and accelerometer. Biases are learnt from vision as the dive
-// goes on.
+// the AHRS (with the pairwise estimator, as the paper has it, the AHRS first); about motion
+// gyroscope and accelerometer. Biases are learnt from vision as the dive goes on.
 class InertialPrior {
 public:
     InertialPrior(const Recording& recording, const ReconstructionOptions& options);
@@ -65,12 +65,15 @@ public:
     const ImuNoise& noise() const { return noise_; }
 
 private:
+    std::optional<KnownRotation> turn_by_ahrs(std::int64_t from_ns, std::int64_t to_ns) const;
+
     const Recording& recording_;
     std::vector<ImuSample> imu_;
     std::vector<OrientationSample> orientations_;
     bool gyroscope_ = false;
     bool accelerometer_ = false;
     bool ahrs_ = false;
+    bool ahrs_leads_ = false;  // over the gyroscope, as in the paper
     bool pressure_ = false;
     ImuNoise noise_;
     ImuBias bias_;

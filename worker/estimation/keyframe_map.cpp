@@ -11,10 +11,10 @@ constexpr double kWindowBiasSigma = 3e-4;     // rad/s, of the bias that a windo
 KeyframeMap::KeyframeMap(const RectifiedRig& rig,
                          const ReconstructionOptions& options,
                          const InertialPrior& inertial,
-                         const KeyframeStore& store)
+                         KeyframeWriter& writer)
     : rig_(rig),
       pairwise_(options.estimator == "pairwise"),
-      store_(store),
+      writer_(writer),
       rule_(rig),
       window_(rig, inertial.noise()) {}
 
@@ -32,7 +32,7 @@ void KeyframeMap::add(const RectifiedFrame& frame,
                       const Features& features,
                       Motion& motion,
                       InertialPrior& inertial) {
-    store_.write(frame.index, {frame.left_color, depth});
+    writer_.write(frame, depth);
     rule_.taken(features, frame.timestamp_ns);
     const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
     const std::int64_t before_ns = empty() ? frame.timestamp_ns : last_ns_;

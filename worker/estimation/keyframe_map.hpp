@@ -8,9 +8,8 @@
 #include "worker/estimation/keyframe_rule.hpp"
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/window.hpp"
-#include "worker/keyframe_store.hpp"
+#include "worker/keyframe_writer.hpp"
 #include "worker/reconstruct.hpp"
-#include "worker/steps/match_stereo.hpp"
 
 namespace divemesh::worker {
 
@@ -21,7 +20,7 @@ public:
     KeyframeMap(const RectifiedRig& rig,
                 const ReconstructionOptions& options,
                 const InertialPrior& inertial,
-                const KeyframeStore& store);
+                KeyframeWriter& writer);
 
     // Landmarks take the place of the points measured at t-1 (window estimator).
     void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const;
@@ -29,7 +28,7 @@ public:
     bool empty() const { return last_ns_ == kNever; }
     bool due(const Features& features, std::int64_t timestamp_ns);
 
-    // Keeps the frame: pictures and depth to the store; with the window estimator gives back a
+    // Keeps the frame: pictures and depth (empty: not matched yet) to the store; with the window estimator gives back a
     // better pose to `motion` and a better bias to `inertial`.
     void add(const RectifiedFrame& frame,
              const DepthMap& depth,
@@ -45,7 +44,7 @@ private:
 
     RectifiedRig rig_;
     bool pairwise_;
-    const KeyframeStore& store_;
+    KeyframeWriter& writer_;
     KeyframeRule rule_;
     Window window_;
     std::vector<Keyframe> keyframes_;  // of the pairwise estimator

@@ -68,7 +68,7 @@ DIVEMESH_FOR_AVX2 int find_avx2(const Sum* cost, Sum value, int num) {
 }  // namespace
 
 BlockKernels block_kernels(Instructions instructions) {
-    if (instructions == Instructions::Avx2)
+    if (instructions != Instructions::Baseline)
         return {accumulate_avx2, slide_avx2, least_avx2, find_avx2};
     return {accumulate, slide, least, find};
 }

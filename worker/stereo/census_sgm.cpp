@@ -11,11 +11,7 @@ namespace {
 
 constexpr int kRadiusX_px = 4;  // of the census window
 constexpr int kRadiusY_px = 3;
-constexpr int kLargestStepPenalty = 60;  // P2 on even ground
-constexpr int kLeastStepPenalty = 20;    // P2 across an edge
-constexpr int kUniqueness_percent = 5;
 constexpr int kLeftRightTolerance_px = 1;
-constexpr std::int16_t kUnknown = -1;
 
 struct Offset {
     int x;
@@ -50,14 +46,23 @@ void census(const cv::Mat& image, CensusKernel kernel, std::vector<std::uint8_t>
     }
 }
 
-// The path costs of a place where a path begins: zero, so that the first pixel has its own cost.
+// The costs of one pixel before a path begins: zero, so that the first pixel has its own cost.
 void begin_path(std::uint8_t* costs, int num_disparities) {
-    std::memset(costs, kOutsideCost, num_disparities + 2 * kPathMargin);
-    std::memset(costs + kPathMargin, 0, num_disparities);
+    std::memset(costs, 0, static_cast<std::size_t>(num_disparities));
 }
 
-float interpolate(const std::uint8_t* sum, int d) {
-    const int left = sum[d - 1], center = sum[d], right = sum[d + 1];
+// Costs of `num` pixels, each at the start of a path, between margins.
+std::vector<std::uint8_t> path_starts(int num, int num_disparities) {
+    const std::size_t stride = static_cast<std::size_t>(num_disparities) + kPathMargin;
+    std::vector<std::uint8_t> costs(num * stride + kPathMargin + 2 * kWidestVector, kOutsideCost);
+    for (int i = 0; i < num; ++i)
+        begin_path(costs.data() + kPathMargin + i * stride, num_disparities);
+    return costs;
+}
+
+// Between whole disparities by the two lines that a cost of absolute differences has.
+float interpolate(const std::uint8_t* around, int d) {
+    const int left = around[0], center = around[1], right = around[2];
     const int slope = std::max(left, right) - center;
     if (slope == 0) return static_cast<float>(d);
     return static_cast<float>(d) +
@@ -67,147 +72,136 @@ float interpolate(const std::uint8_t* sum, int d) {
 }  // namespace
 
 CensusSgm::CensusSgm(int num_disparities, Instructions instructions)
-    : num_disparities_((num_disparities + 31) / 32 * 32), instructions_(instructions) {
-    for (int step = 0; step < 256; ++step)
-        step_penalty_[step] = static_cast<std::uint8_t>(
-            std::max(kLeastStepPenalty, kLargestStepPenalty * 12 / (12 + step)));
-}
+    : num_disparities_((num_disparities + 31) / 32 * 32), instructions_(instructions) {}
 
 cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right) {
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
     if (left.cols <= 2 * kRadiusX_px || left.rows <= 2 * kRadiusY_px) return disparity;
     prepare(left);
-    const SgmKernels kernels = sgm_kernels(instructions_);
-    census(left, kernels.census, left_census_);
-    census(right, kernels.census, right_census_);
-    for (int y = 0; y < height_; ++y) {
-        aggregate_row(left, y);
-        select_winners(left.ptr<std::uint8_t>(y));
-        write_row(disparity.ptr<float>(y));
-        for (int p = 0; p < 3; ++p) {
-            std::swap(above_[0][p], above_[1][p]);
-            std::swap(above_min_[0][p], above_min_[1][p]);
-        }
+    const CensusKernel kernel = sgm_kernels(instructions_, num_disparities_).census;
+    census(left, kernel, left_census_);
+    census(right, kernel, right_census_);
+    for (int y = 0; y < left.rows; y += kRowsAtOnce) {
+        const int num_rows = std::min(kRowsAtOnce, left.rows - y);
+        for (int i = 0; i < num_rows; ++i) prepare_row(left, y + i, rows_[i]);
+        aggregate(y, num_rows);
+        select_winners(num_rows);
+        for (int i = 0; i < num_rows; ++i) write_row(rows_[i], disparity.ptr<float>(y + i));
     }
     return disparity;
 }
 
 void CensusSgm::prepare(const cv::Mat& left) {
     width_ = left.cols;
-    height_ = left.rows;
-    const std::size_t stride = num_disparities_ + 2 * kPathMargin;
-    cost_.resize(static_cast<std::size_t>(width_) * num_disparities_);
-    sum_.resize(cost_.size());
-    winner_.resize(width_);
-    right_best_cost_.resize(width_);
-    right_best_disparity_.resize(width_);
-    for (auto& plane : right_reversed_) plane.assign(width_ + num_disparities_, 0);
-    for (auto& row : above_)
-        for (auto& path : row) {
-            path.resize((width_ + 2) * stride);
-            for (int x = 0; x < width_ + 2; ++x)
-                begin_path(path.data() + x * stride, num_disparities_);
-        }
-    for (auto& row : above_min_)
-        for (auto& path : row) path.assign(width_ + 2, 0);
+    const auto width = static_cast<std::size_t>(width_);
+    for (Row& row : rows_) {
+        row.cost.resize(width * num_disparities_ + kWidestVector);
+        row.sum.resize(row.cost.size());
+        row.least.resize(width);
+        row.least_at.resize(width);
+        row.unique.resize(width);
+        row.around.resize(3 * width);
+        for (auto& penalty : row.penalty) penalty.resize(width);
+        for (auto& plane : row.right_reversed)
+            plane.assign(width + num_disparities_ + kWidestVector, 0);
+    }
+    right_best_cost_.resize(width);
+    right_best_disparity_.resize(width);
+    for (Slots& path : above_) {
+        path.costs = path_starts(width_ + 1, num_disparities_);
+        path.least.assign(width + 1, 0);
+    }
 }
 
-void CensusSgm::aggregate_row(const cv::Mat& left, int y) {
-    const SgmKernels kernels = sgm_kernels(instructions_);
-    const std::size_t stride = num_disparities_ + 2 * kPathMargin;
-    const std::size_t row = static_cast<std::size_t>(y) * width_;
+void CensusSgm::prepare_row(const cv::Mat& left, int y, Row& row) const {
     const std::uint8_t* grey = left.ptr<std::uint8_t>(y);
-    const std::uint8_t* grey_above = left.ptr<std::uint8_t>(std::max(0, y - 1));
-    for (int p = 0; p < 4; ++p)
-        std::reverse_copy(right_census_[p].begin() + row,
-                          right_census_[p].begin() + row + width_,
-                          right_reversed_[p].begin());
-    std::vector<std::uint8_t> from_left[2];
-    for (auto& costs : from_left) {
-        costs.resize(stride);
-        begin_path(costs.data(), num_disparities_);
+    const std::uint8_t* above = left.ptr<std::uint8_t>(std::max(0, y - 1));
+    const PenaltyKernel penalties = sgm_kernels(instructions_, num_disparities_).penalties;
+    // Where a path begins there is nothing to step from: any penalty will do.
+    penalties(grey + 1, above, width_ - 1, row.penalty[0].data() + 1);
+    penalties(grey, above, width_, row.penalty[1].data());
+    penalties(grey, above + 1, width_ - 1, row.penalty[2].data());
+    penalties(grey + 1, grey, width_ - 1, row.penalty[3].data() + 1);
+    std::copy(row.penalty[3].begin() + 1, row.penalty[3].end(), row.penalty[4].begin());
+    for (int p = 0; p < 4; ++p) {
+        const auto right = right_census_[p].begin() + static_cast<std::ptrdiff_t>(y) * width_;
+        std::reverse_copy(right, right + width_, row.right_reversed[p].begin());
     }
+    row.from_left = path_starts(2, num_disparities_);
+    row.from_right = row.from_left;
+}
 
-    ForwardPixel pixel;
-    pixel.num_disparities = num_disparities_;
-    for (int x = 0; x < width_; ++x) {
+void CensusSgm::aggregate(int y, int num_rows) {
+    ForwardRow forward[kRowsAtOnce];
+    for (int i = 0; i < num_rows; ++i) {
+        Row& row = rows_[i];
+        forward[i].width = width_;
+        forward[i].num_disparities = num_disparities_;
         for (int p = 0; p < 4; ++p) {
-            pixel.left[p] = left_census_[p][row + x];
-            pixel.right[p] = right_reversed_[p].data() + (width_ - 1 - x);
+            forward[i].left[p] =
+                left_census_[p].data() + static_cast<std::ptrdiff_t>(y + i) * width_;
+            forward[i].right_reversed[p] = row.right_reversed[p].data();
+            forward[i].penalty[p] = row.penalty[p].data();
         }
-        pixel.num_in_image = std::min(num_disparities_, x + 1);
-        pixel.cost = cost_.data() + static_cast<std::size_t>(x) * num_disparities_;
-        pixel.sum = sum_.data() + static_cast<std::size_t>(x) * num_disparities_;
-        const auto penalty = [&](int other) { return step_penalty_[std::abs(grey[x] - other)]; };
-        for (int p = 0; p < 3; ++p) {  // from above left, above, above right
-            const int from = std::clamp(x + p - 1, 0, width_ - 1);
-            const auto column = static_cast<std::size_t>(x + p);
-            pixel.paths[p].before = above_[0][p].data() + column * stride + kPathMargin;
-            pixel.paths[p].here = above_[1][p].data() + (x + 1) * stride + kPathMargin;
-            pixel.paths[p].before_min = above_min_[0][p][column];
-            pixel.paths[p].step_penalty = penalty(grey_above[from]);
-        }
-        pixel.paths[3].before = from_left[x & 1].data() + kPathMargin;
-        pixel.paths[3].here = from_left[(x + 1) & 1].data() + kPathMargin;
-        pixel.paths[3].before_min = x == 0 ? std::uint8_t{0} : pixel.paths[3].here_min;
-        pixel.paths[3].step_penalty = penalty(grey[std::max(0, x - 1)]);
-        kernels.forward(pixel);
-        for (int p = 0; p < 3; ++p) above_min_[1][p][x + 1] = pixel.paths[p].here_min;
+        for (int p = 0; p < 3; ++p) forward[i].above[p] = vertical_path(p, y + i);
+        forward[i].from_left = row.from_left.data();
+        forward[i].cost = row.cost.data();
+        forward[i].sum = row.sum.data();
     }
+    sgm_kernels(instructions_, num_disparities_).forward(forward, num_rows);
 }
 
-void CensusSgm::select_winners(const std::uint8_t* grey) {
-    const SgmKernels kernels = sgm_kernels(instructions_);
-    const std::size_t stride = num_disparities_ + 2 * kPathMargin;
-    std::vector<std::uint8_t> from_right[2];
-    for (auto& costs : from_right) {
-        costs.resize(stride);
-        begin_path(costs.data(), num_disparities_);
+VerticalPath CensusSgm::vertical_path(int p, int y) {
+    const int num_slots = width_ + 1;
+    const int sideways = p - 1;  // from above left, above, above right
+    VerticalPath path;
+    path.costs = above_[p].costs.data() + kPathMargin;
+    path.least = above_[p].least.data();
+    path.first_slot = (sideways * y % num_slots + num_slots) % num_slots;
+    if (sideways != 0) {  // it begins anew where it enters the picture
+        const int slot =
+            sideways < 0 ? path.first_slot : (path.first_slot + width_ - 1) % num_slots;
+        begin_path(
+            path.costs + static_cast<std::ptrdiff_t>(slot) * (num_disparities_ + kPathMargin),
+            num_disparities_);
+        path.least[slot] = 0;
     }
+    return path;
+}
+
+void CensusSgm::select_winners(int num_rows) {
+    BackwardRow backward[kRowsAtOnce];
+    for (int i = 0; i < num_rows; ++i) {
+        Row& row = rows_[i];
+        backward[i].width = width_;
+        backward[i].num_disparities = num_disparities_;
+        backward[i].penalty = row.penalty[4].data();
+        backward[i].cost = row.cost.data();
+        backward[i].sum = row.sum.data();
+        backward[i].from_right = row.from_right.data();
+        backward[i].least = row.least.data();
+        backward[i].least_at = row.least_at.data();
+        backward[i].unique = row.unique.data();
+        backward[i].around = row.around.data();
+    }
+    sgm_kernels(instructions_, num_disparities_).backward(backward, num_rows);
+}
+
+// Left-right check: of the pixels that end at one pixel of the right picture the cheapest is right.
+void CensusSgm::write_row(const Row& row, float* disparity_px) {
     std::fill(right_best_cost_.begin(), right_best_cost_.end(), std::uint8_t{255});
-
-    BackwardPixel pixel;
-    pixel.num_disparities = num_disparities_;
     for (int x = width_ - 1; x >= 0; --x) {
-        pixel.cost = cost_.data() + static_cast<std::size_t>(x) * num_disparities_;
-        pixel.sum = sum_.data() + static_cast<std::size_t>(x) * num_disparities_;
-        pixel.path.before = from_right[x & 1].data() + kPathMargin;
-        pixel.path.here = from_right[(x + 1) & 1].data() + kPathMargin;
-        pixel.path.before_min = x == width_ - 1 ? std::uint8_t{0} : pixel.path.here_min;
-        pixel.path.step_penalty =
-            step_penalty_[std::abs(grey[x] - grey[std::min(width_ - 1, x + 1)])];
-        kernels.backward(pixel);
-        const auto* found =
-            static_cast<const std::uint8_t*>(std::memchr(pixel.sum, pixel.best, num_disparities_));
-        const int d = static_cast<int>(found - pixel.sum);
-        winner_[x] = is_unique(pixel.sum, d) && d < x ? static_cast<std::int16_t>(d) : kUnknown;
-        if (d <= x && pixel.best < right_best_cost_[x - d]) {
-            right_best_cost_[x - d] = pixel.best;
-            right_best_disparity_[x - d] = static_cast<std::int16_t>(d);
-        }
+        const int d = row.least_at[x];
+        if (d > x || row.least[x] >= right_best_cost_[x - d]) continue;
+        right_best_cost_[x - d] = row.least[x];
+        right_best_disparity_[x - d] = static_cast<std::int16_t>(d);
     }
-}
-
-// Nothing else than the neighbours of the winner comes near its cost. Winners at the ends of the
-// range have no parabola and are most likely cut off: unknown.
-bool CensusSgm::is_unique(std::uint8_t* sum, int d) const {
-    if (d == 0 || d == num_disparities_ - 1) return false;
-    const int best = sum[d];
-    std::uint8_t around[3];
-    std::memcpy(around, sum + d - 1, 3);
-    std::memset(sum + d - 1, 255, 3);
-    const int second = sgm_kernels(instructions_).least(sum, num_disparities_);
-    std::memcpy(sum + d - 1, around, 3);
-    return best < 255 && second * (100 - kUniqueness_percent) > best * 100;
-}
-
-void CensusSgm::write_row(float* disparity_px) const {
     for (int x = 0; x < width_; ++x) {
-        const int d = winner_[x];
-        if (d == kUnknown || std::abs(right_best_disparity_[x - d] - d) > kLeftRightTolerance_px)
+        const int d = row.least_at[x];
+        if (row.unique[x] == 0 || d >= x ||
+            std::abs(right_best_disparity_[x - d] - d) > kLeftRightTolerance_px)
             continue;
-        disparity_px[x] =
-            interpolate(sum_.data() + static_cast<std::size_t>(x) * num_disparities_, d);
+        disparity_px[x] = interpolate(row.around.data() + 3 * static_cast<std::size_t>(x), d);
     }
 }
 

@@ -5,42 +5,59 @@
 #include <vector>
 
 #include "worker/stereo/instructions.hpp"
+#include "worker/stereo/sgm_kernels.hpp"
 
 namespace divemesh::worker {
 
 // Semi-global matching (Hirschmueller 2008) of 32-bit census signatures (Zabih and Woodfill 1994)
 // along five paths: from the left, from the right and from the three pixels above. All five end in
-// the row at hand, so one sweep down the image needs two rows of cost and no cost volume. P2 falls
-// where the grey value steps. Winners pass a uniqueness and a left-right check.
+// the row at hand, so one sweep down the image needs one row of costs per path and no cost volume.
+// P2 falls where the grey value steps. Winners pass a uniqueness and a left-right check.
 class CensusSgm {
 public:
+    // At most 512; rounded up to a multiple of 32.
     explicit CensusSgm(int num_disparities, Instructions instructions = best_instructions());
 
     // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
 
 private:
-    void prepare(const cv::Mat& left);
-    void aggregate_row(const cv::Mat& left, int y);
-    void select_winners(const std::uint8_t* grey);
-    bool is_unique(std::uint8_t* sum, int d) const;
-    void write_row(float* disparity_px) const;
+    static constexpr int kRowsAtOnce = 2;  // as the kernels take them
 
-    int num_disparities_;  // multiple of 32
+    struct Row {
+        std::vector<std::uint8_t> penalty[5];         // P2: three from above, from left, from right
+        std::vector<std::uint8_t> right_reversed[4];  // so that d runs with the address
+        std::vector<std::uint8_t> cost;               // [x][d]
+        std::vector<std::uint8_t> sum;                // over the paths, [x][d]
+        std::vector<std::uint8_t> from_left;          // path costs of two pixels
+        std::vector<std::uint8_t> from_right;
+        std::vector<std::uint8_t> least;  // of the sums, by x, and where and how
+        std::vector<std::int16_t> least_at;
+        std::vector<std::uint8_t> unique;
+        std::vector<std::uint8_t> around;
+    };
+    // Costs of one path, see VerticalPath.
+    struct Slots {
+        std::vector<std::uint8_t> costs;
+        std::vector<std::uint8_t> least;
+    };
+
+    void prepare(const cv::Mat& left);
+    void prepare_row(const cv::Mat& left, int y, Row& row) const;
+    void aggregate(int y, int num_rows);
+    VerticalPath vertical_path(int p, int y);
+    void select_winners(int num_rows);
+    void write_row(const Row& row, float* disparity_px);
+
+    int num_disparities_;
     Instructions instructions_;
     int width_ = 0;
-    int height_ = 0;
     std::vector<std::uint8_t> left_census_[4];  // byte planes of the signatures
     std::vector<std::uint8_t> right_census_[4];
-    std::vector<std::uint8_t> right_reversed_[4];  // of one row, so that d runs with the address
-    std::vector<std::uint8_t> cost_;               // of one row, [x][d]
-    std::vector<std::uint8_t> sum_;                // over the paths, [x][d]
-    std::vector<std::uint8_t> above_[2][3];        // path costs of a row, [x + 1][d]: last, this
-    std::vector<std::uint8_t> above_min_[2][3];
+    Row rows_[kRowsAtOnce];
+    Slots above_[3];
     std::vector<std::uint8_t> right_best_cost_;
     std::vector<std::int16_t> right_best_disparity_;
-    std::vector<std::int16_t> winner_;
-    std::uint8_t step_penalty_[256] = {};  // P2 by grey value step
 };
 
 }  // namespace divemesh::worker

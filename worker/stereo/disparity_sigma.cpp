@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
-#include <opencv2/imgproc.hpp>
+
+#include "worker/stereo/running_sums.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -15,6 +16,34 @@ constexpr int kWindow_px = 7;
 constexpr double kLeastNoise = 0.5;    // grey values: quantisation and a little
 constexpr double kLargestNoise = 8.0;  // more than that is texture
 constexpr float kFloor_px = 0.15F;     // what calibration, interpolation and slant leave
+
+struct Noise {
+    float energy;
+    float scale;
+};
+
+// From the sums of the gradient and of its square over a window.
+DIVEMESH_INLINE_BODY void rate_texture_body(const float* __restrict gradient,
+                                            const float* __restrict energy,
+                                            Noise noise,
+                                            int num,
+                                            float* __restrict sigma) {
+    constexpr float kNum = kWindow_px * kWindow_px;
+    for (int x = kWindow_px / 2; x < num - kWindow_px / 2; ++x) {
+        const float texture = energy[x] - gradient[x] * gradient[x] / kNum - noise.energy;
+        const float known = noise.scale / std::sqrt(std::max(texture, 1.0F));
+        const float least = known > kFloor_px ? known : kFloor_px;
+        sigma[x] = texture > 0.5F * noise.energy ? least : std::numeric_limits<float>::infinity();
+    }
+}
+
+void rate_texture(const float* gradient, const float* energy, Noise noise, int num, float* sigma) {
+    rate_texture_body(gradient, energy, noise, num, sigma);
+}
+DIVEMESH_FOR_AVX2 void rate_texture_avx2(
+    const float* gradient, const float* energy, Noise noise, int num, float* sigma) {
+    rate_texture_body(gradient, energy, noise, num, sigma);
+}
 
 }  // namespace
 
@@ -41,32 +70,30 @@ double image_noise(const cv::Mat& image) {
     return std::clamp(quantile / (6.0 * 0.3186), kLeastNoise, kLargestNoise);
 }
 
-cv::Mat disparity_sigma(const cv::Mat& image) {
+cv::Mat disparity_sigma(const cv::Mat& image, Instructions instructions) {
     const double noise = image_noise(image);
-    cv::Mat gradient(image.size(), CV_32F, cv::Scalar(0.0));
+    constexpr float kNum = kWindow_px * kWindow_px;
+    // Of the gradient times two.
+    const auto noise_energy = static_cast<float>(4.0 * kNum * noise * noise / 2.0);
+    const auto scale = static_cast<float>(2.0 * std::sqrt(2.0) * noise);
+    const auto rate = instructions == Instructions::Baseline ? rate_texture : rate_texture_avx2;
+    cv::Mat sigma(image.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::infinity()));
+    RunningSums window(2, image.cols, kWindow_px / 2, instructions);
     for (int y = 0; y < image.rows; ++y) {
         const std::uint8_t* in = image.ptr<std::uint8_t>(y);
-        float* out = gradient.ptr<float>(y);
-        for (int x = 1; x + 1 < image.cols; ++x)
-            out[x] = 0.5F * static_cast<float>(in[x + 1] - in[x - 1]);
-    }
-    cv::Mat energy, sum;
-    const cv::Size window(kWindow_px, kWindow_px);
-    cv::sqrBoxFilter(gradient, energy, CV_32F, window, cv::Point(-1, -1), false);
-    cv::boxFilter(gradient, sum, CV_32F, window, cv::Point(-1, -1), false);
-    constexpr float kNum = kWindow_px * kWindow_px;
-    const auto noise_energy = static_cast<float>(kNum * noise * noise / 2.0);
-    const auto scale = static_cast<float>(std::sqrt(2.0) * noise);
-    cv::Mat sigma(image.size(), CV_32F);
-    for (int y = 0; y < image.rows; ++y) {
-        const float* e = energy.ptr<float>(y);
-        const float* s = sum.ptr<float>(y);
-        float* out = sigma.ptr<float>(y);
-        for (int x = 0; x < image.cols; ++x) {
-            const float texture = e[x] - s[x] * s[x] / kNum - noise_energy;
-            out[x] = texture > 0.5F * noise_energy ? std::max(kFloor_px, scale / std::sqrt(texture))
-                                                   : std::numeric_limits<float>::infinity();
+        std::int32_t* gradient = window.next(0).data();
+        std::int32_t* energy = window.next(1).data();
+        for (int x = 1; x + 1 < image.cols; ++x) {
+            gradient[x] = in[x + 1] - in[x - 1];
+            energy[x] = gradient[x] * gradient[x];
         }
+        window.add_row();
+        if (!window.whole()) continue;
+        rate(window.sums(0).data(),
+             window.sums(1).data(),
+             {noise_energy, scale},
+             image.cols,
+             sigma.ptr<float>(y - kWindow_px / 2));
     }
     return sigma;
 }

@@ -2,6 +2,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "worker/stereo/instructions.hpp"
+
 namespace divemesh::worker {
 
 // Standard deviation of the image noise in grey values, from the second differences of CV_8UC1
@@ -10,7 +12,8 @@ double image_noise(const cv::Mat& image);
 
 // What the texture around each pixel of CV_8UC1 lets a match be known to, px, CV_32F:
 // sqrt(2) sigma_n / sqrt(sum of the squared horizontal gradient over the window), noise's own
-// gradient taken off, and a floor of 0.15 px beside it. Infinite where there is nothing but noise.
-cv::Mat disparity_sigma(const cv::Mat& image);
+// gradient taken off, and a floor of 0.15 px beside it. Infinite where there is nothing but noise,
+// and within half a window of the border.
+cv::Mat disparity_sigma(const cv::Mat& image, Instructions instructions = best_instructions());
 
 }  // namespace divemesh::worker

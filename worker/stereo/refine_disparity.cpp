@@ -1,12 +1,14 @@
 #include "worker/stereo/refine_disparity.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <vector>
 
 #include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/running_sums.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -22,43 +24,73 @@ constexpr float kGainSigma = 0.1F;  // how far the cameras' gains are expected t
 constexpr int kGreyScale = 16;      // grey values are kept in 1/16
 constexpr int kLeastPixels = 12;    // known ones of the 81 of a window
 
-struct MirrorPair {
-    const float* ahead;
-    const float* behind;
-    float largest_step;
-};
+// Eight pixels; on narrower instruction sets the compiler splits them.
+using Floats = float __attribute__((vector_size(32)));
+using Masks = std::int32_t __attribute__((vector_size(32)));
+constexpr int kFloats = 8;
+constexpr Masks kLanes = {0, 1, 2, 3, 4, 5, 6, 7};
 
-DIVEMESH_INLINE_BODY void add_pair_body(
-    const float* center, const MirrorPair& pair, float gate, int num, float* sums) {
-    const float* __restrict c = center;
-    const float* __restrict a = pair.ahead;
-    const float* __restrict b = pair.behind;
-    float* __restrict sum = sums;
-    float* __restrict count = sums + num;
-    for (int x = 0; x < num; ++x) {
-        const float up = a[x] - c[x];
-        const float down = b[x] - c[x];
-        const bool both = (a[x] > 0.0F) & (b[x] > 0.0F) & (std::abs(up) < pair.largest_step) &
-                          (std::abs(down) < pair.largest_step) &
-                          (std::abs(up + down) < 2.0F * gate);
-        sum[x] += both ? up + down : 0.0F;
-        count[x] += both ? 2.0F : 0.0F;
+DIVEMESH_INLINE_BODY Floats load(const float* from) {
+    Floats values;
+    std::memcpy(&values, from, sizeof values);
+    return values;
+}
+DIVEMESH_INLINE_BODY Floats size_of(Floats values) {
+    return reinterpret_cast<Floats>(reinterpret_cast<Masks>(values) & 0x7fffffff);
+}
+DIVEMESH_INLINE_BODY Floats largest_of(Floats values, float other) {
+    return values > other ? values : Floats{} + other;
+}
+DIVEMESH_INLINE_BODY Floats where(Masks mask, Floats values) {
+    return reinterpret_cast<Floats>(mask & reinterpret_cast<Masks>(values));
+}
+
+// Mirror pairs of a pixel's neighbours that lie on one plane with it, within `gate`, are averaged
+// with it. `rows`: those from kSmoothRadius_px above to as many below.
+DIVEMESH_INLINE_BODY void smooth_row_body(const float* const* rows,
+                                          float gate,
+                                          int width,
+                                          float* out) {
+    for (int start = kSmoothRadius_px; start < width - kSmoothRadius_px; start += kFloats) {
+        // The last eight overlap the ones before.
+        const int x = std::min(start, width - kSmoothRadius_px - kFloats);
+        const Floats center = load(rows[kSmoothRadius_px] + x);
+        Floats sum = {};
+        Floats count = {};
+        for (int dy = 0; dy <= kSmoothRadius_px; ++dy) {
+            for (int dx = -kSmoothRadius_px; dx <= kSmoothRadius_px; ++dx) {
+                if (dy == 0 && dx <= 0) continue;
+                const Floats ahead = load(rows[kSmoothRadius_px + dy] + x + dx);
+                const Floats behind = load(rows[kSmoothRadius_px - dy] + x - dx);
+                const float largest =
+                    gate + kLargestSlope * static_cast<float>(std::max(dy, std::abs(dx)));
+                const Floats up = ahead - center;
+                const Floats down = behind - center;
+                const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) & (size_of(up) < largest) &
+                                       (size_of(down) < largest) &
+                                       (size_of(up + down) < 2.0F * gate);
+                sum += where(on_plane, up + down);
+                count += where(on_plane, Floats{} + 2.0F);
+            }
+        }
+        const Floats smooth = center + where(center > 0.0F, sum / (1.0F + count));
+        std::memcpy(out + x, &smooth, sizeof smooth);
     }
 }
 
-void add_pair(const float* center, const MirrorPair& pair, float gate, int num, float* sums) {
-    add_pair_body(center, pair, gate, num, sums);
+void smooth_row(const float* const* rows, float gate, int width, float* out) {
+    smooth_row_body(rows, gate, width, out);
 }
-DIVEMESH_FOR_AVX2 void add_pair_avx2(
-    const float* center, const MirrorPair& pair, float gate, int num, float* sums) {
-    add_pair_body(center, pair, gate, num, sums);
+DIVEMESH_FOR_AVX2 void smooth_row_avx2(const float* const* rows,
+                                       float gate,
+                                       int width,
+                                       float* out) {
+    smooth_row_body(rows, gate, width, out);
 }
 
 // The sums of the normal equations, per pixel: g the gradient, r the warped right image, e left
 // minus r.
 enum Term { kCount, kG, kR, kE, kGG, kGR, kRR, kGE, kRE, kNumTerms };
-using Row = std::vector<std::int32_t>;
-using Terms = std::array<Row, kNumTerms>;
 
 struct GreyRow {
     const std::uint8_t* left;
@@ -66,133 +98,158 @@ struct GreyRow {
     const float* disparity;
 };
 
-// Terms of one row; the gradient is the mean of both images', which halves what noise adds to it.
-void fill_terms(const GreyRow& in, int width, Terms& terms) {
-    for (Row& row : terms) std::fill(row.begin(), row.end(), 0);
+// Where the right picture is read: four pixels that begin one before, and how far between.
+struct Reading {
+    std::vector<std::uint32_t> four;
+    std::vector<std::int32_t> part;   // in 1 / kGreyScale px
+    std::vector<std::int32_t> known;  // 0 or 1
+};
+
+void read_right(const GreyRow& in, int width, Reading& reading) {
     for (int x = 1; x + 1 < width; ++x) {
-        const float at = static_cast<float>(x) - in.disparity[x];
-        if (in.disparity[x] <= 0.0F || at < 1.0F) continue;
+        const float at = std::max(1.0F, static_cast<float>(x) - in.disparity[x]);
         const auto fixed = static_cast<int>(at * kGreyScale);
-        const int k = fixed / kGreyScale;
-        if (k + 2 >= width) continue;
-        const int part = fixed % kGreyScale;
-        const std::uint8_t* p = in.right + k;
-        const int gradient_left = kGreyScale * (in.left[x + 1] - in.left[x - 1]);
-        const int gradient_right = (p[1] - p[-1]) * (kGreyScale - part) + (p[2] - p[0]) * part;
-        const int g = (gradient_left + gradient_right) / 4;
-        const int warped = p[0] * (kGreyScale - part) + p[1] * part;
-        const int e = kGreyScale * in.left[x] - warped;
-        const int r = warped - kGreyScale * 128;
-        const std::int32_t values[kNumTerms] = {1, g, r, e, g * g, g * r, r * r, g * e, r * e};
-        for (int term = 0; term < kNumTerms; ++term) terms[term][x] = values[term];
+        const int k = std::min(fixed / kGreyScale, width - 3);
+        std::memcpy(&reading.four[x], in.right + k - 1, sizeof(std::uint32_t));
+        reading.part[x] = fixed % kGreyScale;
+        reading.known[x] = static_cast<int>(in.disparity[x] > 0.0F) &
+                           static_cast<int>(static_cast<float>(x) - in.disparity[x] >= 1.0F) &
+                           static_cast<int>(fixed / kGreyScale + 2 < width);
     }
 }
 
-DIVEMESH_INLINE_BODY void exchange_body(std::int32_t* sum_,
-                                        const std::int32_t* entering_,
-                                        const std::int32_t* leaving_,
-                                        int num) {
-    std::int32_t* __restrict sum = sum_;
-    const std::int32_t* __restrict entering = entering_;
-    const std::int32_t* __restrict leaving = leaving_;
-    for (int x = 0; x < num; ++x) sum[x] += entering[x] - leaving[x];
-}
-
-DIVEMESH_INLINE_BODY void widen_body(const std::int32_t* column_, int num, float* window_) {
-    const std::int32_t* __restrict column = column_;
-    float* __restrict window = window_;
-    for (int x = kWindowRadius_px; x < num - kWindowRadius_px; ++x) {
-        std::int32_t sum = 0;
-        for (int i = -kWindowRadius_px; i <= kWindowRadius_px; ++i) sum += column[x + i];
-        window[x] = static_cast<float>(sum);
+// Terms of one row; the gradient is the mean of both images', which halves what noise adds to it.
+DIVEMESH_INLINE_BODY void fill_terms_body(const std::uint8_t* left,
+                                          const Reading& reading,
+                                          int width,
+                                          std::int32_t* const (&terms)[kNumTerms]) {
+    const std::uint32_t* __restrict four = reading.four.data();
+    const std::int32_t* __restrict part_ = reading.part.data();
+    const std::int32_t* __restrict known_ = reading.known.data();
+    std::int32_t* __restrict count = terms[kCount];
+    std::int32_t* __restrict t_g = terms[kG];
+    std::int32_t* __restrict t_r = terms[kR];
+    std::int32_t* __restrict t_e = terms[kE];
+    std::int32_t* __restrict t_gg = terms[kGG];
+    std::int32_t* __restrict t_gr = terms[kGR];
+    std::int32_t* __restrict t_rr = terms[kRR];
+    std::int32_t* __restrict t_ge = terms[kGE];
+    std::int32_t* __restrict t_re = terms[kRE];
+    for (int x = 1; x < width - 1; ++x) {
+        const auto before = static_cast<std::int32_t>(four[x] & 255U);
+        const auto here = static_cast<std::int32_t>(four[x] >> 8 & 255U);
+        const auto next = static_cast<std::int32_t>(four[x] >> 16 & 255U);
+        const auto after = static_cast<std::int32_t>(four[x] >> 24);
+        const std::int32_t part = part_[x];
+        const std::int32_t known = known_[x];
+        const std::int32_t gradient_left = kGreyScale * (left[x + 1] - left[x - 1]);
+        const std::int32_t gradient_right =
+            (next - before) * (kGreyScale - part) + (after - here) * part;
+        const std::int32_t g = known * ((gradient_left + gradient_right) / 4);
+        const std::int32_t warped = here * (kGreyScale - part) + next * part;
+        const std::int32_t e = known * (kGreyScale * left[x] - warped);
+        const std::int32_t r = known * (warped - kGreyScale * 128);
+        count[x] = known;
+        t_g[x] = g;
+        t_r[x] = r;
+        t_e[x] = e;
+        t_gg[x] = g * g;
+        t_gr[x] = g * r;
+        t_rr[x] = r * r;
+        t_ge[x] = g * e;
+        t_re[x] = r * e;
     }
 }
 
 // Least squares for the step s and the gain a of e = -g s + a r + b, a held near zero.
-DIVEMESH_INLINE_BODY void step_body(const std::vector<float>* sums, float gain_prior, float* d_) {
-    const float* __restrict n = sums[kCount].data();
-    const float* __restrict g = sums[kG].data();
-    const float* __restrict r = sums[kR].data();
-    const float* __restrict e = sums[kE].data();
-    const float* __restrict gg = sums[kGG].data();
-    const float* __restrict gr = sums[kGR].data();
-    const float* __restrict rr = sums[kRR].data();
-    const float* __restrict ge = sums[kGE].data();
-    const float* __restrict re = sums[kRE].data();
-    float* __restrict d = d_;
-    const int width = static_cast<int>(sums[kCount].size());
-    for (int x = kWindowRadius_px; x < width - kWindowRadius_px; ++x) {
-        const float inverse = 1.0F / std::max(1.0F, n[x]);
-        const float c_gg = gg[x] - g[x] * g[x] * inverse;
-        const float c_gr = gr[x] - g[x] * r[x] * inverse;
-        const float c_rr = rr[x] - r[x] * r[x] * inverse + gain_prior;
-        const float c_ge = ge[x] - g[x] * e[x] * inverse;
-        const float c_re = re[x] - r[x] * e[x] * inverse;
-        const float information = c_gg - c_gr * c_gr / c_rr;
-        const float step = -(c_ge - c_gr * c_re / c_rr) / std::max(information, 1.0F);
-        const bool good = (d[x] > 0.0F) & (n[x] >= kLeastPixels) & (information > 0.05F * c_gg) &
-                          (information > 0.0F) & (std::abs(step) < kLargestStep_px);
-        d[x] += good ? step : 0.0F;
+DIVEMESH_INLINE_BODY void step_body(const float* const (&sums)[kNumTerms],
+                                    float gain_prior,
+                                    int width,
+                                    float* disparity) {
+    for (int start = kWindowRadius_px; start < width - kWindowRadius_px; start += kFloats) {
+        const int x = std::min(start, width - kWindowRadius_px - kFloats);
+        const auto sum = [&](Term term) __attribute__((always_inline)) {
+            return load(sums[term] + x);
+        };
+        const Floats n = sum(kCount);
+        const Floats g = sum(kG);
+        const Floats r = sum(kR);
+        const Floats e = sum(kE);
+        const Floats inverse = 1.0F / largest_of(n, 1.0F);
+        const Floats c_gg = sum(kGG) - g * g * inverse;
+        const Floats c_gr = sum(kGR) - g * r * inverse;
+        const Floats c_rr = sum(kRR) - r * r * inverse + gain_prior;
+        const Floats c_ge = sum(kGE) - g * e * inverse;
+        const Floats c_re = sum(kRE) - r * e * inverse;
+        const Floats information = c_gg - c_gr * c_gr / c_rr;
+        const Floats step = -(c_ge - c_gr * c_re / c_rr) / largest_of(information, 1.0F);
+        const Floats d = load(disparity + x);
+        // What the vector before has done already, where the last ones overlap, is done once.
+        const Masks good = (d > 0.0F) & (n >= static_cast<float>(kLeastPixels)) &
+                           (information > 0.05F * c_gg) & (information > 0.0F) &
+                           (size_of(step) < kLargestStep_px) & (kLanes >= start - x);
+        const Floats stepped = d + where(good, step);
+        std::memcpy(disparity + x, &stepped, sizeof stepped);
     }
 }
 
 struct StepKernels {
-    void (*exchange)(std::int32_t*, const std::int32_t*, const std::int32_t*, int);
-    void (*widen)(const std::int32_t*, int, float*);
-    void (*step)(const std::vector<float>*, float, float*);
+    void (*fill_terms)(const std::uint8_t*,
+                       const Reading&,
+                       int,
+                       std::int32_t* const (&)[kNumTerms]);
+    void (*step)(const float* const (&)[kNumTerms], float, int, float*);
 };
 
-void exchange(std::int32_t* sum, const std::int32_t* in, const std::int32_t* out, int num) {
-    exchange_body(sum, in, out, num);
+void fill_terms(const std::uint8_t* left,
+                const Reading& reading,
+                int width,
+                std::int32_t* const (&terms)[kNumTerms]) {
+    fill_terms_body(left, reading, width, terms);
 }
-void widen(const std::int32_t* column, int num, float* window) { widen_body(column, num, window); }
-void step(const std::vector<float>* sums, float prior, float* d) { step_body(sums, prior, d); }
-DIVEMESH_FOR_AVX2 void exchange_avx2(std::int32_t* sum,
-                                     const std::int32_t* in,
-                                     const std::int32_t* out,
-                                     int num) {
-    exchange_body(sum, in, out, num);
+void step(const float* const (&sums)[kNumTerms], float gain_prior, int width, float* disparity) {
+    step_body(sums, gain_prior, width, disparity);
 }
-DIVEMESH_FOR_AVX2 void widen_avx2(const std::int32_t* column, int num, float* window) {
-    widen_body(column, num, window);
+DIVEMESH_FOR_AVX2 void fill_terms_avx2(const std::uint8_t* left,
+                                       const Reading& reading,
+                                       int width,
+                                       std::int32_t* const (&terms)[kNumTerms]) {
+    fill_terms_body(left, reading, width, terms);
 }
-DIVEMESH_FOR_AVX2 void step_avx2(const std::vector<float>* sums, float prior, float* d) {
-    step_body(sums, prior, d);
+DIVEMESH_FOR_AVX2 void step_avx2(const float* const (&sums)[kNumTerms],
+                                 float gain_prior,
+                                 int width,
+                                 float* disparity) {
+    step_body(sums, gain_prior, width, disparity);
 }
 
-// One step for every pixel. Sums are integers and run down the image: exact, at any window size.
+// One step for every pixel.
 cv::Mat lucas_kanade_step(const cv::Mat& left,
                           const cv::Mat& right,
                           const cv::Mat& disparity,
                           Instructions instructions) {
-    const StepKernels kernels = instructions == Instructions::Avx2
-                                    ? StepKernels{exchange_avx2, widen_avx2, step_avx2}
-                                    : StepKernels{exchange, widen, step};
+    const StepKernels kernels = instructions == Instructions::Baseline
+                                    ? StepKernels{fill_terms, step}
+                                    : StepKernels{fill_terms_avx2, step_avx2};
     const int width = left.cols;
     const auto noise = static_cast<float>(image_noise(left)) * kGreyScale / kGainSigma;
     cv::Mat refined = disparity.clone();
-    std::array<Terms, kWindowRows> rows;
-    Terms columns;
-    for (Terms& row : rows)
-        for (Row& term : row) term.assign(width, 0);
-    for (Row& term : columns) term.assign(width, 0);
-    const Row nothing(width, 0);
-    std::vector<float> sums[kNumTerms];
-    for (auto& sum : sums) sum.assign(width, 0.0F);
-    Terms entering = columns;
+    RunningSums window(kNumTerms, width, kWindowRadius_px, instructions);
+    Reading reading{std::vector<std::uint32_t>(width),
+                    std::vector<std::int32_t>(width),
+                    std::vector<std::int32_t>(width)};
     for (int y = 0; y < left.rows; ++y) {
-        fill_terms({left.ptr<std::uint8_t>(y), right.ptr<std::uint8_t>(y), disparity.ptr<float>(y)},
+        read_right({left.ptr<std::uint8_t>(y), right.ptr<std::uint8_t>(y), disparity.ptr<float>(y)},
                    width,
-                   entering);
-        Terms& leaving = rows[y % kWindowRows];
-        for (int term = 0; term < kNumTerms; ++term) {
-            kernels.exchange(
-                columns[term].data(), entering[term].data(), leaving[term].data(), width);
-            std::swap(leaving[term], entering[term]);
-            if (y + 1 >= kWindowRows) kernels.widen(columns[term].data(), width, sums[term].data());
-        }
-        if (y + 1 >= kWindowRows)
-            kernels.step(sums, noise * noise, refined.ptr<float>(y - kWindowRadius_px));
+                   reading);
+        std::int32_t* terms[kNumTerms];
+        for (int term = 0; term < kNumTerms; ++term) terms[term] = window.next(term).data();
+        kernels.fill_terms(left.ptr<std::uint8_t>(y), reading, width, terms);
+        window.add_row();
+        if (!window.whole()) continue;
+        const float* sums[kNumTerms];
+        for (int term = 0; term < kNumTerms; ++term) sums[term] = window.sums(term).data();
+        kernels.step(sums, noise * noise, width, refined.ptr<float>(y - kWindowRadius_px));
     }
     return refined;
 }
@@ -200,25 +257,14 @@ cv::Mat lucas_kanade_step(const cv::Mat& left,
 }  // namespace
 
 cv::Mat smooth_on_plane(const cv::Mat& disparity_px, float gate_px, Instructions instructions) {
-    const auto add = instructions == Instructions::Avx2 ? add_pair_avx2 : add_pair;
+    const auto smooth_one = instructions == Instructions::Baseline ? smooth_row : smooth_row_avx2;
     cv::Mat smooth = disparity_px.clone();
-    const int num = disparity_px.cols - 2 * kSmoothRadius_px;
-    if (num <= 0) return smooth;
-    std::vector<float> sums(2 * static_cast<std::size_t>(num));
+    if (disparity_px.cols < 2 * kSmoothRadius_px + kFloats) return smooth;
     for (int y = kSmoothRadius_px; y < disparity_px.rows - kSmoothRadius_px; ++y) {
-        const float* center = disparity_px.ptr<float>(y) + kSmoothRadius_px;
-        std::fill(sums.begin(), sums.end(), 0.0F);
-        for (int dy = 0; dy <= kSmoothRadius_px; ++dy)
-            for (int dx = -kSmoothRadius_px; dx <= kSmoothRadius_px; ++dx) {
-                if (dy == 0 && dx <= 0) continue;
-                const float* ahead = disparity_px.ptr<float>(y + dy) + kSmoothRadius_px + dx;
-                const float* behind = disparity_px.ptr<float>(y - dy) + kSmoothRadius_px - dx;
-                const float reach = kLargestSlope * static_cast<float>(std::max(dy, std::abs(dx)));
-                add(center, {ahead, behind, reach + gate_px}, gate_px, num, sums.data());
-            }
-        float* out = smooth.ptr<float>(y) + kSmoothRadius_px;
-        for (int x = 0; x < num; ++x)
-            if (center[x] > 0.0F) out[x] = center[x] + sums[x] / (1.0F + sums[num + x]);
+        const float* rows[2 * kSmoothRadius_px + 1];
+        for (int i = 0; i <= 2 * kSmoothRadius_px; ++i)
+            rows[i] = disparity_px.ptr<float>(y + i - kSmoothRadius_px);
+        smooth_one(rows, gate_px, disparity_px.cols, smooth.ptr<float>(y));
     }
     return smooth;
 }

@@ -1,156 +1,291 @@
 #include "worker/stereo/sgm_kernels.hpp"
 
 #include <algorithm>
+#include <cstring>
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
+// One namespace per instruction set, each with the vector type, its operations and, by inclusion,
+// the loops over them. Nothing of the standard library may be included after a target pragma: what
+// it inlines would be compiled for that target and then serve the whole program.
 namespace divemesh::worker {
 namespace {
 
-using Byte = std::uint8_t;
+namespace baseline {
 
-// Bits set in each pair, then each nibble, of a byte.
-DIVEMESH_INLINE_BODY Byte nibble_counts(Byte bits) {
-    const auto pairs = static_cast<Byte>(bits - ((bits >> 1) & 0x55));
-    return static_cast<Byte>((pairs & 0x33) + ((pairs >> 2) & 0x33));
+constexpr int kBytes = 16;
+using V = std::uint8_t __attribute__((vector_size(kBytes)));
+
+DIVEMESH_INLINE_BODY V load(const std::uint8_t* from) {
+    V v;
+    std::memcpy(&v, from, kBytes);
+    return v;
+}
+DIVEMESH_INLINE_BODY void store(std::uint8_t* to, V v) { std::memcpy(to, &v, kBytes); }
+DIVEMESH_INLINE_BODY V splat(int value) { return V{} + static_cast<std::uint8_t>(value); }
+DIVEMESH_INLINE_BODY V least_of(V a, V b) { return a < b ? a : b; }
+DIVEMESH_INLINE_BODY V add(V a, V b) { return a + b; }
+DIVEMESH_INLINE_BODY V subtract(V a, V b) { return a - b; }
+DIVEMESH_INLINE_BODY V add_saturated(V a, V b) {
+    const V sum = a + b;
+    return sum < a ? splat(255) : sum;
+}
+DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
+    constexpr V kPlace = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    return kPlace < splat(std::clamp(num, 0, kBytes)) ? v : splat(other);
+}
+DIVEMESH_INLINE_BODY int least_byte(V v) {
+    using Words = std::uint64_t __attribute__((vector_size(kBytes)));
+    for (const int shift : {32, 16, 8})
+        v = least_of(v, reinterpret_cast<V>(reinterpret_cast<Words>(v) >> shift));
+    return std::min(v[0], v[8]);
+}
+DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
+    const V ones = (a == b) ? splat(1) : splat(0);
+    std::uint64_t halves[2];
+    std::memcpy(halves, &ones, kBytes);
+    // Byte i, 0 or 1, times 2^(56 - 7 i) is bit i of the highest byte.
+    constexpr std::uint64_t kGather = 0x0102040810204080U;
+    return ((halves[0] * kGather) >> 56) | (((halves[1] * kGather) >> 56) << 8);
+}
+DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
+    return (a == b) ? splat(value) : splat(0);
+}
+// Bits set in each nibble of a byte.
+DIVEMESH_INLINE_BODY V nibble_counts(V bits) {
+    const V pairs = bits - ((bits >> 1) & splat(0x55));
+    return (pairs & splat(0x33)) + ((pairs >> 2) & splat(0x33));
+}
+DIVEMESH_INLINE_BODY V byte_counts(V nibbles) { return (nibbles & splat(0x0f)) + (nibbles >> 4); }
+DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
+    V nibbles[4];
+    for (int p = 0; p < 4; ++p) nibbles[p] = nibble_counts(left[p] ^ load(right[p] + d));
+    return byte_counts(nibbles[0] + nibbles[1]) + byte_counts(nibbles[2] + nibbles[3]);
 }
 
-DIVEMESH_INLINE_BODY Byte byte_count(Byte nibbles) {
-    return static_cast<Byte>((nibbles & 0x0f) + (nibbles >> 4));
+#include "worker/stereo/sgm_rows.simd.hpp"
+
+void forward(const ForwardRow* rows, int num_rows) { forward_rows(rows, num_rows); }
+void backward(const BackwardRow* rows, int num_rows) { backward_rows(rows, num_rows); }
+void census(const std::uint8_t* center,
+            const std::uint8_t* const* neighbours,
+            int num,
+            std::uint8_t* plane) {
+    census_row(center, neighbours, num, plane);
+}
+void penalties(const std::uint8_t* a, const std::uint8_t* b, int num, std::uint8_t* penalty) {
+    penalty_row(a, b, num, penalty);
 }
 
-DIVEMESH_INLINE_BODY Byte saturating_sum(Byte a, Byte b) {
-    return static_cast<Byte>(std::min<Byte>(a, static_cast<Byte>(255 - b)) + b);
+}  // namespace baseline
+
+#if defined(__x86_64__)
+
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+
+constexpr int kBytes = 32;
+using V = __m256i;
+
+DIVEMESH_INLINE_BODY V load(const std::uint8_t* from) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+}
+DIVEMESH_INLINE_BODY void store(std::uint8_t* to, V v) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), v);
+}
+DIVEMESH_INLINE_BODY V splat(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
+DIVEMESH_INLINE_BODY V least_of(V a, V b) { return _mm256_min_epu8(a, b); }
+DIVEMESH_INLINE_BODY V add(V a, V b) { return _mm256_add_epi8(a, b); }
+DIVEMESH_INLINE_BODY V subtract(V a, V b) { return _mm256_sub_epi8(a, b); }
+DIVEMESH_INLINE_BODY V add_saturated(V a, V b) { return _mm256_adds_epu8(a, b); }
+DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
+    const V place = _mm256_setr_epi8(0,
+                                     1,
+                                     2,
+                                     3,
+                                     4,
+                                     5,
+                                     6,
+                                     7,
+                                     8,
+                                     9,
+                                     10,
+                                     11,
+                                     12,
+                                     13,
+                                     14,
+                                     15,
+                                     16,
+                                     17,
+                                     18,
+                                     19,
+                                     20,
+                                     21,
+                                     22,
+                                     23,
+                                     24,
+                                     25,
+                                     26,
+                                     27,
+                                     28,
+                                     29,
+                                     30,
+                                     31);
+    const int first = num < 0 ? 0 : num > kBytes ? kBytes : num;
+    return _mm256_blendv_epi8(splat(other), v, _mm256_cmpgt_epi8(splat(first), place));
+}
+DIVEMESH_INLINE_BODY int least_byte(V v) {
+    const __m128i halves = _mm_min_epu8(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    const __m128i pairs = _mm_min_epu8(halves, _mm_srli_epi16(halves, 8));
+    return _mm_cvtsi128_si32(_mm_minpos_epu16(pairs)) & 0xff;
+}
+DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
+    return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a, b)));
+}
+DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
+    return _mm256_and_si256(_mm256_cmpeq_epi8(a, b), splat(value));
+}
+DIVEMESH_INLINE_BODY V by_nibble(V table, V bits) {
+    const V low = _mm256_set1_epi8(0x0f);
+    return _mm256_add_epi8(
+        _mm256_shuffle_epi8(table, _mm256_and_si256(bits, low)),
+        _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(bits, 4), low)));
+}
+// The bits of three planes are first added to a sum and a carry, which counts twice.
+DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
+    const V ones = _mm256_setr_epi8(0,
+                                    1,
+                                    1,
+                                    2,
+                                    1,
+                                    2,
+                                    2,
+                                    3,
+                                    1,
+                                    2,
+                                    2,
+                                    3,
+                                    2,
+                                    3,
+                                    3,
+                                    4,
+                                    0,
+                                    1,
+                                    1,
+                                    2,
+                                    1,
+                                    2,
+                                    2,
+                                    3,
+                                    1,
+                                    2,
+                                    2,
+                                    3,
+                                    2,
+                                    3,
+                                    3,
+                                    4);
+    const V twos = _mm256_add_epi8(ones, ones);
+    const V a = _mm256_xor_si256(left[0], load(right[0] + d));
+    const V b = _mm256_xor_si256(left[1], load(right[1] + d));
+    const V c = _mm256_xor_si256(left[2], load(right[2] + d));
+    const V e = _mm256_xor_si256(left[3], load(right[3] + d));
+    const V a_or_b = _mm256_xor_si256(a, b);
+    const V sum = _mm256_xor_si256(a_or_b, c);
+    const V carry = _mm256_or_si256(_mm256_and_si256(a, b), _mm256_and_si256(a_or_b, c));
+    return _mm256_add_epi8(by_nibble(twos, carry),
+                           _mm256_add_epi8(by_nibble(ones, sum), by_nibble(ones, e)));
 }
 
-DIVEMESH_INLINE_BODY void census_distance(const ForwardPixel& pixel) {
-    const int num = pixel.num_disparities & ~31;
-    const Byte* __restrict r0 = pixel.right[0];
-    const Byte* __restrict r1 = pixel.right[1];
-    const Byte* __restrict r2 = pixel.right[2];
-    const Byte* __restrict r3 = pixel.right[3];
-    Byte* __restrict cost = pixel.cost;
-    const Byte l0 = pixel.left[0], l1 = pixel.left[1], l2 = pixel.left[2], l3 = pixel.left[3];
-    for (int d = 0; d < num; ++d) {
-        const auto n01 = static_cast<Byte>(nibble_counts(static_cast<Byte>(l0 ^ r0[d])) +
-                                           nibble_counts(static_cast<Byte>(l1 ^ r1[d])));
-        const auto n23 = static_cast<Byte>(nibble_counts(static_cast<Byte>(l2 ^ r2[d])) +
-                                           nibble_counts(static_cast<Byte>(l3 ^ r3[d])));
-        cost[d] = static_cast<Byte>(byte_count(n01) + byte_count(n23));
-    }
-    for (int d = pixel.num_in_image; d < num; ++d) cost[d] = kNumCensusBits;
+#include "worker/stereo/sgm_rows.simd.hpp"
+
+void forward(const ForwardRow* rows, int num_rows) { forward_rows(rows, num_rows); }
+void backward(const BackwardRow* rows, int num_rows) { backward_rows(rows, num_rows); }
+void census(const std::uint8_t* center,
+            const std::uint8_t* const* neighbours,
+            int num,
+            std::uint8_t* plane) {
+    census_row(center, neighbours, num, plane);
+}
+void penalties(const std::uint8_t* a, const std::uint8_t* b, int num, std::uint8_t* penalty) {
+    penalty_row(a, b, num, penalty);
 }
 
-// L(p, d) = C(p, d) + min(L(q, d), L(q, d +- 1) + P1, min L(q) + P2) - min L(q); eq. 14 there.
-DIVEMESH_INLINE_BODY Byte path_cost(const Byte* before, int d, Byte least, Byte far) {
-    const Byte near = static_cast<Byte>(std::min(before[d - 1], before[d + 1]) + kSmallStepPenalty);
-    return static_cast<Byte>(std::min(std::min(before[d], near), far) - least);
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512vl,avx512bitalg")
+namespace avx512 {
+
+constexpr int kBytes = 64;
+using V = __m512i;
+
+DIVEMESH_INLINE_BODY V load(const std::uint8_t* from) { return _mm512_loadu_si512(from); }
+DIVEMESH_INLINE_BODY void store(std::uint8_t* to, V v) { _mm512_storeu_si512(to, v); }
+DIVEMESH_INLINE_BODY V splat(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
+DIVEMESH_INLINE_BODY V least_of(V a, V b) { return _mm512_min_epu8(a, b); }
+DIVEMESH_INLINE_BODY V add(V a, V b) { return _mm512_add_epi8(a, b); }
+DIVEMESH_INLINE_BODY V subtract(V a, V b) { return _mm512_sub_epi8(a, b); }
+DIVEMESH_INLINE_BODY V add_saturated(V a, V b) { return _mm512_adds_epu8(a, b); }
+DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
+    const int first = num < 0 ? 0 : num > kBytes ? kBytes : num;
+    const __mmask64 keep = first == kBytes ? ~__mmask64{0} : (__mmask64{1} << first) - 1;
+    return _mm512_mask_blend_epi8(keep, splat(other), v);
+}
+DIVEMESH_INLINE_BODY int least_byte(V v) {
+    // With a mask, as g++ 12 warns of its own header otherwise (bug 105593).
+    constexpr __mmask8 kAll = 0xff;
+    const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, v, 0),
+                                           _mm512_maskz_extracti64x4_epi64(kAll, v, 1));
+    const __m128i quarters =
+        _mm_min_epu8(_mm256_castsi256_si128(halves), _mm256_extracti128_si256(halves, 1));
+    const __m128i pairs = _mm_min_epu8(quarters, _mm_srli_epi16(quarters, 8));
+    return _mm_cvtsi128_si32(_mm_minpos_epu16(pairs)) & 0xff;
+}
+DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) { return _mm512_cmpeq_epi8_mask(a, b); }
+DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
+    return _mm512_maskz_mov_epi8(_mm512_cmpeq_epi8_mask(a, b), splat(value));
+}
+DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
+    V counts[4];
+    for (int p = 0; p < 4; ++p)
+        counts[p] = _mm512_popcnt_epi8(_mm512_xor_si512(left[p], load(right[p] + d)));
+    return _mm512_add_epi8(_mm512_add_epi8(counts[0], counts[1]),
+                           _mm512_add_epi8(counts[2], counts[3]));
 }
 
-DIVEMESH_INLINE_BODY void forward_body(ForwardPixel& pixel) {
-    census_distance(pixel);
-    const int num = pixel.num_disparities & ~31;
-    const Byte* __restrict cost = pixel.cost;
-    Byte* __restrict sum = pixel.sum;
-    const Byte* __restrict b0 = pixel.paths[0].before;
-    const Byte* __restrict b1 = pixel.paths[1].before;
-    const Byte* __restrict b2 = pixel.paths[2].before;
-    const Byte* __restrict b3 = pixel.paths[3].before;
-    Byte* __restrict h0 = pixel.paths[0].here;
-    Byte* __restrict h1 = pixel.paths[1].here;
-    Byte* __restrict h2 = pixel.paths[2].here;
-    Byte* __restrict h3 = pixel.paths[3].here;
-    Byte least[4];
-    Byte far[4];
-    for (int p = 0; p < 4; ++p) {
-        least[p] = pixel.paths[p].before_min;
-        far[p] = static_cast<Byte>(least[p] + pixel.paths[p].step_penalty);
-    }
-    Byte m0 = 255, m1 = 255, m2 = 255, m3 = 255;
-#pragma GCC ivdep  // the buffers are apart, too many for the compiler to check
-    for (int d = 0; d < num; ++d) {
-        const auto c0 = static_cast<Byte>(path_cost(b0, d, least[0], far[0]) + cost[d]);
-        const auto c1 = static_cast<Byte>(path_cost(b1, d, least[1], far[1]) + cost[d]);
-        const auto c2 = static_cast<Byte>(path_cost(b2, d, least[2], far[2]) + cost[d]);
-        const auto c3 = static_cast<Byte>(path_cost(b3, d, least[3], far[3]) + cost[d]);
-        h0[d] = c0;
-        h1[d] = c1;
-        h2[d] = c2;
-        h3[d] = c3;
-        m0 = std::min(m0, c0);
-        m1 = std::min(m1, c1);
-        m2 = std::min(m2, c2);
-        m3 = std::min(m3, c3);
-        sum[d] = saturating_sum(saturating_sum(c0, c1), saturating_sum(c2, c3));
-    }
-    pixel.paths[0].here_min = m0;
-    pixel.paths[1].here_min = m1;
-    pixel.paths[2].here_min = m2;
-    pixel.paths[3].here_min = m3;
+#include "worker/stereo/sgm_rows.simd.hpp"
+
+void forward(const ForwardRow* rows, int num_rows) { forward_rows(rows, num_rows); }
+void backward(const BackwardRow* rows, int num_rows) { backward_rows(rows, num_rows); }
+void census(const std::uint8_t* center,
+            const std::uint8_t* const* neighbours,
+            int num,
+            std::uint8_t* plane) {
+    census_row(center, neighbours, num, plane);
+}
+void penalties(const std::uint8_t* a, const std::uint8_t* b, int num, std::uint8_t* penalty) {
+    penalty_row(a, b, num, penalty);
 }
 
-DIVEMESH_INLINE_BODY void backward_body(BackwardPixel& pixel) {
-    const int num = pixel.num_disparities & ~31;
-    const Byte* __restrict cost = pixel.cost;
-    Byte* __restrict sum = pixel.sum;
-    const Byte* __restrict before = pixel.path.before;
-    Byte* __restrict here = pixel.path.here;
-    const Byte least = pixel.path.before_min;
-    const auto far = static_cast<Byte>(least + pixel.path.step_penalty);
-    Byte path_min = 255;
-    Byte best = 255;
-    for (int d = 0; d < num; ++d) {
-        const auto c = static_cast<Byte>(path_cost(before, d, least, far) + cost[d]);
-        const Byte s = saturating_sum(sum[d], c);
-        here[d] = c;
-        sum[d] = s;
-        path_min = std::min(path_min, c);
-        best = std::min(best, s);
-    }
-    pixel.path.here_min = path_min;
-    pixel.best = best;
-}
+}  // namespace avx512
+#pragma GCC pop_options
 
-DIVEMESH_INLINE_BODY Byte least_body(const Byte* values, int num) {
-    Byte least = 255;
-    for (int i = 0; i < (num & ~31); ++i) least = std::min(least, values[i]);
-    return least;
-}
-
-DIVEMESH_INLINE_BODY void census_body(const Byte* center,
-                                      const Byte* const* neighbours,
-                                      int num,
-                                      Byte* __restrict plane) {
-    const Byte* __restrict c = center;
-    for (int k = 0; k < 8; ++k) {
-        const Byte* __restrict n = neighbours[k];
-        const auto bit = static_cast<Byte>(1 << k);
-        for (int x = 0; x < num; ++x)
-            plane[x] = static_cast<Byte>((k == 0 ? 0 : plane[x]) | (n[x] >= c[x] ? bit : 0));
-    }
-}
-
-void forward_baseline(ForwardPixel& pixel) { forward_body(pixel); }
-void backward_baseline(BackwardPixel& pixel) { backward_body(pixel); }
-Byte least_baseline(const Byte* values, int num) { return least_body(values, num); }
-void census_baseline(const Byte* center, const Byte* const* neighbours, int num, Byte* plane) {
-    census_body(center, neighbours, num, plane);
-}
-
-DIVEMESH_FOR_AVX2 void forward_avx2(ForwardPixel& pixel) { forward_body(pixel); }
-DIVEMESH_FOR_AVX2 void backward_avx2(BackwardPixel& pixel) { backward_body(pixel); }
-DIVEMESH_FOR_AVX2 Byte least_avx2(const Byte* values, int num) { return least_body(values, num); }
-DIVEMESH_FOR_AVX2 void census_avx2(const Byte* center,
-                                   const Byte* const* neighbours,
-                                   int num,
-                                   Byte* plane) {
-    census_body(center, neighbours, num, plane);
-}
+#endif
 
 }  // namespace
 
-SgmKernels sgm_kernels(Instructions instructions) {
-    if (instructions == Instructions::Avx2)
-        return {forward_avx2, backward_avx2, least_avx2, census_avx2};
-    return {forward_baseline, backward_baseline, least_baseline, census_baseline};
+SgmKernels sgm_kernels(Instructions instructions, int num_disparities) {
+#if defined(__x86_64__)
+    if (instructions == Instructions::Avx512 && num_disparities % avx512::kBytes == 0)
+        return {avx512::forward, avx512::backward, avx512::census, avx512::penalties};
+    if (instructions != Instructions::Baseline)
+        return {avx2::forward, avx2::backward, avx2::census, avx2::penalties};
+#endif
+    return {baseline::forward, baseline::backward, baseline::census, baseline::penalties};
 }
 
 }  // namespace divemesh::worker

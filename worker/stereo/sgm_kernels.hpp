@@ -1,52 +1,66 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "worker/stereo/instructions.hpp"
 
 namespace divemesh::worker {
 
-// Path costs of one pixel are stored with this many bytes on both sides, so that d - 1 and d + 1
-// can be read at the ends of the range.
+// Between the path costs of two pixels lie this many bytes, so that d - 1 and d + 1 can be read at
+// the ends of the range.
 inline constexpr int kPathMargin = 32;
-inline constexpr int kOutsideCost = 200;     // in those bytes: never the least
-inline constexpr int kSmallStepPenalty = 6;  // P1
+inline constexpr int kOutsideCost = 200;        // in those bytes: never the least
+inline constexpr int kSmallStepPenalty = 6;     // P1
+inline constexpr int kLargestStepPenalty = 60;  // P2 on even ground
+inline constexpr int kLeastStepPenalty = 20;    // P2 across an edge
 inline constexpr int kNumCensusBits = 32;
+inline constexpr int kUniqueness_percent = 5;
+inline constexpr int kMostDisparities = 512;
+inline constexpr int kWidestVector = 64;  // bytes: the kernels read and write so far past the end
 
-// One path at one pixel: costs and their least at the pixel before, and where the new ones go.
-struct PathStep {
-    const std::uint8_t* before = nullptr;
-    std::uint8_t* here = nullptr;
-    std::uint8_t before_min = 0;
-    std::uint8_t step_penalty = 0;  // P2
-    std::uint8_t here_min = 0;      // out
+// Costs of one path, kept from row to row: slot s holds those of one pixel, [d], and their least.
+// A path that comes from above left finds the pixel before it where its own costs go when the slot
+// is (x - y) mod (width + 1); from above, x; from above right, (x + y) mod (width + 1). The slot
+// too many keeps a row that goes along with the one above it out of that one's way.
+struct VerticalPath {
+    std::uint8_t* costs = nullptr;  // of slot 0 at d = 0; stride num_disparities + kPathMargin
+    std::uint8_t* least = nullptr;
+    int first_slot = 0;  // of x = 0
 };
 
-struct ForwardPixel {
-    std::uint8_t left[4] = {};          // census of the left pixel
-    const std::uint8_t* right[4] = {};  // census of the right pixels at d = 0, 1, ...
-    int num_disparities = 0;            // multiple of 32
-    int num_in_image = 0;               // of the disparities, those with a right pixel
-    std::uint8_t* cost = nullptr;
-    std::uint8_t* sum = nullptr;
-    PathStep paths[4];
+struct ForwardRow {
+    int width = 0;
+    int num_disparities = 0;                     // multiple of 32
+    int first_disparity_px = 0;                  // what d = 0 stands for
+    const std::uint8_t* left[4] = {};            // byte planes of the census
+    const std::uint8_t* right_reversed[4] = {};  // [width - 1 - x]; readable past the end
+    const std::uint8_t* penalty[4] = {};  // P2 by x: from above left, above, above right, left
+    VerticalPath above[3];
+    std::uint8_t* from_left = nullptr;  // costs of two pixels, both as at the start of a path
+    std::uint8_t* cost = nullptr;       // out, [x][d]
+    std::uint8_t* sum = nullptr;        // out, of the four paths
 };
 
-struct BackwardPixel {
+struct BackwardRow {
+    int width = 0;
     int num_disparities = 0;
+    const std::uint8_t* penalty = nullptr;
     const std::uint8_t* cost = nullptr;
-    std::uint8_t* sum = nullptr;
-    PathStep path;
-    std::uint8_t best = 0;  // out: least of sum
+    const std::uint8_t* sum = nullptr;
+    std::uint8_t* from_right = nullptr;
+    // Out, by x:
+    std::uint8_t* least = nullptr;     // of the sums
+    std::int16_t* least_at = nullptr;  // the first d that has it
+    std::uint8_t* unique = nullptr;    // 1: it is inside the range, and nothing else comes near it
+    std::uint8_t* around = nullptr;    // three each: the sums at d - 1, d, d + 1 where unique
 };
 
-// Census distance of one pixel at all disparities, then four path steps and their sum. Sums
-// saturate at 255.
-using ForwardKernel = void (*)(ForwardPixel&);
-// The fifth path added to the sum.
-using BackwardKernel = void (*)(BackwardPixel&);
-// Least of `num` values, a multiple of 32.
-using LeastKernel = std::uint8_t (*)(const std::uint8_t*, int num);
+// Census distance of one row, or of two that follow each other, at all disparities, then four path
+// steps and their sum. Sums saturate at 255.
+using ForwardKernel = void (*)(const ForwardRow* rows, int num_rows);
+// The fifth path added to the sum, and the least of it.
+using BackwardKernel = void (*)(const BackwardRow* rows, int num_rows);
 // One byte plane of the census of a row: bit k tells whether the k-th neighbour is at least as
 // bright as the centre.
 using CensusKernel = void (*)(const std::uint8_t* center,
@@ -54,13 +68,20 @@ using CensusKernel = void (*)(const std::uint8_t* center,
                               int num,
                               std::uint8_t* plane);
 
+// P2 of `num` pairs of neighbours by their grey values.
+using PenaltyKernel = void (*)(const std::uint8_t* a,
+                               const std::uint8_t* b,
+                               int num,
+                               std::uint8_t* penalty);
+
 struct SgmKernels {
     ForwardKernel forward;
     BackwardKernel backward;
-    LeastKernel least;
     CensusKernel census;
+    PenaltyKernel penalties;
 };
 
-SgmKernels sgm_kernels(Instructions instructions);
+// The fastest for this number of disparities, a multiple of 32: no vector may be half empty.
+SgmKernels sgm_kernels(Instructions instructions, int num_disparities);
 
 }  // namespace divemesh::worker

@@ -1,23 +1,25 @@
 #include "worker/stereo/speckles.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 namespace divemesh::worker {
 namespace {
 
-// Disjoint sets over the pixels, path halving; the root is the first pixel of the set.
-class PixelSets {
+// Disjoint sets with path halving; the root is the first member.
+class Sets {
 public:
-    explicit PixelSets(std::size_t num) : parent_(num) {
-        for (std::size_t i = 0; i < num; ++i) parent_[i] = static_cast<std::int32_t>(i);
+    explicit Sets(std::size_t num) : parent_(num) {
+        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
     }
-    std::int32_t root(std::int32_t i) {
+    std::size_t root(std::size_t i) {
         while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
         return i;
     }
-    void join(std::int32_t a, std::int32_t b) {
+    void join(std::size_t a, std::size_t b) {
         a = root(a);
         b = root(b);
         if (a < b) parent_[b] = a;
@@ -25,33 +27,60 @@ public:
     }
 
 private:
-    std::vector<std::int32_t> parent_;
+    std::vector<std::size_t> parent_;
+};
+
+// Pixels of one row that hang together.
+struct Run {
+    std::int32_t begin;
+    std::int32_t end;
 };
 
 }  // namespace
 
 void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
-    const int width = disparity_px.cols;
-    PixelSets sets(disparity_px.total());
+    const auto together = [&](float a, float b) {
+        return a > 0.0F && b > 0.0F && std::abs(a - b) <= max_step_px;
+    };
+    std::vector<Run> runs;
+    std::vector<std::size_t> first_of_row{0};
     for (int y = 0; y < disparity_px.rows; ++y) {
         const float* row = disparity_px.ptr<float>(y);
-        const float* above = y > 0 ? disparity_px.ptr<float>(y - 1) : nullptr;
-        for (int x = 0; x < width; ++x) {
+        for (std::int32_t x = 0; x < disparity_px.cols; ++x) {
             if (row[x] <= 0.0F) continue;
-            const std::int32_t i = y * width + x;
-            if (x > 0 && row[x - 1] > 0.0F && std::abs(row[x - 1] - row[x]) <= max_step_px)
-                sets.join(i - 1, i);
-            if (above != nullptr && above[x] > 0.0F && std::abs(above[x] - row[x]) <= max_step_px)
-                sets.join(i - width, i);
+            const std::int32_t begin = x;
+            while (x + 1 < disparity_px.cols && together(row[x], row[x + 1])) ++x;
+            runs.push_back({begin, x + 1});
+        }
+        first_of_row.push_back(runs.size());
+    }
+    Sets sets(runs.size());
+    for (int y = 1; y < disparity_px.rows; ++y) {
+        const float* row = disparity_px.ptr<float>(y);
+        const float* above = disparity_px.ptr<float>(y - 1);
+        std::size_t a = first_of_row[y - 1];
+        std::size_t b = first_of_row[y];
+        while (a < first_of_row[y] && b < first_of_row[y + 1]) {
+            const std::int32_t end = std::min(runs[a].end, runs[b].end);
+            for (std::int32_t x = std::max(runs[a].begin, runs[b].begin); x < end; ++x)
+                if (together(row[x], above[x])) {
+                    sets.join(a, b);
+                    break;
+                }
+            if (runs[a].end == end)
+                ++a;
+            else
+                ++b;
         }
     }
-    std::vector<std::int32_t> size(disparity_px.total(), 0);
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(size.size()); ++i) ++size[sets.root(i)];
-    for (int y = 0; y < disparity_px.rows; ++y) {
-        float* row = disparity_px.ptr<float>(y);
-        for (int x = 0; x < width; ++x)
-            if (row[x] > 0.0F && size[sets.root(y * width + x)] < min_pixels) row[x] = 0.0F;
-    }
+    std::vector<std::int32_t> size(runs.size(), 0);
+    for (std::size_t i = 0; i < runs.size(); ++i) size[sets.root(i)] += runs[i].end - runs[i].begin;
+    for (int y = 0; y < disparity_px.rows; ++y)
+        for (std::size_t i = first_of_row[y]; i < first_of_row[y + 1]; ++i)
+            if (size[sets.root(i)] < min_pixels)
+                std::fill(disparity_px.ptr<float>(y) + runs[i].begin,
+                          disparity_px.ptr<float>(y) + runs[i].end,
+                          0.0F);
 }
 
 }  // namespace divemesh::worker

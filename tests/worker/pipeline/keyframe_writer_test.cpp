@@ -1,0 +1,77 @@
+#include "worker/keyframe_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+
+#include "schemas/error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+RectifiedRig small_rig() {
+    RectifiedRig rig;
+    rig.width_px = 160;
+    rig.height_px = 120;
+    rig.focal_px = 120.0;
+    rig.cx_px = 80.0;
+    rig.cy_px = 60.0;
+    rig.baseline_m = 0.1;
+    return rig;
+}
+
+// A wall of noise at a disparity of 12 px.
+RectifiedFrame wall(int index) {
+    RectifiedFrame frame;
+    frame.index = index;
+    cv::Mat wide(120, 200, CV_8U);
+    cv::RNG random(7);
+    random.fill(wide, cv::RNG::UNIFORM, 0, 255);
+    cv::GaussianBlur(wide, wide, {3, 3}, 0.8);
+    frame.left = wide(cv::Rect(0, 0, 160, 120)).clone();
+    frame.right = wide(cv::Rect(12, 0, 160, 120)).clone();
+    cv::cvtColor(frame.left, frame.left_color, cv::COLOR_GRAY2BGR);
+    return frame;
+}
+
+TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    Workers workers(2);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    for (int i = 0; i < 5; ++i) writer.write(wall(i), {});
+    writer.finish();
+    for (int i = 0; i < 5; ++i) {
+        const auto read = store.read(i);
+        EXPECT_NEAR(read.depth.disparity_px.at<float>(60, 100), 12.0F, 0.1F);
+    }
+}
+
+TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    Workers workers(2);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    DepthMap depth;
+    depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
+    depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
+    writer.write(wall(3), depth);
+    writer.finish();
+    EXPECT_NEAR(store.read(3).depth.disparity_px.at<float>(60, 100), 30.0F, 0.01F);
+}
+
+TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
+    const TemporaryFolder folder;
+    const auto gone = folder / "keyframes";
+    const KeyframeStore store(gone);
+    std::filesystem::remove(gone);
+    Workers workers(2);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    writer.write(wall(0), {});
+    EXPECT_THROW(writer.finish(), Error);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+namespace divemesh::worker {
+
+// The cores that work beside the caller. With one thread everything happens in order, in the
+// caller's own time: what is computed never depends on the number.
+class Workers {
+public:
+    // 0: all cores.
+    explicit Workers(int num_threads)
+        : arena_(num_threads > 0 ? num_threads : oneapi::tbb::task_arena::automatic) {}
+
+private:
+    friend class Background;
+    oneapi::tbb::task_arena arena_;
+};
+
+// One piece of work at a time beside the caller. What it throws comes out at the next wait().
+class Background {
+public:
+    explicit Background(Workers& workers) : arena_(workers.arena_) {}
+    ~Background();  // waits; what is thrown then is lost, as the caller is already giving up
+    Background(const Background&) = delete;
+    Background& operator=(const Background&) = delete;
+
+    // Waits for the piece before.
+    void run(std::function<void()> work);
+    void wait();
+
+private:
+    oneapi::tbb::task_arena& arena_;
+    oneapi::tbb::task_group group_;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "worker/background.hpp"
+#include "worker/keyframe_store.hpp"
+#include "worker/steps/match_stereo.hpp"
+
+namespace divemesh::worker {
+
+// Puts keyframes into the store, their dense depth matched beside the caller where it does not need
+// it itself. At most one keyframe waits.
+class KeyframeWriter {
+public:
+    KeyframeWriter(const RectifiedRig& rig,
+                   const ReconstructionOptions& options,
+                   const KeyframeStore& store,
+                   Workers& workers);
+
+    // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked
+    // for. Throws what the keyframe before has thrown.
+    void write(const RectifiedFrame& frame, const DepthMap& depth);
+    // Every keyframe is in the store then.
+    void finish() { background_.wait(); }
+
+private:
+    bool match_;
+    StereoMatcher stereo_;
+    const KeyframeStore& store_;
+    Background background_;
+};
+
+}  // namespace divemesh::worker
