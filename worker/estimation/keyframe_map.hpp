@@ -28,8 +28,8 @@ public:
     bool empty() const { return last_ns_ == kNever; }
     bool due(const Features& features, std::int64_t timestamp_ns);
 
-    // Keeps the frame: pictures and depth (empty: not matched yet) to the store; with the window estimator gives back a
-    // better pose to `motion` and a better bias to `inertial`.
+    // Keeps the frame: pictures and depth (empty: not matched yet) to the store; with the window
+    // estimator gives back a better pose to `motion` and a better bias to `inertial`.
     void add(const RectifiedFrame& frame,
              const DepthMap& depth,
              const Features& features,
