@@ -37,31 +37,54 @@ Eigen::Matrix3d nearest_rotation(const Svd& svd) {
     return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
+// Sums over positions about their centres.
+struct Scatter {
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  // reference * world^T
+    double world_variance = 0.0;
+};
+
+Scatter scatter_of(const std::vector<PosePair>& pairs, const Centres& centres) {
+    Scatter scatter;
+    for (const PosePair& pair : pairs) {
+        const Eigen::Vector3d reference = pair.T_reference_body.translation() - centres.reference;
+        const Eigen::Vector3d world = pair.T_world_body.translation() - centres.world;
+        scatter.products += reference * world.transpose();
+        scatter.world_variance += world.squaredNorm();
+    }
+    return scatter;
+}
+
+Eigen::Isometry3d about_centres(const Eigen::Matrix3d& R, const Centres& centres) {
+    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();
+    T_reference_world.linear() = R;
+    T_reference_world.translation() = centres.reference - R * centres.world;
+    return T_reference_world;
+}
+
+constexpr int kDecompose = Eigen::ComputeFullU | Eigen::ComputeFullV;
+
 }  // namespace
 
 Alignment align(const std::vector<PosePair>& pairs) {
     constexpr double kLineRatio = 1e-4;  // squared extents across and along: 1 in 100
-    constexpr int kDecompose = Eigen::ComputeFullU | Eigen::ComputeFullV;
     const Centres centres = centres_of(pairs);
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    double world_variance = 0.0;
-    for (const PosePair& pair : pairs) {
-        const Eigen::Vector3d reference = pair.T_reference_body.translation() - centres.reference;
-        const Eigen::Vector3d world = pair.T_world_body.translation() - centres.world;
-        covariance += reference * world.transpose();
-        world_variance += world.squaredNorm();
-    }
-    Svd svd(covariance, kDecompose);
+    const Scatter scatter = scatter_of(pairs, centres);
+    Svd svd(scatter.products, kDecompose);
     const Eigen::Vector3d extents = svd.singularValues();
     if (extents[1] <= kLineRatio * extents[0])
-        svd.compute(covariance + rotation_part(pairs), kDecompose);
+        svd.compute(scatter.products + rotation_part(pairs), kDecompose);
     const Eigen::Matrix3d R = nearest_rotation(svd);
     Alignment alignment;
-    alignment.T_reference_world.linear() = R;
-    alignment.T_reference_world.translation() = centres.reference - R * centres.world;
-    if (world_variance > 0.0)
-        alignment.sim3_scale = (R.transpose() * covariance).trace() / world_variance;
+    alignment.T_reference_world = about_centres(R, centres);
+    if (scatter.world_variance > 0.0)
+        alignment.sim3_scale = (R.transpose() * scatter.products).trace() / scatter.world_variance;
     return alignment;
+}
+
+Eigen::Isometry3d align_poses(const std::vector<PosePair>& pairs) {
+    const Centres centres = centres_of(pairs);
+    const Svd svd(scatter_of(pairs, centres).products + rotation_part(pairs), kDecompose);
+    return about_centres(nearest_rotation(svd), centres);
 }
 
 std::vector<Eigen::Vector3d> scaled_about_centre(const std::vector<PosePair>& pairs,

@@ -39,7 +39,7 @@ nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request) {
         const TrajectoryFile estimated = read_trajectory(*request.estimate_trajectory);
         input.T_reference_world =
             error_between(estimated, read_trajectory(*request.reference_trajectory))
-                .T_reference_estimate;
+                .T_reference_surface;
         for (const StampedPose& pose : estimated.poses)
             input.camera_positions_world.push_back(pose.T_world_imu.translation());
     }

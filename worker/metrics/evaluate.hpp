@@ -14,8 +14,9 @@ nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
 struct MeshEvaluationRequest {
     std::filesystem::path estimate;   // PLY
     std::filesystem::path reference;  // PLY
-    // Both: the estimate is moved by the SE(3) that lays its trajectory on the true one, and what
-    // is farther than 4 m from every pose is left out. Neither: the meshes share a frame.
+    // Both: the estimate is moved by the SE(3) that lays its poses, positions and orientations, on
+    // the true ones, and what is farther than 4 m from every pose is left out. Neither: the meshes
+    // share a frame.
     std::optional<std::filesystem::path> estimate_trajectory;
     std::optional<std::filesystem::path> reference_trajectory;
 };

@@ -29,7 +29,7 @@ void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation)
 
 void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
     SurfaceErrorInput surface;
-    surface.T_reference_world = evaluation.trajectory->T_reference_estimate;
+    surface.T_reference_world = evaluation.trajectory->T_reference_surface;
     for (const StampedPose& pose : input.trajectory)
         surface.camera_positions_world.emplace_back(
             (pose.T_world_imu * input.rig.T_imu_cam0).translation());

@@ -10,7 +10,7 @@
 namespace divemesh::worker {
 
 struct SurfaceErrorInput {
-    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // of the trajectory
+    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // of the poses
     std::vector<Eigen::Vector3d>
         camera_positions_world;  // of the estimate; none: no limit of range
     double max_range_m = 4.0;    // our surface farther than this from every camera is left out

@@ -96,6 +96,7 @@ void add_absolute_errors(const std::vector<PosePair>& pairs, TrajectoryError& re
         result.aligned.push_back(aligned.translation());
     }
     result.T_reference_estimate = alignment.T_reference_world;
+    result.T_reference_surface = align_poses(pairs);
     result.sim3_scale = alignment.sim3_scale;
     result.sim3_ate_rmse_m = root_mean_square(scaled_errors);
     result.ate_rmse_m = root_mean_square(errors);

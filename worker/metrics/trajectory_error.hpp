@@ -41,9 +41,10 @@ struct TrajectoryError {
     std::vector<SegmentError> segments;   // 1, 2, 5, 10 m; those the path is long enough for
     std::optional<RevisitError> revisit;  // nothing: the path never comes back
     Eigen::Isometry3d T_reference_estimate = Eigen::Isometry3d::Identity();
-    std::vector<std::int64_t> timestamps_ns;  // of the compared poses
-    std::vector<Eigen::Vector3d> reference;   // true positions there
-    std::vector<Eigen::Vector3d> aligned;     // estimated ones in the reference's frame
+    Eigen::Isometry3d T_reference_surface = Eigen::Isometry3d::Identity();  // of align_poses()
+    std::vector<std::int64_t> timestamps_ns;                                // of the compared poses
+    std::vector<Eigen::Vector3d> reference;                                 // true positions there
+    std::vector<Eigen::Vector3d> aligned;  // estimated ones in the reference's frame
 };
 
 // Positions of the truth are interpolated linearly to the estimate's stamps, orientations by slerp.

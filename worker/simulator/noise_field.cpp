@@ -1,7 +1,5 @@
 #include "worker/simulator/noise_field.hpp"
 
-#include <cmath>
-
 #include "worker/simulator/hashed_random.hpp"
 
 namespace divemesh::worker {
@@ -13,6 +11,12 @@ constexpr std::uint32_t kPrimeY = 19349663U;
 constexpr std::uint32_t kPrimeZ = 83492791U;
 
 float quintic(float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F); }
+
+// Without SSE 4.1, which the baseline has not, std::floor is a call.
+std::int32_t floor_of(float x) {
+    const auto truncated = static_cast<std::int32_t>(x);
+    return truncated - (x < static_cast<float>(truncated) ? 1 : 0);
+}
 
 std::uint32_t slot(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return ((x ^ y ^ z) >> 11) & (kNumValues - 1);
@@ -27,13 +31,15 @@ NoiseField::NoiseField(std::uint64_t seed) : values_(kNumValues) {
 }
 
 Eigen::Array4f NoiseField::at(const Eigen::Vector3f& p) const {
-    const Eigen::Vector3f cell(std::floor(p.x()), std::floor(p.y()), std::floor(p.z()));
-    const float wx = quintic(p.x() - cell.x());
-    const float wy = quintic(p.y() - cell.y());
-    const float wz = quintic(p.z() - cell.z());
-    const auto x0 = static_cast<std::uint32_t>(static_cast<std::int32_t>(cell.x())) * kPrimeX;
-    const auto y0 = static_cast<std::uint32_t>(static_cast<std::int32_t>(cell.y())) * kPrimeY;
-    const auto z0 = static_cast<std::uint32_t>(static_cast<std::int32_t>(cell.z())) * kPrimeZ;
+    const std::int32_t cell_x = floor_of(p.x());
+    const std::int32_t cell_y = floor_of(p.y());
+    const std::int32_t cell_z = floor_of(p.z());
+    const float wx = quintic(p.x() - static_cast<float>(cell_x));
+    const float wy = quintic(p.y() - static_cast<float>(cell_y));
+    const float wz = quintic(p.z() - static_cast<float>(cell_z));
+    const auto x0 = static_cast<std::uint32_t>(cell_x) * kPrimeX;
+    const auto y0 = static_cast<std::uint32_t>(cell_y) * kPrimeY;
+    const auto z0 = static_cast<std::uint32_t>(cell_z) * kPrimeZ;
     const std::uint32_t x1 = x0 + kPrimeX;
     const std::uint32_t y1 = y0 + kPrimeY;
     const std::uint32_t z1 = z0 + kPrimeZ;

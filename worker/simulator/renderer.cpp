@@ -155,9 +155,14 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
 }
 
 void Renderer::mark_seen(const RayHits4& hits, const RayCaster::Directions4& directions) {
-    for (std::size_t i = 0; i < hits.size(); ++i)
-        if (hits[i].valid() && hits[i].t * directions[i].norm() < kReferenceRange_m)
-            seen_[hits[i].triangle].store(1, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+        if (!hits[i].valid()) continue;
+        // Written once: a line of the cache that is only read is shared by all threads.
+        auto& seen = seen_[hits[i].triangle];
+        if (seen.load(std::memory_order_relaxed) == 0 &&
+            hits[i].t * directions[i].norm() < kReferenceRange_m)
+            seen.store(1, std::memory_order_relaxed);
+    }
 }
 
 std::optional<Fish::Hit> Renderer::nearest_fish(const Eye& eye,

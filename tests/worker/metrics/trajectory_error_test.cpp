@@ -160,6 +160,22 @@ TEST(TrajectoryError, AStraightPathIsStillAlignedAboutItself) {
     EXPECT_TRUE(error.T_reference_estimate.isApprox(some_transform().inverse(), 1e-9));
 }
 
+// 5 cm of weaving are all that positions tell of the roll; 1 mm in step with it is 1.15 degrees.
+TEST(TrajectoryError, TheSurfaceOfANearlyStraightPathIsNotRolledByPositions) {
+    const auto weave = [](double z_share, double t) -> Eigen::Isometry3d {
+        return Eigen::Isometry3d(
+            Eigen::Translation3d(t, 0.05 * std::sin(t), z_share * 0.05 * std::sin(t)));
+    };
+    const Trajectory truth = sample([&](double t) { return weave(0.0, t); }, 100);
+    const Trajectory estimate = sample([&](double t) { return weave(0.02, t); }, 100);
+    const TrajectoryError error = trajectory_error(estimate, truth);
+    const auto angle = [](const Eigen::Isometry3d& T) {
+        return Eigen::AngleAxisd(T.linear()).angle();
+    };
+    EXPECT_NEAR(angle(error.T_reference_estimate), 0.02, 2e-3);
+    EXPECT_LT(angle(error.T_reference_surface), 1e-4);
+}
+
 TEST(TrajectoryError, TruthOfAnotherTimeIsAnErrorThatSaysSo) {
     Trajectory late = sample(straight, 100);
     for (StampedPose& pose : late) pose.timestamp_ns += 3'600'000'000'000;
