@@ -11,6 +11,7 @@
 
 #include "tests/bench/dive_folder.hpp"
 #include "tests/bench/judge.hpp"
+#include "tests/bench/kept_results.hpp"
 #include "tests/bench/klt_baseline.hpp"
 #include "tests/bench/machine.hpp"
 #include "tests/bench/plan.hpp"
@@ -35,7 +36,7 @@ struct Options {
     bool require = false;
     fs::path program;
     fs::path cache;  // of rendered dives
-    fs::path keep;   // results stay here; "": nowhere
+    fs::path keep;   // results stay here, and those that are here already count; "": nowhere
 };
 
 bool wanted(const Names& list, const std::string& item) {
@@ -95,6 +96,10 @@ Names words_of(const Run& run, const fs::path& dive, const fs::path& out, const 
     return words;
 }
 
+std::string name_of(const Run& run) {
+    return run.group + "-" + run.dive.name + "-" + run.preset + "-" + run.ablation.name;
+}
+
 json reconstruct(const Run& run,
                  const fs::path& dive,
                  const Options& options,
@@ -103,12 +108,10 @@ json reconstruct(const Run& run,
                    {"dive", run.dive.name},
                    {"preset", run.preset},
                    {"ablation", run.ablation.name}};
-    const std::string name =
-        run.group + "-" + run.dive.name + "-" + run.preset + "-" + run.ablation.name;
+    const std::string name = name_of(run);
     const int num_repeats = run.group == "speed" ? options.num_repeats : 1;
     std::vector<json> documents;
     for (int repeat = 0; repeat < num_repeats; ++repeat) {
-        std::cerr << name << (num_repeats > 1 ? ", " + std::to_string(repeat + 1) : "") << "\n";
         const fs::path log = folder / (name + ".log");
         const int code = run_program(words_of(run, dive, folder / name, options), log);
         if (code != 0) {
@@ -164,21 +167,46 @@ std::vector<Run> plan_runs(const Options& options, const json& known_options) {
     return runs;
 }
 
-json run_all(const Options& options, const fs::path& folder) {
-    json report = {
-        {"machine", describe_machine()}, {"runs", json::array()}, {"goals", json::array()}};
-    Names absent;
-    for (const Run& run : plan_runs(options, options_of(options.program, folder))) {
+// One line for who waits.
+std::string outline(const json& result) {
+    if (result.contains("failed")) return "failed: " + result["failed"].dump();
+    std::string line;
+    for (const auto& [figure, value] : result["figures"].items())
+        if (figure.find("ate_rmse_m") != std::string::npos || figure == "coverage" ||
+            figure == "accuracy_median_m" || figure == "cpu_ms_per_frame")
+            line += (line.empty() ? "" : ", ") + figure + " " + value.dump();
+    return line;
+}
+
+json measure_all(const Options& options, const fs::path& folder, Names& absent) {
+    const auto runs = plan_runs(options, options_of(options.program, folder));
+    const KeptResults kept(folder, options.program);
+    json results = json::array();
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        const Run& run = runs[i];
         if (std::count(absent.begin(), absent.end(), run.dive.name) > 0) continue;
-        const auto dive = dive_folder(run.dive, options.program, options.cache);
-        if (!dive) {
-            absent.push_back(run.dive.name);
-            continue;
+        std::cerr << "[" << i + 1 << "/" << runs.size() << "] " << name_of(run) << std::endl;
+        auto result = kept.find(name_of(run));
+        if (!result) {
+            const auto dive = dive_folder(run.dive, options.program, options.cache);
+            if (!dive) {
+                absent.push_back(run.dive.name);
+                continue;
+            }
+            result = reconstruct(run, *dive, options, folder);
+            add_klt_baseline(run, *dive, *result);
+            if (!result->contains("failed")) kept.keep(name_of(run), *result);
         }
-        json result = reconstruct(run, *dive, options, folder);
-        add_klt_baseline(run, *dive, result);
-        report["runs"].push_back(std::move(result));
+        std::cerr << "    " << outline(*result) << std::endl;
+        results.push_back(std::move(*result));
     }
+    return results;
+}
+
+json run_all(const Options& options, const fs::path& folder) {
+    json report = {{"machine", describe_machine()}, {"goals", json::array()}};
+    Names absent;
+    report["runs"] = measure_all(options, folder, absent);
     report["absent"] = absent;
     report["track_life"] = compare_track_life(report["runs"]);
     for (const Goal& goal : all_goals()) {
@@ -231,7 +259,9 @@ int main(int argc, char** argv) {
     app.add_option("--cache", options.cache, "folder of the rendered dives")
         ->required()
         ->take_last();
-    app.add_option("--keep", options.keep, "leave the results in this folder");
+    app.add_option("--keep",
+                   options.keep,
+                   "leave the results in this folder; runs whose result is there are not repeated");
     CLI11_PARSE(app, argc, argv);
 
     const TemporaryFolder temporary;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace divemesh::bench {
 namespace {
@@ -26,6 +27,24 @@ std::optional<double> find_figure(const json& runs,
     return std::nullopt;
 }
 
+const char* name_of(Goal::Over over) {
+    switch (over) {
+        case Goal::Over::Mean: return "mean";
+        case Goal::Over::Median: return "median";
+        case Goal::Over::Worst: break;
+    }
+    return "worst";
+}
+
+double condense(const Goal& goal, const std::vector<double>& values) {
+    if (goal.over == Goal::Over::Median) return median(values);
+    if (goal.over == Goal::Over::Mean)
+        return std::accumulate(values.begin(), values.end(), 0.0) /
+               static_cast<double>(values.size());
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    return goal.at_most ? *most : *least;
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -46,14 +65,11 @@ json judge(const Goal& goal, const json& runs) {
                    {"measured", nullptr},
                    {"met", false}};
     if (goal.dives.size() > 1) {
-        judged["over"] = goal.over == Goal::Over::Median ? "median" : "worst";
+        judged["over"] = name_of(goal.over);
         judged["num_dives_measured"] = values.size();
     }
     if (values.empty()) return judged;
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    const double value = goal.over == Goal::Over::Median ? median(values)
-                         : goal.at_most                  ? *most
-                                                         : *least;
+    const double value = condense(goal, values);
     judged["measured"] = value;
     judged["met"] = values.size() == goal.dives.size() &&
                     (goal.at_most ? value <= goal.value : value >= goal.value);

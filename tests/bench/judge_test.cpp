@@ -28,6 +28,11 @@ TEST(JudgeTest, TheMedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
     EXPECT_EQ(judged["met"], true);
 }
 
+TEST(JudgeTest, TheMeanIsOverAbsoluteValues) {
+    EXPECT_EQ(judge(goal_over(Goal::Over::Mean, true, 2.5), kRuns)["measured"], 2.5);
+    EXPECT_EQ(judge(goal_over(Goal::Over::Mean, false, 2.6), kRuns)["met"], false);
+}
+
 TEST(JudgeTest, TheWorstIsTheLargestOfWhatShallBeSmallAndTheSmallestOfWhatShallBeLarge) {
     EXPECT_EQ(judge(goal_over(Goal::Over::Worst, true, 3.9), kRuns)["measured"], 4.0);
     EXPECT_EQ(judge(goal_over(Goal::Over::Worst, true, 3.9), kRuns)["met"], false);

@@ -39,7 +39,7 @@ struct Figure {
 
 // A figure over some dives that a release has to reach; the absolute value counts.
 struct Goal {
-    enum class Over { Median, Worst };
+    enum class Over { Mean, Median, Worst };
     std::string group;
     std::vector<std::string> dives;
     std::string preset;
