@@ -10,6 +10,7 @@
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_map.hpp"
 #include "worker/estimation/loops/close_loops.hpp"
+#include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/find_loops.hpp"
 #include "worker/estimation/loops/pieces.hpp"
 #include "worker/estimation/loops/scene_memory.hpp"
@@ -125,34 +126,40 @@ OptimisedTrack optimise(const Track& track,
                         const KeyframeStore& store,
                         const ProgressCallback& progress) {
     OptimisedTrack result;
-    result.keyframes = track.keyframes;
-    result.rig = track.rig;
     if (!options.adjust_whole_dive || options.estimator == "pairwise" ||
         track.keyframes.size() < 2) {  // the paper stops here
         result.trajectory = track.causal;
+        result.keyframes = track.keyframes;
+        result.rig = track.rig;
         return result;
     }
     InertialPrior inertial(recording, options);
     Progress at;
     at.fraction = 0.1;
+    const DriftBound drift(track.keyframes, track.landmarks, &inertial);
     const FoundLoops found =
-        find_loops(track, store, static_cast<std::uint64_t>(options.seed), progress);
+        find_loops(track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
     result.statistics.loops = found.statistics;
-    Track closed = track;
-    close_loops(track.rig, found.loops, closed.keyframes, closed.landmarks);
-    result.keyframes = closed.keyframes;
+    Track closed;  // what changes from here on
+    closed.rig = track.rig;
+    closed.odometry = track.odometry;
+    closed.keyframes = track.keyframes;
+    closed.landmarks = track.landmarks;
+    closed.imu_alignment = track.imu_alignment;
+    close_loops(closed.rig, found.loops, drift, closed.keyframes, closed.landmarks);
     at.fraction = 0.4;
     result.calibration = refine_calibration(closed, recording, options, inertial, progress, at);
     inertial.align({result.calibration.applied_alignment().time_offset_s});
-    Track refined = with_calibration(closed, recording.rig(), result.calibration);
-    result.rig = refined.rig;
+    apply_calibration(recording.rig(), result.calibration, closed);
     at.fraction = 0.6;
     const AdjustedDive adjusted =
-        adjust_dive(refined.rig, inertial, result.keyframes, refined.landmarks, progress, at);
+        adjust_dive(closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);
     result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
-    lay_apart(kReach * track.statistics.median_depth_m, result.keyframes);
-    result.trajectory = follow_keyframes(refined.odometry, result.keyframes, refined.rig.T_imu_cam);
+    lay_apart(kReach * track.statistics.median_depth_m, closed.keyframes);
+    result.trajectory = follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
     result.covariances = covariances_at(adjusted.covariances, result.trajectory);
+    result.keyframes = std::move(closed.keyframes);
+    result.rig = closed.rig;
     return result;
 }
 

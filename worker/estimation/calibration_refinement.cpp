@@ -18,6 +18,7 @@
 #include "worker/residuals/lens_reprojection.hpp"
 #include "worker/residuals/misaligned_turn.hpp"
 #include "worker/residuals/random_walk.hpp"
+#include "worker/residuals/relative_pose.hpp"
 #include "worker/steps/feature.hpp"
 
 namespace divemesh::worker {
@@ -35,6 +36,9 @@ constexpr double kLeastWalk = 1e-6;  // rad/s
 constexpr double kBiasSigma = 0.1;   // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
+// Of a step from keyframe to keyframe: wide enough to say nothing where anything else does.
+constexpr double kStepSigma_m = 10.0;
+constexpr double kStepSigma_rad = 3.0;
 // Features that are followed drift together, which the pictures of a dive cannot tell from another
 // focal length: on exact calibrations it comes out wrong by up to 24 of the sigmas that independent
 // errors would give. So the pictures count for less here, and careful calibrations for more.
@@ -121,6 +125,8 @@ private:
                           ceres::ParameterBlockOrdering& ordering,
                           bool free_lenses);
     void add_turns(ceres::Problem& problem);
+    // Holds together, as loosely as can be, what no landmark does: where the scene was lost.
+    void add_steps(ceres::Problem& problem);
     void add_priors(ceres::Problem& problem, bool free_lenses);
     void find_sigmas(ceres::Problem& problem, bool free_lenses);
     LensReprojection::Shift shift_of(const std::array<RectifiedLens, 2>& lenses,
@@ -186,6 +192,7 @@ bool Problem::round(bool free_lenses,
     problem.SetParameterBlockConstant(states_.front().p_world_body.data());
     add_observations(problem, *ordering, free_lenses);
     if (inertial_.has_gyroscope()) add_turns(problem);
+    add_steps(problem);
     add_priors(problem, free_lenses);
     for (double* block : kept_blocks())
         if (problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, 1);
@@ -285,6 +292,22 @@ void Problem::add_turns(ceres::Problem& problem) {
                                  nullptr,
                                  from.gyroscope_bias_imu.data(),
                                  to.gyroscope_bias_imu.data());
+    }
+}
+
+void Problem::add_steps(ceres::Problem& problem) {
+    for (std::size_t k = 1; k < states_.size(); ++k) {
+        const Eigen::Isometry3d T_before_now =
+            track_.keyframes[k - 1].T_world_cam.inverse() * track_.keyframes[k].T_world_cam;
+        const Eigen::Isometry3d T_cam_body = track_.rig.T_imu_cam.inverse();
+        problem.AddResidualBlock(
+            RelativePose::create(
+                T_cam_body.inverse() * T_before_now * T_cam_body, kStepSigma_m, kStepSigma_rad),
+            nullptr,
+            q(states_[k - 1]),
+            states_[k - 1].p_world_body.data(),
+            q(states_[k]),
+            states_[k].p_world_body.data());
     }
 }
 
@@ -440,16 +463,16 @@ RefinedCalibration refine_calibration(const Track& track,
     return result;
 }
 
-Track with_calibration(const Track& track, const Rig& rig, const RefinedCalibration& calibration) {
-    Track result = track;
+void apply_calibration(const Rig& rig, const RefinedCalibration& calibration, Track& track) {
+    const RectifiedRig rectified = track.rig;
     if (calibration.rotation_applied) {
         const Eigen::Isometry3d T_body_imu(calibration.imu.q_body_imu);
-        result.rig.T_imu_cam = T_body_imu.inverse() * track.rig.T_imu_cam;
-        for (StampedPose& pose : result.odometry) pose.T_world_imu = pose.T_world_imu * T_body_imu;
+        track.rig.T_imu_cam = T_body_imu.inverse() * track.rig.T_imu_cam;
+        for (StampedPose& pose : track.odometry) pose.T_world_imu = pose.T_world_imu * T_body_imu;
     }
-    if (!calibration.lenses_applied) return result;
-    const Rerectifier rerectifier(rig, track.rig, calibration.applied_lenses);
-    for (Landmark& landmark : result.landmarks) {
+    if (!calibration.lenses_applied) return;
+    const Rerectifier rerectifier(rig, rectified, calibration.applied_lenses);
+    for (Landmark& landmark : track.landmarks) {
         for (LandmarkObservation& seen : landmark.observations) {
             const Eigen::Vector3f moved =
                 rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px))
@@ -459,7 +482,6 @@ Track with_calibration(const Track& track, const Rig& rig, const RefinedCalibrat
             seen.disparity_px = moved.z();
         }
     }
-    return result;
 }
 
 }  // namespace divemesh::worker

@@ -19,8 +19,8 @@ RefinedCalibration refine_calibration(const Track& track,
                                       const ProgressCallback& progress,
                                       const Progress& at);
 
-// The track as if the dive had come with the refined calibration: body, odometry and observations.
-// Poses of the cameras stay.
-Track with_calibration(const Track& track, const Rig& rig, const RefinedCalibration& calibration);
+// Makes the track as if the dive had come with the refined calibration: body, odometry and
+// observations. Poses of the cameras stay.
+void apply_calibration(const Rig& rig, const RefinedCalibration& calibration, Track& track);
 
 }  // namespace divemesh::worker

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "worker/estimation/loops/adjust_poses.hpp"
-#include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/pieces.hpp"
 
 namespace divemesh::worker {
@@ -52,9 +51,9 @@ void fuse_landmarks(const std::vector<Loop>& loops, std::vector<Landmark>& landm
 
 void close_loops(const RectifiedRig& rig,
                  const std::vector<Loop>& loops,
+                 const DriftBound& drift,
                  std::vector<Keyframe>& keyframes,
                  std::vector<Landmark>& landmarks) {
-    const DriftBound drift(keyframes, landmarks);
     number_pieces(drift, loops, keyframes);
     if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
         adjust_poses(loops, drift, keyframes, landmarks);

@@ -10,11 +10,21 @@ namespace {
 constexpr double kShareOfPath = 0.01;
 constexpr double kLeastPosition_m = 0.02;
 constexpr double kBlindSpeed_m_s = 0.3;  // that a diver changes to unseen
+// What inertia starts from when the scene is lost: velocity, acceleration (of the bias, and of
+// gravity by a vertical that is 0.2 degrees off) and rate as the window knows them.
+constexpr double kVelocitySigma_m_s = 0.01;
+constexpr double kAccelerationSigma_m_s2 = 0.03;
+constexpr double kRateSigma_rad_s = 5e-4;
+// A track over sight of the scene runs off as far in 25 m.
+constexpr double kBridgedSigma_m = 0.25;
+constexpr double kBridged_s = 1.0;
 constexpr double kLeastOrientation_rad = 0.01;
 constexpr double kTurn_rad_per_m = 0.002;
 constexpr double kBlindTurn_rad_s = 0.05;
 constexpr double kNumSigmas = 3.5;
 constexpr int kFewestShared = 6;  // landmarks that tie a keyframe to those before
+
+double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
 double distance_m(const Keyframe& a, const Keyframe& b) {
     return (a.T_world_cam.translation() - b.T_world_cam.translation()).norm();
@@ -23,10 +33,12 @@ double distance_m(const Keyframe& a, const Keyframe& b) {
 }  // namespace
 
 DriftBound::DriftBound(const std::vector<Keyframe>& keyframes,
-                       const std::vector<Landmark>& landmarks)
+                       const std::vector<Landmark>& landmarks,
+                       const InertialPrior* inertial)
     : path_m_(keyframes.size(), 0.0),
-      blind_s_(keyframes.size(), 0.0),
+      blind_(keyframes.size()),
       piece_(keyframes.size(), 0),
+      follows_(keyframes.size(), true),
       first_tied_(keyframes.size()) {
     std::iota(first_tied_.begin(), first_tied_.end(), std::size_t{0});
     std::vector<int> num_passing(keyframes.size() + 1, 0);  // landmarks known before and after
@@ -45,32 +57,45 @@ DriftBound::DriftBound(const std::vector<Keyframe>& keyframes,
     }
     std::partial_sum(num_passing.begin(), num_passing.end(), num_passing.begin());
     for (std::size_t k = 1; k < keyframes.size(); ++k) {
-        const bool blind = num_passing[k] < kFewestShared;
-        const double interval_s =
-            1e-9 * static_cast<double>(keyframes[k].timestamp_ns - keyframes[k - 1].timestamp_ns);
         path_m_[k] = path_m_[k - 1] + distance_m(keyframes[k - 1], keyframes[k]);
-        blind_s_[k] = blind_s_[k - 1] + (blind ? interval_s : 0.0);
-        piece_[k] = piece_[k - 1] + (blind ? 1 : 0);
+        blind_[k] = blind_[k - 1];
+        piece_[k] = piece_[k - 1];
+        if (num_passing[k] >= kFewestShared) continue;
+        const std::int64_t from_ns = keyframes[k - 1].timestamp_ns;
+        const std::int64_t to_ns = keyframes[k].timestamp_ns;
+        const Blind added = blind(inertial, from_ns, to_ns);
+        blind_[k].position_m += added.position_m;
+        blind_[k].turn_rad += added.turn_rad;
+        ++piece_[k];
+        follows_[k] = seconds(to_ns - from_ns) <= kBridged_s || added.position_m <= kBridgedSigma_m;
     }
     for (std::size_t k = keyframes.size(); k-- > 0;) first_tied_[k] = first_tied_[first_tied_[k]];
 }
 
-double DriftBound::path_m(std::size_t a, std::size_t b) const {
-    return std::abs(path_m_[b] - path_m_[a]);
-}
-
-double DriftBound::blind_s(std::size_t a, std::size_t b) const {
-    return std::abs(blind_s_[b] - blind_s_[a]);
+DriftBound::Blind DriftBound::blind(const InertialPrior* inertial,
+                                    std::int64_t from_ns,
+                                    std::int64_t to_ns) {
+    const double t_s = seconds(to_ns - from_ns);
+    Blind result{kBlindSpeed_m_s * t_s, kBlindTurn_rad_s * t_s};
+    if (!inertial) return result;
+    if (const auto turn = inertial->integral(from_ns, to_ns))
+        result.turn_rad = std::hypot(turn->sigma_rad, kRateSigma_rad_s * t_s);
+    if (const auto motion = inertial->motion(from_ns, to_ns))
+        result.position_m =
+            std::sqrt(motion->covariance.bottomRightCorner<3, 3>().diagonal().maxCoeff() +
+                      std::pow(kVelocitySigma_m_s * t_s, 2) +
+                      std::pow(0.5 * kAccelerationSigma_m_s2 * t_s * t_s, 2));
+    return result;
 }
 
 double DriftBound::position_sigma_m(std::size_t a, std::size_t b) const {
-    return std::hypot(kLeastPosition_m, kShareOfPath * path_m(a, b)) +
-           kBlindSpeed_m_s * blind_s(a, b);
+    return std::hypot(kLeastPosition_m, kShareOfPath * std::abs(path_m_[b] - path_m_[a])) +
+           std::abs(blind_[b].position_m - blind_[a].position_m);
 }
 
 double DriftBound::orientation_sigma_rad(std::size_t a, std::size_t b) const {
-    return std::hypot(kLeastOrientation_rad, kTurn_rad_per_m * path_m(a, b)) +
-           kBlindTurn_rad_s * blind_s(a, b);
+    return std::hypot(kLeastOrientation_rad, kTurn_rad_per_m * std::abs(path_m_[b] - path_m_[a])) +
+           std::abs(blind_[b].turn_rad - blind_[a].turn_rad);
 }
 
 bool DriftBound::allows(std::size_t a,

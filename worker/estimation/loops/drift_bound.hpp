@@ -4,16 +4,21 @@
 #include <cstddef>
 #include <vector>
 
+#include "worker/estimation/inertial_prior.hpp"
 #include "worker/reconstruct.hpp"
 
 namespace divemesh::worker {
 
-// How far the track may have run off between two keyframes: a share of the way swum, and what a
-// diver may have done while the scene was out of sight. Also which keyframes the track itself ties
-// together, so that nothing is to be learnt from seeing them again.
+// How far the track may have run off between two keyframes: a share of the way swum, and while the
+// scene was out of sight what the inertial sensors may have erred by, or without them what a diver
+// may have done. Also which keyframes the track itself ties together, so that nothing is to be
+// learnt from seeing them again.
 class DriftBound {
 public:
-    DriftBound(const std::vector<Keyframe>& keyframes, const std::vector<Landmark>& landmarks);
+    // `inertial`: nullptr without sensors.
+    DriftBound(const std::vector<Keyframe>& keyframes,
+               const std::vector<Landmark>& landmarks,
+               const InertialPrior* inertial);
 
     // One standard deviation of the pose of one keyframe seen from the other.
     double position_sigma_m(std::size_t a, std::size_t b) const;
@@ -30,16 +35,22 @@ public:
     std::size_t first_tied(std::size_t keyframe) const { return first_tied_[keyframe]; }
     // Keyframes between which the scene was never out of sight have the same piece.
     std::int32_t piece(std::size_t keyframe) const { return piece_[keyframe]; }
-
-    // Time between the two without the scene.
-    double blind_s(std::size_t a, std::size_t b) const;
+    // Whether a keyframe's place against the one before it is known: the scene stayed in sight, or
+    // was away for less than a second, or inertia carried the track over.
+    bool follows(std::size_t keyframe) const { return follows_[keyframe]; }
 
 private:
-    double path_m(std::size_t a, std::size_t b) const;
+    // Standard deviations that added up while the scene was out of sight.
+    struct Blind {
+        double position_m = 0.0;
+        double turn_rad = 0.0;
+    };
+    static Blind blind(const InertialPrior* inertial, std::int64_t from_ns, std::int64_t to_ns);
 
-    std::vector<double> path_m_;   // up to each keyframe
-    std::vector<double> blind_s_;  // time without the scene, up to each keyframe
+    std::vector<double> path_m_;  // up to each keyframe
+    std::vector<Blind> blind_;    // up to each keyframe
     std::vector<std::int32_t> piece_;
+    std::vector<bool> follows_;
     std::vector<std::size_t> first_tied_;
 };
 

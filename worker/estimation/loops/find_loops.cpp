@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "worker/estimation/loops/consistent_loops.hpp"
-#include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/find_candidates.hpp"
 #include "worker/estimation/loops/measure_loop.hpp"
 
@@ -26,6 +25,17 @@ public:
           loop_of_(track.keyframes.size()) {}
 
     bool has_loop(std::size_t keyframe) const { return loop_of_[keyframe].has_value(); }
+
+    // Where the track lies on an earlier part of itself, to some pixels, it takes no recognition.
+    // False: nothing to look at.
+    bool expect(std::size_t keyframe) {
+        const Eigen::Isometry3d& T_world_cam = track_.keyframes[keyframe].T_world_cam;
+        const auto near = nearest(T_world_cam, 0, drift_.first_tied(keyframe));
+        if (!near) return false;
+        auto seedling = measure(*near, keyframe, T_world_cam);
+        if (seedling) grow(std::move(*seedling));
+        return true;
+    }
 
     void recognise(const LoopCandidate& candidate, std::uint64_t seed) {
         auto seedling = meter_.recognise(candidate.from, candidate.to, seed);
@@ -56,25 +66,39 @@ private:
         }
     }
 
-    // The neighbour of a loop's later keyframe, against the earlier keyframe nearest to it.
+    // The neighbour of a loop's later keyframe, by where the loop lets it be.
     std::optional<Loop> measure_next(const Loop& known, std::size_t next) {
-        const Eigen::Isometry3d T_from_next = known.T_from_to * between(known.to, next);
-        const std::size_t low = known.from > kReach ? known.from - kReach : 0;
-        const std::size_t high = std::min(known.from + kReach + 1, drift_.first_tied(next));
+        const Eigen::Isometry3d T_world_next =
+            track_.keyframes[known.from].T_world_cam * known.T_from_to * between(known.to, next);
+        const auto near = nearest(T_world_next,
+                                  known.from > kReach ? known.from - kReach : 0,
+                                  std::min(known.from + kReach + 1, drift_.first_tied(next)));
+        return near ? measure(*near, next, T_world_next) : std::nullopt;
+    }
+
+    // Of the keyframes from `low` up to `high` the one that looks most as one at `T_world_cam`.
+    std::optional<std::size_t> nearest(const Eigen::Isometry3d& T_world_cam,
+                                       std::size_t low,
+                                       std::size_t high) const {
         std::optional<std::size_t> best;
         double least = kMostShift;
-        Eigen::Isometry3d T_next_best;
         for (std::size_t i = low; i < high; ++i) {
-            const Eigen::Isometry3d T_next_i = T_from_next.inverse() * between(known.from, i);
-            const double turn_rad = Eigen::AngleAxisd(T_next_i.linear()).angle();
-            const double shift = T_next_i.translation().norm() / track_.statistics.median_depth_m;
+            const Eigen::Isometry3d T_cam_i =
+                T_world_cam.inverse() * track_.keyframes[i].T_world_cam;
+            const double turn_rad = Eigen::AngleAxisd(T_cam_i.linear()).angle();
+            const double shift = T_cam_i.translation().norm() / track_.statistics.median_depth_m;
             if (turn_rad > kMostTurn_rad || shift + 0.5 * turn_rad >= least) continue;
             least = shift + 0.5 * turn_rad;
             best = i;
-            T_next_best = T_next_i;
         }
-        if (!best) return std::nullopt;
-        return meter_.measure(*best, next, T_next_best);
+        return best;
+    }
+
+    // `to` as seen from `from`, were it at `T_world_to`.
+    std::optional<Loop> measure(std::size_t from,
+                                std::size_t to,
+                                const Eigen::Isometry3d& T_world_to) {
+        return meter_.measure(from, to, T_world_to.inverse() * track_.keyframes[from].T_world_cam);
     }
 
     Eigen::Isometry3d between(std::size_t a, std::size_t b) const {
@@ -103,14 +127,19 @@ std::vector<Loop> possible(const Track& track, const DriftBound& drift, std::vec
 }  // namespace
 
 FoundLoops find_loops(const Track& track,
+                      const DriftBound& drift,
                       const KeyframeStore& store,
                       std::uint64_t seed,
                       const ProgressCallback& progress) {
-    const DriftBound drift(track.keyframes, track.landmarks);
-    const auto candidates = find_candidates(track.rig, track.keyframes, track.views, drift);
-    LoopSearch search(track, store, drift);
     FoundLoops found;
+    if (track.views.empty()) return found;
+    LoopSearch search(track, store, drift);
     Progress at;
+    for (std::size_t k = 0; k < track.keyframes.size(); ++k) {
+        progress(at);
+        if (!search.has_loop(k) && search.expect(k)) ++found.statistics.num_candidates;
+    }
+    const auto candidates = find_candidates(track.rig, track.keyframes, track.views, drift);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         at.fraction = 0.5 * static_cast<double>(i) / static_cast<double>(candidates.size());
         progress(at);

@@ -7,8 +7,6 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kBridged_s = 1.0;
-
 // Sets that grow together (Tarjan 1975); the lowest member stands for its set.
 class Sets {
 public:
@@ -41,7 +39,7 @@ void number_pieces(const DriftBound& drift,
                    std::vector<Keyframe>& keyframes) {
     Sets tied(keyframes.size());
     for (std::size_t k = 1; k < keyframes.size(); ++k)
-        if (drift.blind_s(k - 1, k) <= kBridged_s) tied.join(k - 1, k);
+        if (drift.follows(k)) tied.join(k - 1, k);
     for (const Loop& loop : loops) tied.join(loop.from, loop.to);
     std::map<std::size_t, std::int32_t> number;
     for (std::size_t k = 0; k < keyframes.size(); ++k)

@@ -7,9 +7,9 @@
 
 namespace divemesh::worker {
 
-// A dive that loses the scene goes on in a new piece, unless it was for less than a second or a
-// loop ties what follows to what was seen before. Pieces are numbered in the order of their first
-// keyframes, from 0 on.
+// A dive that loses the scene goes on in a new piece, unless the track follows on, by inertia or
+// because it was for less than a second, or a loop ties what follows to what was seen before.
+// Pieces are numbered in the order of their first keyframes, from 0 on.
 void number_pieces(const DriftBound& drift,
                    const std::vector<Loop>& loops,
                    std::vector<Keyframe>& keyframes);

@@ -76,8 +76,9 @@ struct Swim {
     LoopStatistics close() {
         keyframes = track.keyframes;
         landmarks = track.landmarks;
-        const FoundLoops found = find_loops(track, store, 1, ignore_progress);
-        close_loops(track.rig, found.loops, keyframes, landmarks);
+        const DriftBound drift(keyframes, landmarks, nullptr);
+        const FoundLoops found = find_loops(track, drift, store, 1, ignore_progress);
+        close_loops(track.rig, found.loops, drift, keyframes, landmarks);
         return found.statistics;
     }
 

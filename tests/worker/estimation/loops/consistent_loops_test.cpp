@@ -67,7 +67,7 @@ struct Laps {
 
 TEST(ConsistentLoopsTest, TrueLoopsStayAndFalseOnesGo) {
     const Laps laps(0.001);
-    const DriftBound drift(laps.keyframes, laps.landmarks);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
     const std::vector<Loop> loops = {laps.loop(0, 60),
                                      laps.loop(2, 61),
                                      Laps::false_loop(10, 40),
@@ -79,14 +79,14 @@ TEST(ConsistentLoopsTest, TrueLoopsStayAndFalseOnesGo) {
 
 TEST(ConsistentLoopsTest, OneLoopAloneIsNotBelieved) {
     const Laps laps(0.001);
-    const DriftBound drift(laps.keyframes, laps.landmarks);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
     EXPECT_TRUE(consistent_loops({laps.loop(0, 60)}, laps.keyframes, drift).empty());
     EXPECT_TRUE(consistent_loops({}, laps.keyframes, drift).empty());
 }
 
 TEST(ConsistentLoopsTest, TwoLoopsDoNotHoldPiecesTogetherThreeDo) {
     const Laps laps(0.001, 30);
-    const DriftBound drift(laps.keyframes, laps.landmarks);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
     ASSERT_NE(drift.piece(29), drift.piece(30));
     const std::vector<Loop> two = {laps.loop(0, 60), laps.loop(1, 62)};
     EXPECT_TRUE(consistent_loops(two, laps.keyframes, drift).empty());
@@ -96,7 +96,7 @@ TEST(ConsistentLoopsTest, TwoLoopsDoNotHoldPiecesTogetherThreeDo) {
 
 TEST(AdjustPosesTest, AnEvenYawErrorGoesAwayAlongTheWholeLap) {
     Laps laps(0.004);  // 14 degrees over the lap
-    const DriftBound drift(laps.keyframes, laps.landmarks);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
     const std::vector<Loop> loops = {laps.loop(0, 60), laps.loop(3, 63), laps.loop(6, 66)};
     const double before_m =
         (laps.keyframes[45].T_world_cam.translation() - laps.truth[45].translation()).norm();
@@ -112,7 +112,7 @@ TEST(AdjustPosesTest, AnEvenYawErrorGoesAwayAlongTheWholeLap) {
 
 TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
     Laps laps(0.004);
-    const DriftBound drift(laps.keyframes, laps.landmarks);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
     adjust_poses({laps.loop(0, 60)}, drift, laps.keyframes, laps.landmarks);
     for (const Landmark& landmark : laps.landmarks) {
         const auto anchor = static_cast<std::size_t>(landmark.observations.front().keyframe);

@@ -24,7 +24,7 @@ struct Dive {
         }
     }
     std::vector<std::int32_t> number(const std::vector<Loop>& loops) {
-        number_pieces(DriftBound(keyframes, landmarks), loops, keyframes);
+        number_pieces(DriftBound(keyframes, landmarks, nullptr), loops, keyframes);
         std::vector<std::int32_t> pieces;
         for (const Keyframe& keyframe : keyframes) pieces.push_back(keyframe.piece);
         return pieces;

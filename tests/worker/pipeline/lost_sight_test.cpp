@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "tests/temporary_folder.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/metrics/pieces.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+#include "worker/reconstruct.hpp"
+#include "worker/simulator/simulate.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// A dive in which the pictures between two times are blank, as in a cloud of silt.
+class BlankedDive : public Recording {
+public:
+    BlankedDive(Recording& dive, double from_s, double to_s)
+        : dive_(dive), from_s_(from_s), to_s_(to_s) {}
+
+    const Rig& rig() const override { return dive_.rig(); }
+    int num_frames() const override { return dive_.num_frames(); }
+    const std::vector<ImuSample>& imu() const override { return dive_.imu(); }
+    const std::vector<OrientationSample>& ahrs() const override { return dive_.ahrs(); }
+    const std::vector<PressureSample>& pressure() const override { return dive_.pressure(); }
+    void rewind() override { dive_.rewind(); }
+    std::int64_t num_skipped_frames() const override { return dive_.num_skipped_frames(); }
+    std::optional<StereoFrame> next_frame() override {
+        auto frame = dive_.next_frame();
+        if (!frame) return frame;
+        if (first_ns_ < 0) first_ns_ = frame->timestamp_ns;
+        const double time_s = 1e-9 * static_cast<double>(frame->timestamp_ns - first_ns_);
+        if (time_s < from_s_ || time_s >= to_s_) return frame;
+        frame->left = cv::Mat(frame->left.size(), frame->left.type(), cv::mean(frame->left));
+        frame->right = cv::Mat(frame->right.size(), frame->right.type(), cv::mean(frame->right));
+        return frame;
+    }
+
+private:
+    Recording& dive_;
+    double from_s_;
+    double to_s_;
+    std::int64_t first_ns_ = -1;
+};
+
+// Twice round the same small lap.
+class LostSightTest : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<TemporaryFolder>();
+        simulate({.scene = SceneKind::Tank,
+                  .out = *folder_ / "dive",
+                  .length_m = 1.6,
+                  .rate_hz = 8.0,
+                  .laps = 2,
+                  .width_px = 320,
+                  .height_px = 240});
+    }
+    static void TearDownTestSuite() { folder_.reset(); }
+
+    OptimisedTrack swim(double from_s, double to_s, const nlohmann::json& overrides) {
+        BlankedDive blanked(*dive_, from_s, to_s);
+        nlohmann::json all = overrides;
+        all["surface"] = false;
+        const ReconstructionOptions options = make_options("standard", all);
+        const KeyframeStore store(*folder_ / "keyframes");
+        const Track track = worker::track(blanked, options, store, ignore_progress);
+        num_tracked_ = track.statistics.num_frames_tracked;
+        return optimise(track, blanked, options, store, ignore_progress);
+    }
+    std::size_t num_pieces(const OptimisedTrack& track) const {
+        return pieces_of(track.trajectory, track.keyframes).size();
+    }
+    double ate_m(const OptimisedTrack& track) const {
+        return trajectory_error(track.trajectory, dive_->ground_truth()).ate_rmse_m;
+    }
+
+    static inline std::unique_ptr<TemporaryFolder> folder_;
+    std::unique_ptr<Dive> dive_ = Dive::open(*folder_ / "dive", *folder_ / "scratch");
+    std::int64_t num_tracked_ = 0;
+};
+
+TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankPictures) {
+    const OptimisedTrack track = swim(2.0, 4.0, {});
+    EXPECT_LE(num_tracked_, dive_->num_frames() - 16);
+    EXPECT_EQ(num_pieces(track), 1U);
+    EXPECT_LT(ate_m(track), 0.02);
+    EXPECT_TRUE(track.calibration.is_known());
+    EXPECT_FALSE(track.covariances.empty());
+}
+
+TEST_F(LostSightTest, WithoutInertiaItIsJoinedWhereItComesByAgain) {
+    const OptimisedTrack track = swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}});
+    EXPECT_EQ(num_pieces(track), 1U);
+    EXPECT_LT(ate_m(track), 0.02);
+    EXPECT_TRUE(track.calibration.is_known());
+}
+
+TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
+    const OptimisedTrack track =
+        swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}});
+    EXPECT_EQ(num_pieces(track), 2U);
+    EXPECT_TRUE(track.calibration.is_known());
+}
+
+}  // namespace
+}  // namespace divemesh::worker
