@@ -31,8 +31,8 @@ struct StateCovariance {
 };
 
 // Bundle adjustment: body states and landmarks that fit best what the cameras and the inertial
-// sensors measured, by Ceres. States and landmarks belong to the caller, stay where they are until
-// solve() has changed them. One thread: the same input gives the same bits.
+// sensors measured. States and landmarks belong to the caller, stay where they are until a solver
+// has changed them. One thread: the same input gives the same bits.
 class Adjustment {
 public:
     explicit Adjustment(const RectifiedRig& rig);
@@ -41,6 +41,7 @@ public:
     Adjustment& operator=(const Adjustment&) = delete;
 
     void add_state(BodyState& state, bool fixed);
+    // Those of one landmark after one another.
     void add_observation(BodyState& state,
                          Eigen::Vector3d& p_world,
                          const Eigen::Vector3d& measured_px,
@@ -59,7 +60,6 @@ public:
                     Eigen::Vector3d& down_world);
     void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
-    void fix_gyroscope_bias(BodyState& state);
     // The AHRS's word. `q_world_ahrs`, its world in ours, is unknown and the same all along.
     void add_orientation(BodyState& state,
                          Eigen::Quaterniond& q_world_ahrs,
@@ -75,16 +75,16 @@ public:
     void add_down(Eigen::Vector3d& down_world, const Eigen::Vector3d& known, double sigma);
 
     void add_prior(const LinearPrior& prior);
-    // What was added says this about all but the `leaving` blocks of numbers; `before` is the prior
-    // among it.
-    LinearPrior marginalise(const std::vector<double*>& leaving, const LinearPrior& before);
+    // What was added says this about all but the landmarks and the `leaving` blocks of numbers.
+    LinearPrior marginalise(const std::vector<double*>& leaving);
 
-    enum class Size { Window, Dive };
-    // Reports `at` to `progress` every iteration. Throws what the callback throws.
-    void solve(Size size, int max_iterations, const ProgressCallback& progress, const Progress& at);
-    // Of states that were solved for, marginal; the cameras' noise as their residuals show it.
-    // Observations of one landmark must have been added after one another. Nothing when the states
-    // are not determined.
+    // A few states, dense.
+    void solve_window(int max_iterations);
+    // Any number of states, sparse, by Ceres. Reports `at` to `progress` every iteration. Throws
+    // what the callback throws.
+    void solve_dive(int max_iterations, const ProgressCallback& progress, const Progress& at);
+    // Of states that solve_dive has solved for, marginal; the cameras' noise as their residuals
+    // show it. Nothing when the states are not determined.
     std::vector<StateCovariance> covariances(std::vector<BodyState>& states);
 
 private:

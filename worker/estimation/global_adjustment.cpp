@@ -78,7 +78,7 @@ AdjustedDive adjust_dive(const RectifiedRig& rig,
                                        kFeatureSigma_px);
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, keyframes, states, reference);
-    adjustment.solve(Adjustment::Size::Dive, kMaxIterations, progress, at);
+    adjustment.solve_dive(kMaxIterations, progress, at);
     CovarianceTrack covariances = relative_to_first(adjustment, keyframes, states);
     const Eigen::Quaterniond q_level_world = levelling(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)

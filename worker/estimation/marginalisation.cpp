@@ -2,9 +2,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <ceres/crs_matrix.h>
-#include <ceres/manifold.h>
-#include <set>
+#include <memory>
+#include <utility>
+
+#include "worker/estimation/normal_equations.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -15,10 +16,13 @@ constexpr double kNoInformation = 1e-14;
 // b - a in the tangent space at a.
 Eigen::VectorXd difference(const ceres::Manifold* manifold,
                            const double* b,
-                           const Eigen::VectorXd& a) {
-    if (!manifold) return Eigen::Map<const Eigen::VectorXd>(b, a.size()) - a;
+                           const double* a,
+                           int size) {
+    if (!manifold)
+        return Eigen::Map<const Eigen::VectorXd>(b, size) -
+               Eigen::Map<const Eigen::VectorXd>(a, size);
     Eigen::VectorXd delta(manifold->TangentSize());
-    manifold->Minus(b, a.data(), delta.data());
+    manifold->Minus(b, a, delta.data());
     return delta;
 }
 
@@ -40,7 +44,8 @@ public:
         Eigen::Index column = 0;
         for (std::size_t b = 0; b < prior_.blocks.size(); ++b) {
             const auto& at = prior_.blocks[b].at;
-            const Eigen::VectorXd delta = difference(manifolds_[b], parameters[b], at);
+            const Eigen::VectorXd delta =
+                difference(manifolds_[b], parameters[b], at.data(), static_cast<int>(at.size()));
             const auto J = prior_.J.middleCols(column, delta.size());
             r += J * delta;
             column += delta.size();
@@ -63,84 +68,13 @@ private:
     const std::vector<const ceres::Manifold*> manifolds_;
 };
 
-// The free blocks of a problem, those that leave first, and all its residuals.
-struct Unknowns {
-    std::vector<double*> blocks;
-    std::size_t num_leaving = 0;
-    std::vector<ceres::ResidualBlockId> residuals;
-};
-
-Unknowns unknowns_of(const ceres::Problem& problem, const std::vector<double*>& leaving) {
-    Unknowns result;
-    for (double* block : leaving)
-        if (problem.HasParameterBlock(block) && !problem.IsParameterBlockConstant(block))
-            result.blocks.push_back(block);
-    result.num_leaving = result.blocks.size();
-    const std::set<double*> leaves(leaving.begin(), leaving.end());
-    std::set<double*> known;
-    problem.GetResidualBlocks(&result.residuals);
-    for (const auto residual : result.residuals) {
-        std::vector<double*> blocks;
-        problem.GetParameterBlocksForResidualBlock(residual, &blocks);
-        for (double* block : blocks)
-            if (!leaves.contains(block) && !problem.IsParameterBlockConstant(block) &&
-                known.insert(block).second)
-                result.blocks.push_back(block);
-    }
-    return result;
-}
-
-Eigen::MatrixXd dense(const ceres::CRSMatrix& sparse) {
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
-    for (int row = 0; row < sparse.num_rows; ++row)
-        for (int i = sparse.rows[static_cast<std::size_t>(row)];
-             i < sparse.rows[static_cast<std::size_t>(row) + 1];
-             ++i)
-            result(row, sparse.cols[static_cast<std::size_t>(i)]) =
-                sparse.values[static_cast<std::size_t>(i)];
-    return result;
-}
-
-struct Linearised {
+struct SquareRoot {
     Eigen::MatrixXd J;
     Eigen::VectorXd r;
 };
 
-Linearised linearise(ceres::Problem& problem, const Unknowns& unknowns) {
-    ceres::Problem::EvaluateOptions options;
-    options.parameter_blocks = unknowns.blocks;
-    options.residual_blocks = unknowns.residuals;
-    options.num_threads = 1;
-    std::vector<double> residuals;
-    ceres::CRSMatrix jacobian;
-    problem.Evaluate(options, nullptr, &residuals, nullptr, &jacobian);
-    return {dense(jacobian), Eigen::Map<Eigen::VectorXd>(residuals.data(), std::ssize(residuals))};
-}
-
-// Puts the blocks of a prior to where it was linearised, and back when it goes.
-class AtFirstEstimate {
-public:
-    explicit AtFirstEstimate(const LinearPrior& prior) : prior_(prior) {
-        for (const auto& block : prior_.blocks) {
-            const Eigen::Map<Eigen::VectorXd> values(block.values, block.at.size());
-            present_.emplace_back(values);
-            Eigen::Map<Eigen::VectorXd>(block.values, block.at.size()) = block.at;
-        }
-    }
-    ~AtFirstEstimate() {
-        for (std::size_t b = 0; b < present_.size(); ++b)
-            Eigen::Map<Eigen::VectorXd>(prior_.blocks[b].values, present_[b].size()) = present_[b];
-    }
-    AtFirstEstimate(const AtFirstEstimate&) = delete;
-    AtFirstEstimate& operator=(const AtFirstEstimate&) = delete;
-
-private:
-    const LinearPrior& prior_;
-    std::vector<Eigen::VectorXd> present_;
-};
-
 // A symmetric H and b = J^T r as a square-root form of no more rows than H has rank.
-Linearised square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& b) {
+SquareRoot square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& b) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (H + H.transpose()));
     const double least = kNoInformation * std::max(1e-300, eigen.eigenvalues().maxCoeff());
     const Eigen::Index num = (eigen.eigenvalues().array() > least).count();
@@ -152,10 +86,10 @@ Linearised square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& b) {
 
 // The Schur complement of the first `num_leaving` unknowns. Those that nothing holds leave without
 // a word.
-Linearised without_first(const Linearised& all, Eigen::Index num_leaving) {
-    const Eigen::Index num_kept = all.J.cols() - num_leaving;
-    const Eigen::MatrixXd H = all.J.transpose() * all.J;
-    const Eigen::VectorXd b = all.J.transpose() * all.r;
+SquareRoot without_first(const Eigen::MatrixXd& H,
+                         const Eigen::VectorXd& b,
+                         Eigen::Index num_leaving) {
+    const Eigen::Index num_kept = H.cols() - num_leaving;
     if (num_leaving == 0) return square_root(H, b);
     const Eigen::MatrixXd H_leaving = H.topLeftCorner(num_leaving, num_leaving);
     // Scaled to a unit diagonal: units must not decide what counts as unobserved.
@@ -173,50 +107,50 @@ Linearised without_first(const Linearised& all, Eigen::Index num_leaving) {
 
 }  // namespace
 
-LinearPrior marginalise(ceres::Problem& problem,
-                        const std::vector<double*>& leaving,
-                        const LinearPrior& before) {
-    const Unknowns unknowns = unknowns_of(problem, leaving);
-    if (unknowns.residuals.empty() || unknowns.blocks.size() == unknowns.num_leaving) return {};
-    Linearised all = linearise(problem, unknowns);
-    {
-        const AtFirstEstimate first(before);
-        all.J = linearise(problem, unknowns).J;
-    }
+LinearPrior marginalise(FactorGraph& graph, const std::vector<double*>& leaving) {
+    graph.drop_unseen();
+    const Columns columns = Columns::of(graph, leaving);
+    NormalEquations equations(graph, columns);
+    equations.linearise();
+    const auto reduced = equations.without_landmarks(0.0);
+    const Eigen::MatrixXd H = reduced.H.selfadjointView<Eigen::Lower>();
+
     LinearPrior prior;
+    Eigen::VectorXd moved(columns.num);  // since the first estimates
     Eigen::Index num_leaving = 0;
-    Eigen::Index column = 0;
-    for (std::size_t i = 0; i < unknowns.blocks.size(); ++i) {
-        double* values = unknowns.blocks[i];
-        const int size = problem.ParameterBlockTangentSize(values);
-        LinearPrior::Block block{
-            values, size, Eigen::Map<Eigen::VectorXd>(values, problem.ParameterBlockSize(values))};
-        for (const auto& known : before.blocks)
-            if (known.values == values) block.at = known.at;
-        // The residuals as a function of the distance from `at`.
-        all.r -= all.J.middleCols(column, size) *
-                 difference(problem.GetManifold(values), values, block.at);
-        column += size;
-        if (i < unknowns.num_leaving)
+    for (std::size_t i = 0; i < graph.blocks().size(); ++i) {
+        const Block& block = graph.blocks()[i];
+        if (columns.start[i] < 0) continue;
+        const int size = block.tangent_size();
+        moved.segment(columns.start[i], size) =
+            difference(block.manifold, block.values, block.linearised_at(), block.size);
+        if (std::find(leaving.begin(), leaving.end(), block.values) != leaving.end())
             num_leaving += size;
         else
-            prior.blocks.push_back(std::move(block));
+            prior.blocks.push_back(
+                {block.values,
+                 size,
+                 Eigen::Map<const Eigen::VectorXd>(block.linearised_at(), block.size)});
     }
-    const Linearised rest = without_first(all, num_leaving);
+    if (prior.blocks.empty()) return {};
+    // The gradient where the blocks were first estimated, not where they are now.
+    const SquareRoot rest = without_first(H, reduced.b - H * moved, num_leaving);
     prior.J = rest.J;
     prior.r_at = rest.r;
     return prior;
 }
 
-void add_prior(ceres::Problem& problem, const LinearPrior& prior) {
+void add_prior(FactorGraph& graph, const LinearPrior& prior) {
     if (prior.empty()) return;
     std::vector<double*> blocks;
     std::vector<const ceres::Manifold*> manifolds;
     for (const auto& block : prior.blocks) {
         blocks.push_back(block.values);
-        manifolds.push_back(problem.GetManifold(block.values));
+        const int index = graph.add_block(block.values, static_cast<int>(block.at.size()));
+        manifolds.push_back(graph.blocks()[static_cast<std::size_t>(index)].manifold);
+        graph.set_first_estimate(block.values, block.at);
     }
-    problem.AddResidualBlock(new PriorCost(prior, std::move(manifolds)), nullptr, blocks);
+    graph.add_factor(std::make_unique<PriorCost>(prior, std::move(manifolds)), nullptr, blocks);
 }
 
 }  // namespace divemesh::worker

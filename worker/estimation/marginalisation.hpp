@@ -1,9 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <ceres/cost_function.h>
-#include <ceres/problem.h>
 #include <vector>
+
+#include "worker/estimation/factor_graph.hpp"
 
 namespace divemesh::worker {
 
@@ -13,7 +13,7 @@ namespace divemesh::worker {
 //     r(x) = J (x - at) + r_at          - : the difference of each block's manifold
 //
 // J stays as it was first estimated, whatever x becomes: what was unobservable then stays so
-// (first- estimate Jacobians; Huang, Mourikis and Roumeliotis, "Observability-based rules for
+// (first-estimate Jacobians; Huang, Mourikis and Roumeliotis, "Observability-based rules for
 // designing consistent EKF SLAM estimators", 2010). Blocks are known by where their values lie.
 struct LinearPrior {
     struct Block {
@@ -28,14 +28,13 @@ struct LinearPrior {
     bool empty() const { return blocks.empty(); }
 };
 
-// What all residuals of `problem` say about its blocks but those `leaving`, by the Schur complement
-// at the present estimate. Blocks that `before` holds are linearised where they were then. Constant
-// blocks are taken as known.
-LinearPrior marginalise(ceres::Problem& problem,
-                        const std::vector<double*>& leaving,
-                        const LinearPrior& before);
+// What a graph says about its free blocks but those `leaving`, and but its landmarks, by the Schur
+// complement at the present estimate; derivatives are taken at the first estimates that the graph
+// knows, which stay. Fixed blocks are taken as known.
+LinearPrior marginalise(FactorGraph& graph, const std::vector<double*>& leaving);
 
-// The prior as a residual of `problem`, which must know its blocks already.
-void add_prior(ceres::Problem& problem, const LinearPrior& prior);
+// The prior as a factor of `graph`, and as the first estimate of its blocks. What is no vector must
+// be known to the graph already.
+void add_prior(FactorGraph& graph, const LinearPrior& prior);
 
 }  // namespace divemesh::worker

@@ -7,9 +7,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kNumFree = 7;    // keyframes apart from each other that are adjusted
-constexpr std::size_t kMostFree = 12;  // with those where the camera stood still
-constexpr std::size_t kMostFixed = 8;  // older ones that hold them
+constexpr std::size_t kNumApart = 7;  // keyframes apart from each other
+constexpr std::size_t kMost = 12;     // with those where the camera stood still
 constexpr int kMaxIterations = 6;
 constexpr double kOutlier = 5.0;       // in sigmas, per measurement
 constexpr double kLeastShift = 0.002;  // of the picture's width, median: less is standing still
@@ -17,6 +16,10 @@ const Eigen::Vector3d kLandmarkSigma_px = 0.5 * kFeatureSigma_px;  // of an adju
 
 Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
+}
+
+bool seen_at(const LandmarkObservation& seen, std::size_t keyframe) {
+    return static_cast<std::size_t>(seen.keyframe) == keyframe;
 }
 
 bool fits(const RectifiedRig& rig,
@@ -43,10 +46,11 @@ void Window::add_keyframe(const Keyframe& keyframe,
     for (const Feature& feature : features) {
         if (!has_depth(feature) && !landmark_of_feature_.contains(feature.id)) continue;
         const std::size_t landmark = landmark_of(feature, keyframe);
-        landmarks_[landmark].observations.push_back({index,
-                                                     static_cast<float>(feature.pixel.x()),
-                                                     static_cast<float>(feature.pixel.y()),
-                                                     static_cast<float>(feature.disparity_px)});
+        landmarks_[landmark].whole.observations.push_back(
+            {index,
+             static_cast<float>(feature.pixel.x()),
+             static_cast<float>(feature.pixel.y()),
+             static_cast<float>(feature.disparity_px)});
         entry.landmarks.push_back(landmark);
     }
     entry.moved = has_moved(entry);
@@ -73,7 +77,7 @@ BodyState Window::first_state(const Keyframe& keyframe, const SensorReadings& re
 bool Window::has_moved(const Entry& entry) const {
     std::vector<double> shifts;
     for (const std::size_t index : entry.landmarks) {
-        const auto& seen = landmarks_[index].observations;
+        const auto& seen = landmarks_[index].whole.observations;
         if (seen.size() < 2 || seen[seen.size() - 2].keyframe + 1 != seen.back().keyframe) continue;
         shifts.push_back(std::hypot(seen.back().u_px - seen[seen.size() - 2].u_px,
                                     seen.back().v_px - seen[seen.size() - 2].v_px));
@@ -86,33 +90,30 @@ bool Window::has_moved(const Entry& entry) const {
 
 std::size_t Window::landmark_of(const Feature& feature, const Keyframe& keyframe) {
     const auto [known, fresh] = landmark_of_feature_.try_emplace(feature.id, landmarks_.size());
-    if (fresh) landmarks_.push_back({keyframe.T_world_cam * point_cam(rig_, feature), {}});
+    if (fresh) landmarks_.push_back({{keyframe.T_world_cam * point_cam(rig_, feature), {}}, 0});
     return known->second;
 }
 
 void Window::adjust() {
     const std::size_t num = keyframes_.size();
     if (num < 2) return;
-    const std::size_t first_free = this->first_free();
-    const std::size_t first = first_free > kMostFixed ? first_free - kMostFixed : 0;
-    leave_behind(first_free);
+    while (oldest_ < first_in_window()) leave_behind();
 
     Adjustment adjustment(rig_);
-    for (std::size_t k = first; k < num; ++k)
-        adjustment.add_state(entries_[k].state, k < first_free);
-    add_landmarks(adjustment, first, first_free);
+    add_states(adjustment);
+    add_landmarks(adjustment);
     add_readings(adjustment);
-    adjustment.solve(Adjustment::Size::Window, kMaxIterations, ignore_progress, {});
-    for (std::size_t k = first_free; k < num; ++k)
+    adjustment.solve_window(kMaxIterations);
+    for (std::size_t k = oldest_; k < num; ++k)
         keyframes_[k].T_world_cam = entries_[k].state.T_world_imu() * rig_.T_imu_cam;
-    drop_outliers(first_free);
+    drop_outliers();
 }
 
 // Keyframes where nothing moved do not push out those that know how it moved before.
-std::size_t Window::first_free() const {
+std::size_t Window::first_in_window() const {
     std::size_t first = entries_.size();
     std::size_t num_apart = 0;
-    while (first > 1 && num_apart < kNumFree && entries_.size() - first < kMostFree)
+    while (first > oldest_ && num_apart < kNumApart && entries_.size() - first < kMost)
         if (entries_[--first].moved) ++num_apart;
     return first;
 }
@@ -121,41 +122,70 @@ bool Window::chained(std::size_t k) const {
     return k > 0 && (entries_[k].readings.motion || entries_[k].readings.turn);
 }
 
-// Velocity and biases of keyframes whose pose is held from now on become a prior of the next one's.
-void Window::leave_behind(std::size_t first_free) {
-    if (first_free == 1)
-        return;  // the first keyframe's pose is held, the rest of it is not known yet
-    for (; oldest_ < first_free; ++oldest_) {
-        BodyState& from = entries_[oldest_].state;
-        const SensorReadings& readings = entries_[oldest_ + 1].readings;
-        Adjustment leaving(rig_);
-        leaving.add_state(from, true);
-        leaving.add_state(entries_[oldest_ + 1].state, oldest_ + 1 < first_free);
-        add_moment(leaving, entries_[oldest_].readings, from, *reference_);
-        if (oldest_ == 0) add_first_vertical(leaving, readings, *reference_);
-        if (!chained(oldest_)) add_first_biases(leaving, readings, from);
-        add_way(leaving, readings, noise_, from, entries_[oldest_ + 1].state, *reference_);
-        leaving.add_prior(prior_);
-        prior_ = leaving.marginalise({from.velocity_world.data(),
-                                      from.bias.gyroscope.data(),
-                                      from.bias.accelerometer.data()},
-                                     prior_);
+// All that the oldest keyframe's leaving takes with it becomes a prior of what stays. Landmarks
+// that it saw leave as well; of one that the last keyframe still sees, the way there: what is seen
+// from then on is a landmark of its own. So no measurement counts twice, and no landmark enters the
+// prior.
+void Window::leave_behind() {
+    Adjustment leaving(rig_);
+    add_states(leaving);
+    BodyState& from = entries_[oldest_].state;
+    for (const std::size_t index : entries_[oldest_].landmarks) leave_behind(leaving, index);
+    const SensorReadings& readings = entries_[oldest_ + 1].readings;
+    add_moment(leaving, entries_[oldest_].readings, from, *reference_);
+    if (oldest_ == 0) add_first_vertical(leaving, readings, *reference_);
+    if (!chained(oldest_)) add_first_biases(leaving, readings, from);
+    add_way(leaving, readings, noise_, from, entries_[oldest_ + 1].state, *reference_);
+    leaving.add_prior(prior_);
+    prior_ = leaving.marginalise({from.q_world_imu.coeffs().data(),
+                                  from.p_world_imu.data(),
+                                  from.velocity_world.data(),
+                                  from.bias.gyroscope.data(),
+                                  from.bias.accelerometer.data()});
+    ++oldest_;
+}
+
+void Window::leave_behind(Adjustment& leaving, std::size_t index) {
+    Landmark& landmark = landmarks_[index].whole;
+    std::size_t& first = landmarks_[index].first_in_window;
+    const std::size_t num = landmark.observations.size();
+    if (first >= num || !seen_at(landmark.observations[first], oldest_)) return;
+    const bool goes_on = seen_at(landmark.observations.back(), entries_.size() - 1);
+    const std::size_t end = goes_on ? num - 1 : num;
+    if (end - first >= 2) add_observations(leaving, landmark, first, end);
+    first = end;
+}
+
+void Window::add_states(Adjustment& adjustment) {
+    for (std::size_t k = oldest_; k < entries_.size(); ++k)
+        adjustment.add_state(entries_[k].state, k == 0);
+}
+
+void Window::add_observations(Adjustment& adjustment,
+                              Landmark& landmark,
+                              std::size_t first,
+                              std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+        const LandmarkObservation& seen = landmark.observations[i];
+        adjustment.add_observation(entries_[static_cast<std::size_t>(seen.keyframe)].state,
+                                   landmark.p_world,
+                                   measurement_px(seen),
+                                   kFeatureSigma_px);
     }
 }
 
-void Window::add_landmarks(Adjustment& adjustment, std::size_t first, std::size_t first_free) {
-    std::set<std::size_t> seen_by_free;
-    for (std::size_t k = first_free; k < entries_.size(); ++k)
-        seen_by_free.insert(entries_[k].landmarks.begin(), entries_[k].landmarks.end());
-    for (const std::size_t index : seen_by_free) {
-        Landmark& landmark = landmarks_[index];
-        if (landmark.observations.size() < 2) continue;
-        for (const LandmarkObservation& seen : landmark.observations) {
-            const auto k = static_cast<std::size_t>(seen.keyframe);
-            if (k < first) continue;
-            adjustment.add_observation(
-                entries_[k].state, landmark.p_world, measurement_px(seen), kFeatureSigma_px);
-        }
+std::vector<std::size_t> Window::landmarks_in_window() const {
+    std::set<std::size_t> seen;
+    for (std::size_t k = oldest_; k < entries_.size(); ++k)
+        seen.insert(entries_[k].landmarks.begin(), entries_[k].landmarks.end());
+    return {seen.begin(), seen.end()};
+}
+
+void Window::add_landmarks(Adjustment& adjustment) {
+    for (const std::size_t index : landmarks_in_window()) {
+        auto& [landmark, first] = landmarks_[index];
+        if (landmark.observations.size() >= first + 2)
+            add_observations(adjustment, landmark, first, landmark.observations.size());
     }
 }
 
@@ -164,7 +194,7 @@ void Window::add_readings(Adjustment& adjustment) {
     for (std::size_t k = oldest_; k < entries_.size(); ++k) {
         const SensorReadings& readings = entries_[k].readings;
         add_moment(adjustment, readings, entries_[k].state, *reference_);
-        if (k == oldest_) continue;
+        if (k == oldest_) continue;  // the way to it is in the prior
         BodyState& from = entries_[k - 1].state;
         if (k == 1) add_first_vertical(adjustment, readings, *reference_);
         if (!chained(k - 1)) add_first_biases(adjustment, readings, from);
@@ -172,17 +202,20 @@ void Window::add_readings(Adjustment& adjustment) {
     }
 }
 
-void Window::drop_outliers(std::size_t first_free) {
-    std::set<std::size_t> seen_by_free;
-    for (std::size_t k = first_free; k < entries_.size(); ++k)
-        seen_by_free.insert(entries_[k].landmarks.begin(), entries_[k].landmarks.end());
-    for (const std::size_t index : seen_by_free) {
-        Landmark& landmark = landmarks_[index];
-        std::erase_if(landmark.observations, [&](const LandmarkObservation& seen) {
-            const auto k = static_cast<std::size_t>(seen.keyframe);
-            if (k < first_free) return false;
-            return !fits(rig_, keyframes_[k].T_world_cam.inverse(), landmark, seen);
-        });
+void Window::drop_outliers() {
+    for (const std::size_t index : landmarks_in_window()) {
+        auto& [landmark, first] = landmarks_[index];
+        auto& seen = landmark.observations;
+        const auto in_window = seen.begin() + static_cast<std::ptrdiff_t>(first);
+        seen.erase(std::remove_if(
+                       in_window,
+                       seen.end(),
+                       [&](const LandmarkObservation& observation) {
+                           const auto k = static_cast<std::size_t>(observation.keyframe);
+                           return !fits(
+                               rig_, keyframes_[k].T_world_cam.inverse(), landmark, observation);
+                       }),
+                   seen.end());
     }
 }
 
@@ -191,7 +224,7 @@ void Window::use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs
     for (PointPair& pair : pairs) {
         const auto known = landmark_of_feature_.find(pair.id);
         if (known == landmark_of_feature_.end()) continue;
-        const Landmark& landmark = landmarks_[known->second];
+        const Landmark& landmark = landmarks_[known->second].whole;
         if (landmark.observations.size() < 2) continue;
         const Eigen::Vector3d p_previous = T_previous_world * landmark.p_world;
         if (p_previous.z() < 0.02) continue;
@@ -203,7 +236,7 @@ void Window::use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs
 
 std::vector<Landmark> Window::landmarks() const {
     std::vector<Landmark> result;
-    for (const Landmark& landmark : landmarks_)
+    for (const auto& [landmark, first] : landmarks_)
         if (landmark.observations.size() >= 2) result.push_back(landmark);
     return result;
 }

@@ -18,9 +18,8 @@
 namespace divemesh::worker {
 
 // The last keyframes and what they saw and felt, adjusted together: poses, velocities, biases,
-// landmarks and the vertical all free, so that a noisy depth is never taken for the truth. Older
-// keyframes that see the same landmarks hold the poses in place; what was felt on the way to them
-// stays as a prior. Without inertial sensors vision does it alone.
+// landmarks and the vertical all free, so that a noisy depth is never taken for the truth. What
+// older keyframes saw and felt stays as a prior. Without inertial sensors vision does it alone.
 class Window {
 public:
     // `noise`: of the readings, as InertialPrior has it.
@@ -52,23 +51,36 @@ private:
     std::size_t landmark_of(const Feature& feature, const Keyframe& keyframe);
     BodyState first_state(const Keyframe& keyframe, const SensorReadings& readings) const;
     bool has_moved(const Entry& entry) const;
-    std::size_t first_free() const;
+    // A landmark with all that was seen of it, for the adjustment of the whole dive; before
+    // `first_in_window` is what the prior holds.
+    struct TrackedLandmark {
+        Landmark whole;
+        std::size_t first_in_window = 0;
+    };
+    std::size_t first_in_window() const;
     // Whether the sensors reach back from a keyframe to the one before.
     bool chained(std::size_t k) const;
-    void leave_behind(std::size_t first_free);
-    void add_landmarks(Adjustment& adjustment, std::size_t first, std::size_t first_free);
+    void leave_behind();
+    void leave_behind(Adjustment& leaving, std::size_t landmark);
+    std::vector<std::size_t> landmarks_in_window() const;
+    void add_states(Adjustment& adjustment);
+    void add_observations(Adjustment& adjustment,
+                          Landmark& landmark,
+                          std::size_t first,
+                          std::size_t end);
+    void add_landmarks(Adjustment& adjustment);
     void add_readings(Adjustment& adjustment);
-    void drop_outliers(std::size_t first_free);
+    void drop_outliers();
 
     RectifiedRig rig_;
     ImuNoise noise_;
     std::vector<Keyframe> keyframes_;
     std::deque<Entry> entries_;  // states stay where they are: the prior knows them by place
-    std::vector<Landmark> landmarks_;
+    std::vector<TrackedLandmark> landmarks_;
     std::unordered_map<std::int64_t, std::size_t> landmark_of_feature_;
     std::unique_ptr<WorldReference> reference_ = std::make_unique<WorldReference>();
-    LinearPrior prior_;       // about oldest_ and the world
-    std::size_t oldest_ = 0;  // whose velocity and biases are still unknown
+    LinearPrior prior_;       // by what has left the window
+    std::size_t oldest_ = 0;  // keyframe in the window
 };
 
 }  // namespace divemesh::worker

@@ -42,6 +42,35 @@ struct StereoReprojection {
         return true;
     }
 
+    // And the residual's derivative by the landmark; by the position it is the opposite. For a q
+    // that is not quite a unit, too: of the formula as it is computed.
+    bool linearise(const double* q_world_imu,
+                   const double* p_world_imu,
+                   const double* p_world,
+                   Eigen::Vector3d& residual,
+                   Eigen::Matrix3d& by_world) const {
+        if (!(*this)(q_world_imu, p_world_imu, p_world, residual.data())) return false;
+        const Eigen::Map<const Eigen::Quaterniond> q(q_world_imu);
+        const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(p_world) -
+                                  Eigen::Map<const Eigen::Vector3d>(p_world_imu);
+        const Eigen::Matrix3d U = -cross_matrix(q.vec());
+        by_world = by_point_in_imu(q.conjugate() * d) *
+                   (Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U);
+        return true;
+    }
+
+    Eigen::Matrix3d by_point_in_imu(const Eigen::Vector3d& in_imu) const {
+        const Eigen::Matrix3d R_cam_imu = rig.T_imu_cam.linear().transpose();
+        const Eigen::Vector3d p = R_cam_imu * (in_imu - rig.T_imu_cam.translation());
+        const double scale = rig.focal_px / p.z();
+        Eigen::Matrix3d by_cam;
+        by_cam << scale / sigma_px.x(), 0.0, -scale * p.x() / p.z() / sigma_px.x(),  //
+            0.0, scale / sigma_px.y(), -scale * p.y() / p.z() / sigma_px.y(),        //
+            0.0, 0.0, -scale * rig.baseline_m / p.z() / sigma_px.z();
+        if (measured_px.z() <= 0.0) by_cam.row(2).setZero();
+        return by_cam * R_cam_imu;
+    }
+
     static ceres::CostFunction* create(const StereoReprojection& reprojection);
 };
 
@@ -53,22 +82,22 @@ struct StereoReprojection {
 class StereoReprojectionCost : public ceres::SizedCostFunction<3, 4, 3, 3> {
 public:
     explicit StereoReprojectionCost(const StereoReprojection& reprojection)
-        : reprojection_(reprojection),
-          R_cam_imu_(reprojection.rig.T_imu_cam.linear().transpose()) {}
+        : reprojection_(reprojection) {}
 
-    bool Evaluate(double const* const* blocks,
-                  double* residual,
-                  double** jacobians) const override {
-        if (!reprojection_(blocks[0], blocks[1], blocks[2], residual)) return false;
-        if (!jacobians) return true;
-        const Eigen::Map<const Eigen::Quaterniond> q(blocks[0]);
-        const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(blocks[2]) -
-                                  Eigen::Map<const Eigen::Vector3d>(blocks[1]);
-        const Eigen::Matrix3d by_imu = by_point_in_imu(q.conjugate() * d);
-        const Eigen::Matrix3d by_world = by_imu * rotation_as_computed(q);
+    bool Evaluate(double const* const* blocks, double* r, double** jacobians) const override {
+        if (!jacobians) return reprojection_(blocks[0], blocks[1], blocks[2], r);
+        Eigen::Vector3d residual;
+        Eigen::Matrix3d by_world;
+        if (!reprojection_.linearise(blocks[0], blocks[1], blocks[2], residual, by_world))
+            return false;
+        Eigen::Map<Eigen::Vector3d>{r} = residual;
         if (jacobians[2]) store(by_world, jacobians[2]);
         if (jacobians[1]) store(-by_world, jacobians[1]);
         if (!jacobians[0]) return true;
+        const Eigen::Map<const Eigen::Quaterniond> q(blocks[0]);
+        const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(blocks[2]) -
+                                  Eigen::Map<const Eigen::Vector3d>(blocks[1]);
+        const Eigen::Matrix3d by_imu = reprojection_.by_point_in_imu(q.conjugate() * d);
         const Eigen::Vector3d u = -q.vec();
         Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> by_q(jacobians[0]);
         by_q.leftCols<3>() = by_imu * (2.0 * q.w() * cross_matrix(d) -
@@ -82,27 +111,8 @@ private:
     static void store(const Eigen::Matrix3d& jacobian, double* to) {
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = jacobian;
     }
-    // The residual by the landmark in imu.
-    Eigen::Matrix3d by_point_in_imu(const Eigen::Vector3d& in_imu) const {
-        const RectifiedRig& rig = reprojection_.rig;
-        const Eigen::Vector3d p = R_cam_imu_ * (in_imu - rig.T_imu_cam.translation());
-        const double scale = rig.focal_px / p.z();
-        const Eigen::Vector3d& sigma = reprojection_.sigma_px;
-        Eigen::Matrix3d by_cam;
-        by_cam << scale / sigma.x(), 0.0, -scale * p.x() / p.z() / sigma.x(),  //
-            0.0, scale / sigma.y(), -scale * p.y() / p.z() / sigma.y(),        //
-            0.0, 0.0, -scale * rig.baseline_m / p.z() / sigma.z();
-        if (reprojection_.measured_px.z() <= 0.0) by_cam.row(2).setZero();
-        return by_cam * R_cam_imu_;
-    }
-    // d (q^-1 d) / d d of the formula above, which holds for a q that is not quite a unit, too.
-    static Eigen::Matrix3d rotation_as_computed(const Eigen::Quaterniond& q) {
-        const Eigen::Matrix3d U = -cross_matrix(q.vec());
-        return Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U;
-    }
 
     const StereoReprojection reprojection_;
-    const Eigen::Matrix3d R_cam_imu_;
 };
 
 inline ceres::CostFunction* StereoReprojection::create(const StereoReprojection& reprojection) {

@@ -66,7 +66,7 @@ TEST(InertialFactorsTest, FindTheVerticalOfATiltedWorldWithTheVelocitiesAndBiase
     dive.see(adjustment, 0.1);
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve(Adjustment::Size::Dive, 15, ignore_progress, {});
+    adjustment.solve_dive(15, ignore_progress, {});
 
     EXPECT_GT(tilt_deg(kTilt), 6.0);
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.4);
@@ -88,7 +88,7 @@ TEST(InertialFactorsTest, CarryOnBehindAGapInTheSamples) {
     dive.see(adjustment, 0.1);
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve(Adjustment::Size::Dive, 15, ignore_progress, {});
+    adjustment.solve_dive(15, ignore_progress, {});
 
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.4);
 }
@@ -107,7 +107,7 @@ TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
     dive.see(adjustment, 0.1);
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve(Adjustment::Size::Dive, 15, ignore_progress, {});
+    adjustment.solve_dive(15, ignore_progress, {});
 
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.1);
 }
@@ -140,7 +140,7 @@ TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndS
     const InertialPrior inertial(dive.recording, {});
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve(Adjustment::Size::Dive, 15, ignore_progress, {});
+    adjustment.solve_dive(15, ignore_progress, {});
 
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.5);
     EXPECT_NEAR(reference.depth_offset_m, 8.0, 0.01);

@@ -6,8 +6,12 @@
 #include <ceres/covariance.h>
 #include <ceres/manifold.h>
 #include <ceres/solver.h>
+#include <map>
+#include <memory>
 #include <vector>
 
+#include "tests/synthetic/stereo_world.hpp"
+#include "worker/estimation/adjustment.hpp"
 #include "worker/geometry/rotation_vector.hpp"
 #include "worker/residuals/gyroscope_turn.hpp"
 #include "worker/residuals/known_orientation.hpp"
@@ -20,24 +24,19 @@ namespace {
 constexpr std::size_t kNum = 5;
 using Chain = std::array<Eigen::Vector3d, kNum>;
 
-ceres::Problem::Options no_ownership() {
-    ceres::Problem::Options options;
-    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
+void add(FactorGraph& graph, ceres::CostFunction* cost, const std::vector<double*>& blocks) {
+    graph.add_factor(std::unique_ptr<ceres::CostFunction>(cost), nullptr, blocks);
 }
-
-void measure(ceres::Problem& problem, Chain& x, std::size_t i) {
+void measure(FactorGraph& graph, Chain& x, std::size_t i) {
     const auto value = static_cast<double>(i);
-    problem.AddResidualBlock(
+    add(graph,
         VectorPrior::create({{0.3 * value, 1.0 - value, std::sin(value)}, 0.5 + 0.1 * value}),
-        nullptr,
-        x[i].data());
+        {x[i].data()});
 }
-void walk(ceres::Problem& problem, Chain& x, std::size_t i) {
-    problem.AddResidualBlock(RandomWalk::create(0.2 + 0.05 * static_cast<double>(i)),
-                             nullptr,
-                             x[i].data(),
-                             x[i + 1].data());
+void walk(FactorGraph& graph, Chain& x, std::size_t i) {
+    add(graph,
+        RandomWalk::create(0.2 + 0.05 * static_cast<double>(i)),
+        {x[i].data(), x[i + 1].data()});
 }
 
 void solve(ceres::Problem& problem) {
@@ -63,28 +62,30 @@ TEST(MarginalisationTest, ALinearProblemWithoutItsOldestHasTheEstimateAndCovaria
     Chain rest;
     all.fill(Eigen::Vector3d(7.0, -3.0, 2.0));
     rest = all;
-    ceres::Problem whole;
-    for (std::size_t i = 0; i < kNum; ++i) measure(whole, all, i);
-    for (std::size_t i = 0; i + 1 < kNum; ++i) walk(whole, all, i);
-    solve(whole);
+    FactorGraph whole_graph(1.0);
+    for (std::size_t i = 0; i < kNum; ++i) measure(whole_graph, all, i);
+    for (std::size_t i = 0; i + 1 < kNum; ++i) walk(whole_graph, all, i);
+    const auto whole = whole_graph.problem();
+    solve(*whole);
 
     LinearPrior prior;  // the oldest leave one by one
     for (std::size_t i = 0; i < 2; ++i) {
-        ceres::Problem leaving;
+        FactorGraph leaving(1.0);
         measure(leaving, rest, i);
         walk(leaving, rest, i);
         add_prior(leaving, prior);
-        prior = marginalise(leaving, {rest[i].data()}, prior);
+        prior = marginalise(leaving, {rest[i].data()});
     }
-    ceres::Problem window;
-    for (std::size_t i = 2; i < kNum; ++i) measure(window, rest, i);
-    for (std::size_t i = 2; i + 1 < kNum; ++i) walk(window, rest, i);
-    add_prior(window, prior);
-    solve(window);
+    FactorGraph window_graph(1.0);
+    for (std::size_t i = 2; i < kNum; ++i) measure(window_graph, rest, i);
+    for (std::size_t i = 2; i + 1 < kNum; ++i) walk(window_graph, rest, i);
+    add_prior(window_graph, prior);
+    const auto window = window_graph.problem();
+    solve(*window);
 
     for (std::size_t i = 2; i < kNum; ++i) {
         EXPECT_LT((rest[i] - all[i]).norm(), 1e-9);
-        EXPECT_LT((covariance(window, rest[i]) - covariance(whole, all[i])).norm(), 1e-9);
+        EXPECT_LT((covariance(*window, rest[i]) - covariance(*whole, all[i])).norm(), 1e-9);
     }
 }
 
@@ -96,32 +97,31 @@ struct Turns {
     Eigen::Vector3d bias = Eigen::Vector3d(0.01, 0.0, -0.01);
     ceres::EigenQuaternionManifold rotation;
 
-    void add_first(ceres::Problem& problem) {
+    void add_first(FactorGraph& graph) {
         GyroscopeIntegral turn;
         turn.duration_s = 0.5;
         turn.q_from_to = rotation_from_vector({0.05, -0.06, 0.31});
         turn.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
         turn.sigma_rad = 0.01;
-        problem.AddParameterBlock(q_first.coeffs().data(), 4, &rotation);
-        problem.AddParameterBlock(q_second.coeffs().data(), 4, &rotation);
-        problem.AddParameterBlock(q_world_ahrs.coeffs().data(), 4, &rotation);
-        problem.SetParameterBlockConstant(q_world_ahrs.coeffs().data());
-        problem.AddResidualBlock(GyroscopeTurn::create(turn),
-                                 nullptr,
-                                 q_first.coeffs().data(),
-                                 q_second.coeffs().data(),
-                                 bias.data());
-        problem.AddResidualBlock(
-            VectorPrior::create({Eigen::Vector3d::Zero(), 0.02}), nullptr, bias.data());
-        add_orientation(problem, q_first, rotation_from_vector({0.31, 0.11, -0.21}));
+        graph.add_block(q_first.coeffs().data(), 4, &rotation);
+        add_second(graph);
+        add(graph,
+            GyroscopeTurn::create(turn),
+            {q_first.coeffs().data(), q_second.coeffs().data(), bias.data()});
+        add(graph, VectorPrior::create({Eigen::Vector3d::Zero(), 0.02}), {bias.data()});
+        add_orientation(graph, q_first, rotation_from_vector({0.31, 0.11, -0.21}));
     }
-    void add_orientation(ceres::Problem& problem,
+    void add_second(FactorGraph& graph) {
+        graph.add_block(q_second.coeffs().data(), 4, &rotation);
+        graph.add_block(q_world_ahrs.coeffs().data(), 4, &rotation);
+        graph.fix(q_world_ahrs.coeffs().data());
+    }
+    void add_orientation(FactorGraph& graph,
                          Eigen::Quaterniond& q,
                          const Eigen::Quaterniond& known) {
-        problem.AddResidualBlock(KnownOrientation::create({known, 0.02}),
-                                 nullptr,
-                                 q_world_ahrs.coeffs().data(),
-                                 q.coeffs().data());
+        add(graph,
+            KnownOrientation::create({known, 0.02}),
+            {q_world_ahrs.coeffs().data(), q.coeffs().data()});
     }
 };
 
@@ -129,26 +129,23 @@ TEST(MarginalisationTest, AtItsMinimumANonlinearProblemKeepsItWhenAStateLeaves) 
     Turns all;
     Turns rest;
     const Eigen::Quaterniond seen = rotation_from_vector({0.34, 0.06, 0.12});
-    ceres::Problem whole(no_ownership());
+    FactorGraph whole(1.0);
     all.add_first(whole);
     all.add_orientation(whole, all.q_second, seen);
-    solve(whole);
+    solve(*whole.problem());
 
     rest.q_first = all.q_first;
     rest.q_second = all.q_second;
     rest.bias = all.bias;
-    ceres::Problem leaving(no_ownership());
+    FactorGraph leaving(1.0);
     rest.add_first(leaving);
-    const LinearPrior prior = marginalise(leaving, {rest.q_first.coeffs().data()}, {});
+    const LinearPrior prior = marginalise(leaving, {rest.q_first.coeffs().data()});
     rest.q_second = rest.q_second * rotation_from_vector({0.002, -0.001, 0.003});
-    ceres::Problem window(no_ownership());
-    window.AddParameterBlock(rest.q_second.coeffs().data(), 4, &rest.rotation);
-    window.AddParameterBlock(rest.q_world_ahrs.coeffs().data(), 4, &rest.rotation);
-    window.AddParameterBlock(rest.bias.data(), 3);
-    window.SetParameterBlockConstant(rest.q_world_ahrs.coeffs().data());
+    FactorGraph window(1.0);
+    rest.add_second(window);
     rest.add_orientation(window, rest.q_second, seen);
     add_prior(window, prior);
-    solve(window);
+    solve(*window.problem());
 
     EXPECT_LT(rest.q_second.angularDistance(all.q_second), 1e-7);
     EXPECT_LT((rest.bias - all.bias).norm(), 1e-7);
@@ -156,17 +153,16 @@ TEST(MarginalisationTest, AtItsMinimumANonlinearProblemKeepsItWhenAStateLeaves) 
 
 TEST(MarginalisationTest, KeepsTheFirstEstimateOfWhatItHeldBefore) {
     Turns turns;
-    ceres::Problem leaving(no_ownership());
+    FactorGraph leaving(1.0);
     turns.add_first(leaving);
-    const LinearPrior prior = marginalise(leaving, {turns.q_first.coeffs().data()}, {});
+    const LinearPrior prior = marginalise(leaving, {turns.q_first.coeffs().data()});
     const Eigen::Vector4d before = turns.q_second.coeffs();
     turns.q_second = turns.q_second * rotation_from_vector({0.1, -0.1, 0.05});
 
-    ceres::Problem again(no_ownership());
-    again.AddParameterBlock(turns.q_second.coeffs().data(), 4, &turns.rotation);
-    again.AddParameterBlock(turns.bias.data(), 3);
+    FactorGraph again(1.0);
+    turns.add_second(again);
     add_prior(again, prior);
-    const LinearPrior once_more = marginalise(again, {}, prior);
+    const LinearPrior once_more = marginalise(again, {});
 
     ASSERT_EQ(once_more.blocks.size(), prior.blocks.size());
     for (const auto& block : once_more.blocks)
@@ -175,6 +171,60 @@ TEST(MarginalisationTest, KeepsTheFirstEstimateOfWhatItHeldBefore) {
         }
     EXPECT_LT((once_more.J.transpose() * once_more.J - prior.J.transpose() * prior.J).norm(),
               1e-6 * (prior.J.transpose() * prior.J).norm());
+    EXPECT_LT((once_more.J.transpose() * once_more.r_at - prior.J.transpose() * prior.r_at).norm(),
+              1e-6 * (prior.J.transpose() * prior.r_at).norm());
+}
+
+// Three keyframes that see some points each; the first leaves with the points.
+TEST(MarginalisationTest, LandmarksLeaveAsTheyWouldByTheSchurComplementOfCeres) {
+    const RectifiedRig rig = synthetic::rig();
+    synthetic::World world(1.0, 0.0, 5);
+    std::vector<BodyState> states;
+    std::map<std::int64_t, Eigen::Vector3d> points;
+    ceres::EigenQuaternionManifold rotation;
+    FactorGraph graph(1.5);
+    std::map<std::int64_t, std::vector<std::pair<std::size_t, Eigen::Vector3d>>> seen;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto T_world_cam = synthetic::T_world_cam(8.0 * static_cast<double>(k));
+        states.push_back(BodyState::at(T_world_cam * rig.T_imu_cam.inverse(), {}));
+        for (const Feature& feature : world.see(T_world_cam, 0, 0.3)) {
+            if (feature.id % 8 != 0) continue;
+            points.try_emplace(feature.id, T_world_cam * point_cam(rig, feature));
+            seen[feature.id].emplace_back(k, measurement_px(feature));
+        }
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        graph.add_block(states[k].q_world_imu.coeffs().data(), 4, &rotation);
+        graph.add_block(states[k].p_world_imu.data(), 3);
+    }
+    for (auto& [id, observations] : seen)
+        for (const auto& [k, measured] : observations)
+            if (observations.size() > 1)
+                graph.add_observation({rig, measured, kFeatureSigma_px},
+                                      states[k].q_world_imu.coeffs().data(),
+                                      states[k].p_world_imu.data(),
+                                      points.at(id));
+    graph.fix(states[0].q_world_imu.coeffs().data());
+    graph.fix(states[0].p_world_imu.data());
+    const auto problem = graph.problem();
+    solve(*problem);
+
+    const LinearPrior prior = marginalise(graph, {});
+    ASSERT_EQ(prior.blocks.size(), 4U);
+    const Eigen::MatrixXd own = (prior.J.transpose() * prior.J).inverse();
+    ceres::Covariance::Options options;
+    options.apply_loss_function = true;
+    ceres::Covariance covariance(options);
+    ASSERT_TRUE(covariance.Compute(
+        std::vector<const double*>{states[1].p_world_imu.data(), states[2].p_world_imu.data()},
+        problem.get()));
+    for (std::size_t k = 1; k < 3; ++k) {
+        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> theirs;
+        covariance.GetCovarianceBlock(
+            states[k].p_world_imu.data(), states[k].p_world_imu.data(), theirs.data());
+        const auto at = static_cast<Eigen::Index>(6 * (k - 1) + 3);
+        EXPECT_LT((own.block<3, 3>(at, at) - theirs).norm(), 1e-4 * theirs.norm());
+    }
 }
 
 }  // namespace
