@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "worker/stereo/instructions.hpp"
+#include "worker/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "worker/stereo/instructions.hpp"
+#include "worker/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "worker/lanes.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
 #include "worker/stereo/running_sums.hpp"
 
@@ -24,36 +25,15 @@ constexpr float kGainSigma = 0.1F;  // how far the cameras' gains are expected t
 constexpr int kGreyScale = 16;      // grey values are kept in 1/16
 constexpr int kLeastPixels = 12;    // known ones of the 81 of a window
 
-// Eight pixels; on narrower instruction sets the compiler splits them.
-using Floats = float __attribute__((vector_size(32)));
-using Masks = std::int32_t __attribute__((vector_size(32)));
-constexpr int kFloats = 8;
-constexpr Masks kLanes = {0, 1, 2, 3, 4, 5, 6, 7};
-
-DIVEMESH_INLINE_BODY Floats load(const float* from) {
-    Floats values;
-    std::memcpy(&values, from, sizeof values);
-    return values;
-}
-DIVEMESH_INLINE_BODY Floats size_of(Floats values) {
-    return reinterpret_cast<Floats>(reinterpret_cast<Masks>(values) & 0x7fffffff);
-}
-DIVEMESH_INLINE_BODY Floats largest_of(Floats values, float other) {
-    return values > other ? values : Floats{} + other;
-}
-DIVEMESH_INLINE_BODY Floats where(Masks mask, Floats values) {
-    return reinterpret_cast<Floats>(mask & reinterpret_cast<Masks>(values));
-}
-
 // Mirror pairs of a pixel's neighbours that lie on one plane with it, within `gate`, are averaged
 // with it. `rows`: those from kSmoothRadius_px above to as many below.
 DIVEMESH_INLINE_BODY void smooth_row_body(const float* const* rows,
                                           float gate,
                                           int width,
                                           float* out) {
-    for (int start = kSmoothRadius_px; start < width - kSmoothRadius_px; start += kFloats) {
+    for (int start = kSmoothRadius_px; start < width - kSmoothRadius_px; start += kLanes) {
         // The last eight overlap the ones before.
-        const int x = std::min(start, width - kSmoothRadius_px - kFloats);
+        const int x = std::min(start, width - kSmoothRadius_px - kLanes);
         const Floats center = load(rows[kSmoothRadius_px] + x);
         Floats sum = {};
         Floats count = {};
@@ -70,11 +50,11 @@ DIVEMESH_INLINE_BODY void smooth_row_body(const float* const* rows,
                                        (size_of(down) < largest) &
                                        (size_of(up + down) < 2.0F * gate);
                 sum += where(on_plane, up + down);
-                count += where(on_plane, Floats{} + 2.0F);
+                count += where(on_plane, splat(2.0F));
             }
         }
         const Floats smooth = center + where(center > 0.0F, sum / (1.0F + count));
-        std::memcpy(out + x, &smooth, sizeof smooth);
+        store(out + x, smooth);
     }
 }
 
@@ -166,8 +146,8 @@ DIVEMESH_INLINE_BODY void step_body(const float* const (&sums)[kNumTerms],
                                     float gain_prior,
                                     int width,
                                     float* disparity) {
-    for (int start = kWindowRadius_px; start < width - kWindowRadius_px; start += kFloats) {
-        const int x = std::min(start, width - kWindowRadius_px - kFloats);
+    for (int start = kWindowRadius_px; start < width - kWindowRadius_px; start += kLanes) {
+        const int x = std::min(start, width - kWindowRadius_px - kLanes);
         const auto sum = [&](Term term) __attribute__((always_inline)) {
             return load(sums[term] + x);
         };
@@ -175,21 +155,21 @@ DIVEMESH_INLINE_BODY void step_body(const float* const (&sums)[kNumTerms],
         const Floats g = sum(kG);
         const Floats r = sum(kR);
         const Floats e = sum(kE);
-        const Floats inverse = 1.0F / largest_of(n, 1.0F);
+        const Floats inverse = 1.0F / largest_of(n, splat(1.0F));
         const Floats c_gg = sum(kGG) - g * g * inverse;
         const Floats c_gr = sum(kGR) - g * r * inverse;
         const Floats c_rr = sum(kRR) - r * r * inverse + gain_prior;
         const Floats c_ge = sum(kGE) - g * e * inverse;
         const Floats c_re = sum(kRE) - r * e * inverse;
         const Floats information = c_gg - c_gr * c_gr / c_rr;
-        const Floats step = -(c_ge - c_gr * c_re / c_rr) / largest_of(information, 1.0F);
+        const Floats step = -(c_ge - c_gr * c_re / c_rr) / largest_of(information, splat(1.0F));
         const Floats d = load(disparity + x);
         // What the vector before has done already, where the last ones overlap, is done once.
         const Masks good = (d > 0.0F) & (n >= static_cast<float>(kLeastPixels)) &
                            (information > 0.05F * c_gg) & (information > 0.0F) &
-                           (size_of(step) < kLargestStep_px) & (kLanes >= start - x);
+                           (size_of(step) < kLargestStep_px) & (kLaneNumbers >= start - x);
         const Floats stepped = d + where(good, step);
-        std::memcpy(disparity + x, &stepped, sizeof stepped);
+        store(disparity + x, stepped);
     }
 }
 
@@ -259,7 +239,7 @@ cv::Mat lucas_kanade_step(const cv::Mat& left,
 cv::Mat smooth_on_plane(const cv::Mat& disparity_px, float gate_px, Instructions instructions) {
     const auto smooth_one = instructions == Instructions::Baseline ? smooth_row : smooth_row_avx2;
     cv::Mat smooth = disparity_px.clone();
-    if (disparity_px.cols < 2 * kSmoothRadius_px + kFloats) return smooth;
+    if (disparity_px.cols < 2 * kSmoothRadius_px + kLanes) return smooth;
     for (int y = kSmoothRadius_px; y < disparity_px.rows - kSmoothRadius_px; ++y) {
         const float* rows[2 * kSmoothRadius_px + 1];
         for (int i = 0; i <= 2 * kSmoothRadius_px; ++i)

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/stereo/instructions.hpp"
+#include "worker/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "worker/stereo/instructions.hpp"
+#include "worker/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -18,7 +18,7 @@ OctreeVolume::OctreeVolume(const VolumeSettings& settings)
 
 void OctreeVolume::integrate(const Keyframe& keyframe, const KeyframeImages& images) {
     const RectifiedRig& rig = settings_.rig;
-    const DepthView depth(rig, images.depth);
+    const DepthView depth(rig, images);
     const Eigen::Matrix3f R_world_cam = keyframe.T_world_cam.linear().cast<float>();
     const double sigma_scale = 1.0 / (rig.focal_px * rig.baseline_m);
     for (int v = 0; v < depth.height_px(); ++v)
@@ -30,7 +30,7 @@ void OctreeVolume::integrate(const Keyframe& keyframe, const KeyframeImages& ima
             const auto& bgr = images.left_color.at<cv::Vec3b>(v, u);
             PointObservation point;
             point.p_world = keyframe.T_world_cam * rig.point_cam(u, v, z);
-            point.normal = -(R_world_cam * pixel.normal);
+            point.normal = -(R_world_cam * Eigen::Map<const Eigen::Vector3f>(pixel.normal));
             point.color = {bgr[2], bgr[1], bgr[0]};
             point.weight = static_cast<float>(pixel.weight / (sigma_z * sigma_z));
             point.view = static_cast<std::uint8_t>(num_views_);

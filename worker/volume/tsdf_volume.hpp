@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -8,7 +7,9 @@
 
 #include "worker/steps/add_points.hpp"
 #include "worker/volume/block_coordinate.hpp"
-#include "worker/volume/depth_view.hpp"
+#include "worker/volume/tsdf_block.hpp"
+#include "worker/volume/update_block.hpp"
+#include "worker/volume/visible_blocks.hpp"
 
 namespace divemesh::worker {
 
@@ -17,13 +18,6 @@ struct VolumeSettings {
     double voxel_m = 0.01;
     double max_depth_m = 4.0;
     int num_threads = 0;  // 0: all cores; never changes a byte of the volume
-};
-
-struct TsdfBlock {
-    std::array<float, kBlockSamples> distance_m{};
-    std::array<float, kBlockSamples> weight{};             // sum of 1 / variance, 1/m^2
-    std::array<std::uint16_t, kBlockSamples> num_views{};  // that saw the surface near the sample
-    std::array<std::array<std::uint16_t, 3>, kBlockSamples> color{};  // 1/256 grey values; 0: none
 };
 
 // Truncated signed distances (Curless and Levoy 1996) in blocks that exist near the surface alone.
@@ -47,16 +41,14 @@ public:
 
 private:
     friend class TsdfField;
-    struct View;
 
-    void allocate(const View& view);
-    void allocate_along(const View& view, int u_px, int v_px);
-    std::vector<std::size_t> visible_blocks(const View& view) const;
-    void update_block(const View& view, std::size_t block);
+    void allocate(const TsdfView& view, const Eigen::Isometry3d& T_world_cam);
+    void add_block(const BlockCoordinate& block);
 
     VolumeSettings settings_;
     std::uint32_t num_views_ = 0;
     std::vector<BlockCoordinate> coordinates_;  // in the order of allocation
+    BlockRegions regions_;                      // the same blocks, by where they are
     std::vector<std::unique_ptr<TsdfBlock>> blocks_;
     std::unordered_map<BlockCoordinate, std::uint32_t, BlockCoordinateHash> index_;
 };

@@ -1,0 +1,111 @@
+#include "worker/volume/update_block.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <set>
+
+#include "tests/worker/volume/synthetic_views.hpp"
+#include "worker/volume/visible_blocks.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kVoxel_m = 0.02F;
+
+// A tilted wall with a ball before it, seen from the origin of the world along z.
+double wall_and_ball(const Eigen::Vector3d& p) {
+    const double wall = Eigen::Vector3d(0.3, -0.2, -1.0).normalized().dot(p) + 1.6;
+    return std::min(wall, (p - Eigen::Vector3d(0.1, 0.1, 1.0)).norm() - 0.2);
+}
+
+class OneView : public testing::Test {
+protected:
+    OneView()
+        : rendered_(render_view(wall_and_ball, small_rig(), Eigen::Isometry3d::Identity(), {}, 1)),
+          depth_(small_rig(), rendered_.images) {
+        const RectifiedRig rig = small_rig();
+        view_.pixels = depth_.pixels();
+        view_.width_px = depth_.width_px();
+        view_.height_px = depth_.height_px();
+        view_.focal_px = static_cast<float>(rig.focal_px);
+        view_.cx_px = static_cast<float>(rig.cx_px);
+        view_.cy_px = static_cast<float>(rig.cy_px);
+        view_.R_cam_world.setIdentity();
+        view_.t_cam_world.setZero();
+        view_.voxel_m = kVoxel_m;
+        view_.max_depth_m = 4.0F;
+        view_.max_sigma_m = 4.0F * kVoxel_m;
+        view_.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
+    }
+
+    // A block that earlier views have filled with whatever.
+    static TsdfBlock used_block(unsigned seed) {
+        std::mt19937 random(seed);
+        TsdfBlock block;
+        for (int i = 0; i < kBlockSamples; ++i) {
+            block.distance_m[i] = 0.01F * static_cast<float>(random() % 7) - 0.03F;
+            block.weight[i] = static_cast<float>(random() % 3) * 100.0F;
+            block.num_views[i] = static_cast<std::uint16_t>(random() % 4);
+            for (auto& channel : block.color)
+                channel[i] = static_cast<std::uint16_t>(random() % 65536);
+        }
+        return block;
+    }
+    template <typename Visit>
+    static void for_each_block(Visit&& visit) {
+        for (int z = -3; z < 30; ++z)
+            for (int y = -14; y < 14; ++y)
+                for (int x = -14; x < 14; ++x) visit(BlockCoordinate{x, y, z});
+    }
+    static bool same(const TsdfBlock& a, const TsdfBlock& b) {
+        return std::memcmp(&a, &b, sizeof a) == 0;
+    }
+
+    SyntheticView rendered_;
+    DepthView depth_;
+    TsdfView view_;
+};
+
+TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
+    const DepthView plain(small_rig(), rendered_.images, 1, Instructions::Baseline);
+    ASSERT_EQ(std::memcmp(plain.pixels(),
+                          depth_.pixels(),
+                          sizeof(SurfacePixel) * depth_.width_px() * depth_.height_px()),
+              0);
+    int num_changed = 0;
+    for_each_block([&](const BlockCoordinate& at) {
+        const TsdfBlock before = used_block(static_cast<unsigned>(at.x + 31 * at.y + 997 * at.z));
+        TsdfBlock a = before;
+        TsdfBlock b = before;
+        update_block(view_, first_sample(at), a, Instructions::Baseline);
+        update_block(view_, first_sample(at), b);
+        ASSERT_TRUE(same(a, b)) << at.x << " " << at.y << " " << at.z;
+        num_changed += same(a, before) ? 0 : 1;
+    });
+    EXPECT_GT(num_changed, 500);
+}
+
+TEST_F(OneView, WhatIsNotVisibleWouldNotHaveChanged) {
+    BlockRegions regions;
+    std::vector<BlockCoordinate> blocks;
+    for_each_block([&](const BlockCoordinate& at) {
+        regions.add(at, static_cast<std::uint32_t>(blocks.size()));
+        blocks.push_back(at);
+    });
+    const auto found = regions.find(VisibleSpace(view_), kVoxel_m);
+    const std::set<std::uint32_t> visible(found.begin(), found.end());
+    EXPECT_EQ(visible.size(), found.size());
+    EXPECT_LT(visible.size(), blocks.size() / 2);
+    for (std::uint32_t i = 0; i < blocks.size(); ++i) {
+        if (visible.contains(i)) continue;
+        const TsdfBlock before = used_block(i);
+        TsdfBlock after = before;
+        update_block(view_, first_sample(blocks[i]), after);
+        EXPECT_TRUE(same(before, after)) << blocks[i].x << " " << blocks[i].y << " " << blocks[i].z;
+    }
+}
+
+}  // namespace
+}  // namespace divemesh::worker

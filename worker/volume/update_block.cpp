@@ -1,0 +1,143 @@
+#include "worker/volume/update_block.hpp"
+
+#include "worker/lanes.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kColorBand_voxels = 2.0F;
+constexpr float kNearest_m = 0.1F;
+
+// What a view says about the eight samples of a row.
+struct Sighting {
+    Masks updated;
+    Masks seen_near;  // the surface, in range
+    Masks colored;
+    Floats share;  // of the new weight in the whole
+    Masks color;   // red, green and blue from bit 16 down
+};
+
+DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, TsdfBlock& block) {
+    for (int channel = 0; channel < 3; ++channel) {
+        const Masks bits = (sighting.color >> (16 - 8 * channel)) & 0xff;
+        const Floats seen = 256.0F * __builtin_convertvector(bits, Floats) + 1.0F;
+        std::uint16_t* means = block.color[channel].data() + sample;
+        const Masks means_before = __builtin_convertvector(load_lanes<Shorts>(means), Masks);
+        const Floats before =
+            means_before == 0 ? seen : __builtin_convertvector(means_before, Floats);
+        const Masks mean = whole(before + sighting.share * (seen - before) + 0.5F);
+        store(means, __builtin_convertvector(sighting.colored ? mean : means_before, Shorts));
+    }
+}
+
+// The samples on the line x = 0..7 of the block, whose first is at p_cam and the next by step_cam
+// on.
+DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
+                                     const Eigen::Vector3f& p_cam,
+                                     const Eigen::Vector3f& step_cam,
+                                     int sample,
+                                     TsdfBlock& block) {
+    const Floats along = __builtin_convertvector(kLaneNumbers, Floats);
+    const Floats x = p_cam.x() + along * step_cam.x();
+    const Floats y = p_cam.y() + along * step_cam.y();
+    const Floats z = p_cam.z() + along * step_cam.z();
+    const Floats scale = view.focal_px / z;
+    const Floats u = scale * x + (view.cx_px + 0.5F);
+    const Floats v = scale * y + (view.cy_px + 0.5F);
+    const Masks in_view = (z >= kNearest_m) & (u >= 0.0F) & (v >= 0.0F) &
+                          (u < static_cast<float>(view.width_px)) &
+                          (v < static_cast<float>(view.height_px));
+    if (!any(in_view)) return;
+    const Masks pixel = whole(where(in_view, v)) * view.width_px + whole(where(in_view, u));
+    Floats fields[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) fields[lane] = load(view.pixels[pixel[lane]].normal);
+    transpose(fields);
+    const Floats offset = fields[3];
+    const Floats sigma_disparity = fields[4];
+    const Floats depth = fields[5];
+    const Floats certainty = fields[6];
+    Sighting sighting;
+    sighting.color = reinterpret_cast<Masks>(fields[7]);
+
+    const Floats distance = offset - (fields[0] * x + fields[1] * y + fields[2] * z);
+    const Floats sigma_scale = sigma_disparity * view.depth_sigma_scale;
+    const Floats sigma = z * z * sigma_scale;
+    const Floats truncation =
+        largest_of(splat(kTruncation_voxels * view.voxel_m), kTruncation_sigmas * sigma);
+    const Masks known = in_view & (certainty > 0.0F) & (distance >= -truncation);
+    if (!any(known)) return;
+    const Floats weight_before = load(block.weight.data() + sample);
+    const Masks passed_through = distance > truncation;
+    const Masks in_range =
+        (depth <= view.max_depth_m) & (depth * depth * sigma_scale <= view.max_sigma_m);
+    sighting.seen_near = known & ~passed_through & in_range;
+    // What is in front of the surface, and what lies behind too far a surface, changes what is
+    // there but makes nothing new.
+    sighting.updated =
+        sighting.seen_near | (known & (weight_before > 0.0F) & (distance >= truncation));
+    if (!any(sighting.updated)) return;
+
+    // Behind the surface the weight falls, but not within the noise: the zero would move back.
+    const Floats certain = largest_of(splat(view.voxel_m), 2.0F * sigma);
+    const Floats full = certainty / (sigma * sigma);
+    const Floats weight =
+        distance < -certain ? full * ((truncation + distance) / (truncation - certain)) : full;
+    const Floats weight_after = weight_before + weight;
+    sighting.share = weight / weight_after;
+    const Floats distance_before = load(block.distance_m.data() + sample);
+    const Floats distance_after =
+        distance_before + sighting.share * (least_of(distance, truncation) - distance_before);
+    store(block.weight.data() + sample, sighting.updated ? weight_after : weight_before);
+    store(block.distance_m.data() + sample, sighting.updated ? distance_after : distance_before);
+
+    if (any(sighting.seen_near)) {
+        std::uint16_t* views = block.num_views.data() + sample;
+        const Masks views_before = __builtin_convertvector(load_lanes<Shorts>(views), Masks);
+        const Masks one_more = sighting.seen_near & (views_before < 0xffff) & 1;
+        store(views, __builtin_convertvector(views_before + one_more, Shorts));
+    }
+    sighting.colored = sighting.updated & (size_of(distance) <= kColorBand_voxels * view.voxel_m);
+    if (any(sighting.colored)) update_color(sighting, sample, block);
+}
+
+DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
+                                            const Eigen::Vector3i& first,
+                                            TsdfBlock& block) {
+    const float voxel = view.voxel_m;
+    const Eigen::Matrix3f R = voxel * view.R_cam_world;
+    const Eigen::Vector3f step = R.col(0);
+    for (int row = 0; row < kBlockSamples / kLanes; ++row) {
+        const Eigen::Vector3f sample =
+            (first + Eigen::Vector3i(0, row & 7, row >> 3)).cast<float>();
+        const Eigen::Vector3f p_cam(R(0, 0) * sample.x() + R(0, 1) * sample.y() +
+                                        R(0, 2) * sample.z() + view.t_cam_world.x(),
+                                    R(1, 0) * sample.x() + R(1, 1) * sample.y() +
+                                        R(1, 2) * sample.z() + view.t_cam_world.y(),
+                                    R(2, 0) * sample.x() + R(2, 1) * sample.y() +
+                                        R(2, 2) * sample.z() + view.t_cam_world.z());
+        update_row(view, p_cam, step, row * kLanes, block);
+    }
+}
+
+void update_block_baseline(const TsdfView& view, const Eigen::Vector3i& first, TsdfBlock& block) {
+    update_block_body(view, first, block);
+}
+DIVEMESH_FOR_AVX2 void update_block_avx2(const TsdfView& view,
+                                         const Eigen::Vector3i& first,
+                                         TsdfBlock& block) {
+    update_block_body(view, first, block);
+}
+
+}  // namespace
+
+void update_block(const TsdfView& view,
+                  const Eigen::Vector3i& first,
+                  TsdfBlock& block,
+                  Instructions instructions) {
+    if (instructions == Instructions::Baseline)
+        update_block_baseline(view, first, block);
+    else
+        update_block_avx2(view, first, block);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,121 @@
+#include "worker/volume/visible_blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kStep_px = 2;  // neighbouring pixels lie on nearly the same plane
+
+// How far behind its surface a pixel changes samples, along its ray. The noise, and so the
+// truncation, is that of the far end.
+float farthest_of(const TsdfView& view, const SurfacePixel& pixel) {
+    if (!makes_surface(view, pixel)) return pixel.depth_m;
+    const float along_ray = pixel.depth_m / pixel.offset_m;  // per metre across the plane
+    const auto behind = [&](float z) {
+        const float sigma = z * z * (pixel.sigma_disparity_px * view.depth_sigma_scale);
+        return pixel.depth_m +
+               along_ray * std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
+    };
+    return behind(behind(pixel.depth_m));
+}
+
+Eigen::Vector3f middle_of(const BlockCoordinate& cube, float edge_samples, float voxel_m) {
+    const Eigen::Vector3f first =
+        edge_samples * Eigen::Vector3i(cube.x, cube.y, cube.z).cast<float>();
+    return voxel_m * (first + Eigen::Vector3f::Constant(0.5F * (edge_samples - 1.0F)));
+}
+
+float radius_of(float edge_samples, float voxel_m) {
+    return 0.5F * std::sqrt(3.0F) * edge_samples * voxel_m;
+}
+
+}  // namespace
+
+VisibleSpace::VisibleSpace(const TsdfView& view)
+    : view_(view),
+      num_columns_((view.width_px + kTile_px - 1) / kTile_px),
+      num_rows_((view.height_px + kTile_px - 1) / kTile_px),
+      farthest_m_(static_cast<std::size_t>(num_columns_) * num_rows_, 0.0F) {
+    const float half_x = std::max(view.cx_px, static_cast<float>(view.width_px) - view.cx_px);
+    const float half_y = std::max(view.cy_px, static_cast<float>(view.height_px) - view.cy_px);
+    slack_x_ = std::hypot(half_x, view.focal_px) / view.focal_px;
+    slack_y_ = std::hypot(half_y, view.focal_px) / view.focal_px;
+    for (int v = 0; v < view.height_px; v += kStep_px)
+        for (int u = 0; u < view.width_px; u += kStep_px) {
+            const SurfacePixel& pixel = view.pixels[v * view.width_px + u];
+            if (pixel.weight <= 0.0F) continue;
+            float& farthest = farthest_m_[(v / kTile_px) * num_columns_ + u / kTile_px];
+            farthest = std::max(farthest, farthest_of(view, pixel));
+        }
+}
+
+bool VisibleSpace::may_hold(const Eigen::Vector3f& middle, float radius_m) const {
+    const Eigen::Vector3f p = view_.R_cam_world * middle + view_.t_cam_world;
+    if (p.z() < -radius_m) return false;
+    const float z = std::max(0.0F, p.z());
+    const float half_x = std::max(view_.cx_px, static_cast<float>(view_.width_px) - view_.cx_px);
+    const float half_y = std::max(view_.cy_px, static_cast<float>(view_.height_px) - view_.cy_px);
+    if (std::abs(p.x()) > z * half_x / view_.focal_px + slack_x_ * radius_m) return false;
+    if (std::abs(p.y()) > z * half_y / view_.focal_px + slack_y_ * radius_m) return false;
+    return p.z() - radius_m <= farthest_m(p, radius_m);
+}
+
+// Among the tiles that the ball may cover.
+float VisibleSpace::farthest_m(const Eigen::Vector3f& p_cam, float radius_m) const {
+    const float near = p_cam.z() - radius_m;
+    int first_column = 0;
+    int last_column = num_columns_ - 1;
+    int first_row = 0;
+    int last_row = num_rows_ - 1;
+    if (near > radius_m) {
+        const auto tile = [&](float x, float z, float c_px) {
+            return static_cast<int>(
+                std::floor((view_.focal_px * x / z + c_px + 0.5F) / static_cast<float>(kTile_px)));
+        };
+        const float far = p_cam.z() + radius_m;
+        const auto first = [&](float x, float c_px) {
+            return tile(x - radius_m, x > radius_m ? far : near, c_px);
+        };
+        const auto last = [&](float x, float c_px) {
+            return tile(x + radius_m, x < -radius_m ? far : near, c_px);
+        };
+        first_column = std::max(first_column, first(p_cam.x(), view_.cx_px));
+        last_column = std::min(last_column, last(p_cam.x(), view_.cx_px));
+        first_row = std::max(first_row, first(p_cam.y(), view_.cy_px));
+        last_row = std::min(last_row, last(p_cam.y(), view_.cy_px));
+    }
+    float farthest = 0.0F;
+    for (int row = first_row; row <= last_row; ++row)
+        for (int column = first_column; column <= last_column; ++column)
+            farthest = std::max(farthest, farthest_m_[row * num_columns_ + column]);
+    return farthest;
+}
+
+void BlockRegions::add(const BlockCoordinate& block, std::uint32_t number) {
+    const BlockCoordinate coordinate{block.x >> 3, block.y >> 3, block.z >> 3};
+    const auto [entry, is_new] = index_.try_emplace(coordinate, regions_.size());
+    if (is_new) regions_.push_back({coordinate, {}, {}});
+    Region& region = regions_[entry->second];
+    region.blocks.push_back(block);
+    region.numbers.push_back(number);
+}
+
+std::vector<std::uint32_t> BlockRegions::find(const VisibleSpace& space, float voxel_m) const {
+    constexpr float kBlock = kBlockEdge;
+    constexpr float kRegion = 8.0F * kBlockEdge;
+    std::vector<std::uint32_t> found;
+    for (const Region& region : regions_) {
+        if (!space.may_hold(middle_of(region.coordinate, kRegion, voxel_m),
+                            radius_of(kRegion, voxel_m)))
+            continue;
+        for (std::size_t i = 0; i < region.blocks.size(); ++i)
+            if (space.may_hold(middle_of(region.blocks[i], kBlock, voxel_m),
+                               radius_of(kBlock, voxel_m)))
+                found.push_back(region.numbers[i]);
+    }
+    return found;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "worker/volume/block_coordinate.hpp"
+#include "worker/volume/update_block.hpp"
+
+namespace divemesh::worker {
+
+// What of space a view may change: in its picture, and no farther behind the surface there than
+// samples are truncated.
+class VisibleSpace {
+public:
+    explicit VisibleSpace(const TsdfView& view);
+
+    // A ball in the world: may it reach into it?
+    bool may_hold(const Eigen::Vector3f& middle, float radius_m) const;
+
+private:
+    static constexpr int kTile_px = 16;
+
+    float farthest_m(const Eigen::Vector3f& p_cam, float radius_m) const;
+
+    const TsdfView& view_;
+    float slack_x_;  // how far, per radius, the picture's sides are let out
+    float slack_y_;
+    int num_columns_;
+    int num_rows_;
+    std::vector<float> farthest_m_;  // by tile; 0: nothing is known there
+};
+
+// Blocks by where they are, so that finding those in a view does not take a look at all of them.
+class BlockRegions {
+public:
+    void add(const BlockCoordinate& block, std::uint32_t number);
+    // Numbers of the blocks that may reach into a space, in an order that depends on that of add()
+    // alone.
+    std::vector<std::uint32_t> find(const VisibleSpace& space, float voxel_m) const;
+
+private:
+    struct Region {
+        BlockCoordinate coordinate;  // in regions of 8 x 8 x 8 blocks
+        std::vector<BlockCoordinate> blocks;
+        std::vector<std::uint32_t> numbers;
+    };
+
+    std::vector<Region> regions_;
+    std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
+};
+
+}  // namespace divemesh::worker
