@@ -13,13 +13,12 @@ struct DepthMap {
     cv::Mat sigma_disparity_px;  // CV_32F, standard deviation; where disparity_px > 0
 };
 
-// A rectified pair: grey for matching, the left one also in the colours it came with.
+// A rectified pair.
 struct RectifiedFrame {
     int index = 0;
     std::int64_t timestamp_ns = 0;
-    cv::Mat left;        // CV_8UC1
-    cv::Mat right;       // CV_8UC1
-    cv::Mat left_color;  // CV_8UC3 BGR; grey dives: three equal channels
+    cv::Mat left;   // CV_8UC1
+    cv::Mat right;  // CV_8UC1
 };
 
 // A frame that is kept for mapping: its pose here, its pictures and depth in the keyframe store
@@ -32,7 +31,7 @@ struct Keyframe {
 };
 
 struct KeyframeImages {
-    cv::Mat left_color;  // CV_8UC3 BGR, rectified
+    cv::Mat left_color;  // CV_8UC3 BGR, rectified; grey dives: three equal channels
     DepthMap depth;      // empty when no surface is asked for
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "worker/background.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/steps/match_stereo.hpp"
@@ -10,8 +12,12 @@ namespace divemesh::worker {
 // it itself. At most one keyframe waits.
 class KeyframeWriter {
 public:
+    // The left picture of a frame, rectified; called on another thread.
+    using LeftInColor = std::function<cv::Mat(int frame_index)>;
+
     KeyframeWriter(const RectifiedRig& rig,
                    const ReconstructionOptions& options,
+                   LeftInColor left_in_color,
                    const KeyframeStore& store,
                    Workers& workers);
 
@@ -23,6 +29,7 @@ public:
 
 private:
     bool match_;
+    LeftInColor left_in_color_;
     StereoMatcher stereo_;
     const KeyframeStore& store_;
     Background background_;

@@ -55,7 +55,10 @@ Track track(Recording& recording,
     const bool dense = options.estimator == "pairwise";  // else depth at the features alone
     Workers workers(options.num_threads);
     FramesAhead frames(recording, rectifier, workers);
-    KeyframeWriter writer(rig, options, store, workers);
+    const auto left_in_color = [&](int frame_index) {
+        return rectifier.rectify_left(recording.left_in_color(frame_index));
+    };
+    KeyframeWriter writer(rig, options, left_in_color, store, workers);
     StereoMatcher stereo(rig, options);
     FeatureTracker tracker(rig, options);
     InertialPrior inertial(recording, options);

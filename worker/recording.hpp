@@ -27,7 +27,7 @@ struct PressureSample {
     double depth_m = 0.0;  // positive down
 };
 
-// One synchronised stereo pair as recorded: distorted, 8 bit, 1 (grey) or 3 (BGR) channels.
+// One synchronised stereo pair as recorded, distorted; 8 bit, grey.
 struct StereoFrame {
     int index = 0;  // in the list of matched pairs; skipped frames leave a gap
     std::int64_t timestamp_ns = 0;
@@ -56,6 +56,9 @@ public:
     // The next pair that decodes; nothing at the end. What does not decode is skipped, counted and
     // kept as a finding. One thread at a time.
     virtual std::optional<StereoFrame> next_frame() = 0;
+    // The left picture of a frame that next_frame() gave, 8 bit BGR; grey dives: three equal
+    // channels. Decoded when asked for: most frames are never looked at in colour. Any thread.
+    virtual cv::Mat left_in_color(int frame_index) const = 0;
     virtual void rewind() = 0;
     virtual std::int64_t num_skipped_frames() const = 0;
 };

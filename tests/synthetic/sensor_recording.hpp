@@ -20,6 +20,7 @@ struct SensorRecording : worker::Recording {
     const std::vector<worker::OrientationSample>& ahrs() const override { return its_ahrs; }
     const std::vector<worker::PressureSample>& pressure() const override { return its_pressure; }
     std::optional<worker::StereoFrame> next_frame() override { return std::nullopt; }
+    cv::Mat left_in_color(int) const override { return {}; }
     void rewind() override {}
     std::int64_t num_skipped_frames() const override { return 0; }
 };

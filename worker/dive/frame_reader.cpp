@@ -1,7 +1,6 @@
 #include "worker/dive/frame_reader.hpp"
 
 #include "schemas/error.hpp"
-#include "worker/dive/image.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -24,7 +23,8 @@ LoadedPicture without_picture(std::string code, std::string problem) {
 LoadedPicture load_picture(const DiveFiles& files,
                            const std::string& path,
                            const Camera& camera,
-                           const DiveLimits& limits) {
+                           const DiveLimits& limits,
+                           Channels channels) {
     if (!files.has(path)) return without_picture("image_missing", "there is no such file");
     const auto bytes = files.read(path, kMaxPictureBytes);
     if (!bytes) return without_picture("image_too_large", "it is larger than 64 MiB");
@@ -40,7 +40,7 @@ LoadedPicture load_picture(const DiveFiles& files,
                                        " pixels, its calibration " +
                                        size_text(camera.width_px, camera.height_px));
         LoadedPicture picture;
-        picture.image = decode_image(*bytes, header);
+        picture.image = decode_image(*bytes, header, channels);
         picture.was_16_bit = header.bits_per_channel > 8;
         return picture;
     } catch (const Error& error) {

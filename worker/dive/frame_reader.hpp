@@ -9,6 +9,7 @@
 
 #include "worker/dive/dive_files.hpp"
 #include "worker/dive/frame_list.hpp"
+#include "worker/dive/image.hpp"
 #include "worker/recording.hpp"
 
 namespace divemesh::worker {
@@ -24,9 +25,10 @@ struct LoadedPicture {
 LoadedPicture load_picture(const DiveFiles& files,
                            const std::string& path,
                            const Camera& camera,
-                           const DiveLimits& limits);
+                           const DiveLimits& limits,
+                           Channels channels);
 
-// A pair as far as it could be loaded. Both pictures have as many channels as the left one.
+// A pair as far as it could be loaded, grey.
 struct LoadedPair {
     int index = 0;
     LoadedPicture left;

@@ -3,6 +3,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/dive/big_endian.hpp"
+#include "worker/dive/grey_png.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -11,13 +13,6 @@ constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 constexpr int kMaxJpegScans = 64;  // a progressive picture has about ten
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
-
-std::int64_t big_endian(std::string_view bytes, std::size_t offset, std::size_t length) {
-    std::int64_t value = 0;
-    for (std::size_t i = 0; i < length; ++i)
-        value = value << 8 | static_cast<unsigned char>(bytes[offset + i]);
-    return value;
-}
 
 // Signature, then IHDR: length, type, width, height, depth, colour type (PNG specification, 11.2).
 ImageHeader read_png_header(std::string_view bytes) {
@@ -99,10 +94,12 @@ ImageHeader read_image_header(std::string_view bytes) {
     return header;
 }
 
-cv::Mat decode_image(std::string_view bytes, const ImageHeader& header) {
+cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels channels) {
+    if (channels == Channels::Grey && header.format == ImageFormat::Png)
+        if (const auto plain = decode_grey_png(bytes)) return *plain;
     const cv::Mat buffer(
         1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    const int mode = header.num_channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+    const int mode = channels == Channels::Grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
     cv::Mat image;
     try {
         image = cv::imdecode(buffer, mode | cv::IMREAD_IGNORE_ORIENTATION);

@@ -22,8 +22,10 @@ struct ImageHeader {
 // early.
 ImageHeader read_image_header(std::string_view bytes);
 
-// 8 bit, grey or BGR; 16 bits are reduced to the upper 8. The caller has found the size in the
-// header acceptable. Throws Error{BadData} when it does not decode.
-cv::Mat decode_image(std::string_view bytes, const ImageHeader& header);
+enum class Channels { Grey, Bgr };
+
+// 8 bit; 16 bits are reduced to the upper 8. The caller has found the size in the header
+// acceptable. Throws Error{BadData} when it does not decode.
+cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels channels);
 
 }  // namespace divemesh::worker

@@ -32,7 +32,8 @@ void survey_pictures(StoredDive& dive, IntakeReport& report, const ProgressCallb
         progress(state);
     }
     survey.report(dive.rig().cam0.width_px > 0 ? dive.num_frames() : 0, dive.log());
-    report.thumbnail_jpeg = survey.thumbnail_jpeg();
+    if (const auto middle = survey.middle_frame())
+        report.thumbnail_jpeg = thumbnail_jpeg(dive.left_in_color(*middle));
     if (dive.num_skipped_frames() > 0)
         dive.log().warning("frames_skipped",
                            "",

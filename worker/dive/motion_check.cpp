@@ -82,13 +82,6 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
     return moments;
 }
 
-cv::Mat grey(const cv::Mat& image) {
-    if (image.channels() == 1) return image;
-    cv::Mat result;
-    cv::cvtColor(image, result, cv::COLOR_BGR2GRAY);
-    return result;
-}
-
 // Points of `from` in `to`, with those that do not come back to where they were marked as lost.
 std::vector<cv::Point2f> follow(const cv::Mat& from,
                                 const cv::Mat& to,
@@ -157,13 +150,13 @@ private:
         const LoadedPair first = load_(moment.first);
         const LoadedPair second = load_(moment.second);
         if (!first.is_complete() || second.left.image.empty()) return;
-        const cv::Mat left = grey(first.left.image);
+        const cv::Mat& left = first.left.image;
         std::vector<cv::Point2f> corners;
         cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0);
         if (std::ssize(corners) < kLeastPoints) return;
         std::vector<bool> found(corners.size(), true);
-        const auto right = follow(left, grey(first.right.image), corners, found);
-        const auto later = follow(left, grey(second.left.image), corners, found);
+        const auto right = follow(left, first.right.image, corners, found);
+        const auto later = follow(left, second.left.image, corners, found);
         std::vector<cv::Point3d> points;
         std::vector<cv::Point2d> rays;
         for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -11,10 +11,7 @@ namespace {
 constexpr int kThumbnailWidth_px = 320;
 constexpr double kBlackLevel = 2.0;  // of 255, mean over the picture
 
-bool is_black(const cv::Mat& image) {
-    const cv::Scalar mean = cv::mean(image);
-    return std::max({mean[0], mean[1], mean[2]}) < kBlackLevel;
-}
+bool is_black(const cv::Mat& image) { return cv::mean(image)[0] < kBlackLevel; }
 
 void report_black(const std::string& camera,
                   std::int64_t num_black,
@@ -40,9 +37,7 @@ void PictureSurvey::add(const StereoFrame& frame) {
     ++num_frames_;
     num_black_left_ += is_black(frame.left) ? 1 : 0;
     num_black_right_ += is_black(frame.right) ? 1 : 0;
-    if (has_middle_) return;
-    thumbnail_ = frame.left;
-    has_middle_ = frame.index >= middle_;
+    if (!nearest_ || *nearest_ < middle_) nearest_ = frame.index;
 }
 
 void PictureSurvey::report(std::int64_t num_frames, FindingLog& findings) const {
@@ -58,12 +53,11 @@ void PictureSurvey::report(std::int64_t num_frames, FindingLog& findings) const 
     report_black("cam1", num_black_right_, num_frames_, findings);
 }
 
-std::string PictureSurvey::thumbnail_jpeg() const {
-    if (thumbnail_.empty()) return "";
-    const int width = std::min(kThumbnailWidth_px, thumbnail_.cols);
-    const int height = std::max(1, thumbnail_.rows * width / thumbnail_.cols);
+std::string thumbnail_jpeg(const cv::Mat& picture) {
+    const int width = std::min(kThumbnailWidth_px, picture.cols);
+    const int height = std::max(1, picture.rows * width / picture.cols);
     cv::Mat small;
-    cv::resize(thumbnail_, small, {width, height}, 0, 0, cv::INTER_AREA);
+    cv::resize(picture, small, {width, height}, 0, 0, cv::INTER_AREA);
     std::vector<unsigned char> bytes;
     cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, 85});
     return {bytes.begin(), bytes.end()};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "worker/dive/finding_log.hpp"
@@ -16,8 +17,8 @@ public:
     void add(const StereoFrame& frame);
     // Findings on the whole; after the last frame.
     void report(std::int64_t num_frames, FindingLog& findings) const;
-    // JPEG, 320 px wide, from the middle of the dive; "" without a frame.
-    std::string thumbnail_jpeg() const;
+    // Of the frame nearest to the middle of the dive; nothing without a frame.
+    std::optional<int> middle_frame() const { return nearest_; }
     std::int64_t num_frames() const { return num_frames_; }
 
 private:
@@ -25,8 +26,10 @@ private:
     std::int64_t num_frames_ = 0;
     std::int64_t num_black_left_ = 0;
     std::int64_t num_black_right_ = 0;
-    cv::Mat thumbnail_;  // of the frame nearest to the middle so far
-    bool has_middle_ = false;
+    std::optional<int> nearest_;  // so far
 };
+
+// 320 px wide.
+std::string thumbnail_jpeg(const cv::Mat& picture);
 
 }  // namespace divemesh::worker

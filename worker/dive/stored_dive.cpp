@@ -1,7 +1,6 @@
 #include "worker/dive/stored_dive.hpp"
 
 #include <chrono>
-#include <opencv2/imgproc.hpp>
 
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/motion_check.hpp"
@@ -23,13 +22,6 @@ ProgressCallback throttled(const ProgressCallback& progress) {
         next = now + std::chrono::milliseconds(50);
         progress(state);
     };
-}
-
-cv::Mat with_channels(const cv::Mat& image, int num_channels) {
-    if (image.empty() || image.channels() == num_channels) return image;
-    cv::Mat result;
-    cv::cvtColor(image, result, num_channels == 1 ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
-    return result;
 }
 
 std::string remedy_for(const std::string& code) {
@@ -61,10 +53,9 @@ LoadedPair StoredDive::load(int index) const {
     const FramePair& files = contents_.pairs[static_cast<std::size_t>(index)];
     LoadedPair pair;
     pair.index = index;
-    pair.left = load_picture(files_, files.left, contents_.rig.cam0, limits_);
+    pair.left = load_picture(files_, files.left, contents_.rig.cam0, limits_, Channels::Grey);
     if (pair.left.image.empty()) return pair;
-    pair.right = load_picture(files_, files.right, contents_.rig.cam1, limits_);
-    pair.right.image = with_channels(pair.right.image, pair.left.image.channels());
+    pair.right = load_picture(files_, files.right, contents_.rig.cam1, limits_, Channels::Grey);
     return pair;
 }
 
@@ -111,6 +102,15 @@ std::optional<StereoFrame> StoredDive::next_frame() {
         report_skipped(*pair);
     }
     return std::nullopt;
+}
+
+cv::Mat StoredDive::left_in_color(int frame_index) const {
+    const std::string& file = contents_.pairs[static_cast<std::size_t>(frame_index)].left;
+    LoadedPicture picture = load_picture(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
+    if (picture.image.empty())
+        throw Error(ErrorCode::Unavailable,
+                    printable(file) + " decoded before and does not any more: " + picture.problem);
+    return picture.image;
 }
 
 void StoredDive::report_skipped(const LoadedPair& pair) {

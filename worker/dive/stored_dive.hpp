@@ -24,6 +24,7 @@ public:
     const std::vector<OrientationSample>& ahrs() const override { return contents_.ahrs; }
     const std::vector<PressureSample>& pressure() const override { return contents_.pressure; }
     std::optional<StereoFrame> next_frame() override;
+    cv::Mat left_in_color(int frame_index) const override;
     void rewind() override { reader_.rewind(); }
     std::int64_t num_skipped_frames() const override { return std::ssize(skipped_); }
 

@@ -49,10 +49,9 @@ void make_map(const RectifiedLens& lens, const RectifiedRig& rig, cv::Mat (&map)
     cv::convertMaps(x, y, map[0], map[1], CV_16SC2);
 }
 
-cv::Mat grey(const cv::Mat& image) {
-    if (image.channels() == 1) return image;
+cv::Mat remapped(const cv::Mat& picture, const cv::Mat (&map)[2]) {
     cv::Mat result;
-    cv::cvtColor(image, result, cv::COLOR_BGR2GRAY);
+    cv::remap(picture, result, map[0], map[1], cv::INTER_LINEAR);
     return result;
 }
 
@@ -97,15 +96,13 @@ RectifiedFrame Rectifier::rectify(const StereoFrame& frame) const {
     RectifiedFrame result;
     result.index = frame.index;
     result.timestamp_ns = frame.timestamp_ns;
-    cv::Mat left;
-    cv::remap(frame.left, left, left_map_[0], left_map_[1], cv::INTER_LINEAR);
-    cv::remap(grey(frame.right), result.right, right_map_[0], right_map_[1], cv::INTER_LINEAR);
-    result.left = grey(left);
-    if (left.channels() == 3)
-        result.left_color = left;
-    else
-        cv::cvtColor(left, result.left_color, cv::COLOR_GRAY2BGR);
+    result.left = rectify_left(frame.left);
+    result.right = remapped(frame.right, right_map_);
     return result;
+}
+
+cv::Mat Rectifier::rectify_left(const cv::Mat& picture) const {
+    return remapped(picture, left_map_);
 }
 
 }  // namespace divemesh::worker

@@ -17,6 +17,8 @@ public:
 
     const RectifiedRig& rig() const { return rig_; }
     RectifiedFrame rectify(const StereoFrame& frame) const;
+    // The left picture, any number of channels.
+    cv::Mat rectify_left(const cv::Mat& picture) const;
 
 private:
     RectifiedRig rig_;

@@ -32,20 +32,22 @@ RectifiedFrame wall(int index) {
     cv::GaussianBlur(wide, wide, {3, 3}, 0.8);
     frame.left = wide(cv::Rect(0, 0, 160, 120)).clone();
     frame.right = wide(cv::Rect(12, 0, 160, 120)).clone();
-    cv::cvtColor(frame.left, frame.left_color, cv::COLOR_GRAY2BGR);
     return frame;
 }
+
+cv::Mat red_picture(int) { return {120, 160, CV_8UC3, cv::Scalar(0, 0, 200)}; }
 
 TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
     Workers workers(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
     for (int i = 0; i < 5; ++i) writer.write(wall(i), {});
     writer.finish();
     for (int i = 0; i < 5; ++i) {
         const auto read = store.read(i);
         EXPECT_NEAR(read.depth.disparity_px.at<float>(60, 100), 12.0F, 0.1F);
+        EXPECT_NEAR(read.left_color.at<cv::Vec3b>(60, 100)[2], 200, 3);
     }
 }
 
@@ -53,7 +55,7 @@ TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
     Workers workers(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
     DepthMap depth;
     depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
     depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
@@ -68,7 +70,7 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     const KeyframeStore store(gone);
     std::filesystem::remove(gone);
     Workers workers(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
     writer.write(wall(0), {});
     EXPECT_THROW(writer.finish(), Error);
 }

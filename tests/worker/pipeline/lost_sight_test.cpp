@@ -26,6 +26,9 @@ public:
     const std::vector<ImuSample>& imu() const override { return dive_.imu(); }
     const std::vector<OrientationSample>& ahrs() const override { return dive_.ahrs(); }
     const std::vector<PressureSample>& pressure() const override { return dive_.pressure(); }
+    cv::Mat left_in_color(int frame_index) const override {
+        return dive_.left_in_color(frame_index);
+    }
     void rewind() override { dive_.rewind(); }
     std::int64_t num_skipped_frames() const override { return dive_.num_skipped_frames(); }
     std::optional<StereoFrame> next_frame() override {

@@ -1,0 +1,121 @@
+#include "worker/dive/grey_png.hpp"
+
+#include <cstdint>
+#include <cstdlib>
+#include <libdeflate.h>
+#include <memory>
+#include <vector>
+
+#include "worker/dive/big_endian.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+constexpr std::size_t kChunkFrame = 12;  // length, type, checksum
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 30;
+
+struct Chunk {
+    std::string_view type;
+    std::string_view data;
+};
+
+// Takes the next chunk off the front; nothing when it is cut short or its checksum is wrong.
+std::optional<Chunk> take_chunk(std::string_view& bytes) {
+    if (bytes.size() < kChunkFrame) return std::nullopt;
+    const auto length = static_cast<std::size_t>(big_endian(bytes, 0, 4));
+    if (length > bytes.size() - kChunkFrame) return std::nullopt;
+    const std::string_view checked = bytes.substr(4, 4 + length);
+    if (libdeflate_crc32(0, checked.data(), checked.size()) != big_endian(bytes, 8 + length, 4))
+        return std::nullopt;
+    bytes.remove_prefix(kChunkFrame + length);
+    return Chunk{checked.substr(0, 4), checked.substr(4)};
+}
+
+// PNG specification 9.4: of a, b, c (left, above, left above) the one nearest to a + b - c.
+int paeth(int a, int b, int c) {
+    const int by_a = std::abs(b - c);
+    const int by_b = std::abs(a - c);
+    const int by_c = std::abs(a + b - 2 * c);
+    if (by_a <= by_b && by_a <= by_c) return a;
+    return by_b <= by_c ? b : c;
+}
+
+// Undoes a row's filter (PNG specification 9.2); `above` is black before the first row. False for
+// a filter that does not exist.
+bool unfilter(int filter,
+              const std::uint8_t* filtered,
+              const std::uint8_t* above,
+              int width,
+              std::uint8_t* row) {
+    const auto add = [&](int u, int predicted) {
+        row[u] = static_cast<std::uint8_t>(filtered[u] + predicted);
+    };
+    add(0, filter == 2 || filter == 4 ? above[0] : filter == 3 ? above[0] / 2 : 0);
+    switch (filter) {
+        case 0:
+            for (int u = 1; u < width; ++u) add(u, 0);
+            return true;
+        case 1:
+            for (int u = 1; u < width; ++u) add(u, row[u - 1]);
+            return true;
+        case 2:
+            for (int u = 1; u < width; ++u) add(u, above[u]);
+            return true;
+        case 3:
+            for (int u = 1; u < width; ++u) add(u, (row[u - 1] + above[u]) / 2);
+            return true;
+        case 4:
+            for (int u = 1; u < width; ++u) add(u, paeth(row[u - 1], above[u], above[u - 1]));
+            return true;
+        default: return false;
+    }
+}
+
+bool unpack(const std::vector<char>& packed, std::vector<std::uint8_t>& raw) {
+    const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
+        decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+    // No place for the size: anything but exactly `raw` is an error.
+    return decompressor &&
+           libdeflate_zlib_decompress(
+               decompressor.get(), packed.data(), packed.size(), raw.data(), raw.size(), nullptr) ==
+               LIBDEFLATE_SUCCESS;
+}
+
+}  // namespace
+
+std::optional<cv::Mat> decode_grey_png(std::string_view bytes) {
+    if (!bytes.starts_with(kSignature)) return std::nullopt;
+    bytes.remove_prefix(kSignature.size());
+    const auto header = take_chunk(bytes);
+    if (!header || header->type != "IHDR" || header->data.size() != 13) return std::nullopt;
+    // 8 bits, grey, deflate, the five filters, not interlaced.
+    if (header->data.substr(8) != std::string_view("\x08\0\0\0\0", 5)) return std::nullopt;
+    const std::int64_t width = big_endian(header->data, 0, 4);
+    const std::int64_t height = big_endian(header->data, 4, 4);
+    if (width < 1 || height < 1 || width > kMaxPixels / height) return std::nullopt;
+
+    std::vector<char> packed;
+    packed.reserve(bytes.size());
+    for (;;) {
+        const auto chunk = take_chunk(bytes);
+        if (!chunk) return std::nullopt;
+        if (chunk->type == "IEND") break;
+        if (chunk->type == "IDAT")
+            packed.insert(packed.end(), chunk->data.begin(), chunk->data.end());
+    }
+    std::vector<std::uint8_t> raw(static_cast<std::size_t>(height * (width + 1)));
+    if (!unpack(packed, raw)) return std::nullopt;
+
+    cv::Mat image(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
+    const std::vector<std::uint8_t> black(static_cast<std::size_t>(width), 0);
+    for (int v = 0; v < image.rows; ++v) {
+        const std::uint8_t* filtered = raw.data() + v * (width + 1);
+        const std::uint8_t* above = v == 0 ? black.data() : image.ptr<std::uint8_t>(v - 1);
+        if (!unfilter(filtered[0], filtered + 1, above, image.cols, image.ptr<std::uint8_t>(v)))
+            return std::nullopt;
+    }
+    return image;
+}
+
+}  // namespace divemesh::worker
