@@ -24,7 +24,9 @@
 #include "worker/steps/match_stereo.hpp"
 #include "worker/steps/predict_orientation.hpp"
 #include "worker/steps/refine_pose.hpp"
+#include "worker/steps/refine_pose_by_ceres.hpp"
 #include "worker/steps/register_points.hpp"
+#include "worker/steps/register_with_turn.hpp"
 #include "worker/steps/track_features.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
 
@@ -52,7 +54,8 @@ Track track(Recording& recording,
             const ProgressCallback& progress) {
     const Rectifier rectifier(recording.rig());
     const RectifiedRig& rig = rectifier.rig();
-    const bool dense = options.estimator == "pairwise";  // else depth at the features alone
+    // The paper; else depth is measured at the features alone.
+    const bool pairwise = options.estimator == "pairwise";
     Workers workers(options.num_threads);
     FramesAhead frames(recording, rectifier, workers);
     const auto left_in_color = [&](int frame_index) {
@@ -80,19 +83,23 @@ Track track(Recording& recording,
         const auto turn = motion.turn(now_ns);
         const auto expected = motion.expect(turn, now_ns);
 
-        const DepthMap depth = dense ? stereo.match(frame) : DepthMap{};                // 1
+        const DepthMap depth = pairwise ? stereo.match(frame) : DepthMap{};             // 1
         Features tracks = tracker.track(frame.left, features, expected);                // 2
         match_features(frame, depth.disparity_px, options.num_disparities_px, tracks);  // 1
         PointPairs pairs = with_depth_at_both_times(rig, features, tracks);             // 3
         map.use_landmarks(motion.T_world_cam(), pairs);
-        const auto vision =
-            register_points(rig, pairs, kInlierTolerance_px, seed_of(options, frame));  // 4
-        const auto guess = predict_orientation(turn, vision);                           // 5
-        const Eigen::Isometry3d T_current_previous =                                    // 6
-            vision.found ? refine_pose(rig, vision.inliers, guess) : expected;
+        const auto seed = seed_of(options, frame);
+        const auto vision =  // 4
+            pairwise ? register_points(rig, pairs, kInlierTolerance_px, seed)
+                     : register_with_turn(rig, pairs, turn, expected, kInlierTolerance_px, seed);
+        const auto guess = predict_orientation(turn, vision);  // 5
+        const Eigen::Isometry3d T_current_previous =           // 6
+            !vision.found ? expected
+            : pairwise    ? refine_pose_by_ceres(rig, vision.inliers, guess)
+                          : refine_pose(rig, vision.inliers, guess);
         motion.advance(T_current_previous, now_ns);
         T_start_cam = T_start_cam * T_current_previous.inverse();
-        if (dense)
+        if (pairwise)
             learn_bias(inertial, rig, vision, before_ns, now_ns);
         else if (options.align_imu)
             aligner.watch(rig, vision, before_ns, now_ns, inertial);

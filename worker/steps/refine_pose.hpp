@@ -8,8 +8,15 @@
 
 namespace divemesh::worker {
 
-// Step 6: rotation (Rodrigues vector) and translation refined by Levenberg-Marquardt from the
-// guess, over the pairs and the inertial unit's word, robustly. Scale stays 1. Returns
+// Step 6: rotation and translation refined by Levenberg-Marquardt from the guess, over the pairs
+// and the inertial unit's word. With m = (u, v, disparity), p the point triangulated from m_a, h
+// the projection and R <- exp(w) R, T <- T + t each step:
+//
+//     e = h(R p + T) - m_b,   C = S_b + J S_a J^T,   J = d h(R p + T) / d m_a
+//     min sum huber(e^T C^-1 e) + |log(R q_known^-1)|^2 / sigma^2
+//
+// C is taken anew where each step begins and held while it is made: differentiating it without the
+// likelihood's log det C would pay for large covariances. Scale stays 1. Returns
 // T_current_previous.
 Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
                               const PointPairs& pairs,

@@ -6,20 +6,13 @@
 #include <vector>
 
 #include "worker/geometry/horn.hpp"
+#include "worker/steps/pair_agreement.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 constexpr int kMaxTries = 400;
 constexpr double kConfidence = 0.9999;
-
-double squared_error_px(const RectifiedRig& rig,
-                        const PointPair& pair,
-                        const Eigen::Isometry3d& T_current_previous) {
-    const Eigen::Vector3d p_current = T_current_previous * pair.p_previous;
-    if (p_current.z() < 1e-3) return 1e9;
-    return (project_px(rig, p_current) - pair.current_px).squaredNorm();
-}
 
 std::optional<AbsoluteOrientation> align(const PointPairs& pairs) {
     std::vector<Eigen::Vector3d> previous;
@@ -41,17 +34,6 @@ PointPairs three_of(const PointPairs& pairs, std::mt19937_64& random) {
     return {pairs[first], pairs[second], pairs[third]};
 }
 
-PointPairs agreeing(const RectifiedRig& rig,
-                    const PointPairs& pairs,
-                    const Eigen::Isometry3d& T_current_previous,
-                    double tolerance_px) {
-    PointPairs result;
-    for (const PointPair& pair : pairs)
-        if (squared_error_px(rig, pair, T_current_previous) < tolerance_px * tolerance_px)
-            result.push_back(pair);
-    return result;
-}
-
 // Tries after which three inliers have been drawn together with kConfidence.
 int tries_needed(std::size_t num_inliers, std::size_t num_pairs) {
     const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
@@ -60,18 +42,6 @@ int tries_needed(std::size_t num_inliers, std::size_t num_pairs) {
     if (miss < 1e-9) return 1;
     return static_cast<int>(
         std::min<double>(kMaxTries, std::ceil(std::log(1.0 - kConfidence) / std::log(miss))));
-}
-
-// Truncated squares (MSAC): among sets of equal size the tighter one wins.
-double cost(const RectifiedRig& rig,
-            const PointPairs& pairs,
-            const Eigen::Isometry3d& T_current_previous,
-            double tolerance_px) {
-    double sum = 0.0;
-    const double most = tolerance_px * tolerance_px;
-    for (const PointPair& pair : pairs)
-        sum += std::min(most, squared_error_px(rig, pair, T_current_previous));
-    return sum;
 }
 
 }  // namespace
@@ -89,7 +59,7 @@ Registration register_points(const RectifiedRig& rig,
     for (int i = 0; i < tries; ++i) {
         const auto guess = align(three_of(pairs, random));
         if (!guess) continue;
-        const double guess_cost = cost(rig, pairs, guess->T_b_a, tolerance_px);
+        const double guess_cost = disagreement(rig, pairs, guess->T_b_a, tolerance_px);
         if (guess_cost >= least) continue;
         least = guess_cost;
         result.T_current_previous = guess->T_b_a;

@@ -3,42 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
+#include <utility>
+
+#include "worker/steps/align_patch.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr int kPyramidLevels = 3;
-constexpr float kBackwardError_px = 0.5F;
-constexpr int kBorder_px = 8;
-constexpr float kEdge_px = kBorder_px;
-constexpr int kCornerBlock_px = 5;
-constexpr float kCornerQuality = 0.01F;    // of the best corner of the picture
-constexpr float kLeastCornerness = 4e-5F;  // of a picture scaled to 0..1: about its noise
-const cv::Size kWindow_px(21, 21);
-const cv::TermCriteria kStop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.01);
-
-constexpr int kContrastBlock_px = 15;
-constexpr double kContrastFloor = 6.0;  // grey levels: below it there is noise and JPEG blocks
-constexpr double kContrast = 40.0;
-
-// The picture without its brightness and contrast, which caustics, strobes and haze change from
-// frame to frame: every pixel against the mean and spread around it.
-cv::Mat normalised(const cv::Mat& image) {
-    const cv::Size block(kContrastBlock_px, kContrastBlock_px);
-    cv::Mat values;
-    cv::Mat local;
-    image.convertTo(values, CV_32F);
-    cv::blur(values, local, block);
-    values -= local;
-    cv::blur(values.mul(values), local, block);
-    cv::sqrt(local, local);
-    local += kContrastFloor;
-    cv::divide(values, local, values, kContrast);
-    cv::Mat result;
-    values.convertTo(result, CV_8U, 1.0, 128.0);
-    return result;
-}
+constexpr double kBackwardError_px = 0.5;
+constexpr double kLeastCorrelation = 0.7;
+constexpr double kSameCorrelation = 0.8;    // with how a feature looked at first
+constexpr int kBorder_px = 10;              // a patch and a pixel more
+constexpr float kCornerQuality = 0.01F;     // of the best corner of the picture
+constexpr float kLeastCornerScore = 0.65F;  // (grey levels / px)^2: about the noise
 
 Eigen::Vector3d expected(const RectifiedRig& rig,
                          const Feature& feature,
@@ -55,14 +32,9 @@ Eigen::Vector3d expected(const RectifiedRig& rig,
     return result;
 }
 
-bool inside(const cv::Mat& image, const cv::Point2f& point) {
-    return point.x >= kEdge_px && point.y >= kEdge_px &&
-           point.x < static_cast<float>(image.cols) - kEdge_px &&
-           point.y < static_cast<float>(image.rows) - kEdge_px;
-}
-
-cv::Point2f to_cv(const Eigen::Vector3d& measurement) {
-    return {static_cast<float>(measurement.x()), static_cast<float>(measurement.y())};
+bool inside(const cv::Mat& image, const Eigen::Vector2d& pixel) {
+    return pixel.minCoeff() >= kBorder_px && pixel.x() < image.cols - kBorder_px &&
+           pixel.y() < image.rows - kBorder_px;
 }
 
 // Lets a later feature not sit on an earlier one: where tracks run together the older one stays.
@@ -97,76 +69,77 @@ FeatureTracker::FeatureTracker(const RectifiedRig& rig, const ReconstructionOpti
 Features FeatureTracker::track(const cv::Mat& left,
                                const Features& previous,
                                const Eigen::Isometry3d& T_cam_previous) {
-    const std::vector<cv::Mat> previous_pyramid = std::move(pyramid_);
-    pyramid_.clear();
-    cv::buildOpticalFlowPyramid(normalised(left), pyramid_, kWindow_px, kPyramidLevels);
-    left_ = left;
-    if (previous.empty() || previous_pyramid.empty()) return {};
-
-    std::vector<cv::Point2f> from;
-    std::vector<cv::Point2f> to;
-    std::vector<double> disparities;
+    std::swap(before_, now_);
+    high_pass_.apply(left, now_[0]);
+    for (std::size_t i = 1; i < kNumLevels; ++i) cv::pyrDown(now_[i - 1], now_[i]);
+    Features features;
+    if (before_[0].empty()) return features;
+    std::unordered_map<std::int64_t, Patch> first_looks = std::move(looks_);
+    looks_.clear();
+    Occupancy occupancy(left, std::max(4, cell_px_ / 4));
     for (const Feature& feature : previous) {
         const Eigen::Vector3d guess = expected(rig_, feature, T_cam_previous);
-        from.push_back(to_cv(measurement_px(feature)));
-        to.push_back(to_cv(guess));
-        disparities.push_back(guess.z());
-    }
-    std::vector<std::uint8_t> found;
-    std::vector<std::uint8_t> found_back;
-    std::vector<float> error;
-    cv::calcOpticalFlowPyrLK(previous_pyramid,
-                             pyramid_,
-                             from,
-                             to,
-                             found,
-                             error,
-                             kWindow_px,
-                             kPyramidLevels,
-                             kStop,
-                             cv::OPTFLOW_USE_INITIAL_FLOW);
-    std::vector<cv::Point2f> back = from;
-    cv::calcOpticalFlowPyrLK(pyramid_,
-                             previous_pyramid,
-                             to,
-                             back,
-                             found_back,
-                             error,
-                             kWindow_px,
-                             1,
-                             kStop,
-                             cv::OPTFLOW_USE_INITIAL_FLOW);
-    Features features;
-    Occupancy occupancy(left, std::max(4, cell_px_ / 4));
-    for (std::size_t i = 0; i < previous.size(); ++i) {
-        const cv::Point2f off = back[i] - from[i];
-        if (!found[i] || !found_back[i] || !inside(left, to[i]) ||
-            off.dot(off) > kBackwardError_px * kBackwardError_px ||
-            !occupancy.take(to[i].x, to[i].y))
-            continue;
-        features.push_back({previous[i].id, {to[i].x, to[i].y}, disparities[i]});
+        const Eigen::Vector2d near = roughly(feature.pixel, guess.head<2>());
+        const auto known = first_looks.find(feature.id);
+        const auto seen =
+            exactly(feature.pixel, near, known == first_looks.end() ? nullptr : &known->second);
+        if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
+        features.push_back({feature.id, seen->pixel, guess.z()});
+        looks_.emplace(feature.id, seen->look);
     }
     return features;
 }
 
+// By the coarser levels of the pyramids.
+Eigen::Vector2d FeatureTracker::roughly(const Eigen::Vector2d& from,
+                                        const Eigen::Vector2d& guess) const {
+    Eigen::Vector2d there = guess;
+    for (std::size_t level = kNumLevels - 1; level > 0; --level) {
+        const double scale = 1 << level;
+        const auto patch = Patch::read(before_[level], from / scale);
+        const auto found = patch ? patch->align(now_[level], there / scale) : std::nullopt;
+        if (found && found->correlation >= kLeastCorrelation) there = found->pixel * scale;
+    }
+    return there;
+}
+
+std::optional<FeatureTracker::Seen> FeatureTracker::exactly(const Eigen::Vector2d& from,
+                                                            const Eigen::Vector2d& near,
+                                                            const Patch* first_look) const {
+    std::optional<Seen> seen;
+    const auto look_for = [&](const Patch& look, double least_correlation) {
+        const auto found = look.align(now_[0], near);
+        if (found && found->correlation >= least_correlation) seen = Seen{found->pixel, look};
+    };
+    if (first_look != nullptr) look_for(*first_look, kSameCorrelation);
+    if (!seen)
+        if (const auto last_look = Patch::read(before_[0], from))
+            look_for(*last_look, kLeastCorrelation);
+    if (!seen || !inside(now_[0], seen->pixel)) return std::nullopt;
+    const auto look_now = Patch::read(now_[0], seen->pixel);
+    const auto back = look_now ? look_now->align(before_[0], from) : std::nullopt;
+    if (!back || (back->pixel - from).norm() > kBackwardError_px) return std::nullopt;
+    return seen;
+}
+
 Features FeatureTracker::detect(const Features& present) {
-    cv::Mat cornerness;
-    cv::cornerMinEigenVal(left_, cornerness, kCornerBlock_px);
+    const cv::Mat& left = now_[0];
+    const cv::Mat& scores = corner_scores_.of(left);
     double best = 0.0;
-    cv::minMaxLoc(cornerness, nullptr, &best);
-    const float threshold = std::max(kLeastCornerness, kCornerQuality * static_cast<float>(best));
-    Occupancy occupancy(left_, cell_px_);
+    cv::minMaxLoc(scores, nullptr, &best);
+    const float threshold = std::max(kLeastCornerScore, kCornerQuality * static_cast<float>(best));
+    Occupancy occupancy(left, cell_px_);
     for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
     Features features;
-    for (int top = kBorder_px; top < left_.rows - kBorder_px; top += cell_px_) {
-        for (int start = kBorder_px; start < left_.cols - kBorder_px; start += cell_px_) {
+    for (int top = kBorder_px; top < left.rows - kBorder_px; top += cell_px_) {
+        for (int start = kBorder_px; start < left.cols - kBorder_px; start += cell_px_) {
             const cv::Rect cell(start,
                                 top,
-                                std::min(cell_px_, left_.cols - kBorder_px - start),
-                                std::min(cell_px_, left_.rows - kBorder_px - top));
+                                std::min(cell_px_, left.cols - kBorder_px - start),
+                                std::min(cell_px_, left.rows - kBorder_px - top));
             double value = 0.0;
             cv::Point at;
-            cv::minMaxLoc(cornerness(cell), nullptr, &value, nullptr, &at);
+            cv::minMaxLoc(scores(cell), nullptr, &value, nullptr, &at);
             at += cell.tl();
             if (value < threshold || !occupancy.take(at.x, at.y)) continue;
             features.push_back({next_id_++, {at.x, at.y}, 0.0});

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <opencv2/core/mat.hpp>
-#include <unordered_set>
-#include <vector>
+#include <optional>
+#include <unordered_map>
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/geometry/rectified_rig.hpp"
+#include "worker/steps/align_patch.hpp"
 #include "worker/steps/feature.hpp"
+#include "worker/tracking/corner_scores.hpp"
+#include "worker/tracking/high_pass.hpp"
 
 namespace divemesh::worker {
 
@@ -17,8 +21,12 @@ public:
     FeatureTracker(const RectifiedRig& rig, const ReconstructionOptions& options);
 
     // Finds `previous`, features of the picture before, in `left`; the camera's expected motion
-    // says where to look. A feature stays only when tracking it back ends where it began. Its
-    // disparity is what the motion lets expect, to be measured.
+    // says where to look. Each pyramid level aligns the patch around a feature with a gain and a
+    // bias of its own, so that strobes, caustics and haze may change the light from frame to frame.
+    // Its place is then where it looks as it did when first seen, so that errors do not add up from
+    // frame to frame; when it has changed too much, as it did in the picture before. It stays only
+    // when tracking it back ends where it began. Its disparity is what the motion lets expect, to
+    // be measured.
     Features track(const cv::Mat& left,
                    const Features& previous,
                    const Eigen::Isometry3d& T_cam_previous);
@@ -28,11 +36,26 @@ public:
     Features detect(const Features& present);
 
 private:
+    static constexpr int kNumLevels = 4;
+    using Pyramid = std::array<cv::Mat, kNumLevels>;  // each half as wide as the one before
+
+    struct Seen {
+        Eigen::Vector2d pixel;
+        Patch look;  // that was found there
+    };
+    Eigen::Vector2d roughly(const Eigen::Vector2d& from, const Eigen::Vector2d& guess) const;
+    std::optional<Seen> exactly(const Eigen::Vector2d& from,
+                                const Eigen::Vector2d& near,
+                                const Patch* first_look) const;
+
     RectifiedRig rig_;
     int cell_px_ = 0;
     std::int64_t next_id_ = 0;
-    std::vector<cv::Mat> pyramid_;  // of the last picture
-    cv::Mat left_;
+    Pyramid before_;
+    Pyramid now_;                                    // of the last picture
+    std::unordered_map<std::int64_t, Patch> looks_;  // of the features, when first or anew seen
+    HighPass high_pass_;
+    CornerScores corner_scores_;
 };
 
 }  // namespace divemesh::worker

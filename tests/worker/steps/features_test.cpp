@@ -24,7 +24,7 @@ TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
     const auto patch = Patch::read(before, {150.3, 100.6});
     ASSERT_TRUE(patch);
 
-    const auto found = patch->align(after, {150.3, 100.6}, false);
+    const auto found = patch->align(after, {150.3, 100.6});
 
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->pixel.x(), 151.67, 0.03);

@@ -4,7 +4,9 @@
 #include "tests/synthetic/stereo_world.hpp"
 #include "worker/steps/predict_orientation.hpp"
 #include "worker/steps/refine_pose.hpp"
+#include "worker/steps/refine_pose_by_ceres.hpp"
 #include "worker/steps/register_points.hpp"
+#include "worker/steps/register_with_turn.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -72,6 +74,34 @@ TEST(RegisterPointsTest, FindsNothingWhereNothingAgrees) {
     EXPECT_FALSE(register_points(synthetic::rig(), {}, 2.0, 1).found);
 }
 
+TEST(RegisterWithTurnTest, FindsTheMotionAmongSixtyPercentFish) {
+    synthetic::World world(1.0, 0.6, 3);
+    const PointPairs all = pairs(world, 0.2);
+    const KnownRotation turn{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+
+    const Registration motion =
+        register_with_turn(synthetic::rig(), all, turn, Eigen::Isometry3d::Identity(), 2.0, 1);
+
+    ASSERT_TRUE(motion.found);
+    EXPECT_THAT(motion.T_current_previous, IsPoseWithin(true_motion(), 0.1, 0.004));
+    std::size_t num_fish = 0;
+    for (const PointPair& pair : motion.inliers) num_fish += world.is_fish(pair.id) ? 1 : 0;
+    EXPECT_LT(num_fish, motion.inliers.size() / 15);
+}
+
+TEST(RegisterWithTurnTest, FallsBackToHornWhenTheTurnIsUnknownOrWrong) {
+    synthetic::World world(1.0, 0.3, 3);
+    const PointPairs all = pairs(world, 0.2);
+    const KnownRotation wrong{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())),
+                              1e-3};
+    for (const auto& turn : {std::optional<KnownRotation>(), std::optional(wrong)}) {
+        const Registration motion =
+            register_with_turn(synthetic::rig(), all, turn, Eigen::Isometry3d::Identity(), 2.0, 1);
+        ASSERT_TRUE(motion.found);
+        EXPECT_THAT(motion.T_current_previous, IsPoseWithin(true_motion(), 0.06, 0.003));
+    }
+}
+
 TEST(PredictOrientationTest, TakesTheInertialTurnAndTheTranslationThatGoesWithIt) {
     synthetic::World world(1.0, 0.0, 5);
     const Registration motion = register_points(synthetic::rig(), pairs(world, 0.2), 2.0, 1);
@@ -91,6 +121,22 @@ TEST(RefinePoseTest, ComesNearerToTheTruthThanRansac) {
         refine_pose(synthetic::rig(), motion.inliers, predict_orientation(std::nullopt, motion));
 
     EXPECT_THAT(refined, IsPoseWithin(true_motion(), 0.06, 0.0025));
+}
+
+TEST(RefinePoseTest, FindsWhatCeresFinds) {
+    for (const double noise_px : {0.0, 0.25}) {
+        synthetic::World world(1.0, 0.1, 7);
+        const PointPairs all = pairs(world, noise_px);
+        const Registration motion = register_points(synthetic::rig(), all, 2.0, 1);
+        const KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+        for (const auto& rotation : {std::optional<KnownRotation>(), std::optional(known)}) {
+            const MotionGuess guess = predict_orientation(rotation, motion);
+            EXPECT_THAT(
+                refine_pose(synthetic::rig(), motion.inliers, guess),
+                IsPoseWithin(
+                    refine_pose_by_ceres(synthetic::rig(), motion.inliers, guess), 0.01, 5e-4));
+        }
+    }
 }
 
 TEST(RefinePoseTest, GainsByAKnownRotation) {

@@ -49,7 +49,7 @@ Features look_for(const RectifiedRig& rig,
             continue;
         const auto patch = Patch::read(from, points[i].pixel, warp);
         if (!patch) continue;
-        const auto there = patch->align(to, rig.pixel(p_to), false);
+        const auto there = patch->align(to, rig.pixel(p_to));
         if (!there || there->correlation < kLeastCorrelation) continue;
         found.push_back({static_cast<std::int64_t>(i), there->pixel, 0.0});
     }
