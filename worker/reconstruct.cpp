@@ -114,7 +114,7 @@ Track track(Recording& recording,
             add_new_features(frame, depth, options.num_disparities_px, tracker, features);
         if (!vision.found) memory.lose_sight();
         if (keep) {
-            memory.recognise(frame, seed_of(options, frame), features, motion);
+            memory.recognise(frame, seed, features, motion);
             map.add(frame, depth, features, motion, inertial);
             memory.keep(frame, features, motion.T_world_cam());
         }
