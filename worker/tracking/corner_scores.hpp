@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/stereo/instructions.hpp"
+#include "worker/instructions.hpp"
 
 namespace divemesh::worker {
 

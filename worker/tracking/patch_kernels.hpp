@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "worker/stereo/instructions.hpp"
+#include "worker/instructions.hpp"
 
 // The inner loops of patch alignment, in integers: grey levels are read between the pixels with 6
 // fractional bits and kept with 4.
