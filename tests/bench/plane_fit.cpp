@@ -1,6 +1,7 @@
 // How far a surface that should be a plane is from one: root mean square distance of the vertices
-// of a mesh from the plane that fits them best, m. With a second argument draws the surface from
-// the side, heights ten times as large, and from above, coloured by height.
+// of a mesh from the plane that fits them best, m; and how much of that bends its long axis: the
+// same of the mean heights of slices across it. With a second argument draws the surface from the
+// side, heights ten times as large, and from above, coloured by height.
 //
 //     plane_fit mesh.ply [picture.png]
 
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -21,12 +23,13 @@ namespace divemesh::bench {
 namespace {
 
 constexpr double kPixelsPerMetre = 110.0;
+constexpr double kSlice_m = 0.1;
 constexpr double kExaggeration = 10.0;
 constexpr double kFullColour_m = 0.06;
 constexpr int kMargin_px = 20;
 constexpr int kSide_px = 180;
 
-// Coordinates along the plane's long axis, its short axis, and off it.
+// Coordinates along the plane's long axis (with world x), across it, and off it (with world z).
 std::vector<Eigen::Vector3d> in_plane(const std::vector<Eigen::Vector3f>& points) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const auto& p : points) mean += p.cast<double>() / static_cast<double>(points.size());
@@ -36,10 +39,38 @@ std::vector<Eigen::Vector3d> in_plane(const std::vector<Eigen::Vector3f>& points
         scatter += d * d.transpose();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
-    const Eigen::Matrix3d R = axes.eigenvectors().rowwise().reverse().transpose();
+    Eigen::Matrix3d R;
+    R.row(0) = axes.eigenvectors().col(2).transpose();
+    R.row(2) = axes.eigenvectors().col(0).transpose();
+    if (R(0, 0) < 0.0) R.row(0) *= -1.0;
+    if (R(2, 2) < 0.0) R.row(2) *= -1.0;
+    R.row(1) = R.row(2).cross(R.row(0));
     std::vector<Eigen::Vector3d> result;
     for (const auto& p : points) result.emplace_back(R * (p.cast<double>() - mean));
     return result;
+}
+
+double plane_rms_m(const std::vector<Eigen::Vector3d>& points) {
+    double squares = 0.0;
+    for (const auto& p : points) squares += p.z() * p.z();
+    return std::sqrt(squares / static_cast<double>(points.size()));
+}
+
+double along_rms_m(const std::vector<Eigen::Vector3d>& points) {
+    struct Slice {
+        double sum = 0.0;
+        int count = 0;
+    };
+    std::map<int, Slice> slices;
+    for (const auto& p : points) {
+        Slice& slice = slices[static_cast<int>(std::floor(p.x() / kSlice_m))];
+        slice.sum += p.z();
+        ++slice.count;
+    }
+    double squares = 0.0;
+    for (const auto& [index, slice] : slices)
+        squares += slice.sum * slice.sum / slice.count;  // a slice weighs as its vertices do
+    return std::sqrt(squares / static_cast<double>(points.size()));
 }
 
 cv::Scalar colour_of(double height_m) {
@@ -82,10 +113,9 @@ int main(int argc, char** argv) {
         return 2;
     }
     const auto points = bench::in_plane(worker::read_ply(argv[1]).vertices);
-    double squares = 0.0;
-    for (const auto& p : points) squares += p.z() * p.z();
-    const double rms_m = std::sqrt(squares / static_cast<double>(points.size()));
+    const double rms_m = bench::plane_rms_m(points);
     if (argc > 2) bench::draw(argv[2], points, rms_m);
-    std::cout << "{\"num_vertices\": " << points.size() << ", \"plane_rms_m\": " << rms_m << "}\n";
+    std::cout << "{\"num_vertices\": " << points.size() << ", \"plane_rms_m\": " << rms_m
+              << ", \"along_rms_m\": " << bench::along_rms_m(points) << "}\n";
     return 0;
 }

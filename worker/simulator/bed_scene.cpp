@@ -12,8 +12,10 @@ Scene make_bed_scene(std::uint64_t seed, int year) {
         Material::Coral,
         make_height_field({-9.0F, 9.0F, -5.0F, 5.0F}, 0.1F, [](float, float) { return 0.0F; }),
         place_at({0, 0, 0}));
-    SurveyPath path;  // all but straight along x
-    path.center_world = {0.0, -40.0, 1.5};
+    // All but straight along x, and so low that what is seen is narrow against the way: the bend of
+    // the path shows, not that of each picture.
+    SurveyPath path;
+    path.center_world = {0.0, -40.0, 1.0};
     path.semi_axis_x_m = 40.0;
     path.semi_axis_y_m = 40.0;
     path.start_angle = std::numbers::pi / 2.0 - 0.1;
