@@ -25,6 +25,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("align_imu", options.align_imu, "find time offset and rotation of the inertial unit against the cameras (window estimator)");
     visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion with hindsight (window estimator)");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
+    visit("map_step", options.map_step, "how far the picture moves between frames that are fused, share of its width; 0: keyframes alone");
     visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
     visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
@@ -62,6 +63,8 @@ void validate(const ReconstructionOptions& options) {
     require(
         options.max_depth_m == 0.0 || (options.max_depth_m >= 0.05 && options.max_depth_m <= 100.0),
         "option max_depth_m must be 0 (automatic) or 0.05 to 100 m");
+    require(options.map_step >= 0.0 && options.map_step <= 1.0,
+            "option map_step must be 0 (keyframes alone) to 1, a share of the picture's width");
     require(options.num_threads >= 0 && options.num_threads <= 1024,
             "option num_threads must be 0 (all cores) to 1024");
 }
@@ -81,10 +84,12 @@ ReconstructionOptions preset_options(std::string_view preset) {
     }
     if (preset == "fast") {
         options.num_features = 200;
+        options.map_step = 0.0;
         return options;
     }
     if (preset == "accurate") {
         options.num_features = 500;
+        options.map_step = 0.01;
         return options;
     }
     throw Error(

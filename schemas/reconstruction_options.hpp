@@ -29,8 +29,9 @@ struct ReconstructionOptions {
     bool surface = true;            // false: the trajectory alone, steps 7 and 8 left out
     // step 7, fusion
     std::string fusion = "tsdf";  // octree (the paper) | tsdf
-    double voxel_m = 0.0;         // 0: chosen from rig and range
-    double max_depth_m = 0.0;     // 0: chosen from the rig
+    double map_step = 0.02;    // of the picture, between frames that are fused; 0: keyframes alone
+    double voxel_m = 0.0;      // 0: chosen from rig and range
+    double max_depth_m = 0.0;  // 0: chosen from the rig
     // step 8, surface
     std::string mesher = "surface_nets";  // surface_nets | marching_cubes
     bool texture = true;                  // texture and mosaic

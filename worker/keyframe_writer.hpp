@@ -8,8 +8,8 @@
 
 namespace divemesh::worker {
 
-// Puts keyframes into the store, their dense depth matched beside the caller where it does not need
-// it itself. At most one keyframe waits.
+// Puts frames that are kept into the store, their dense depth matched beside the caller where it
+// does not need it itself. At most one keyframe waits.
 class KeyframeWriter {
 public:
     // The left picture of a frame, rectified; called on another thread.

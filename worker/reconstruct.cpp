@@ -14,6 +14,7 @@
 #include "worker/estimation/loops/find_loops.hpp"
 #include "worker/estimation/loops/pieces.hpp"
 #include "worker/estimation/loops/scene_memory.hpp"
+#include "worker/estimation/mapping_rule.hpp"
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/track_summary.hpp"
 #include "worker/frames_ahead.hpp"
@@ -66,8 +67,9 @@ Track track(Recording& recording,
     FeatureTracker tracker(rig, options);
     InertialPrior inertial(recording, options);
     ImuAligner aligner(recording);
-    KeyframeMap map(rig, options, inertial, writer);
+    KeyframeMap map(rig, options, inertial);
     SceneMemory memory(rig, options);
+    MappingRule mapping(rig, options.surface ? options.map_step : 0.0);
     Motion motion(rig, inertial);
     Features features;
     TrackSummary summary;
@@ -115,8 +117,13 @@ Track track(Recording& recording,
         if (!vision.found) memory.lose_sight();
         if (keep) {
             memory.recognise(frame, seed, features, motion);
-            map.add(frame, depth, features, motion, inertial);
+            map.add(frame, features, motion, inertial);
             memory.keep(frame, features, motion.T_world_cam());
+        }
+        if (keep || (vision.found && mapping.due(features))) {
+            mapping.taken(features);
+            writer.write(frame, depth);
+            result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});
         result.odometry.push_back({now_ns, T_start_cam * rig.T_imu_cam.inverse()});
@@ -140,6 +147,7 @@ OptimisedTrack optimise(const Track& track,
         track.keyframes.size() < 2) {  // the paper stops here
         result.trajectory = track.causal;
         result.keyframes = track.keyframes;
+        result.mapped = track.mapped;
         result.rig = track.rig;
         return result;
     }
@@ -168,13 +176,15 @@ OptimisedTrack optimise(const Track& track,
     lay_apart(kReach * track.statistics.median_depth_m, closed.keyframes);
     result.trajectory = follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
     result.covariances = covariances_at(adjusted.covariances, result.trajectory);
+    result.mapped =
+        posed_by(result.trajectory, closed.keyframes, closed.rig.T_imu_cam, track.mapped);
     result.keyframes = std::move(closed.keyframes);
     result.rig = closed.rig;
     return result;
 }
 
 std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
-                             const std::vector<Keyframe>& keyframes,
+                             const std::vector<Keyframe>& frames,
                              double median_depth_m,
                              const ReconstructionOptions& options,
                              const KeyframeStore& store,
@@ -182,10 +192,10 @@ std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
     auto volume = make_volume(rig, options, median_depth_m);
     Progress done;
     done.stage = "fuse";
-    done.num_frames = static_cast<std::int64_t>(keyframes.size());
-    for (const Keyframe& keyframe : keyframes) {
+    done.num_frames = static_cast<std::int64_t>(frames.size());
+    for (const Keyframe& frame : frames) {
         progress(done);
-        volume->integrate(keyframe, store.read(keyframe.frame_index));  // 7
+        volume->integrate(frame, store.read(frame.frame_index));  // 7
         ++done.frames_done;
         done.fraction =
             static_cast<double>(done.frames_done) / static_cast<double>(done.num_frames);

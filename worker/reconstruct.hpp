@@ -55,6 +55,7 @@ struct Track {
     Trajectory causal;    // every frame, as known at its time
     Trajectory odometry;  // the motion from frame to frame, chained: drifts but never jumps
     std::vector<Keyframe> keyframes;
+    std::vector<Keyframe> mapped;  // whose depth is in the store: keyframes and some between
     std::vector<Landmark> landmarks;
     std::vector<DescribedView> views;  // of the keyframes; none: no loop is looked for
     ImuAlignment imu_alignment;        // as found on the way
@@ -77,7 +78,8 @@ struct OptimiseStatistics {
 struct OptimisedTrack {
     Trajectory trajectory;  // every frame, with hindsight
     std::vector<Keyframe> keyframes;
-    RectifiedRig rig;  // its body as refined
+    std::vector<Keyframe> mapped;  // Track::mapped with hindsight
+    RectifiedRig rig;              // its body as refined
     RefinedCalibration calibration;
     CovarianceTrack covariances;  // of every frame; empty: not known
     OptimiseStatistics statistics;
@@ -95,7 +97,7 @@ OptimisedTrack optimise(const Track& track,
                         const ProgressCallback& progress);
 
 std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
-                             const std::vector<Keyframe>& keyframes,
+                             const std::vector<Keyframe>& frames,
                              double median_depth_m,
                              const ReconstructionOptions& options,
                              const KeyframeStore& store,

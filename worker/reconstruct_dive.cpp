@@ -151,7 +151,7 @@ void DiveRun::fuse() {
         volume_ = load_volume(file);
     } else {
         volume_ = worker::fuse(optimised_.rig,
-                               optimised_.keyframes,
+                               optimised_.mapped,
                                track_.statistics.median_depth_m,
                                request_.options,
                                keyframe_store_,

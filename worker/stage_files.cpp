@@ -165,6 +165,7 @@ void save_track(const std::filesystem::path& path, const std::string& key, const
     put_trajectory(file, track.causal);
     put_trajectory(file, track.odometry);
     put_keyframes(file, track.keyframes);
+    put_keyframes(file, track.mapped);
     file.put(static_cast<std::uint64_t>(track.landmarks.size()));
     for (const Landmark& landmark : track.landmarks) {
         file.put_raw(landmark.p_world);
@@ -185,6 +186,7 @@ std::optional<Track> load_track(const std::filesystem::path& path, const std::st
     track.causal = get_trajectory(*file);
     track.odometry = get_trajectory(*file);
     track.keyframes = get_keyframes(*file);
+    track.mapped = get_keyframes(*file);
     const auto num_landmarks = file->get<std::uint64_t>();
     for (std::uint64_t i = 0; i < num_landmarks && file->ok(); ++i) {
         Landmark landmark;
@@ -207,6 +209,7 @@ void save_optimised_track(const std::filesystem::path& path,
     file.put_text(key);
     put_trajectory(file, track.trajectory);
     put_keyframes(file, track.keyframes);
+    put_keyframes(file, track.mapped);
     put_rig(file, track.rig);
     put_calibration(file, track.calibration);
     put_covariances(file, track.covariances);
@@ -221,6 +224,7 @@ std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& 
     OptimisedTrack track;
     track.trajectory = get_trajectory(*file);
     track.keyframes = get_keyframes(*file);
+    track.mapped = get_keyframes(*file);
     track.rig = get_rig(*file);
     track.calibration = get_calibration(*file);
     track.covariances = get_covariances(*file);

@@ -1,6 +1,7 @@
 #include "worker/estimation/follow_keyframes.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace divemesh::worker {
 namespace {
@@ -52,6 +53,20 @@ Trajectory follow_keyframes(const Trajectory& odometry,
         }
     }
     return result;
+}
+
+std::vector<Keyframe> posed_by(const Trajectory& trajectory,
+                               const std::vector<Keyframe>& keyframes,
+                               const Eigen::Isometry3d& T_imu_cam,
+                               std::vector<Keyframe> frames) {
+    auto after = keyframes.begin();
+    for (Keyframe& frame : frames) {
+        while (after != keyframes.end() && after->timestamp_ns <= frame.timestamp_ns) ++after;
+        if (after != keyframes.begin()) frame.piece = std::prev(after)->piece;
+        frame.T_world_cam =
+            trajectory[frame_at(trajectory, frame.timestamp_ns)].T_world_imu * T_imu_cam;
+    }
+    return frames;
 }
 
 }  // namespace divemesh::worker

@@ -7,6 +7,13 @@
 
 namespace divemesh::worker {
 
+// `frames`, some of those of `trajectory`, as posed there; each belongs to the piece of the last
+// keyframe before it.
+std::vector<Keyframe> posed_by(const Trajectory& trajectory,
+                               const std::vector<Keyframe>& keyframes,
+                               const Eigen::Isometry3d& T_imu_cam,
+                               std::vector<Keyframe> frames);
+
 // The poses of all frames once those of the keyframes are known: between two keyframes a frame
 // moves as `odometry` (T_start_imu) says, and what the odometry misses from one keyframe to the
 // next is spread over the frames between by time. After the last keyframe of a piece frames go on

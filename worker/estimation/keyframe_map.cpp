@@ -10,11 +10,9 @@ constexpr double kWindowBiasSigma = 3e-4;     // rad/s, of the bias that a windo
 
 KeyframeMap::KeyframeMap(const RectifiedRig& rig,
                          const ReconstructionOptions& options,
-                         const InertialPrior& inertial,
-                         KeyframeWriter& writer)
+                         const InertialPrior& inertial)
     : rig_(rig),
       pairwise_(options.estimator == "pairwise"),
-      writer_(writer),
       rule_(rig),
       window_(rig, inertial.noise()) {}
 
@@ -28,11 +26,9 @@ bool KeyframeMap::due(const Features& features, std::int64_t timestamp_ns) {
 }
 
 void KeyframeMap::add(const RectifiedFrame& frame,
-                      const DepthMap& depth,
                       const Features& features,
                       Motion& motion,
                       InertialPrior& inertial) {
-    writer_.write(frame, depth);
     rule_.taken(features, frame.timestamp_ns);
     const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
     const std::int64_t before_ns = empty() ? frame.timestamp_ns : last_ns_;

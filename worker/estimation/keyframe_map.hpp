@@ -8,7 +8,6 @@
 #include "worker/estimation/keyframe_rule.hpp"
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/window.hpp"
-#include "worker/keyframe_writer.hpp"
 #include "worker/reconstruct.hpp"
 
 namespace divemesh::worker {
@@ -19,8 +18,7 @@ class KeyframeMap {
 public:
     KeyframeMap(const RectifiedRig& rig,
                 const ReconstructionOptions& options,
-                const InertialPrior& inertial,
-                KeyframeWriter& writer);
+                const InertialPrior& inertial);
 
     // Landmarks take the place of the points measured at t-1 (window estimator).
     void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const;
@@ -28,10 +26,9 @@ public:
     bool empty() const { return last_ns_ == kNever; }
     bool due(const Features& features, std::int64_t timestamp_ns);
 
-    // Keeps the frame: pictures and depth (empty: not matched yet) to the store; with the window
-    // estimator gives back a better pose to `motion` and a better bias to `inertial`.
+    // With the window estimator gives back a better pose to `motion` and a better bias to
+    // `inertial`.
     void add(const RectifiedFrame& frame,
-             const DepthMap& depth,
              const Features& features,
              Motion& motion,
              InertialPrior& inertial);
@@ -44,7 +41,6 @@ private:
 
     RectifiedRig rig_;
     bool pairwise_;
-    KeyframeWriter& writer_;
     KeyframeRule rule_;
     Window window_;
     std::vector<Keyframe> keyframes_;  // of the pairwise estimator

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 
+#include "worker/estimation/feature_shift.hpp"
 #include "worker/geometry/rectified_rig.hpp"
-#include "worker/steps/feature.hpp"
 
 namespace divemesh::worker {
 
@@ -24,7 +22,7 @@ private:
     bool any_ = false;
     std::int64_t timestamp_ns_ = 0;
     std::size_t num_reference_ = 0;  // that outlived the first frame; 0: not counted yet
-    std::unordered_map<std::int64_t, Eigen::Vector2d> pixels_;  // of the last keyframe, by id
+    FeatureShift shift_;
 };
 
 }  // namespace divemesh::worker

@@ -3,32 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <vector>
+
+#include "worker/disjoint_sets.hpp"
 
 namespace divemesh::worker {
 namespace {
-
-// Disjoint sets with path halving; the root is the first member.
-class Sets {
-public:
-    explicit Sets(std::size_t num) : parent_(num) {
-        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    }
-    std::size_t root(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::size_t a, std::size_t b) {
-        a = root(a);
-        b = root(b);
-        if (a < b) parent_[b] = a;
-        if (b < a) parent_[a] = b;
-    }
-
-private:
-    std::vector<std::size_t> parent_;
-};
 
 // Pixels of one row that hang together.
 struct Run {
@@ -54,7 +34,7 @@ void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
         }
         first_of_row.push_back(runs.size());
     }
-    Sets sets(runs.size());
+    DisjointSets sets(runs.size());
     for (int y = 1; y < disparity_px.rows; ++y) {
         const float* row = disparity_px.ptr<float>(y);
         const float* above = disparity_px.ptr<float>(y - 1);
@@ -74,10 +54,10 @@ void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
         }
     }
     std::vector<std::int32_t> size(runs.size(), 0);
-    for (std::size_t i = 0; i < runs.size(); ++i) size[sets.root(i)] += runs[i].end - runs[i].begin;
+    for (std::size_t i = 0; i < runs.size(); ++i) size[sets.find(i)] += runs[i].end - runs[i].begin;
     for (int y = 0; y < disparity_px.rows; ++y)
         for (std::size_t i = first_of_row[y]; i < first_of_row[y + 1]; ++i)
-            if (size[sets.root(i)] < min_pixels)
+            if (size[sets.find(i)] < min_pixels)
                 std::fill(disparity_px.ptr<float>(y) + runs[i].begin,
                           disparity_px.ptr<float>(y) + runs[i].end,
                           0.0F);

@@ -19,6 +19,7 @@ Track small_track() {
         track.causal.push_back(pose);
     }
     track.keyframes.push_back({.frame_index = 2, .timestamp_ns = 1002});
+    track.mapped = {{.frame_index = 1, .timestamp_ns = 1001}, track.keyframes[0]};
     Landmark landmark;
     landmark.p_world = Eigen::Vector3d(1.0, 2.0, 3.0);
     landmark.observations = {{.keyframe = 0, .u_px = 10.5F, .v_px = 20.5F, .disparity_px = 33.0F}};
@@ -38,6 +39,8 @@ TEST(StageFiles, ATrackSurvivesTheDisk) {
     EXPECT_EQ(read->rig.T_imu_cam.matrix(), written.rig.T_imu_cam.matrix());
     ASSERT_EQ(read->causal.size(), 3U);
     EXPECT_EQ(read->causal[2].T_world_imu.matrix(), written.causal[2].T_world_imu.matrix());
+    ASSERT_EQ(read->mapped.size(), 2U);
+    EXPECT_EQ(read->mapped[0].frame_index, 1);
     ASSERT_EQ(read->landmarks.size(), 1U);
     EXPECT_EQ(read->landmarks[0].p_world, written.landmarks[0].p_world);
     EXPECT_EQ(read->landmarks[0].observations[0].disparity_px, 33.0F);

@@ -2,30 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
+
+#include "worker/disjoint_sets.hpp"
 
 namespace divemesh::worker {
 namespace {
-
-// Sets that grow together (Tarjan 1975); the lowest member stands for its set.
-class Sets {
-public:
-    explicit Sets(std::size_t num) : parent_(num) {
-        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    }
-    std::size_t find(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::size_t a, std::size_t b) {
-        const std::size_t of_a = find(a);
-        const std::size_t of_b = find(b);
-        parent_[std::max(of_a, of_b)] = std::min(of_a, of_b);
-    }
-
-private:
-    std::vector<std::size_t> parent_;
-};
 
 struct Extent {
     double low_m = 1e300;
@@ -37,7 +18,7 @@ struct Extent {
 void number_pieces(const DriftBound& drift,
                    const std::vector<Loop>& loops,
                    std::vector<Keyframe>& keyframes) {
-    Sets tied(keyframes.size());
+    DisjointSets tied(keyframes.size());
     for (std::size_t k = 1; k < keyframes.size(); ++k)
         if (drift.follows(k)) tied.join(k - 1, k);
     for (const Loop& loop : loops) tied.join(loop.from, loop.to);
