@@ -96,17 +96,19 @@ std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
     return motion ? std::optional(*motion) : std::nullopt;
 }
 
-std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int64_t to_ns) const {
-    const auto by_ahrs = turn_by_ahrs(from_ns, to_ns);
-    if (by_ahrs && ahrs_leads_) return by_ahrs;
-    const auto gyroscope = integral(from_ns, to_ns);
-    if (!gyroscope) return by_ahrs;
-    return KnownRotation{gyroscope->q_from_to,
-                         std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
+std::optional<KnownRotation> InertialPrior::turn_from(const Eigen::Quaterniond& q_world_imu,
+                                                      std::int64_t from_ns,
+                                                      std::int64_t to_ns) const {
+    if (ahrs_leads_)
+        if (const auto q_world_next = absolute(to_ns))
+            return KnownRotation{q_world_imu.conjugate() * *q_world_next, kAhrsTurnSigma_rad};
+    return turn(from_ns, to_ns);
 }
 
-std::optional<KnownRotation> InertialPrior::turn_by_ahrs(std::int64_t from_ns,
-                                                         std::int64_t to_ns) const {
+std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int64_t to_ns) const {
+    if (const auto gyroscope = integral(from_ns, to_ns))
+        return KnownRotation{gyroscope->q_from_to,
+                             std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
     const auto from = absolute(from_ns);
     const auto to = absolute(to_ns);
     if (!from || !to) return std::nullopt;

@@ -43,6 +43,11 @@ public:
 
     // q_from_to of the body. Nothing when no sensor covers the interval.
     std::optional<KnownRotation> turn(std::int64_t from_ns, std::int64_t to_ns) const;
+    // The same; where the AHRS leads, it is the turn from where the body is thought to be to where
+    // the AHRS sees it then, so that no drift of the orientation lasts.
+    std::optional<KnownRotation> turn_from(const Eigen::Quaterniond& q_world_imu,
+                                           std::int64_t from_ns,
+                                           std::int64_t to_ns) const;
     std::optional<GyroscopeIntegral> integral(std::int64_t from_ns, std::int64_t to_ns) const;
     // Nothing without an accelerometer that feels gravity.
     std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
@@ -65,8 +70,6 @@ public:
     const ImuNoise& noise() const { return noise_; }
 
 private:
-    std::optional<KnownRotation> turn_by_ahrs(std::int64_t from_ns, std::int64_t to_ns) const;
-
     const Recording& recording_;
     std::vector<ImuSample> imu_;
     std::vector<OrientationSample> orientations_;

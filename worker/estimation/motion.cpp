@@ -21,9 +21,11 @@ void Motion::start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_c
 }
 
 std::optional<KnownRotation> Motion::turn(std::int64_t timestamp_ns) const {
-    const auto turn_imu = inertial_.turn(timestamp_ns_, timestamp_ns);
-    if (!turn_imu) return std::nullopt;
     const Eigen::Quaterniond q_imu_cam(rig_.T_imu_cam.linear());
+    const Eigen::Quaterniond q_world_cam(T_world_cam_.linear());
+    const auto turn_imu =
+        inertial_.turn_from(q_world_cam * q_imu_cam.conjugate(), timestamp_ns_, timestamp_ns);
+    if (!turn_imu) return std::nullopt;
     const Eigen::Quaterniond q_previous_current = q_imu_cam.conjugate() * turn_imu->q * q_imu_cam;
     return KnownRotation{q_previous_current.conjugate(), turn_imu->sigma_rad};
 }
