@@ -82,8 +82,10 @@ ReconstructionOptions preset_options(std::string_view preset) {
         options.fusion = "octree";
         return options;
     }
-    if (preset == "fast") {
+    if (preset == "fast") {  // a look at the day's dive: calibration as stated, no loops
         options.num_features = 200;
+        options.close_loops = false;
+        options.refine_lenses = false;
         options.map_step = 0.0;
         return options;
     }
