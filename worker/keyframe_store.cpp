@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -34,6 +35,35 @@ Stored quantise(float value, float step) {
     return static_cast<Stored>(std::clamp(scaled, 0.0F, largest));
 }
 
+std::vector<std::uint8_t> as_jpeg(const cv::Mat& picture) {
+    std::vector<std::uint8_t> jpeg;
+    cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});
+    return jpeg;
+}
+
+struct Bytes {
+    const void* data;
+    std::size_t num_bytes;
+};
+
+void write_file(const std::filesystem::path& path, std::initializer_list<Bytes> parts) {
+    std::ofstream file(path, std::ios::binary);
+    for (const Bytes& part : parts)
+        file.write(static_cast<const char*>(part.data),
+                   static_cast<std::streamsize>(part.num_bytes));
+    file.close();
+    if (!file)
+        throw Error(ErrorCode::OutOfSpace,
+                    "cannot write " + path.string() +
+                        ": free space in the scratch folder or choose another one");
+}
+
+// Empty when there is none.
+std::vector<char> read_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
 }  // namespace
 
 KeyframeStore::KeyframeStore(std::filesystem::path folder) : folder_(std::move(folder)) {
@@ -47,9 +77,9 @@ KeyframeStore KeyframeStore::rerectified(
     return store;
 }
 
-std::filesystem::path KeyframeStore::file_of(int frame_index) const {
+std::filesystem::path KeyframeStore::file_of(int frame_index, const char* extension) const {
     char name[32];
-    std::snprintf(name, sizeof name, "%08d.keyframe", frame_index);
+    std::snprintf(name, sizeof name, "%08d.%s", frame_index, extension);
     return folder_ / name;
 }
 
@@ -63,42 +93,47 @@ void KeyframeStore::write(int frame_index, const KeyframeImages& images) const {
         sigmas[i] =
             quantise<std::uint8_t>(images.depth.sigma_disparity_px.ptr<float>()[i], kSigmaStep_px);
     }
-    std::vector<std::uint8_t> jpeg;
-    cv::imencode(".jpg", images.left_color, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});
+    const std::vector<std::uint8_t> jpeg = as_jpeg(images.left_color);
 
     Header header;
     header.width_px = disparity.cols;
     header.height_px = disparity.rows;
     header.jpeg_bytes = static_cast<std::int32_t>(jpeg.size());
-    std::ofstream file(file_of(frame_index), std::ios::binary);
-    const auto put = [&](const void* data, std::size_t num_bytes) {
-        file.write(static_cast<const char*>(data), static_cast<std::streamsize>(num_bytes));
-    };
-    put(&header, sizeof header);
-    put(disparities.data(), num_pixels * sizeof(std::uint16_t));
-    put(sigmas.data(), num_pixels);
-    put(jpeg.data(), jpeg.size());
-    file.close();
-    if (!file)
-        throw Error(ErrorCode::OutOfSpace,
-                    "cannot write " + file_of(frame_index).string() +
-                        ": free space in the scratch folder or choose another one");
+    write_file(file_of(frame_index, "keyframe"),
+               {{&header, sizeof header},
+                {disparities.data(), num_pixels * sizeof(std::uint16_t)},
+                {sigmas.data(), num_pixels},
+                {jpeg.data(), jpeg.size()}});
+}
+
+void KeyframeStore::write_left(int frame_index, const cv::Mat& left) const {
+    const std::vector<std::uint8_t> jpeg = as_jpeg(left);
+    write_file(file_of(frame_index, "jpg"), {{jpeg.data(), jpeg.size()}});
+}
+
+cv::Mat KeyframeStore::read_left(int frame_index) const {
+    const std::vector<char> bytes = read_file(file_of(frame_index, "jpg"));
+    cv::Mat left;
+    if (!bytes.empty()) left = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    if (left.empty())
+        throw Error(ErrorCode::BadData,
+                    "keyframe picture damaged: " + file_of(frame_index, "jpg").string());
+    return left;
 }
 
 KeyframeImages KeyframeStore::read(int frame_index) const {
-    std::ifstream file(file_of(frame_index), std::ios::binary);
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+    const auto path = file_of(frame_index, "keyframe");
+    const std::vector<char> bytes = read_file(path);
     Header header;
     if (bytes.size() < sizeof header)
-        throw Error(ErrorCode::NotFound, "no keyframe file " + file_of(frame_index).string());
+        throw Error(ErrorCode::NotFound, "no keyframe file " + path.string());
     std::memcpy(&header, bytes.data(), sizeof header);
     const auto num_pixels =
         static_cast<std::size_t>(header.width_px) * static_cast<std::size_t>(header.height_px);
     const auto jpeg_bytes = static_cast<std::size_t>(header.jpeg_bytes);
     if (std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0 ||
         bytes.size() != sizeof header + 3 * num_pixels + jpeg_bytes)
-        throw Error(ErrorCode::BadData,
-                    "keyframe file cut short: " + file_of(frame_index).string());
+        throw Error(ErrorCode::BadData, "keyframe file cut short: " + path.string());
 
     KeyframeImages images;
     images.depth.disparity_px.create(header.height_px, header.width_px, CV_32F);

@@ -20,8 +20,12 @@ public:
     void write(int frame_index, const KeyframeImages& images) const;  // throws Error{OutOfSpace}
     KeyframeImages read(int frame_index) const;                       // throws Error{NotFound}
 
+    // The left picture alone, grey, in a file of its own; as rectified while the dive was tracked.
+    void write_left(int frame_index, const cv::Mat& left) const;
+    cv::Mat read_left(int frame_index) const;
+
 private:
-    std::filesystem::path file_of(int frame_index) const;
+    std::filesystem::path file_of(int frame_index, const char* extension) const;
 
     std::filesystem::path folder_;
     std::shared_ptr<const KeyframeRerectifier> rerectifier_;

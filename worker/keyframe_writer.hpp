@@ -8,8 +8,9 @@
 
 namespace divemesh::worker {
 
-// Puts frames that are kept into the store, their dense depth matched beside the caller where it
-// does not need it itself. At most one keyframe waits.
+// Puts what later stages will ask for of a frame into the store, beside the caller: the grey
+// picture of a keyframe, to close loops with; picture and dense depth, to make the surface. At most
+// one frame waits.
 class KeyframeWriter {
 public:
     // The left picture of a frame, rectified; called on another thread.
@@ -22,13 +23,14 @@ public:
                    Workers& workers);
 
     // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked
-    // for. Throws what the keyframe before has thrown.
-    void write(const RectifiedFrame& frame, const DepthMap& depth);
-    // Every keyframe is in the store then.
+    // for. Throws what the frame before has thrown.
+    void write(const RectifiedFrame& frame, const DepthMap& depth, bool is_keyframe);
+    // Every frame is in the store then.
     void finish() { background_.wait(); }
 
 private:
-    bool match_;
+    bool loops_;
+    bool surface_;
     LeftInColor left_in_color_;
     StereoMatcher stereo_;
     const KeyframeStore& store_;

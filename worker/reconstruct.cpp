@@ -122,7 +122,7 @@ Track track(Recording& recording,
         }
         if (keep || (vision.found && mapping.due(features))) {
             mapping.taken(features);
-            writer.write(frame, depth);
+            writer.write(frame, depth, keep);
             result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});

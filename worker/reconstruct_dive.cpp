@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <vector>
 
@@ -262,6 +263,8 @@ std::optional<MeshFigures> DiveRun::mesh_figures() const {
 
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const ProgressCallback& progress) {
+    // Its pool waits actively: more work than it takes off us with pictures of this size.
+    cv::setNumThreads(1);
     return DiveRun(request, progress).run();
 }
 

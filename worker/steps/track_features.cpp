@@ -12,10 +12,9 @@ namespace {
 
 constexpr double kBackwardError_px = 0.5;
 constexpr double kLeastCorrelation = 0.7;
-constexpr double kSameCorrelation = 0.8;    // with how a feature looked at first
-constexpr int kBorder_px = 10;              // a patch and a pixel more
-constexpr float kCornerQuality = 0.01F;     // of the best corner of the picture
-constexpr float kLeastCornerScore = 0.65F;  // (grey levels / px)^2: about the noise
+constexpr double kSameCorrelation = 0.8;  // with how a feature looked at first
+constexpr int kBorder_px = 10;            // a patch and a pixel more
+constexpr float kCornerQuality = 0.01F;   // of the best corner of the picture
 
 Eigen::Vector3d expected(const RectifiedRig& rig,
                          const Feature& feature,
@@ -127,7 +126,8 @@ Features FeatureTracker::detect(const Features& present) {
     const cv::Mat& scores = corner_scores_.of(left);
     double best = 0.0;
     cv::minMaxLoc(scores, nullptr, &best);
-    const float threshold = std::max(kLeastCornerScore, kCornerQuality * static_cast<float>(best));
+    const float threshold =
+        std::max(CornerScores::kNoise, kCornerQuality * static_cast<float>(best));
     Occupancy occupancy(left, cell_px_);
     for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
     Features features;

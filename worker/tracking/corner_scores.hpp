@@ -13,7 +13,8 @@ namespace divemesh::worker {
 // (Shi and Tomasi, "Good features to track", 1994). Keeps its buffers from picture to picture.
 class CornerScores {
 public:
-    static constexpr int kBorder_px = 3;  // score 0
+    static constexpr int kBorder_px = 3;    // score 0
+    static constexpr float kNoise = 0.65F;  // about what noise alone scores
 
     explicit CornerScores(Instructions instructions = best_instructions())
         : instructions_(instructions) {}

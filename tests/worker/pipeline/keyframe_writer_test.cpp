@@ -42,13 +42,15 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const KeyframeStore store(folder.path());
     Workers workers(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
-    for (int i = 0; i < 5; ++i) writer.write(wall(i), {});
+    for (int i = 0; i < 5; ++i) writer.write(wall(i), {}, i % 2 == 0);
     writer.finish();
     for (int i = 0; i < 5; ++i) {
         const auto read = store.read(i);
         EXPECT_NEAR(read.depth.disparity_px.at<float>(60, 100), 12.0F, 0.1F);
         EXPECT_NEAR(read.left_color.at<cv::Vec3b>(60, 100)[2], 200, 3);
     }
+    EXPECT_LT(cv::norm(store.read_left(2), wall(2).left, cv::NORM_INF), 20.0);
+    EXPECT_THROW(store.read_left(1), Error);  // no keyframe
 }
 
 TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
@@ -59,9 +61,22 @@ TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     DepthMap depth;
     depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
     depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
-    writer.write(wall(3), depth);
+    writer.write(wall(3), depth, false);
     writer.finish();
     EXPECT_NEAR(store.read(3).depth.disparity_px.at<float>(60, 100), 30.0F, 0.01F);
+}
+
+TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyPictureAlone) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    Workers workers(2);
+    ReconstructionOptions options;
+    options.surface = false;
+    KeyframeWriter writer(small_rig(), options, red_picture, store, workers);
+    writer.write(wall(0), {}, true);
+    writer.finish();
+    EXPECT_EQ(store.read_left(0).size(), cv::Size(160, 120));
+    EXPECT_THROW(store.read(0), Error);
 }
 
 TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
@@ -71,7 +86,7 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     std::filesystem::remove(gone);
     Workers workers(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
-    writer.write(wall(0), {});
+    writer.write(wall(0), {}, true);
     EXPECT_THROW(writer.finish(), Error);
 }
 

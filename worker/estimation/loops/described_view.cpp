@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
+
+#include "worker/tracking/corner_scores.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -13,9 +14,8 @@ namespace {
 constexpr std::size_t kMostPoints = 500;
 constexpr int kNumLevels = 4;
 constexpr double kLevelScale = 1.4;
-constexpr int kCell_px = 36;       // one corner in each, on every level
-constexpr int kFastThreshold = 6;  // grey levels: haze leaves little more
-constexpr int kRadius_px = 15;     // of what a descriptor sees
+constexpr int kCell_px = 36;    // one corner in each, on every level
+constexpr int kRadius_px = 15;  // of what a descriptor sees
 constexpr int kBorder_px = kRadius_px + 2;
 constexpr int kNumDirections = 64;
 
@@ -89,25 +89,22 @@ Descriptor describe(const cv::Mat& smooth, int column, int row, std::size_t turn
     return descriptor;
 }
 
-// The strongest corner of each cell.
-std::vector<cv::KeyPoint> spread_corners(const cv::Mat& image) {
-    std::vector<cv::KeyPoint> corners;
-    cv::FAST(image, corners, kFastThreshold, true);
-    const int num_columns = 1 + image.cols / kCell_px;
-    const int num_rows = 1 + image.rows / kCell_px;
-    std::vector<cv::KeyPoint> best(static_cast<std::size_t>(num_columns * num_rows));
-    for (const cv::KeyPoint& corner : corners) {
-        if (corner.pt.x < kBorder_px || corner.pt.y < kBorder_px ||
-            corner.pt.x >= static_cast<float>(image.cols - kBorder_px) ||
-            corner.pt.y >= static_cast<float>(image.rows - kBorder_px))
-            continue;
-        const int cell = static_cast<int>(corner.pt.y) / kCell_px * num_columns +
-                         static_cast<int>(corner.pt.x) / kCell_px;
-        cv::KeyPoint& strongest = best[static_cast<std::size_t>(cell)];
-        if (corner.response > strongest.response) strongest = corner;
+// The best corner of each cell.
+std::vector<cv::Point> spread_corners(const cv::Mat& scores) {
+    std::vector<cv::Point> corners;
+    for (int top = kBorder_px; top < scores.rows - kBorder_px; top += kCell_px) {
+        for (int start = kBorder_px; start < scores.cols - kBorder_px; start += kCell_px) {
+            const cv::Rect cell(start,
+                                top,
+                                std::min(kCell_px, scores.cols - kBorder_px - start),
+                                std::min(kCell_px, scores.rows - kBorder_px - top));
+            double score = 0.0;
+            cv::Point at;
+            cv::minMaxLoc(scores(cell), nullptr, &score, nullptr, &at);
+            if (score >= CornerScores::kNoise) corners.push_back(at + cell.tl());
+        }
     }
-    std::erase_if(best, [](const cv::KeyPoint& corner) { return corner.response <= 0.0F; });
-    return best;
+    return corners;
 }
 
 }  // namespace
@@ -115,27 +112,32 @@ std::vector<cv::KeyPoint> spread_corners(const cv::Mat& image) {
 DescribedView describe_view(const cv::Mat& left) {
     DescribedView view;
     cv::Mat level = left;
+    CornerScores scores;
     double scale = 1.0;
     for (int i = 0; i < kNumLevels && std::min(level.cols, level.rows) > 4 * kBorder_px; ++i) {
         cv::Mat smooth;
         cv::GaussianBlur(level, smooth, cv::Size(7, 7), 2.0);
-        for (const cv::KeyPoint& corner : spread_corners(level)) {
+        for (const cv::Point& corner : spread_corners(scores.of(level))) {
             if (view.size() == kMostPoints) break;
             DescribedPoint point;
             // Pixel centres of a level lie between those of the picture.
-            point.u_px = static_cast<float>((corner.pt.x + 0.5) * scale - 0.5);
-            point.v_px = static_cast<float>((corner.pt.y + 0.5) * scale - 0.5);
+            point.u_px = static_cast<float>((corner.x + 0.5) * scale - 0.5);
+            point.v_px = static_cast<float>((corner.y + 0.5) * scale - 0.5);
             point.scale = static_cast<float>(scale);
-            const int column = static_cast<int>(corner.pt.x);
-            const int row = static_cast<int>(corner.pt.y);
-            const std::size_t turned = direction(smooth, column, row);
+            const std::size_t turned = direction(smooth, corner.x, corner.y);
             point.direction_rad = static_cast<float>(2.0 * std::numbers::pi / kNumDirections *
                                                      static_cast<double>(turned));
-            point.descriptor = describe(smooth, column, row, turned);
+            point.descriptor = describe(smooth, corner.x, corner.y, turned);
             view.push_back(point);
         }
         scale *= kLevelScale;
-        cv::resize(left, level, {}, 1.0 / scale, 1.0 / scale, cv::INTER_AREA);
+        const cv::Mat finer = level;
+        cv::resize(finer,
+                   level,
+                   {cvRound(left.cols / scale), cvRound(left.rows / scale)},
+                   0.0,
+                   0.0,
+                   cv::INTER_LINEAR);
     }
     return view;
 }

@@ -29,9 +29,9 @@ struct DescribedPoint {
 // What a keyframe is recognised by: corners at four scales, spread over the picture, at most 500.
 using DescribedView = std::vector<DescribedPoint>;
 
-// Corners by FAST (Rosten and Drummond 2006), direction by the intensity centroid and binary tests
-// turned with it as in ORB (Rublee et al. 2011); the tests are drawn as in BRIEF (Calonder et al.
-// 2010, G II). `left` CV_8UC1. Disparities come out unknown.
+// Corners by their score (Shi and Tomasi 1994), direction by the intensity centroid and binary
+// tests turned with it as in ORB (Rublee et al. 2011); the tests are drawn as in BRIEF (Calonder et
+// al. 2010, G II). `left` CV_8UC1. Disparities come out unknown.
 DescribedView describe_view(const cv::Mat& left);
 
 }  // namespace divemesh::worker

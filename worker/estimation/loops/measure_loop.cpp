@@ -1,7 +1,6 @@
 #include "worker/estimation/loops/measure_loop.hpp"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 
 #include "worker/estimation/loops/match_views.hpp"
 
@@ -82,10 +81,8 @@ cv::Mat LoopMeter::picture(std::size_t keyframe) {
     const auto known = pictures_.find(keyframe);
     if (known != pictures_.end()) return known->second;
     if (pictures_.size() >= kMostPictures) pictures_.erase(pictures_.begin());
-    cv::Mat gray;
-    cv::cvtColor(
-        store_.read(keyframes_[keyframe].frame_index).left_color, gray, cv::COLOR_BGR2GRAY);
-    return pictures_.emplace(keyframe, gray).first->second;
+    return pictures_.emplace(keyframe, store_.read_left(keyframes_[keyframe].frame_index))
+        .first->second;
 }
 
 std::vector<KnownPoint> LoopMeter::known_points(std::size_t keyframe) const {

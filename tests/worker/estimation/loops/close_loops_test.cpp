@@ -47,7 +47,9 @@ struct Swim {
             keyframe.T_world_cam.translation().x() += drift * way_m;
             track.keyframes.push_back(keyframe);
             const KeyframeImages images = floor.look(path[k]);
-            store.write(static_cast<int>(k), images);
+            cv::Mat left;
+            cv::extractChannel(images.left_color, left, 0);
+            store.write_left(static_cast<int>(k), left);
             track.views.push_back(SeaFloor::view(path[k], images));
             for (int i = 0; i < 80; ++i)
                 start_landmark(k, 20.0 + 31.0 * (i % 10), 20.0 + 28.0 * (i / 10), kLife);
