@@ -175,7 +175,8 @@ OptimisedTrack optimise(const Track& track,
     result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
     lay_apart(kReach * track.statistics.median_depth_m, closed.keyframes);
     result.trajectory = follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
-    result.covariances = covariances_at(adjusted.covariances, result.trajectory);
+    result.covariances = covariances_at(
+        adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
     result.mapped =
         posed_by(result.trajectory, closed.keyframes, closed.rig.T_imu_cam, track.mapped);
     result.keyframes = std::move(closed.keyframes);

@@ -1,5 +1,6 @@
 #include "worker/estimation/adjustment.hpp"
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
@@ -11,7 +12,6 @@
 #include "worker/estimation/levenberg_marquardt.hpp"
 #include "worker/estimation/reduced_information.hpp"
 #include "worker/estimation/solver_progress.hpp"
-#include "worker/estimation/sparse_inverse.hpp"
 #include "worker/residuals/gyroscope_turn.hpp"
 #include "worker/residuals/inertial_motion.hpp"
 #include "worker/residuals/known_orientation.hpp"
@@ -215,28 +215,30 @@ void Adjustment::solve_dive(int max_iterations,
     callback.rethrow();
 }
 
-std::vector<StateCovariance> Adjustment::covariances(std::vector<BodyState>& states) {
+std::vector<StateCovariance> Adjustment::covariances(const std::vector<BodyState*>& states) {
     auto& own = *implementation_;
     std::vector<double*> kept;
     for (const Block& block : own.graph.blocks()) kept.push_back(block.values);
     std::vector<double*> points;
     for (Eigen::Vector3d* landmark : own.graph.landmarks())
         if (own.problem->HasParameterBlock(landmark->data())) points.push_back(landmark->data());
-    const ReducedInformation information =
-        reduced_information(*own.problem, kept, points, kHuberReprojection);
-    const auto inverse = SparseInverse::of(information.lower);
-    if (!inverse) return {};
-    const auto start = [&](const double* block) {
-        return information.start[static_cast<std::size_t>(own.graph.index_of(block))];
+    const ClusteredInformation information =
+        clustered_information(*own.problem, kept, points, kHuberReprojection);
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information.H_lower);
+    if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return {};
+    const auto covariance = [&](const double* block) -> Eigen::Matrix3d {
+        const int start = information.start[static_cast<std::size_t>(own.graph.index_of(block))];
+        if (start < 0) return Eigen::Matrix3d::Zero();
+        Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(information.H_lower.rows(), 3);
+        unit.middleRows<3>(start).setIdentity();
+        const Eigen::MatrixXd influence = factor.solve(unit);
+        return influence.transpose() *
+               (information.V_lower.selfadjointView<Eigen::Lower>() * influence);
     };
-    std::vector<StateCovariance> result(states.size());
-    for (std::size_t k = 0; k < states.size(); ++k) {
-        const int rotation = start(own.q(states[k]));
-        const int position = start(states[k].p_world_imu.data());
-        if (position >= 0) result[k].position_m2 = inverse->block(position, 3);
-        // Ceres' tangent of a quaternion is half the rotation vector.
-        if (rotation >= 0) result[k].rotation_rad2 = 4.0 * inverse->block(rotation, 3);
-    }
+    std::vector<StateCovariance> result;
+    // Ceres' tangent of a quaternion is half the rotation vector.
+    for (BodyState* state : states)
+        result.push_back({covariance(state->p_world_imu.data()), 4.0 * covariance(own.q(*state))});
     return result;
 }
 

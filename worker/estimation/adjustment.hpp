@@ -85,7 +85,7 @@ public:
     void solve_dive(int max_iterations, const ProgressCallback& progress, const Progress& at);
     // Of states that solve_dive has solved for, marginal; the cameras' noise as their residuals
     // show it. Nothing when the states are not determined.
-    std::vector<StateCovariance> covariances(std::vector<BodyState>& states);
+    std::vector<StateCovariance> covariances(const std::vector<BodyState*>& states);
 
 private:
     struct Implementation;

@@ -16,7 +16,8 @@ Eigen::Isometry3d blend(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, 
     return result;
 }
 
-// Index of the frame with this stamp.
+}  // namespace
+
 std::size_t frame_at(const Trajectory& frames, std::int64_t timestamp_ns) {
     const auto found = std::lower_bound(
         frames.begin(), frames.end(), timestamp_ns, [](const StampedPose& pose, std::int64_t time) {
@@ -24,8 +25,6 @@ std::size_t frame_at(const Trajectory& frames, std::int64_t timestamp_ns) {
         });
     return static_cast<std::size_t>(found - frames.begin());
 }
-
-}  // namespace
 
 Trajectory follow_keyframes(const Trajectory& odometry,
                             const std::vector<Keyframe>& keyframes,

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "worker/keyframe.hpp"
 #include "worker/recording.hpp"
 
 namespace divemesh::worker {
+
+// Index of the frame with this stamp.
+std::size_t frame_at(const Trajectory& frames, std::int64_t timestamp_ns);
 
 // `frames`, some of those of `trajectory`, as posed there; each belongs to the piece of the last
 // keyframe before it.

@@ -12,6 +12,10 @@ namespace {
 
 constexpr int kMaxIterations = 15;
 constexpr std::size_t kMostObservations = 400'000;
+// Baseline and focal length of a careful calibration: they are not estimated here, so what they err
+// by is added (Schmidt's consider parameters).
+constexpr double kScaleSigma = 0.001;
+constexpr std::size_t kMostCovariances = 64;  // keyframes; they change slowly between
 
 Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
@@ -44,13 +48,24 @@ double reprojection_rms_px(const RectifiedRig& rig,
 CovarianceTrack relative_to_first(Adjustment& adjustment,
                                   const std::vector<Keyframe>& keyframes,
                                   std::vector<BodyState>& states) {
-    const auto in_world = adjustment.covariances(states);
+    const std::size_t stride = 1 + (states.size() - 1) / kMostCovariances;
+    std::vector<std::size_t> chosen;
+    for (std::size_t k = 0; k + 1 < states.size(); k += stride) chosen.push_back(k);
+    chosen.push_back(states.size() - 1);
+    std::vector<BodyState*> of;
+    for (const std::size_t k : chosen) of.push_back(&states[k]);
+    const auto in_world = adjustment.covariances(of);
     const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
     CovarianceTrack track;
-    for (std::size_t k = 0; k < in_world.size(); ++k)
-        track.push_back({keyframes[k].timestamp_ns,
-                         R_world_first.transpose() * in_world[k].position_m2 * R_world_first,
-                         R_world_first.transpose() * in_world[k].rotation_rad2 * R_world_first});
+    for (std::size_t i = 0; i < in_world.size(); ++i) {
+        const Eigen::Vector3d by_scale =
+            kScaleSigma * (of[i]->p_world_imu - states.front().p_world_imu);
+        const Eigen::Matrix3d position_m2 =
+            in_world[i].position_m2 + by_scale * by_scale.transpose();
+        track.push_back({keyframes[chosen[i]].timestamp_ns,
+                         R_world_first.transpose() * position_m2 * R_world_first,
+                         R_world_first.transpose() * in_world[i].rotation_rad2 * R_world_first});
+    }
     return track;
 }
 

@@ -11,7 +11,7 @@ namespace divemesh::worker {
 
 struct AdjustedDive {
     double reprojection_rms_px = 0.0;
-    CovarianceTrack covariances;  // of the keyframes; empty when they are not determined
+    CovarianceTrack covariances;  // of keyframes all along; empty when they are not determined
 };
 
 // All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/keyframe.hpp"
 #include "worker/recording.hpp"
 
 namespace divemesh::worker {
@@ -16,8 +17,13 @@ struct PoseCovariance {
 };
 using CovarianceTrack = std::vector<PoseCovariance>;  // stamps strictly rising
 
-// Of every frame, linearly between those of the keyframes; beyond their ends as at the end. What a
-// frame adds to its keyframes is small against what they have gathered, and left out.
-CovarianceTrack covariances_at(const CovarianceTrack& keyframes, const Trajectory& frames);
+// Of every frame: linearly between those of the keyframes, beyond their ends as at the end; and
+// what the odometry that it follows them by adds. That errs by independent steps, as far as it
+// misses from one keyframe to the next, median over the dive or here, whichever is more; tied to
+// keyframes at both ends its error is a Brownian bridge.
+CovarianceTrack covariances_at(const CovarianceTrack& covariances,
+                               const Trajectory& odometry,
+                               const std::vector<Keyframe>& keyframes,
+                               const Eigen::Isometry3d& T_imu_cam);
 
 }  // namespace divemesh::worker

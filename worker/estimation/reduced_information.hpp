@@ -30,4 +30,20 @@ ReducedInformation reduced_information(ceres::Problem& problem,
                                        const std::vector<double*>& landmarks,
                                        double huber);
 
+// What an adjustment used of information about everything but the landmarks, and how far the sum of
+// what the landmarks say varies: each landmark's score counts as one draw, so however its errors
+// depend on each other from picture to picture, they are in it (Huber 1967; Liang and Zeger 1986).
+// The inertial sensors are taken to err as stated. The covariance is
+//
+//     P = H^-1 V H^-1
+struct ClusteredInformation {
+    Eigen::SparseMatrix<double> H_lower;  // J^T W J with Huber's weights
+    Eigen::SparseMatrix<double> V_lower;
+    std::vector<int> start;  // of each kept block; -1: held constant
+};
+ClusteredInformation clustered_information(ceres::Problem& problem,
+                                           const std::vector<double*>& kept,
+                                           const std::vector<double*>& landmarks,
+                                           double huber);
+
 }  // namespace divemesh::worker

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <ceres/autodiff_cost_function.h>
+#include <ceres/sized_cost_function.h>
 
 #include "worker/geometry/rectified_lens.hpp"
 #include "worker/residuals/stereo_reprojection.hpp"
@@ -21,24 +21,37 @@ struct LensReprojection {
     StereoReprojection stereo;
     Shift shift_px;
 
-    template <typename T>
-    bool operator()(const T* const q_world_imu,
-                    const T* const p_world_imu,
-                    const T* const p_world,
-                    const T* const change,
-                    T* residual) const {
-        if (!stereo(q_world_imu, p_world_imu, p_world, residual)) return false;
-        const int rows = stereo.measured_px.z() > 0.0 ? 3 : 2;
-        for (int row = 0; row < rows; ++row)
-            for (int i = 0; i < kNumChanges; ++i)
-                residual[row] += T(shift_px(row, i) / stereo.sigma_px[row]) * change[i];
+    static ceres::CostFunction* create(const LensReprojection& reprojection);
+};
+
+class LensReprojectionCost
+    : public ceres::SizedCostFunction<3, 4, 3, 3, LensReprojection::kNumChanges> {
+public:
+    explicit LensReprojectionCost(const LensReprojection& reprojection)
+        : stereo_(reprojection.stereo),
+          by_change_(reprojection.stereo.sigma_px.cwiseInverse().asDiagonal() *
+                     reprojection.shift_px) {
+        if (reprojection.stereo.measured_px.z() <= 0.0) by_change_.row(2).setZero();
+    }
+
+    bool Evaluate(double const* const* blocks, double* r, double** jacobians) const override {
+        if (!stereo_.Evaluate(blocks, r, jacobians)) return false;
+        Eigen::Map<Eigen::Vector3d>{r} +=
+            by_change_ *
+            Eigen::Map<const Eigen::Matrix<double, LensReprojection::kNumChanges, 1>>(blocks[3]);
+        if (jacobians && jacobians[3])
+            Eigen::Map<Eigen::Matrix<double, 3, LensReprojection::kNumChanges, Eigen::RowMajor>>{
+                jacobians[3]} = by_change_;
         return true;
     }
 
-    static ceres::CostFunction* create(const LensReprojection& reprojection) {
-        return new ceres::AutoDiffCostFunction<LensReprojection, 3, 4, 3, 3, kNumChanges>(
-            new LensReprojection(reprojection));
-    }
+private:
+    StereoReprojectionCost stereo_;
+    LensReprojection::Shift by_change_;
 };
+
+inline ceres::CostFunction* LensReprojection::create(const LensReprojection& reprojection) {
+    return new LensReprojectionCost(reprojection);
+}
 
 }  // namespace divemesh::worker

@@ -19,8 +19,8 @@ constexpr int kStep = 5;  // frames of 0.1 s from keyframe to keyframe
 constexpr double kDuration_s = 0.1 * kStep * kNumKeyframes;
 constexpr std::int64_t kEveryNthPoint = 5;
 
-// The way of stereo_world.hpp with features, gyroscope and accelerometer as noisy as the adjustment
-// takes them to be; no pictures.
+// The way of stereo_world.hpp with features, gyroscope, accelerometer and baseline as wrong as the
+// adjustment takes them to be; no pictures.
 class NoisyDive {
 public:
     NoisyDive() {
@@ -72,7 +72,8 @@ public:
         std::vector<Landmark> landmarks;
         for (auto& [id, landmark] : seen)
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
-        const RectifiedRig rig = synthetic::rig();
+        RectifiedRig rig = synthetic::rig();
+        rig.baseline_m *= 1.0 + 0.001 * normal(random);
         const AdjustedDive adjusted = adjust_dive(
             rig, InertialPrior(recording_, {}), keyframes, landmarks, ignore_progress, {});
         return normalised(rig, keyframes, adjusted.covariances);
@@ -108,21 +109,49 @@ TEST(PoseCovarianceTest, IsAsLargeAsTheErrorsOfAHundredRuns) {
     EXPECT_LT(mean, 3.499);
 }
 
+// Eleven frames; keyframes at the first, the sixth and the eleventh. The odometry ends up `miss_m`
+// aside from the second keyframe on, and again from the third.
+struct Followed {
+    explicit Followed(double miss_m) : odometry(11) {
+        for (std::size_t i = 0; i < odometry.size(); ++i) {
+            odometry[i].timestamp_ns = 100 * static_cast<std::int64_t>(i);
+            odometry[i].T_world_imu.translation().x() = static_cast<double>(i);
+            odometry[i].T_world_imu.translation().y() = i < 5 ? 0.0 : i < 10 ? miss_m : 2 * miss_m;
+        }
+        for (const std::int64_t i : {0, 5, 10}) {
+            Keyframe keyframe;
+            keyframe.timestamp_ns = 100 * i;
+            keyframe.T_world_cam.translation().x() = static_cast<double>(i);
+            keyframes.push_back(keyframe);
+            covariances.push_back({100 * i,
+                                   0.4 * static_cast<double>(i) * Eigen::Matrix3d::Identity(),
+                                   Eigen::Matrix3d::Identity()});
+        }
+    }
+    CovarianceTrack at_frames() const {
+        return covariances_at(covariances, odometry, keyframes, Eigen::Isometry3d::Identity());
+    }
+
+    Trajectory odometry;
+    std::vector<Keyframe> keyframes;
+    CovarianceTrack covariances;
+};
+
 TEST(PoseCovarianceTest, OfFramesLiesBetweenThoseOfTheKeyframes) {
-    const CovarianceTrack keyframes = {
-        {100, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()},
-        {200, 4.0 * Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()}};
-    Trajectory frames(4);
-    for (std::size_t i = 0; i < frames.size(); ++i)
-        frames[i].timestamp_ns = 50 + 75 * static_cast<std::int64_t>(i);
-
-    const CovarianceTrack at = covariances_at(keyframes, frames);
-
-    ASSERT_EQ(at.size(), 4U);
+    const CovarianceTrack at = Followed(0.0).at_frames();
+    ASSERT_EQ(at.size(), 11U);
     EXPECT_EQ(at[0].position_m2(0, 0), 0.0);
-    EXPECT_DOUBLE_EQ(at[1].position_m2(0, 0), 1.0);
-    EXPECT_DOUBLE_EQ(at[2].rotation_rad2(1, 1), 1.0);
-    EXPECT_DOUBLE_EQ(at[3].position_m2(2, 2), 4.0);
+    EXPECT_NEAR(at[2].position_m2(0, 0), 0.8, 1e-12);
+    EXPECT_NEAR(at[2].rotation_rad2(1, 1), 1.0, 1e-12);
+    EXPECT_NEAR(at[10].position_m2(2, 2), 4.0, 1e-12);
+}
+
+TEST(PoseCovarianceTest, FramesBetweenKeyframesErrAsTheirOdometryDoes) {
+    const CovarianceTrack at = Followed(0.3).at_frames();
+    // Per axis 0.3^2 / 3 over five steps; the median of three is below the mean.
+    const double whole = 0.03 * 3.0 / 2.366;
+    EXPECT_NEAR(at[2].position_m2(0, 0) - 0.8, 0.4 * 0.6 * whole, 1e-9);
+    EXPECT_NEAR(at[5].position_m2(0, 0), 2.0, 1e-12);
 }
 
 }  // namespace
