@@ -91,7 +91,7 @@ void draw(const std::string& file, const std::vector<Eigen::Vector3d>& points, d
         const int u = kMargin_px + static_cast<int>((p.x() - box.min().x()) * kPixelsPerMetre);
         const int side = middle - static_cast<int>(p.z() * kExaggeration * kPixelsPerMetre);
         const int above =
-            kSide_px + kMargin_px + static_cast<int>((p.y() - box.min().y()) * kPixelsPerMetre);
+            kSide_px + kMargin_px + static_cast<int>((box.max().y() - p.y()) * kPixelsPerMetre);
         if (side >= 0 && side < kSide_px) image.at<cv::Vec3b>(side, u) = cv::Vec3b(120, 70, 20);
         cv::circle(image, {u, above}, 1, colour_of(p.z()), cv::FILLED);
     }
