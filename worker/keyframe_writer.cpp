@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "worker/tracking/moving_features.hpp"
+
 namespace divemesh::worker {
 
 KeyframeWriter::KeyframeWriter(const RectifiedRig& rig,
@@ -16,14 +18,31 @@ KeyframeWriter::KeyframeWriter(const RectifiedRig& rig,
       store_(store),
       background_(workers) {}
 
-void KeyframeWriter::write(const RectifiedFrame& frame, const DepthMap& depth, bool is_keyframe) {
-    background_.run([this, frame, depth, is_keyframe] {
-        if (loops_ && is_keyframe) store_.write_left(frame.index, frame.left);
-        if (!surface_) return;
-        const bool missing = depth.disparity_px.empty();
-        store_.write(frame.index,
-                     {left_in_color_(frame.index), missing ? stereo_.match(frame) : depth});
-    });
+void KeyframeWriter::write(const RectifiedFrame& frame, const DepthMap& depth, const Seen& seen) {
+    go_on({});
+    waiting_ = Waiting{frame, depth, seen};
+}
+
+void KeyframeWriter::go_on(const Features& moving) {
+    if (!waiting_) return;
+    Features& all = waiting_->seen.moving;
+    all.insert(all.end(), moving.begin(), moving.end());
+    background_.run(
+        [this, waiting = *std::exchange(waiting_, std::nullopt)]() mutable { store(waiting); });
+}
+
+void KeyframeWriter::finish() {
+    go_on({});
+    background_.wait();
+}
+
+void KeyframeWriter::store(Waiting& waiting) {
+    const RectifiedFrame& frame = waiting.frame;
+    if (loops_ && waiting.seen.is_keyframe) store_.write_left(frame.index, frame.left);
+    if (!surface_) return;
+    if (waiting.depth.disparity_px.empty()) waiting.depth = stereo_.match(frame);
+    leave_out_moving(waiting.seen.moving, waiting.seen.scene, waiting.depth);
+    store_.write(frame.index, {left_in_color_(frame.index), waiting.depth});
 }
 
 }  // namespace divemesh::worker

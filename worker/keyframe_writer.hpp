@@ -1,16 +1,18 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "worker/background.hpp"
 #include "worker/keyframe_store.hpp"
+#include "worker/steps/feature.hpp"
 #include "worker/steps/match_stereo.hpp"
 
 namespace divemesh::worker {
 
 // Puts what later stages will ask for of a frame into the store, beside the caller: the grey
 // picture of a keyframe, to close loops with; picture and dense depth, to make the surface. At most
-// one frame waits.
+// two frames wait.
 class KeyframeWriter {
 public:
     // The left picture of a frame, rectified; called on another thread.
@@ -22,18 +24,36 @@ public:
                    const KeyframeStore& store,
                    Workers& workers);
 
+    // What the tracking saw in a frame.
+    struct Seen {
+        bool is_keyframe = false;
+        Features moving;  // by themselves: the surface is kept free of them
+        Features scene;
+    };
+
     // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked
     // for. Throws what the frame before has thrown.
-    void write(const RectifiedFrame& frame, const DepthMap& depth, bool is_keyframe);
+    // The frame waits until go_on() or finish().
+    void write(const RectifiedFrame& frame, const DepthMap& depth, const Seen& seen);
+    // The next frame showed that these moved in the one that waits.
+    void go_on(const Features& moving);
     // Every frame is in the store then.
-    void finish() { background_.wait(); }
+    void finish();
 
 private:
+    struct Waiting {
+        RectifiedFrame frame;
+        DepthMap depth;
+        Seen seen;
+    };
+    void store(Waiting& waiting);
+
     bool loops_;
     bool surface_;
     LeftInColor left_in_color_;
     StereoMatcher stereo_;
     const KeyframeStore& store_;
+    std::optional<Waiting> waiting_;
     Background background_;
 };
 

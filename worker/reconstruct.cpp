@@ -30,6 +30,7 @@
 #include "worker/steps/register_with_turn.hpp"
 #include "worker/steps/track_features.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
+#include "worker/tracking/moving_features.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -71,6 +72,7 @@ Track track(Recording& recording,
     SceneMemory memory(rig, options);
     MappingRule mapping(rig, options.surface ? options.map_step : 0.0);
     Motion motion(rig, inertial);
+    MovingFeatures moving(rig);
     Features features;
     TrackSummary summary;
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
@@ -86,9 +88,10 @@ Track track(Recording& recording,
         const auto expected = motion.expect(turn, now_ns);
 
         const DepthMap depth = pairwise ? stereo.match(frame) : DepthMap{};             // 1
-        Features tracks = tracker.track(frame.left, features, expected);                // 2
+        Features tracks = tracker.track(frame.left, moving.among(features), expected);  // 2
         match_features(frame, depth.disparity_px, options.num_disparities_px, tracks);  // 1
-        PointPairs pairs = with_depth_at_both_times(rig, features, tracks);             // 3
+        moving.take_from(tracks);
+        PointPairs pairs = with_depth_at_both_times(rig, features, tracks);  // 3
         map.use_landmarks(motion.T_world_cam(), pairs);
         const auto seed = seed_of(options, frame);
         const auto vision =  // 4
@@ -110,7 +113,12 @@ Track track(Recording& recording,
             summary.add_first_frame();
         else
             summary.add_frame(tracks, vision, guess);
+        moving.judge(pairs, vision);
+        writer.go_on(moving.before());
         features = consistent(tracks, pairs, vision);
+        if (!pairwise)
+            add_lost_features(
+                frame, T_current_previous, options.num_disparities_px, tracker, features);
         const bool keep = map.empty() || (vision.found && map.due(features, now_ns));
         if (keep || !vision.found)
             add_new_features(frame, depth, options.num_disparities_px, tracker, features);
@@ -122,7 +130,7 @@ Track track(Recording& recording,
         }
         if (keep || (vision.found && mapping.due(features))) {
             mapping.taken(features);
-            writer.write(frame, depth, keep);
+            writer.write(frame, depth, {keep, moving.now(), features});
             result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});

@@ -1,6 +1,9 @@
 #include "worker/estimation/frame_features.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <unordered_set>
+#include <utility>
 
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/refine_pose.hpp"
@@ -30,6 +33,23 @@ Features consistent(const Features& tracks, const PointPairs& pairs, const Regis
     for (const Feature& feature : tracks)
         if (!outliers.contains(feature.id)) features.push_back(feature);
     return features;
+}
+
+void add_lost_features(const RectifiedFrame& frame,
+                       const Eigen::Isometry3d& T_current_previous,
+                       int num_disparities_px,
+                       FeatureTracker& tracker,
+                       Features& features) {
+    Features found = tracker.find_lost(T_current_previous, features);
+    match_features(frame, {}, num_disparities_px, found);
+    Features all;
+    std::set_union(features.begin(),
+                   features.end(),
+                   found.begin(),
+                   found.end(),
+                   std::back_inserter(all),
+                   [](const Feature& a, const Feature& b) { return a.id < b.id; });
+    features = std::move(all);
 }
 
 void add_new_features(const RectifiedFrame& frame,

@@ -63,7 +63,8 @@ FeatureTracker::FeatureTracker(const RectifiedRig& rig, const ReconstructionOpti
     : rig_(rig),
       cell_px_(std::max(8,
                         static_cast<int>(std::sqrt(rig.width_px * rig.height_px /
-                                                   static_cast<double>(options.num_features))))) {}
+                                                   static_cast<double>(options.num_features))))),
+      lost_(rig) {}
 
 Features FeatureTracker::track(const cv::Mat& left,
                                const Features& previous,
@@ -75,16 +76,32 @@ Features FeatureTracker::track(const cv::Mat& left,
     if (before_[0].empty()) return features;
     std::unordered_map<std::int64_t, Patch> first_looks = std::move(looks_);
     looks_.clear();
-    Occupancy occupancy(left, std::max(4, cell_px_ / 4));
+    Occupancy occupancy(left, nearest_px());
     for (const Feature& feature : previous) {
         const Eigen::Vector3d guess = expected(rig_, feature, T_cam_previous);
         const Eigen::Vector2d near = roughly(feature.pixel, guess.head<2>());
         const auto known = first_looks.find(feature.id);
         const auto seen =
             exactly(feature.pixel, near, known == first_looks.end() ? nullptr : &known->second);
+        if (!seen && known != first_looks.end() && has_depth(feature))
+            lost_.lose(feature, known->second);
         if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
         features.push_back({feature.id, seen->pixel, guess.z()});
         looks_.emplace(feature.id, seen->look);
+    }
+    return features;
+}
+
+Features FeatureTracker::find_lost(const Eigen::Isometry3d& T_cam_previous,
+                                   const Features& present) {
+    Occupancy occupancy(now_[0], nearest_px());
+    for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
+    Features features;
+    for (const LostFeatures::Found& found : lost_.find(now_[0], T_cam_previous)) {
+        const Eigen::Vector2d& pixel = found.feature.pixel;
+        if (!inside(now_[0], pixel) || !occupancy.take(pixel.x(), pixel.y())) continue;
+        features.push_back(found.feature);
+        looks_.emplace(found.feature.id, found.look);
     }
     return features;
 }

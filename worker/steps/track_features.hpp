@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "worker/steps/feature.hpp"
 #include "worker/tracking/corner_scores.hpp"
 #include "worker/tracking/high_pass.hpp"
+#include "worker/tracking/lost_features.hpp"
 
 namespace divemesh::worker {
 
@@ -31,6 +33,11 @@ public:
                    const Features& previous,
                    const Eigen::Isometry3d& T_cam_previous);
 
+    // Once the motion of the last picture is known: features that were lost some pictures ago and
+    // are seen again, under their ids, where `present` has none near; their disparities are to be
+    // measured.
+    Features find_lost(const Eigen::Isometry3d& T_cam_previous, const Features& present);
+
     // New features with fresh ids where the last picture has none, spread over a grid, best corner
     // (Shi and Tomasi) of each cell.
     Features detect(const Features& present);
@@ -38,6 +45,9 @@ public:
 private:
     static constexpr int kNumLevels = 4;
     using Pyramid = std::array<cv::Mat, kNumLevels>;  // each half as wide as the one before
+
+    // Two features nearer than this are one.
+    int nearest_px() const { return std::max(4, cell_px_ / 4); }
 
     struct Seen {
         Eigen::Vector2d pixel;
@@ -54,6 +64,7 @@ private:
     Pyramid before_;
     Pyramid now_;                                    // of the last picture
     std::unordered_map<std::int64_t, Patch> looks_;  // of the features, when first or anew seen
+    LostFeatures lost_;
     HighPass high_pass_;
     CornerScores corner_scores_;
 };

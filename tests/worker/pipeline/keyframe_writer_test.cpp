@@ -42,7 +42,7 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const KeyframeStore store(folder.path());
     Workers workers(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
-    for (int i = 0; i < 5; ++i) writer.write(wall(i), {}, i % 2 == 0);
+    for (int i = 0; i < 5; ++i) writer.write(wall(i), {}, {i % 2 == 0, {}, {}});
     writer.finish();
     for (int i = 0; i < 5; ++i) {
         const auto read = store.read(i);
@@ -61,7 +61,7 @@ TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     DepthMap depth;
     depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
     depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
-    writer.write(wall(3), depth, false);
+    writer.write(wall(3), depth, {});
     writer.finish();
     EXPECT_NEAR(store.read(3).depth.disparity_px.at<float>(60, 100), 30.0F, 0.01F);
 }
@@ -73,7 +73,7 @@ TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyPictureAlone) {
     ReconstructionOptions options;
     options.surface = false;
     KeyframeWriter writer(small_rig(), options, red_picture, store, workers);
-    writer.write(wall(0), {}, true);
+    writer.write(wall(0), {}, {true, {}, {}});
     writer.finish();
     EXPECT_EQ(store.read_left(0).size(), cv::Size(160, 120));
     EXPECT_THROW(store.read(0), Error);
@@ -86,7 +86,7 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     std::filesystem::remove(gone);
     Workers workers(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, red_picture, store, workers);
-    writer.write(wall(0), {}, true);
+    writer.write(wall(0), {}, {true, {}, {}});
     EXPECT_THROW(writer.finish(), Error);
 }
 

@@ -1,0 +1,121 @@
+#include "worker/tracking/moving_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <opencv2/imgproc.hpp>
+#include <unordered_set>
+#include <utility>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kStill_px = 1.0;        // half of what makes an outlier
+constexpr double kLargestStep_px = 1.0;  // of disparity within one thing
+constexpr double kSameThing_px = 2.0;    // of its disparity from the feature's
+constexpr double kLargestShare = 0.25;   // of the picture that a fish fills
+constexpr int kRim_px = 3;               // where disparities of both sides mix
+
+bool by_id(const Feature& a, const Feature& b) { return a.id < b.id; }
+
+cv::Point pixel_of(const Feature& feature) {
+    return {static_cast<int>(std::lround(feature.pixel.x())),
+            static_cast<int>(std::lround(feature.pixel.y()))};
+}
+
+// The connected surface under a feature, 255 in a mask with a pixel of rim more on every side;
+// empty when there is none of its depth.
+cv::Mat thing_under(const Feature& feature, const cv::Mat& disparity_px) {
+    const cv::Point seed = pixel_of(feature);
+    if (!cv::Rect(0, 0, disparity_px.cols, disparity_px.rows).contains(seed) ||
+        std::abs(disparity_px.at<float>(seed) - feature.disparity_px) > kSameThing_px)
+        return {};
+    cv::Mat mask = cv::Mat::zeros(disparity_px.rows + 2, disparity_px.cols + 2, CV_8U);
+    cv::Mat disparity = disparity_px;  // FLOODFILL_MASK_ONLY leaves it as it is
+    const int num_pixels = cv::floodFill(disparity,
+                                         mask,
+                                         seed,
+                                         {},
+                                         nullptr,
+                                         cv::Scalar(kLargestStep_px),
+                                         cv::Scalar(kLargestStep_px),
+                                         4 | cv::FLOODFILL_MASK_ONLY | (255 << 8));
+    if (num_pixels > kLargestShare * static_cast<double>(disparity_px.total())) return {};
+    return mask;
+}
+
+bool holds_any(const cv::Mat& mask, const Features& features) {
+    const cv::Rect inside(0, 0, mask.cols - 2, mask.rows - 2);
+    return std::any_of(features.begin(), features.end(), [&](const Feature& feature) {
+        const cv::Point pixel = pixel_of(feature);
+        return inside.contains(pixel) && mask.at<std::uint8_t>(pixel + cv::Point(1, 1)) != 0;
+    });
+}
+
+}  // namespace
+
+Features MovingFeatures::among(const Features& scene) const {
+    Features all;
+    std::merge(scene.begin(),
+               scene.end(),
+               features_.begin(),
+               features_.end(),
+               std::back_inserter(all),
+               by_id);
+    return all;
+}
+
+void MovingFeatures::take_from(Features& tracks) {
+    previous_ = std::exchange(features_, {});
+    std::set_intersection(tracks.begin(),
+                          tracks.end(),
+                          previous_.begin(),
+                          previous_.end(),
+                          std::back_inserter(features_),
+                          by_id);
+    std::erase_if(tracks, [&](const Feature& feature) {
+        return std::binary_search(features_.begin(), features_.end(), feature, by_id);
+    });
+}
+
+void MovingFeatures::judge(const PointPairs& pairs, const Registration& motion) {
+    started_.clear();
+    if (!motion.found) return;
+    std::erase_if(features_, [&](const Feature& feature) {
+        return goes_with(motion.T_current_previous, feature);
+    });
+    std::unordered_set<std::int64_t> inliers;
+    for (const PointPair& pair : motion.inliers) inliers.insert(pair.id);
+    Features fresh;
+    for (const PointPair& pair : pairs) {
+        if (inliers.contains(pair.id)) continue;
+        fresh.push_back({pair.id, pair.current_px.head<2>(), pair.current_px.z()});
+        started_.push_back({pair.id, pair.previous_px.head<2>(), pair.previous_px.z()});
+    }
+    features_ = among(fresh);
+}
+
+bool MovingFeatures::goes_with(const Eigen::Isometry3d& T_current_previous,
+                               const Feature& feature) const {
+    const auto before = std::lower_bound(previous_.begin(), previous_.end(), feature, by_id);
+    if (before == previous_.end() || before->id != feature.id || !has_depth(*before) ||
+        !has_depth(feature))
+        return false;
+    const Eigen::Vector3d p_cam = T_current_previous * point_cam(rig_, *before);
+    return p_cam.z() > 0.0 &&
+           (project_px(rig_, p_cam) - measurement_px(feature)).norm() < kStill_px;
+}
+
+void leave_out_moving(const Features& moving, const Features& scene, DepthMap& depth) {
+    cv::Mat out = cv::Mat::zeros(depth.disparity_px.size(), CV_8U);
+    for (const Feature& feature : moving) {
+        if (!has_depth(feature)) continue;
+        const cv::Mat thing = thing_under(feature, depth.disparity_px);
+        if (thing.empty() || holds_any(thing, scene)) continue;
+        out |= thing(cv::Rect(1, 1, out.cols, out.rows));
+    }
+    cv::dilate(out, out, cv::Mat::ones(2 * kRim_px + 1, 2 * kRim_px + 1, CV_8U));
+    depth.disparity_px.setTo(0.0F, out);
+}
+
+}  // namespace divemesh::worker
