@@ -6,14 +6,13 @@
 #include <cmath>
 #include <optional>
 
+#include "worker/estimation/noise_scale.hpp"
+
 namespace divemesh::worker {
 namespace {
 
 constexpr int kLandmarkSize = 3;
-constexpr int kRows = 3;          // of a camera's residual
-constexpr double kOutlier = 5.0;  // sigmas, per row
-constexpr double kLeastScale = 1.0;
-constexpr double kMostCorrelation = 0.9;
+constexpr int kRows = 3;                          // of a camera's residual
 constexpr std::size_t kMostTriplets = 4'000'000;  // before they are summed
 
 // Sums entries of a symmetric matrix, lower triangle.
@@ -94,56 +93,6 @@ void add_landmark(Rows rows, Accumulator& sum) {
     add(rows.columns, C.transpose() * C - cross.transpose() * factor.solve(cross), sum);
 }
 
-// Mean of |psi|^2 and of div psi per row, for Huber's psi over whole residuals.
-class NoiseScale {
-public:
-    explicit NoiseScale(double huber) : huber_(huber) {}
-
-    // The next observation of a landmark; `before`: the one before it, nullptr: the first.
-    void add(const Eigen::Vector3d& r, const Eigen::Vector3d* before, int rows) {
-        const double norm = r.norm();
-        add(norm, rows);
-        if (!before || norm > kOutlier || before->norm() > kOutlier) return;
-        products_ += r.dot(*before);
-        pair_squares_ += 0.5 * (norm * norm + before->squaredNorm());
-        ++num_pairs_;
-    }
-    void end_landmark() { ++num_landmarks_; }
-
-    double scale(int num_parameters) const {
-        const double free = num_rows_ - num_parameters;
-        if (free <= 0.0 || divergence_ <= 0.0) return 1.0;
-        const double mean_slope = divergence_ / num_rows_;
-        return std::max(kLeastScale, std::sqrt(squares_ / free * repetition()) / mean_slope);
-    }
-
-private:
-    // How many times over neighbouring observations of a landmark say the same thing. What was
-    // fitted to n independent ones leaves them with a correlation of -1/n.
-    double repetition() const {
-        if (num_pairs_ == 0.0 || pair_squares_ <= 0.0) return 1.0;
-        const double length = num_pairs_ / num_landmarks_ + 1.0;
-        const double correlation =
-            std::clamp(products_ / pair_squares_ + 1.0 / length, 0.0, kMostCorrelation);
-        return (1.0 + correlation) / (1.0 - correlation);
-    }
-    void add(double norm, int rows) {
-        const double weight = norm > huber_ ? huber_ / norm : 1.0;
-        squares_ += weight * weight * norm * norm;
-        divergence_ += norm > huber_ ? (rows - 1) * weight : rows;
-        num_rows_ += rows;
-    }
-
-    double huber_;
-    double squares_ = 0.0;
-    double divergence_ = 0.0;
-    double num_rows_ = 0.0;
-    double products_ = 0.0;
-    double pair_squares_ = 0.0;
-    double num_pairs_ = 0.0;
-    double num_landmarks_ = 0.0;
-};
-
 // A solved problem, linear around its solution, its losses left out.
 struct Linearised {
     std::vector<int> start;  // of each kept block; -1: constant
@@ -167,7 +116,7 @@ struct Linearised {
     }
     bool is_outlier(int first_row) const {
         return residual(first_row).norm() >
-               kOutlier * std::sqrt(static_cast<double>(num_measured(first_row)));
+               kOutlierSigmas * std::sqrt(static_cast<double>(num_measured(first_row)));
     }
 };
 

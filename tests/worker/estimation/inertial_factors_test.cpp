@@ -37,6 +37,20 @@ struct TiltedDive {
         }
     }
 
+    // By what its cameras see and what its sensors feel.
+    WorldReference adjust(const InertialPrior& inertial) {
+        Adjustment adjustment(synthetic::rig());
+        see(adjustment, 0.1);
+        return solve(adjustment, inertial);
+    }
+
+    WorldReference solve(Adjustment& adjustment, const InertialPrior& inertial) {
+        WorldReference reference;
+        add_inertial_factors(adjustment, inertial, keyframes, states, reference);
+        adjustment.solve_dive(15, ignore_progress, {});
+        return reference;
+    }
+
     void see(Adjustment& adjustment, double noise_px) {
         const RectifiedRig rig = synthetic::rig();
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, 3);
@@ -62,11 +76,7 @@ double tilt_deg(const Eigen::Quaterniond& q) {
 TEST(InertialFactorsTest, FindTheVerticalOfATiltedWorldWithTheVelocitiesAndBiases) {
     TiltedDive dive;
     const InertialPrior inertial(dive.recording, {});
-    Adjustment adjustment(synthetic::rig());
-    dive.see(adjustment, 0.1);
-    WorldReference reference;
-    add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve_dive(15, ignore_progress, {});
+    const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_GT(tilt_deg(kTilt), 6.0);
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.4);
@@ -84,11 +94,7 @@ TEST(InertialFactorsTest, CarryOnBehindAGapInTheSamples) {
         return sample.timestamp_ns > 3'300'000'000 && sample.timestamp_ns < 3'700'000'000;
     });
     const InertialPrior inertial(dive.recording, {});
-    Adjustment adjustment(synthetic::rig());
-    dive.see(adjustment, 0.1);
-    WorldReference reference;
-    add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve_dive(15, ignore_progress, {});
+    const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.4);
 }
@@ -103,11 +109,7 @@ TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
              Eigen::Quaterniond(
                  synthetic::T_world_imu_at(seconds(keyframe.timestamp_ns)).linear())});
     const InertialPrior inertial(dive.recording, {});
-    Adjustment adjustment(synthetic::rig());
-    dive.see(adjustment, 0.1);
-    WorldReference reference;
-    add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve_dive(15, ignore_progress, {});
+    const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.1);
 }
@@ -138,9 +140,7 @@ TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndS
     }
     dive.recording.its_rig.imu_noise.reset();
     const InertialPrior inertial(dive.recording, {});
-    WorldReference reference;
-    add_inertial_factors(adjustment, inertial, dive.keyframes, dive.states, reference);
-    adjustment.solve_dive(15, ignore_progress, {});
+    const WorldReference reference = dive.solve(adjustment, inertial);
 
     EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.5);
     EXPECT_NEAR(reference.depth_offset_m, 8.0, 0.01);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kBranches = 10;
 constexpr int kSweeps = 5;
-constexpr std::size_t kMostSamples = 100'000;
+constexpr std::size_t kMostSamples = 25'000;  // some 20 for a word of the third level
 // From so many descriptors on a fourth level keeps the words short.
 constexpr std::size_t kManyDescriptors = 500'000;
 
