@@ -13,7 +13,9 @@ namespace {
 
 constexpr std::size_t kReach = 8;      // keyframes about the one before that a loop grows to
 constexpr double kMostTurn_rad = 0.7;  // between the views of a loop that is grown
-constexpr double kMostShift = 0.6;     // in depths of the view
+constexpr int kMostHalvings = 3;
+constexpr double kAligned_px = 4.0;  // off, from where patches find their place
+constexpr double kMostShift = 0.6;   // in depths of the view
 
 // Loops by geometry alone, each keyframe's at most one.
 class LoopSearch {
@@ -32,7 +34,7 @@ public:
         const Eigen::Isometry3d& T_world_cam = track_.keyframes[keyframe].T_world_cam;
         const auto near = nearest(T_world_cam, 0, drift_.first_tied(keyframe));
         if (!near) return false;
-        auto seedling = measure(*near, keyframe, T_world_cam);
+        auto seedling = measure(*near, keyframe, T_world_cam, num_halvings(*near, keyframe));
         if (seedling) grow(std::move(*seedling));
         return true;
     }
@@ -73,7 +75,7 @@ private:
         const auto near = nearest(T_world_next,
                                   known.from > kReach ? known.from - kReach : 0,
                                   std::min(known.from + kReach + 1, drift_.first_tied(next)));
-        return near ? measure(*near, next, T_world_next) : std::nullopt;
+        return near ? measure(*near, next, T_world_next, 0) : std::nullopt;
     }
 
     // Of the keyframes from `low` up to `high` the one that looks most as one at `T_world_cam`.
@@ -97,8 +99,19 @@ private:
     // `to` as seen from `from`, were it at `T_world_to`.
     std::optional<Loop> measure(std::size_t from,
                                 std::size_t to,
-                                const Eigen::Isometry3d& T_world_to) {
-        return meter_.measure(from, to, T_world_to.inverse() * track_.keyframes[from].T_world_cam);
+                                const Eigen::Isometry3d& T_world_to,
+                                int num_halvings) {
+        return meter_.measure(
+            from, to, T_world_to.inverse() * track_.keyframes[from].T_world_cam, num_halvings);
+    }
+
+    // Of the pictures, until what the track may be off is some pixels.
+    int num_halvings(std::size_t from, std::size_t to) const {
+        const double sigma_px = drift_.position_sigma_m(from, to) * track_.rig.focal_px /
+                                track_.statistics.median_depth_m;
+        int num = 0;
+        while (num < kMostHalvings && sigma_px > kAligned_px * (1 << num)) ++num;
+        return num;
     }
 
     Eigen::Isometry3d between(std::size_t a, std::size_t b) const {

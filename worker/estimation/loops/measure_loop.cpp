@@ -52,13 +52,15 @@ std::optional<Loop> LoopMeter::recognise(std::size_t from, std::size_t to, std::
 
 std::optional<Loop> LoopMeter::measure(std::size_t from,
                                        std::size_t to,
-                                       const Eigen::Isometry3d& T_to_from) {
+                                       const Eigen::Isometry3d& T_to_from,
+                                       int num_halvings) {
     const auto points_from = known_points(from);
     const auto points_to = known_points(to);
     if (points_from.empty() || points_to.empty()) return std::nullopt;
     const cv::Mat picture_from = picture(from);
     const cv::Mat picture_to = picture(to);
     Eigen::Isometry3d forward = T_to_from;
+    approach(rig_, picture_from, points_from, picture_to, num_halvings, forward);
     const auto in_to = observe_again(rig_, picture_from, points_from, picture_to, forward);
     if (!in_to) return std::nullopt;
     Eigen::Isometry3d backward = forward.inverse();

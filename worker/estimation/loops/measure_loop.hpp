@@ -26,10 +26,12 @@ public:
 
     // From nothing but what the two look like.
     std::optional<Loop> recognise(std::size_t from, std::size_t to, std::uint64_t seed);
-    // From a guess of the motion between them, to some pixels.
+    // From a guess of the motion between them, to some pixels, as they are when the pictures have
+    // been halved `num_halvings` times.
     std::optional<Loop> measure(std::size_t from,
                                 std::size_t to,
-                                const Eigen::Isometry3d& T_to_from);
+                                const Eigen::Isometry3d& T_to_from,
+                                int num_halvings = 0);
 
 private:
     struct Seen {

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "worker/steps/align_patch.hpp"
@@ -95,6 +96,33 @@ std::size_t num_cells(const RectifiedRig& rig, const Features& features) {
 }
 
 }  // namespace
+
+void approach(const RectifiedRig& rig,
+              const cv::Mat& from,
+              const std::vector<KnownPoint>& points,
+              const cv::Mat& to,
+              int num_halvings,
+              Eigen::Isometry3d& T_to_from) {
+    if (num_halvings == 0) return;
+    RectifiedRig half = rig;
+    half.width_px = (rig.width_px + 1) / 2;
+    half.height_px = (rig.height_px + 1) / 2;
+    half.focal_px = 0.5 * rig.focal_px;
+    half.cx_px = 0.5 * rig.cx_px;
+    half.cy_px = 0.5 * rig.cy_px;
+    cv::Mat half_from;
+    cv::Mat half_to;
+    cv::pyrDown(from, half_from);
+    cv::pyrDown(to, half_to);
+    std::vector<KnownPoint> half_points = points;
+    for (KnownPoint& point : half_points) point.pixel *= 0.5;
+    approach(half, half_from, half_points, half_to, num_halvings - 1, T_to_from);
+
+    const Features found = look_for(half, half_from, half_points, half_to, T_to_from);
+    if (found.size() < kFewest) return;
+    const Eigen::Isometry3d nearer = refined(half, half_points, found, T_to_from);
+    if (2 * agreeing(half, half_points, found, nearer).size() > found.size()) T_to_from = nearer;
+}
 
 std::optional<Features> observe_again(const RectifiedRig& rig,
                                       const cv::Mat& from,

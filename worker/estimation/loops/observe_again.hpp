@@ -27,4 +27,13 @@ std::optional<Features> observe_again(const RectifiedRig& rig,
                                       const cv::Mat& to,
                                       Eigen::Isometry3d& T_to_from);
 
+// Brings a guess that is some pixels off in pictures halved `num_halvings` times to some pixels off
+// in the pictures themselves. Where the pictures do not agree on a motion it stays as it is.
+void approach(const RectifiedRig& rig,
+              const cv::Mat& from,
+              const std::vector<KnownPoint>& points,
+              const cv::Mat& to,
+              int num_halvings,
+              Eigen::Isometry3d& T_to_from);
+
 }  // namespace divemesh::worker
