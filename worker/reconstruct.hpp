@@ -38,9 +38,10 @@ struct Landmark {
 };
 
 struct TrackStatistics {
-    std::int64_t num_frames = 0;          // that decoded
-    std::int64_t num_skipped_frames = 0;  // that did not
-    std::int64_t num_frames_tracked = 0;  // constrained by vision
+    std::int64_t num_frames = 0;             // that decoded
+    std::int64_t num_skipped_frames = 0;     // that did not
+    std::int64_t num_frames_tracked = 0;     // constrained by vision
+    std::int64_t num_degenerate_frames = 0;  // that saw too little, too far or on one line
     double mean_tracked_features = 0.0;
     double inlier_share = 0.0;                 // of the tracked features, after RANSAC
     double imu_vision_disagreement_deg = 0.0;  // RMS per frame of gyro against vision; 0: no IMU

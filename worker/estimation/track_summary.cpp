@@ -27,6 +27,7 @@ void TrackSummary::add_frame(const Features& features,
     num_features_ += static_cast<std::int64_t>(features.size());
     num_pairs_ += static_cast<std::int64_t>(motion.num_pairs);
     follow(features);
+    if (motion.degenerate) ++num_degenerate_;
     if (!motion.found) return;
     ++num_tracked_;
     num_inliers_ += static_cast<std::int64_t>(motion.inliers.size());
@@ -55,6 +56,7 @@ TrackStatistics TrackSummary::statistics(std::int64_t num_skipped_frames) const 
     result.num_frames = num_frames_;
     result.num_skipped_frames = num_skipped_frames;
     result.num_frames_tracked = num_tracked_;
+    result.num_degenerate_frames = num_degenerate_;
     result.mean_tracked_features =
         share(static_cast<double>(num_features_), std::max<std::int64_t>(0, num_frames_ - 1));
     result.inlier_share = share(static_cast<double>(num_inliers_), num_pairs_);

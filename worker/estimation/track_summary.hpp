@@ -27,6 +27,7 @@ private:
 
     std::int64_t num_frames_ = 0;
     std::int64_t num_tracked_ = 0;
+    std::int64_t num_degenerate_ = 0;
     std::int64_t num_features_ = 0;
     std::int64_t num_pairs_ = 0;
     std::int64_t num_inliers_ = 0;

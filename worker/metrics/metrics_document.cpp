@@ -117,6 +117,7 @@ json frames(const MetricsInput& input) {
     return {{"num_frames", track.num_frames},
             {"num_skipped_frames", track.num_skipped_frames},
             {"num_frames_tracked", track.num_frames_tracked},
+            {"num_degenerate_frames", track.num_degenerate_frames},
             {"coverage", rate(track.num_frames_tracked, static_cast<double>(track.num_frames))},
             {"num_keyframes", input.num_keyframes}};
 }

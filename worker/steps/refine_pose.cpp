@@ -1,9 +1,13 @@
 #include "worker/steps/refine_pose.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <vector>
 
 #include "worker/geometry/rotation_vector.hpp"
 
@@ -140,6 +144,26 @@ Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
         if (step.cwiseAbs().maxCoeff() < kConverged) break;
     }
     return best;
+}
+
+double least_certain_rad(const RectifiedRig& rig,
+                         const PointPairs& pairs,
+                         const MotionGuess& motion) {
+    constexpr double kUnknown_rad = std::numeric_limits<double>::infinity();
+    if (pairs.empty()) return kUnknown_rad;
+    std::vector<double> depths_m;
+    for (const PointPair& pair : pairs) depths_m.push_back(pair.p_previous.z());
+    const auto middle = depths_m.begin() + std::ssize(depths_m) / 2;
+    std::nth_element(depths_m.begin(), middle, depths_m.end());
+    Vector6d scale = Vector6d::Ones();
+    scale.tail<3>().setConstant(*middle);
+    const NormalEquations equations =
+        linearise(rig, pairs, motion.rotation, motion.T_current_previous);
+    const Matrix6d information = scale.asDiagonal() * equations.H * scale.asDiagonal();
+    const double least =
+        Eigen::SelfAdjointEigenSolver<Matrix6d>(information, Eigen::EigenvaluesOnly)
+            .eigenvalues()(0);
+    return least > 0.0 ? 1.0 / std::sqrt(least) : kUnknown_rad;
 }
 
 }  // namespace divemesh::worker

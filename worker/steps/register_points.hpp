@@ -9,7 +9,8 @@
 namespace divemesh::worker {
 
 struct Registration {
-    bool found = false;  // enough pairs agree
+    bool found = false;       // enough pairs agree, and they determine it
+    bool degenerate = false;  // enough agree, but they do not
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     double scale = 1.0;  // Horn's s over the inliers: reported, never applied
     PointPairs inliers;

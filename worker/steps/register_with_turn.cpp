@@ -15,6 +15,7 @@ namespace {
 constexpr int kMaxTries = 60;
 constexpr int kFewestTries = 10;  // one pair's noise moves the translation: some are better
 constexpr double kConfidence = 0.9999;
+constexpr double kMostUncertain_rad = 0.02;  // ten pixels: worse than going on as before
 constexpr double kMost = 0.7;  // of the pairs, that agree with a turn not to be doubted
 
 // Tries after which an inlier has been drawn with kConfidence.
@@ -102,7 +103,11 @@ Registration register_with_turn(const RectifiedRig& rig,
             if (other.inliers.size() > result.inliers.size()) result = std::move(other);
         }
     }
-    if (result.found) result.scale = horn_scale(result.inliers);
+    if (!result.found) return result;
+    result.scale = horn_scale(result.inliers);
+    const MotionGuess motion{result.T_current_previous, turn, 0.0};
+    result.degenerate = least_certain_rad(rig, result.inliers, motion) > kMostUncertain_rad;
+    result.found = !result.degenerate;
     return result;
 }
 

@@ -14,7 +14,8 @@ namespace divemesh::worker {
 // find the motion among many outliers, on planes too. `expected` (T_current_previous) is tried
 // first. Where the turn is unknown, or fewer than most pairs agree with it, the paper's Horn is
 // asked as well and the better of the two taken. The motion given back is refined over the
-// inliers by vision alone.
+// inliers by vision alone. Inliers that, with the turn where it is known, leave some part of the
+// motion open are degenerate: nothing is found.
 Registration register_with_turn(const RectifiedRig& rig,
                                 const PointPairs& pairs,
                                 const std::optional<KnownRotation>& turn,

@@ -102,6 +102,34 @@ TEST(RegisterWithTurnTest, FallsBackToHornWhenTheTurnIsUnknownOrWrong) {
     }
 }
 
+TEST(RegisterWithTurnTest, TellsWhenThePairsLeaveTheMotionOpen) {
+    synthetic::World world(1.0, 0.0, 8);
+    const RectifiedRig rig = synthetic::rig();
+    PointPairs line;  // a chain that hangs in open water
+    for (int i = 0; i < 30; ++i) {
+        const Eigen::Vector3d p_previous(0.3, -0.6 + 0.04 * i, 2.0);
+        const auto measured = [&](const Eigen::Vector3d& p_cam) {
+            const Eigen::Vector3d m =
+                project_px(rig, p_cam) +
+                0.1 * Eigen::Vector3d(world.normal(), world.normal(), world.normal());
+            return Feature{i, m.head<2>(), m.z()};
+        };
+        const Features previous = {measured(p_previous)};
+        const Features current = {measured(true_motion() * p_previous)};
+        const PointPair pair = with_depth_at_both_times(rig, previous, current)[0];
+        line.push_back(pair);
+    }
+    const KnownRotation turn{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+
+    const Registration blind = register_with_turn(rig, line, std::nullopt, true_motion(), 2.0, 1);
+    const Registration known = register_with_turn(rig, line, turn, true_motion(), 2.0, 1);
+
+    EXPECT_TRUE(blind.degenerate);
+    EXPECT_FALSE(blind.found);
+    EXPECT_FALSE(known.degenerate);
+    EXPECT_TRUE(known.found);
+}
+
 TEST(PredictOrientationTest, TakesTheInertialTurnAndTheTranslationThatGoesWithIt) {
     synthetic::World world(1.0, 0.0, 5);
     const Registration motion = register_points(synthetic::rig(), pairs(world, 0.2), 2.0, 1);
