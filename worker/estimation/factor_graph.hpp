@@ -68,7 +68,6 @@ public:
     const std::vector<Factor>& factors() const { return factors_; }
     const std::vector<StereoFactor>& observations() const { return observations_; }
     const std::vector<Eigen::Vector3d*>& landmarks() const { return landmarks_; }
-    ceres::HuberLoss& reprojection_loss() { return reprojection_loss_; }
     const ceres::HuberLoss& reprojection_loss() const { return reprojection_loss_; }
     int index_of(const double* values) const { return index_.at(values); }
     bool contains(const double* values) const { return index_.contains(values); }
