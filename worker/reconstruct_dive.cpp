@@ -134,7 +134,7 @@ void DiveRun::optimise() {
         save_optimised_track(stage_file("optimise"), key_, *stored);
     }
     optimised_ = std::move(*stored);
-    if (optimised_.calibration.lenses_applied)
+    if (request_.options.surface && optimised_.calibration.lenses_applied)
         keyframe_store_ = keyframe_store_.rerectified(std::make_shared<KeyframeRerectifier>(
             track_.rig,
             Rerectifier(dive_->rig(), track_.rig, optimised_.calibration.applied_lenses)));

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
 constexpr std::size_t kChunkFrame = 12;  // length, type, checksum
+constexpr int kPaeth = 4;                // of the filters, the commonest in photographs
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 30;
 
 struct Chunk {
@@ -42,17 +43,33 @@ int paeth(int a, int b, int c) {
     return threshold <= low ? high : inner;
 }
 
-void undo_paeth(const std::uint8_t* filtered,
-                const std::uint8_t* above,
-                int width,
-                std::uint8_t* row) {
-    int left = row[0];
-    int left_above = above[0];
-    for (int u = 1; u < width; ++u) {
+// One row being unfiltered: each pixel waits for the one to its left.
+struct PaethRow {
+    const std::uint8_t* filtered;
+    const std::uint8_t* above;
+    std::uint8_t* row;
+    int left = 0;
+    int left_above = 0;
+
+    void step(int u) {
         left = (filtered[u] + paeth(left, above[u], left_above)) & 0xff;
         left_above = above[u];
         row[u] = static_cast<std::uint8_t>(left);
     }
+};
+
+void undo_paeth(PaethRow row, int width) {
+    for (int u = 0; u < width; ++u) row.step(u);
+}
+
+// Two rows, the lower one a pixel behind: neither waits for the other.
+void undo_paeth(PaethRow upper, PaethRow lower, int width) {
+    upper.step(0);
+    for (int u = 1; u < width; ++u) {
+        upper.step(u);
+        lower.step(u - 1);
+    }
+    lower.step(width - 1);
 }
 
 // Undoes a row's filter (PNG specification 9.2); `above` is black before the first row. False for
@@ -65,7 +82,7 @@ bool unfilter(int filter,
     const auto add = [&](int u, int predicted) {
         row[u] = static_cast<std::uint8_t>(filtered[u] + predicted);
     };
-    add(0, filter == 2 || filter == 4 ? above[0] : filter == 3 ? above[0] / 2 : 0);
+    add(0, filter == 2 ? above[0] : filter == 3 ? above[0] / 2 : 0);
     switch (filter) {
         case 0:
             for (int u = 1; u < width; ++u) add(u, 0);
@@ -79,7 +96,7 @@ bool unfilter(int filter,
         case 3:
             for (int u = 1; u < width; ++u) add(u, (row[u - 1] + above[u]) / 2);
             return true;
-        case 4: undo_paeth(filtered, above, width, row); return true;
+        case kPaeth: undo_paeth(PaethRow{filtered, above, row}, width); return true;
         default: return false;
     }
 }
@@ -121,11 +138,18 @@ std::optional<cv::Mat> decode_grey_png(std::string_view bytes) {
 
     cv::Mat image(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
     const std::vector<std::uint8_t> black(static_cast<std::size_t>(width), 0);
+    const auto filtered = [&](int v) { return raw.data() + v * (width + 1); };
     for (int v = 0; v < image.rows; ++v) {
-        const std::uint8_t* filtered = raw.data() + v * (width + 1);
         const std::uint8_t* above = v == 0 ? black.data() : image.ptr<std::uint8_t>(v - 1);
-        if (!unfilter(filtered[0], filtered + 1, above, image.cols, image.ptr<std::uint8_t>(v)))
+        auto* row = image.ptr<std::uint8_t>(v);
+        if (v + 1 < image.rows && filtered(v)[0] == kPaeth && filtered(v + 1)[0] == kPaeth) {
+            undo_paeth(PaethRow{filtered(v) + 1, above, row},
+                       PaethRow{filtered(v + 1) + 1, row, image.ptr<std::uint8_t>(v + 1)},
+                       image.cols);
+            ++v;
+        } else if (!unfilter(filtered(v)[0], filtered(v) + 1, above, image.cols, row)) {
             return std::nullopt;
+        }
     }
     return image;
 }
