@@ -66,18 +66,6 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 
 #include "worker/stereo/sgm_rows.simd.hpp"
 
-void forward(const ForwardRow* rows, int num_rows) { forward_rows(rows, num_rows); }
-void backward(const BackwardRow* rows, int num_rows) { backward_rows(rows, num_rows); }
-void census(const std::uint8_t* center,
-            const std::uint8_t* const* neighbours,
-            int num,
-            std::uint8_t* plane) {
-    census_row(center, neighbours, num, plane);
-}
-void penalties(const std::uint8_t* a, const std::uint8_t* b, int num, std::uint8_t* penalty) {
-    penalty_row(a, b, num, penalty);
-}
-
 }  // namespace baseline
 
 #if defined(__x86_64__)
@@ -201,18 +189,6 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 
 #include "worker/stereo/sgm_rows.simd.hpp"
 
-void forward(const ForwardRow* rows, int num_rows) { forward_rows(rows, num_rows); }
-void backward(const BackwardRow* rows, int num_rows) { backward_rows(rows, num_rows); }
-void census(const std::uint8_t* center,
-            const std::uint8_t* const* neighbours,
-            int num,
-            std::uint8_t* plane) {
-    census_row(center, neighbours, num, plane);
-}
-void penalties(const std::uint8_t* a, const std::uint8_t* b, int num, std::uint8_t* penalty) {
-    penalty_row(a, b, num, penalty);
-}
-
 }  // namespace avx2
 #pragma GCC pop_options
 
@@ -258,18 +234,6 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 }
 
 #include "worker/stereo/sgm_rows.simd.hpp"
-
-void forward(const ForwardRow* rows, int num_rows) { forward_rows(rows, num_rows); }
-void backward(const BackwardRow* rows, int num_rows) { backward_rows(rows, num_rows); }
-void census(const std::uint8_t* center,
-            const std::uint8_t* const* neighbours,
-            int num,
-            std::uint8_t* plane) {
-    census_row(center, neighbours, num, plane);
-}
-void penalties(const std::uint8_t* a, const std::uint8_t* b, int num, std::uint8_t* penalty) {
-    penalty_row(a, b, num, penalty);
-}
 
 }  // namespace avx512
 #pragma GCC pop_options

@@ -32,7 +32,6 @@ struct VerticalPath {
 struct ForwardRow {
     int width = 0;
     int num_disparities = 0;                     // multiple of 32
-    int first_disparity_px = 0;                  // what d = 0 stands for
     const std::uint8_t* left[4] = {};            // byte planes of the census
     const std::uint8_t* right_reversed[4] = {};  // [width - 1 - x]; readable past the end
     const std::uint8_t* penalty[4] = {};  // P2 by x: from above left, above, above right, left

@@ -1,10 +1,10 @@
 // The loops of semi-global matching over vectors of bytes. Included once per instruction set by
 // sgm_kernels.cpp, after the types and operations of that set: no include guard.
 
-DIVEMESH_INLINE_BODY void census_row(const std::uint8_t* center,
-                                     const std::uint8_t* const* neighbours,
-                                     int num,
-                                     std::uint8_t* plane) {
+void census(const std::uint8_t* center,
+            const std::uint8_t* const* neighbours,
+            int num,
+            std::uint8_t* plane) {
     const int first_rest = num >= kBytes ? num : 0;
     for (int start = 0; start < first_rest; start += kBytes) {
         const int x = std::min(start, num - kBytes);  // the last vector overlaps the one before
@@ -22,10 +22,10 @@ DIVEMESH_INLINE_BODY void census_row(const std::uint8_t* center,
 }
 
 // P2 by the difference of two grey values: as it is told from an edge of the scene.
-DIVEMESH_INLINE_BODY void penalty_row(const std::uint8_t* __restrict a,
-                                      const std::uint8_t* __restrict b,
-                                      int num,
-                                      std::uint8_t* __restrict penalty) {
+void penalties(const std::uint8_t* __restrict a,
+               const std::uint8_t* __restrict b,
+               int num,
+               std::uint8_t* __restrict penalty) {
     constexpr int kHalving = 12;  // grey values that halve it
     for (int x = 0; x < num; ++x) {
         const int step = a[x] > b[x] ? a[x] - b[x] : b[x] - a[x];
@@ -59,8 +59,8 @@ DIVEMESH_INLINE_BODY void forward_pixel(const ForwardRow& row,
                                         V& left_least) {
     const int num = row.num_disparities;
     const int stride = num + kPathMargin;
-    const int num_in_image = x + 1 - row.first_disparity_px;
-    const std::ptrdiff_t reversed = row.width - 1 - x + row.first_disparity_px;
+    const int num_in_image = x + 1;
+    const std::ptrdiff_t reversed = row.width - 1 - x;
     const std::uint8_t* right[4];
     V left[4];
     for (int p = 0; p < 4; ++p) {
@@ -120,7 +120,7 @@ struct Sweep {
 
 DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x) {
     const ForwardRow& row = *sweep.row;
-    if (x + 1 < row.num_disparities + row.first_disparity_px)
+    if (x + 1 < row.num_disparities)
         forward_pixel<true>(row, x, sweep.slots, sweep.left_least);
     else
         forward_pixel<false>(row, x, sweep.slots, sweep.left_least);
@@ -129,7 +129,7 @@ DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x) {
 
 // The step from left to right waits for the pixel before it, so a second row goes along, far enough
 // behind to find the row above done.
-DIVEMESH_INLINE_BODY void forward_rows(const ForwardRow* rows, int num_rows) {
+void forward(const ForwardRow* rows, int num_rows) {
     constexpr int kLag = 2;
     Sweep sweeps[2];
     for (int r = 0; r < num_rows; ++r) {
@@ -221,7 +221,7 @@ DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x) {
     std::memcpy(row.around + 3 * x, sums + winner.d - 1, 3);
 }
 
-DIVEMESH_INLINE_BODY void backward_rows(const BackwardRow* rows, int num_rows) {
+void backward(const BackwardRow* rows, int num_rows) {
     Return sweeps[2];
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
