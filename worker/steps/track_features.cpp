@@ -148,20 +148,8 @@ Features FeatureTracker::detect(const Features& present) {
     Occupancy occupancy(left, cell_px_);
     for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
     Features features;
-    for (int top = kBorder_px; top < left.rows - kBorder_px; top += cell_px_) {
-        for (int start = kBorder_px; start < left.cols - kBorder_px; start += cell_px_) {
-            const cv::Rect cell(start,
-                                top,
-                                std::min(cell_px_, left.cols - kBorder_px - start),
-                                std::min(cell_px_, left.rows - kBorder_px - top));
-            double value = 0.0;
-            cv::Point at;
-            cv::minMaxLoc(scores(cell), nullptr, &value, nullptr, &at);
-            at += cell.tl();
-            if (value < threshold || !occupancy.take(at.x, at.y)) continue;
-            features.push_back({next_id_++, {at.x, at.y}, 0.0});
-        }
-    }
+    for (const cv::Point& at : best_of_cells(scores, threshold, kBorder_px, cell_px_))
+        if (occupancy.take(at.x, at.y)) features.push_back({next_id_++, {at.x, at.y}, 0.0});
     return features;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace divemesh::worker {
 namespace {
@@ -104,6 +105,26 @@ const cv::Mat& CornerScores::of(const cv::Mat& image) {
         (avx2 ? score_row_avx2 : score_row_baseline)(sums, image.cols, scores_.ptr<float>(middle));
     }
     return scores_;
+}
+
+std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
+                                     float least,
+                                     int border_px,
+                                     int cell_px) {
+    std::vector<cv::Point> corners;
+    for (int top = border_px; top < scores.rows - border_px; top += cell_px) {
+        for (int start = border_px; start < scores.cols - border_px; start += cell_px) {
+            const cv::Rect cell(start,
+                                top,
+                                std::min(cell_px, scores.cols - border_px - start),
+                                std::min(cell_px, scores.rows - border_px - top));
+            double score = 0.0;
+            cv::Point at;
+            cv::minMaxLoc(scores(cell), nullptr, &score, nullptr, &at);
+            if (score >= least) corners.push_back(at + cell.tl());
+        }
+    }
+    return corners;
 }
 
 }  // namespace divemesh::worker

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 #include <vector>
 
 #include "worker/instructions.hpp"
@@ -27,5 +28,12 @@ private:
     cv::Mat scores_;
     std::vector<std::int32_t> products_;  // of the last five rows, then summed by column
 };
+
+// The best pixel of each square cell between the borders, row by row, where it scores at least
+// `least`.
+std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
+                                     float least,
+                                     int border_px,
+                                     int cell_px);
 
 }  // namespace divemesh::worker

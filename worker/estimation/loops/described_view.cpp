@@ -89,24 +89,6 @@ Descriptor describe(const cv::Mat& smooth, int column, int row, std::size_t turn
     return descriptor;
 }
 
-// The best corner of each cell.
-std::vector<cv::Point> spread_corners(const cv::Mat& scores) {
-    std::vector<cv::Point> corners;
-    for (int top = kBorder_px; top < scores.rows - kBorder_px; top += kCell_px) {
-        for (int start = kBorder_px; start < scores.cols - kBorder_px; start += kCell_px) {
-            const cv::Rect cell(start,
-                                top,
-                                std::min(kCell_px, scores.cols - kBorder_px - start),
-                                std::min(kCell_px, scores.rows - kBorder_px - top));
-            double score = 0.0;
-            cv::Point at;
-            cv::minMaxLoc(scores(cell), nullptr, &score, nullptr, &at);
-            if (score >= CornerScores::kNoise) corners.push_back(at + cell.tl());
-        }
-    }
-    return corners;
-}
-
 }  // namespace
 
 DescribedView describe_view(const cv::Mat& left) {
@@ -117,7 +99,8 @@ DescribedView describe_view(const cv::Mat& left) {
     for (int i = 0; i < kNumLevels && std::min(level.cols, level.rows) > 4 * kBorder_px; ++i) {
         cv::Mat smooth;
         cv::GaussianBlur(level, smooth, cv::Size(7, 7), 2.0);
-        for (const cv::Point& corner : spread_corners(scores.of(level))) {
+        for (const cv::Point& corner :
+             best_of_cells(scores.of(level), CornerScores::kNoise, kBorder_px, kCell_px)) {
             if (view.size() == kMostPoints) break;
             DescribedPoint point;
             // Pixel centres of a level lie between those of the picture.
