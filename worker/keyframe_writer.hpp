@@ -28,7 +28,7 @@ public:
     struct Seen {
         bool is_keyframe = false;
         Features moving;  // by themselves: the surface is kept free of them
-        Features scene;
+        Features scene;   // that went with the camera's motion
     };
 
     // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked

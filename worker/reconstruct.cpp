@@ -91,7 +91,8 @@ Track track(Recording& recording,
         Features tracks = tracker.track(frame.left, moving.among(features), expected);  // 2
         match_features(frame, depth.disparity_px, options.num_disparities_px, tracks);  // 1
         moving.take_from(tracks);
-        PointPairs pairs = with_depth_at_both_times(rig, features, tracks);  // 3
+        const PointPairs measured = with_depth_at_both_times(rig, features, tracks);  // 3
+        PointPairs pairs = measured;
         map.use_landmarks(motion.T_world_cam(), pairs);
         const auto seed = seed_of(options, frame);
         const auto vision =  // 4
@@ -107,7 +108,7 @@ Track track(Recording& recording,
         if (pairwise)
             learn_bias(inertial, rig, vision, before_ns, now_ns);
         else if (options.align_imu)
-            aligner.watch(rig, vision, before_ns, now_ns, inertial);
+            aligner.watch(rig, measured, vision, before_ns, now_ns, inertial);
 
         if (map.empty())
             summary.add_first_frame();
@@ -130,7 +131,7 @@ Track track(Recording& recording,
         }
         if (keep || (vision.found && mapping.due(features))) {
             mapping.taken(features);
-            writer.write(frame, depth, {keep, moving.now(), features});
+            writer.write(frame, depth, {keep, moving.now(), gone_along(vision)});
             result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});

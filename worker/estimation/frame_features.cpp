@@ -35,6 +35,14 @@ Features consistent(const Features& tracks, const PointPairs& pairs, const Regis
     return features;
 }
 
+Features gone_along(const Registration& motion) {
+    Features features;
+    if (!motion.found) return features;
+    for (const PointPair& pair : motion.inliers)
+        features.push_back({pair.id, pair.current_px.head<2>(), pair.current_px.z()});
+    return features;
+}
+
 void add_lost_features(const RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,
                        int num_disparities_px,

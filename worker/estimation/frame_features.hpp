@@ -24,6 +24,9 @@ Eigen::Isometry3d first_pose(const InertialPrior& inertial,
 // The tracks without what moves by itself: fish and snow.
 Features consistent(const Features& tracks, const PointPairs& pairs, const Registration& motion);
 
+// Those that went with the camera's motion, as they are now.
+Features gone_along(const Registration& motion);
+
 // Those that the tracker had lost and finds again now that the motion is known.
 void add_lost_features(const RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,

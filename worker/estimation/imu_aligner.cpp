@@ -1,5 +1,8 @@
 #include "worker/estimation/imu_aligner.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "worker/steps/refine_pose.hpp"
 
 namespace divemesh::worker {
@@ -9,17 +12,30 @@ constexpr std::int64_t kShortest_ns = 2'000'000'000;
 constexpr std::size_t kMostTurns = 600;
 constexpr std::size_t kFewestPairs = 30;
 
+// As measured. Ids rise in both.
+PointPairs inliers_of(const PointPairs& measured, const Registration& vision) {
+    PointPairs inliers;
+    std::set_intersection(measured.begin(),
+                          measured.end(),
+                          vision.inliers.begin(),
+                          vision.inliers.end(),
+                          std::back_inserter(inliers),
+                          [](const PointPair& a, const PointPair& b) { return a.id < b.id; });
+    return inliers;
+}
+
 }  // namespace
 
 void ImuAligner::watch(const RectifiedRig& rig,
+                       const PointPairs& measured,
                        const Registration& vision,
                        std::int64_t before_ns,
                        std::int64_t now_ns,
                        InertialPrior& inertial) {
     if (!inertial.has_gyroscope() || turns_.size() >= kMostTurns) return;
     if (!vision.found || vision.inliers.size() < kFewestPairs) return;
-    const Eigen::Isometry3d T_current_previous =
-        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
+    const Eigen::Isometry3d T_current_previous = refine_pose(
+        rig, inliers_of(measured, vision), {vision.T_current_previous, std::nullopt, 0.0});
     const Eigen::Quaterniond q_body_cam(rig.T_imu_cam.linear());
     const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
     turns_.push_back({before_ns, now_ns, q_body_cam * q_previous_current * q_body_cam.conjugate()});

@@ -17,9 +17,13 @@ class ImuAligner {
 public:
     explicit ImuAligner(const Recording& recording) : samples_(recording.imu()) {}
 
-    // `vision` saw the camera move over the interval. Changes `inertial` when the turns so far say
-    // so: after two seconds, and whenever there are half as many turns again.
+    // `vision` saw the camera move over the interval; of `measured`, pairs as the two frames alone
+    // have them, its inliers count. (Landmarks will not do for that: the window places them with
+    // the very gyroscope that is judged here, and an error of it would confirm itself.) Changes
+    // `inertial` when the turns so far say so: after two seconds, and whenever there are half as
+    // many turns again.
     void watch(const RectifiedRig& rig,
+               const PointPairs& measured,
                const Registration& vision,
                std::int64_t before_ns,
                std::int64_t now_ns,

@@ -107,11 +107,15 @@ bool MovingFeatures::goes_with(const Eigen::Isometry3d& T_current_previous,
 }
 
 void leave_out_moving(const Features& moving, const Features& scene, DepthMap& depth) {
+    std::unordered_set<std::int64_t> moving_ids;
+    for (const Feature& feature : moving) moving_ids.insert(feature.id);
+    Features still = scene;
+    std::erase_if(still, [&](const Feature& feature) { return moving_ids.contains(feature.id); });
     cv::Mat out = cv::Mat::zeros(depth.disparity_px.size(), CV_8U);
     for (const Feature& feature : moving) {
         if (!has_depth(feature)) continue;
         const cv::Mat thing = thing_under(feature, depth.disparity_px);
-        if (thing.empty() || holds_any(thing, scene)) continue;
+        if (thing.empty() || holds_any(thing, still)) continue;
         out |= thing(cv::Rect(1, 1, out.cols, out.rows));
     }
     cv::dilate(out, out, cv::Mat::ones(2 * kRim_px + 1, 2 * kRim_px + 1, CV_8U));

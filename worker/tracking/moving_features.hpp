@@ -39,7 +39,7 @@ private:
 };
 
 // Takes out of the depth the patches of surface that lie under moving features and under none of
-// the scene.
+// the scene: features that went along with the camera, and are not among the moving ones.
 void leave_out_moving(const Features& moving, const Features& scene, DepthMap& depth);
 
 }  // namespace divemesh::worker

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "tests/synthetic/altered_recording.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/metrics/pieces.hpp"
@@ -15,39 +16,16 @@
 namespace divemesh::worker {
 namespace {
 
-// A dive in which the pictures between two times are blank, as in a cloud of silt.
-class BlankedDive : public Recording {
-public:
-    BlankedDive(Recording& dive, double from_s, double to_s)
-        : dive_(dive), from_s_(from_s), to_s_(to_s) {}
-
-    const Rig& rig() const override { return dive_.rig(); }
-    int num_frames() const override { return dive_.num_frames(); }
-    const std::vector<ImuSample>& imu() const override { return dive_.imu(); }
-    const std::vector<OrientationSample>& ahrs() const override { return dive_.ahrs(); }
-    const std::vector<PressureSample>& pressure() const override { return dive_.pressure(); }
-    cv::Mat left_in_color(int frame_index) const override {
-        return dive_.left_in_color(frame_index);
-    }
-    void rewind() override { dive_.rewind(); }
-    std::int64_t num_skipped_frames() const override { return dive_.num_skipped_frames(); }
-    std::optional<StereoFrame> next_frame() override {
-        auto frame = dive_.next_frame();
-        if (!frame) return frame;
-        if (first_ns_ < 0) first_ns_ = frame->timestamp_ns;
-        const double time_s = 1e-9 * static_cast<double>(frame->timestamp_ns - first_ns_);
-        if (time_s < from_s_ || time_s >= to_s_) return frame;
-        frame->left = cv::Mat(frame->left.size(), frame->left.type(), cv::mean(frame->left));
-        frame->right = cv::Mat(frame->right.size(), frame->right.type(), cv::mean(frame->right));
-        return frame;
-    }
-
-private:
-    Recording& dive_;
-    double from_s_;
-    double to_s_;
-    std::int64_t first_ns_ = -1;
-};
+// The pictures between two times are blank, as in a cloud of silt.
+synthetic::AlteredRecording::Alter blank(double from_s, double to_s) {
+    return [=, first_ns = std::optional<std::int64_t>()](StereoFrame& frame) mutable {
+        if (!first_ns) first_ns = frame.timestamp_ns;
+        const double time_s = 1e-9 * static_cast<double>(frame.timestamp_ns - *first_ns);
+        if (time_s < from_s || time_s >= to_s) return;
+        frame.left = cv::Mat(frame.left.size(), frame.left.type(), cv::mean(frame.left));
+        frame.right = cv::Mat(frame.right.size(), frame.right.type(), cv::mean(frame.right));
+    };
+}
 
 // Twice round the same small lap.
 class LostSightTest : public testing::Test {
@@ -65,7 +43,7 @@ protected:
     static void TearDownTestSuite() { folder_.reset(); }
 
     OptimisedTrack swim(double from_s, double to_s, const nlohmann::json& overrides) {
-        BlankedDive blanked(*dive_, from_s, to_s);
+        synthetic::AlteredRecording blanked(*dive_, blank(from_s, to_s));
         nlohmann::json all = overrides;
         all["surface"] = false;
         const ReconstructionOptions options = make_options("standard", all);

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "worker/recording.hpp"
+
+namespace divemesh::synthetic {
+
+// A recording of which every pair is altered before it is seen.
+class AlteredRecording : public worker::Recording {
+public:
+    using Alter = std::function<void(worker::StereoFrame&)>;
+
+    AlteredRecording(worker::Recording& recording, Alter alter)
+        : recording_(recording), alter_(std::move(alter)) {}
+
+    const worker::Rig& rig() const override { return recording_.rig(); }
+    int num_frames() const override { return recording_.num_frames(); }
+    const std::vector<worker::ImuSample>& imu() const override { return recording_.imu(); }
+    const std::vector<worker::OrientationSample>& ahrs() const override {
+        return recording_.ahrs();
+    }
+    const std::vector<worker::PressureSample>& pressure() const override {
+        return recording_.pressure();
+    }
+    cv::Mat left_in_color(int frame_index) const override {
+        return recording_.left_in_color(frame_index);
+    }
+    void rewind() override { recording_.rewind(); }
+    std::int64_t num_skipped_frames() const override { return recording_.num_skipped_frames(); }
+    std::optional<worker::StereoFrame> next_frame() override {
+        auto frame = recording_.next_frame();
+        if (frame) alter_(*frame);
+        return frame;
+    }
+
+private:
+    worker::Recording& recording_;
+    Alter alter_;
+};
+
+}  // namespace divemesh::synthetic
