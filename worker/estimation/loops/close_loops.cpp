@@ -6,12 +6,17 @@
 
 #include "worker/estimation/loops/adjust_poses.hpp"
 #include "worker/estimation/loops/pieces.hpp"
+#include "worker/estimation/loops/strongest_loops.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 // Further off than this, the adjustment of the whole dive may not find back by itself.
 constexpr double kBasin_px = 10.0;
+// Loops whose landmarks are fused. Each couples keyframes that are far apart in time, and what a
+// sparse factorisation of the whole dive costs grows with the cube of such couplings where laps lie
+// on each other; so many hold the dive together as well as all of them.
+constexpr std::size_t kMostFused = 128;
 
 // How far off the landmarks seen again are, median over the worst loop.
 double worst_error_px(const RectifiedRig& rig,
@@ -39,10 +44,12 @@ double worst_error_px(const RectifiedRig& rig,
 }
 
 // Every landmark once in every keyframe.
-void fuse_landmarks(const std::vector<Loop>& loops, std::vector<Landmark>& landmarks) {
+void fuse_landmarks(const std::vector<Loop>& loops,
+                    const DriftBound& drift,
+                    std::vector<Landmark>& landmarks) {
     std::set<std::pair<std::size_t, std::int32_t>> added;
-    for (const Loop& loop : loops)
-        for (const Reobservation& again : loop.reobservations)
+    for (const std::size_t i : strongest_loops(loops, drift, kMostFused))
+        for (const Reobservation& again : loops[i].reobservations)
             if (added.insert({again.landmark, again.seen.keyframe}).second)
                 landmarks[again.landmark].observations.push_back(again.seen);
 }
@@ -57,7 +64,7 @@ void close_loops(const RectifiedRig& rig,
     number_pieces(drift, loops, keyframes);
     if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
         adjust_poses(loops, drift, keyframes, landmarks);
-    fuse_landmarks(loops, landmarks);
+    fuse_landmarks(loops, drift, landmarks);
 }
 
 }  // namespace divemesh::worker

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "worker/estimation/loops/largest_clique.hpp"
+#include "worker/estimation/loops/strongest_loops.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -52,20 +53,6 @@ private:
     const DriftBound& drift_;
 };
 
-// Of every run of neighbours the one that sees most again, so that no more than kMostInClique are
-// left.
-std::vector<std::size_t> strongest(const std::vector<Loop>& loops) {
-    const std::size_t run = 1 + (loops.size() - 1) / kMostInClique;
-    std::vector<std::size_t> result;
-    for (std::size_t first = 0; first < loops.size(); first += run) {
-        std::size_t best = first;
-        for (std::size_t i = first; i < std::min(loops.size(), first + run); ++i)
-            if (loops[i].reobservations.size() > loops[best].reobservations.size()) best = i;
-        result.push_back(best);
-    }
-    return result;
-}
-
 // Pieces of the track that are held together by too few loops.
 void drop_weak_joints(const std::vector<Loop>& loops,
                       const DriftBound& drift,
@@ -88,7 +75,7 @@ std::vector<std::size_t> consistent_loops(const std::vector<Loop>& loops,
                                           const DriftBound& drift) {
     if (loops.empty()) return {};
     const Consistency consistency(loops, keyframes, drift);
-    const std::vector<std::size_t> searched = strongest(loops);
+    const std::vector<std::size_t> searched = strongest_loops(loops, drift, kMostInClique);
     std::vector<std::vector<bool>> joined(searched.size(),
                                           std::vector<bool>(searched.size(), false));
     for (std::size_t i = 0; i < searched.size(); ++i)

@@ -71,12 +71,14 @@ private:
 std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
                                            const std::vector<Keyframe>& keyframes,
                                            const std::vector<DescribedView>& views,
-                                           const DriftBound& drift) {
+                                           const DriftBound& drift,
+                                           const std::vector<bool>& wanted) {
     if (views.size() != keyframes.size()) return {};
     const PlaceIndex index(views);
     const Gate gate(rig, keyframes, views, drift);
     std::vector<LoopCandidate> candidates;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
+        if (!wanted[k]) continue;
         const std::vector<float> likeness = index.likeness(k);
         std::vector<std::size_t> possible;
         for (std::size_t i = 0; i < drift.first_tied(k); ++i)

@@ -14,12 +14,13 @@ struct LoopCandidate {
     std::size_t to = 0;
 };
 
-// For every keyframe the few earlier ones that look most like it, among those that the track does
-// not tie to it anyway and that, as far as the track may have drifted, may show the same place.
-// None without views.
+// For every keyframe that is `wanted` the few earlier ones that look most like it, among those that
+// the track does not tie to it anyway and that, as far as the track may have drifted, may show the
+// same place. None without views.
 std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
                                            const std::vector<Keyframe>& keyframes,
                                            const std::vector<DescribedView>& views,
-                                           const DriftBound& drift);
+                                           const DriftBound& drift,
+                                           const std::vector<bool>& wanted);
 
 }  // namespace divemesh::worker

@@ -16,17 +16,28 @@ constexpr double kMostTurn_rad = 0.7;  // between the views of a loop that is gr
 constexpr int kMostHalvings = 3;
 constexpr double kAligned_px = 4.0;  // off, from where patches find their place
 constexpr double kMostShift = 0.6;   // in depths of the view
+// Loops looked for in a dive, evenly over it: each costs two pictures, and what more of them say is
+// soon the same again.
+constexpr std::size_t kMostLoops = 400;
 
-// Loops by geometry alone, each keyframe's at most one.
+// Loops by geometry alone, each keyframe's at most one, and in a long dive one of several
+// neighbours'.
 class LoopSearch {
 public:
     LoopSearch(const Track& track, const KeyframeStore& store, const DriftBound& drift)
         : track_(track),
           drift_(drift),
           meter_(track.rig, track.keyframes, track.landmarks, track.views, store),
+          spacing_(1 + track.keyframes.size() / (kMostLoops + 1)),
           loop_of_(track.keyframes.size()) {}
 
-    bool has_loop(std::size_t keyframe) const { return loop_of_[keyframe].has_value(); }
+    // By a loop of its own or of a near neighbour.
+    bool is_tied(std::size_t keyframe) const {
+        const std::size_t end = std::min(keyframe + spacing_, loop_of_.size());
+        for (std::size_t i = keyframe + 1 - std::min(keyframe + 1, spacing_); i < end; ++i)
+            if (loop_of_[i]) return true;
+        return false;
+    }
 
     // Where the track lies on an earlier part of itself, to some pixels, it takes no recognition.
     // False: nothing to look at.
@@ -58,8 +69,8 @@ private:
         while (!edge.empty()) {
             const Loop& known = *loop_of_[edge.front()];
             edge.pop_front();
-            for (const std::size_t next : {known.to + 1, known.to - 1}) {
-                if (next >= loop_of_.size() || has_loop(next)) continue;
+            for (const std::size_t next : {known.to + spacing_, known.to - spacing_}) {
+                if (next >= loop_of_.size() || is_tied(next)) continue;
                 auto loop = measure_next(known, next);
                 if (!loop) continue;
                 edge.push_back(next);
@@ -72,9 +83,10 @@ private:
     std::optional<Loop> measure_next(const Loop& known, std::size_t next) {
         const Eigen::Isometry3d T_world_next =
             track_.keyframes[known.from].T_world_cam * known.T_from_to * between(known.to, next);
+        const std::size_t reach = kReach + spacing_ - 1;
         const auto near = nearest(T_world_next,
-                                  known.from > kReach ? known.from - kReach : 0,
-                                  std::min(known.from + kReach + 1, drift_.first_tied(next)));
+                                  known.from > reach ? known.from - reach : 0,
+                                  std::min(known.from + reach + 1, drift_.first_tied(next)));
         return near ? measure(*near, next, T_world_next, 0) : std::nullopt;
     }
 
@@ -85,10 +97,12 @@ private:
         std::optional<std::size_t> best;
         double least = kMostShift;
         for (std::size_t i = low; i < high; ++i) {
-            const Eigen::Isometry3d T_cam_i =
-                T_world_cam.inverse() * track_.keyframes[i].T_world_cam;
-            const double turn_rad = Eigen::AngleAxisd(T_cam_i.linear()).angle();
-            const double shift = T_cam_i.translation().norm() / track_.statistics.median_depth_m;
+            const Eigen::Isometry3d& T_world_i = track_.keyframes[i].T_world_cam;
+            const double shift = (T_world_i.translation() - T_world_cam.translation()).norm() /
+                                 track_.statistics.median_depth_m;
+            if (shift >= least) continue;
+            const double turn_rad =
+                Eigen::AngleAxisd(T_world_cam.linear().transpose() * T_world_i.linear()).angle();
             if (turn_rad > kMostTurn_rad || shift + 0.5 * turn_rad >= least) continue;
             least = shift + 0.5 * turn_rad;
             best = i;
@@ -121,6 +135,7 @@ private:
     const Track& track_;
     const DriftBound& drift_;
     LoopMeter meter_;
+    std::size_t spacing_;                       // of the keyframes that loops are looked for at
     std::vector<std::optional<Loop>> loop_of_;  // by the later keyframe
 };
 
@@ -150,13 +165,15 @@ FoundLoops find_loops(const Track& track,
     Progress at;
     for (std::size_t k = 0; k < track.keyframes.size(); ++k) {
         progress(at);
-        if (!search.has_loop(k) && search.expect(k)) ++found.statistics.num_candidates;
+        if (!search.is_tied(k) && search.expect(k)) ++found.statistics.num_candidates;
     }
-    const auto candidates = find_candidates(track.rig, track.keyframes, track.views, drift);
+    std::vector<bool> untied(track.keyframes.size());
+    for (std::size_t k = 0; k < untied.size(); ++k) untied[k] = !search.is_tied(k);
+    const auto candidates = find_candidates(track.rig, track.keyframes, track.views, drift, untied);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         at.fraction = 0.5 * static_cast<double>(i) / static_cast<double>(candidates.size());
         progress(at);
-        if (search.has_loop(candidates[i].to)) continue;
+        if (search.is_tied(candidates[i].to)) continue;
         ++found.statistics.num_candidates;
         search.recognise(candidates[i], seed * 1'000'003U + i);
     }

@@ -6,6 +6,7 @@
 
 #include "tests/synthetic/pose_near.hpp"
 #include "worker/estimation/loops/adjust_poses.hpp"
+#include "worker/estimation/loops/strongest_loops.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -121,6 +122,27 @@ TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
         EXPECT_NEAR(p_cam.z(), 2.0, 1e-9);
         EXPECT_NEAR(p_cam.y(), 0.0, 1e-9);
     }
+}
+
+TEST(StrongestLoopsTest, OfEveryRunTheOneThatSeesMostAgainIsLeft) {
+    const Laps laps(0.0);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    std::vector<Loop> loops;
+    for (std::size_t i = 0; i < 10; ++i) {
+        loops.push_back(laps.loop(i, kLap + i));
+        loops.back().reobservations.resize(i % 5 == 2 ? 40 : 30);
+    }
+    EXPECT_EQ(strongest_loops(loops, drift, 2), (std::vector<std::size_t>{2, 7}));
+    EXPECT_EQ(strongest_loops(loops, drift, 10).size(), 10U);
+    EXPECT_TRUE(strongest_loops({}, drift, 2).empty());
+}
+
+TEST(StrongestLoopsTest, WhatJoinsOtherPiecesIsNeverDropped) {
+    const Laps laps(0.0, kLap + 8);
+    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    std::vector<Loop> loops;
+    for (std::size_t i = 0; i < 10; ++i) loops.push_back(laps.loop(i, kLap + i));
+    EXPECT_EQ(strongest_loops(loops, drift, 1), (std::vector<std::size_t>{0, 8}));
 }
 
 }  // namespace
