@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <linux/close_range.h>
 #include <mutex>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -45,6 +46,8 @@ pid_t spawn(const std::vector<std::string>& command) {
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
     std::signal(SIGPIPE, SIG_DFL);
+    // Else a worker that outlives a killed server holds its port and its clients' connections.
+    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     dup2(STDERR_FILENO, STDOUT_FILENO);  // stdout is where the server says its address
     execv(arguments[0], arguments.data());
     _exit(127);

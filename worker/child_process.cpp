@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -34,6 +35,7 @@ void limit(int resource, std::int64_t bytes) {
     dup2(null, STDIN_FILENO);
     dup2(pipe_end, kAttemptPipe);  // dup2 clears close-on-exec
     if (pipe_end == kAttemptPipe) fcntl(pipe_end, F_SETFD, 0);
+    close_range(kAttemptPipe + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     for (const int ended : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) std::signal(ended, SIG_DFL);
     sigset_t none;
     sigemptyset(&none);

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fcntl.h>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
+#include <unistd.h>
 
 #include "tests/temporary_folder.hpp"
 
@@ -12,6 +16,11 @@ namespace divemesh::server {
 namespace {
 
 using namespace std::chrono_literals;
+
+std::string read_text(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 std::set<pid_t> pids_in(const std::filesystem::path& file) {
     std::ifstream stream(file);
@@ -52,6 +61,28 @@ TEST(WorkerSupervisorTest, PausesBeforeItStartsAWorkerThatCannotRun) {
         std::this_thread::sleep_for(500ms);  // the second pause is two seconds
     }
     EXPECT_LE(pids_in(file).size(), 3U);
+}
+
+// A worker that outlives a killed server would hold the server's port.
+TEST(WorkerSupervisorTest, WorkersInheritNoneOfTheServersDescriptors) {
+    const TemporaryFolder folder;
+    const auto file = folder / "descriptors";
+    const int descriptor = open((folder / "socket").c_str(), O_RDWR | O_CREAT, 0600);
+    ASSERT_GE(descriptor, 0);
+    {
+        const WorkerSupervisor workers(
+            {"/bin/sh",
+             "-c",
+             "ls -l /proc/$$/fd > " + file.string() + ".part; mv " + file.string() + ".part " +
+                 file.string() + "; exec sleep 600"},
+            1);
+        for (int i = 0; i < 1000 && !std::filesystem::exists(file); ++i)
+            std::this_thread::sleep_for(20ms);
+    }
+    close(descriptor);
+    const std::string listed = read_text(file);
+    EXPECT_NE(listed.find("0 -> "), std::string::npos) << listed;
+    EXPECT_EQ(listed.find((folder / "socket").string()), std::string::npos) << listed;
 }
 
 }  // namespace
