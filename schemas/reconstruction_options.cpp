@@ -29,6 +29,8 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
     visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
+    visit("simplify", options.simplify, "share of the triangles that stays, 0 to 1; 1: all of them");
+    visit("simplify_error_m", options.simplify_error_m, "quadric error that ends simplifying sooner, m; 0: no limit");
     visit("texture", options.texture, "make texture and mosaic");
     visit("num_threads", options.num_threads, "0: all cores; never changes the result");
     visit("seed", options.seed, "of the random numbers that RANSAC draws");
@@ -65,6 +67,10 @@ void validate(const ReconstructionOptions& options) {
         "option max_depth_m must be 0 (automatic) or 0.05 to 100 m");
     require(options.map_step >= 0.0 && options.map_step <= 1.0,
             "option map_step must be 0 (keyframes alone) to 1, a share of the picture's width");
+    require(options.simplify > 0.0 && options.simplify <= 1.0,
+            "option simplify must be more than 0 and at most 1 (all triangles)");
+    require(options.simplify_error_m >= 0.0 && options.simplify_error_m <= 1.0,
+            "option simplify_error_m must be 0 (no limit) to 1 m");
     require(options.num_threads >= 0 && options.num_threads <= 1024,
             "option num_threads must be 0 (all cores) to 1024");
 }

@@ -34,6 +34,8 @@ struct ReconstructionOptions {
     double max_depth_m = 0.0;  // 0: chosen from the rig
     // step 8, surface
     std::string mesher = "surface_nets";  // surface_nets | marching_cubes
+    double simplify = 1.0;                // share of the triangles that stays
+    double simplify_error_m = 0;          // quadric error that ends simplifying sooner; 0: no limit
     bool texture = true;                  // texture and mosaic
     // machine
     int num_threads = 0;    // 0: all cores; never changes a byte of the result

@@ -1,12 +1,10 @@
 #include "worker/keyframe_store.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -28,11 +26,29 @@ struct Header {
     std::int32_t jpeg_bytes = 0;
 };
 
+// Of values that are not negative; those too large become the largest there is.
 template <typename Stored>
-Stored quantise(float value, float step) {
-    const float scaled = std::round(value / step);
-    const auto largest = static_cast<float>(std::numeric_limits<Stored>::max());
-    return static_cast<Stored>(std::clamp(scaled, 0.0F, largest));
+void quantise(const cv::Mat& values, float step, std::vector<Stored>& stored) {
+    const float* value = values.ptr<float>();
+    const float per_step = 1.0F / step;
+    constexpr auto kLargest = static_cast<float>(std::numeric_limits<Stored>::max());
+    stored.resize(values.total());
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+        const float scaled = std::min(std::max(0.0F, value[i]) * per_step + 0.5F, kLargest);
+        stored[i] = static_cast<Stored>(static_cast<int>(scaled));
+    }
+}
+
+template <typename Stored>
+cv::Mat restored(const std::uint8_t* stored, const Header& header, float step) {
+    cv::Mat values(header.height_px, header.width_px, CV_32F);
+    float* value = values.ptr<float>();
+    for (std::size_t i = 0; i < values.total(); ++i) {
+        Stored count = 0;
+        std::memcpy(&count, stored + i * sizeof count, sizeof count);
+        value[i] = static_cast<float>(count) * step;
+    }
+    return values;
 }
 
 std::vector<std::uint8_t> as_jpeg(const cv::Mat& picture) {
@@ -59,9 +75,47 @@ void write_file(const std::filesystem::path& path, std::initializer_list<Bytes> 
 }
 
 // Empty when there is none.
-std::vector<char> read_file(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) return {};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(file.tellg()));
+    file.seekg(0);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file) return {};
+    return bytes;
+}
+
+// A keyframe file and where its parts begin.
+struct KeyframeFile {
+    std::vector<std::uint8_t> bytes;
+    Header header;
+
+    std::size_t num_pixels() const {
+        return static_cast<std::size_t>(header.width_px) *
+               static_cast<std::size_t>(header.height_px);
+    }
+    const std::uint8_t* disparities() const { return bytes.data() + sizeof header; }
+    const std::uint8_t* sigmas() const { return disparities() + 2 * num_pixels(); }
+    cv::Mat left_color() const {
+        const std::uint8_t* jpeg = sigmas() + num_pixels();
+        return cv::imdecode(
+            cv::Mat(1, header.jpeg_bytes, CV_8U, const_cast<std::uint8_t*>(jpeg)),  // only read
+            cv::IMREAD_COLOR);
+    }
+};
+
+KeyframeFile read_keyframe(const std::filesystem::path& path) {
+    KeyframeFile file{read_file(path), {}};
+    if (file.bytes.size() < sizeof file.header)
+        throw Error(ErrorCode::NotFound, "no keyframe file " + path.string());
+    std::memcpy(&file.header, file.bytes.data(), sizeof file.header);
+    const Header& header = file.header;
+    const bool is_ours = std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
+                         header.width_px >= 0 && header.height_px >= 0 && header.jpeg_bytes > 0;
+    if (!is_ours || file.bytes.size() != sizeof header + 3 * file.num_pixels() +
+                                             static_cast<std::size_t>(header.jpeg_bytes))
+        throw Error(ErrorCode::BadData, "keyframe file cut short: " + path.string());
+    return file;
 }
 
 }  // namespace
@@ -85,14 +139,10 @@ std::filesystem::path KeyframeStore::file_of(int frame_index, const char* extens
 
 void KeyframeStore::write(int frame_index, const KeyframeImages& images) const {
     const cv::Mat& disparity = images.depth.disparity_px;
-    const auto num_pixels = disparity.total();
-    std::vector<std::uint16_t> disparities(num_pixels);
-    std::vector<std::uint8_t> sigmas(num_pixels);
-    for (std::size_t i = 0; i < num_pixels; ++i) {
-        disparities[i] = quantise<std::uint16_t>(disparity.ptr<float>()[i], kDisparityStep_px);
-        sigmas[i] =
-            quantise<std::uint8_t>(images.depth.sigma_disparity_px.ptr<float>()[i], kSigmaStep_px);
-    }
+    std::vector<std::uint16_t> disparities;
+    std::vector<std::uint8_t> sigmas;
+    quantise(disparity, kDisparityStep_px, disparities);
+    quantise(images.depth.sigma_disparity_px, kSigmaStep_px, sigmas);
     const std::vector<std::uint8_t> jpeg = as_jpeg(images.left_color);
 
     Header header;
@@ -101,8 +151,8 @@ void KeyframeStore::write(int frame_index, const KeyframeImages& images) const {
     header.jpeg_bytes = static_cast<std::int32_t>(jpeg.size());
     write_file(file_of(frame_index, "keyframe"),
                {{&header, sizeof header},
-                {disparities.data(), num_pixels * sizeof(std::uint16_t)},
-                {sigmas.data(), num_pixels},
+                {disparities.data(), disparities.size() * sizeof(std::uint16_t)},
+                {sigmas.data(), sigmas.size()},
                 {jpeg.data(), jpeg.size()}});
 }
 
@@ -112,7 +162,7 @@ void KeyframeStore::write_left(int frame_index, const cv::Mat& left) const {
 }
 
 cv::Mat KeyframeStore::read_left(int frame_index) const {
-    const std::vector<char> bytes = read_file(file_of(frame_index, "jpg"));
+    const std::vector<std::uint8_t> bytes = read_file(file_of(frame_index, "jpg"));
     cv::Mat left;
     if (!bytes.empty()) left = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     if (left.empty())
@@ -122,36 +172,19 @@ cv::Mat KeyframeStore::read_left(int frame_index) const {
 }
 
 KeyframeImages KeyframeStore::read(int frame_index) const {
-    const auto path = file_of(frame_index, "keyframe");
-    const std::vector<char> bytes = read_file(path);
-    Header header;
-    if (bytes.size() < sizeof header)
-        throw Error(ErrorCode::NotFound, "no keyframe file " + path.string());
-    std::memcpy(&header, bytes.data(), sizeof header);
-    const auto num_pixels =
-        static_cast<std::size_t>(header.width_px) * static_cast<std::size_t>(header.height_px);
-    const auto jpeg_bytes = static_cast<std::size_t>(header.jpeg_bytes);
-    if (std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0 ||
-        bytes.size() != sizeof header + 3 * num_pixels + jpeg_bytes)
-        throw Error(ErrorCode::BadData, "keyframe file cut short: " + path.string());
-
+    const KeyframeFile file = read_keyframe(file_of(frame_index, "keyframe"));
     KeyframeImages images;
-    images.depth.disparity_px.create(header.height_px, header.width_px, CV_32F);
-    images.depth.sigma_disparity_px.create(header.height_px, header.width_px, CV_32F);
-    const char* disparities = bytes.data() + sizeof header;
-    const char* sigmas = disparities + num_pixels * sizeof(std::uint16_t);
-    for (std::size_t i = 0; i < num_pixels; ++i) {
-        std::uint16_t disparity = 0;
-        std::memcpy(&disparity, disparities + i * sizeof disparity, sizeof disparity);
-        images.depth.disparity_px.ptr<float>()[i] =
-            static_cast<float>(disparity) * kDisparityStep_px;
-        images.depth.sigma_disparity_px.ptr<float>()[i] =
-            static_cast<float>(static_cast<std::uint8_t>(sigmas[i])) * kSigmaStep_px;
-    }
-    const auto* jpeg = reinterpret_cast<const std::uint8_t*>(sigmas + num_pixels);
-    images.left_color =
-        cv::imdecode(std::vector<std::uint8_t>(jpeg, jpeg + jpeg_bytes), cv::IMREAD_COLOR);
+    images.depth.disparity_px =
+        restored<std::uint16_t>(file.disparities(), file.header, kDisparityStep_px);
+    images.depth.sigma_disparity_px =
+        restored<std::uint8_t>(file.sigmas(), file.header, kSigmaStep_px);
+    images.left_color = file.left_color();
     return rerectifier_ ? rerectifier_->moved(images) : images;
+}
+
+cv::Mat KeyframeStore::read_left_color(int frame_index) const {
+    const cv::Mat color = read_keyframe(file_of(frame_index, "keyframe")).left_color();
+    return rerectifier_ ? rerectifier_->moved(color) : color;
 }
 
 }  // namespace divemesh::worker

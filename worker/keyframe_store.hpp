@@ -19,6 +19,7 @@ public:
 
     void write(int frame_index, const KeyframeImages& images) const;  // throws Error{OutOfSpace}
     KeyframeImages read(int frame_index) const;                       // throws Error{NotFound}
+    cv::Mat read_left_color(int frame_index) const;                   // of the same, without depth
 
     // The left picture alone, grey, in a file of its own; as rectified while the dive was tracked.
     void write_left(int frame_index, const cv::Mat& left) const;

@@ -1,7 +1,9 @@
 #include "worker/reconstruct.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "worker/background.hpp"
 #include "worker/estimation/calibration_refinement.hpp"
 #include "worker/estimation/follow_keyframes.hpp"
 #include "worker/estimation/frame_features.hpp"
@@ -203,9 +205,20 @@ std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
     Progress done;
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
-    for (const Keyframe& frame : frames) {
+    Workers workers(options.num_threads);
+    Background reader(workers);
+    KeyframeImages images;
+    const auto read_ahead = [&](std::size_t index) {
+        if (index < frames.size())
+            reader.run([&, index] { images = store.read(frames[index].frame_index); });
+    };
+    read_ahead(0);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
         progress(done);
-        volume->integrate(frame, store.read(frame.frame_index));  // 7
+        reader.wait();
+        const KeyframeImages seen = std::exchange(images, {});
+        read_ahead(i + 1);
+        volume->integrate(frames[i], seen);  // 7
         ++done.frames_done;
         done.fraction =
             static_cast<double>(done.frames_done) / static_cast<double>(done.num_frames);

@@ -18,6 +18,7 @@
 #include "worker/recording.hpp"
 #include "worker/steps/add_points.hpp"
 #include "worker/volume/mesh.hpp"
+#include "worker/volume/simplify_mesh.hpp"
 
 // The method: four stages that together are the paper's eight steps. Each takes plain values and
 // gives plain values, so a stage can start from what the one before wrote to disk
@@ -84,6 +85,12 @@ struct OptimisedTrack {
     RefinedCalibration calibration;
     CovarianceTrack covariances;  // of every frame; empty: not known
     OptimiseStatistics statistics;
+};
+
+// The mesh of step 8 as it is given out.
+struct Surface {
+    Mesh mesh;
+    std::optional<SimplificationError> simplification;  // nothing: all triangles stayed
 };
 
 Track track(Recording& recording,

@@ -13,6 +13,7 @@
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/metrics_document.hpp"
 #include "worker/metrics/report.hpp"
+#include "worker/metrics/simplification_error.hpp"
 #include "worker/metrics/surface_samples.hpp"
 #include "worker/mosaic/keyframe_pictures.hpp"
 #include "worker/mosaic/mosaic.hpp"
@@ -24,6 +25,7 @@
 #include "worker/reconstruct.hpp"
 #include "worker/stage_files.hpp"
 #include "worker/stage_progress.hpp"
+#include "worker/volume/mesh_borders.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -47,6 +49,13 @@ std::string stage_key(const Dive& dive, const ReconstructionRequest& request) {
 }
 
 constexpr double kShareWithoutSurface = 0.72;  // of track, optimise and evaluate
+
+Surface simplified(Mesh mesh, const ReconstructionOptions& options) {
+    if (options.simplify >= 1.0 || mesh.triangles.empty()) return {std::move(mesh), std::nullopt};
+    Mesh fewer = simplify_mesh(mesh, {options.simplify, options.simplify_error_m});
+    const auto error = simplification_error(mesh, fewer, options.num_threads);
+    return {std::move(fewer), error};
+}
 
 // One run of the stages over one dive: what they hand on, in memory and in the scratch folder.
 class DiveRun {
@@ -104,7 +113,7 @@ private:
     Track track_;
     OptimisedTrack optimised_;
     std::unique_ptr<Volume> volume_;
-    Mesh mesh_;
+    Surface surface_;
     std::int64_t num_cloud_points_ = 0;
     std::string picture_png_;
     std::vector<StageTime> stage_times_;
@@ -168,26 +177,30 @@ void DiveRun::fuse() {
 void DiveRun::mesh() {
     const Stopwatch watch;
     const auto progress = begin("mesh", 0.08);
-    auto stored = load_mesh(stage_file("mesh"), key_);
+    auto stored = load_surface(stage_file("mesh"), key_);
     const bool reused = stored.has_value();
     if (!stored) {
-        stored = worker::mesh(*volume_, request_.options, progress);
-        save_mesh(stage_file("mesh"), key_, *stored);
+        stored = simplified(worker::mesh(*volume_, request_.options, progress), request_.options);
+        save_surface(stage_file("mesh"), key_, *stored);
     }
-    mesh_ = std::move(*stored);
-    write_ply(request_.out / "mesh.ply", mesh_);
+    surface_ = std::move(*stored);
+    write_ply(request_.out / "mesh.ply", surface_.mesh);
     stage_done(watch, "mesh", reused);
 }
 
 void DiveRun::texture() {
     const Stopwatch watch;
     const auto progress = begin("texture", 0.05);
-    write_glb(request_.out / "mesh.glb", mesh_);
+    write_glb(request_.out / "mesh.glb", surface_.mesh);
     progress({});
-    write_keyframe_pictures(
-        request_.out, optimised_.rig, optimised_.keyframes, keyframe_store_, progress);
+    write_keyframe_pictures(request_.out,
+                            optimised_.rig,
+                            optimised_.keyframes,
+                            keyframe_store_,
+                            request_.options.num_threads,
+                            progress);
     if (request_.options.texture) {
-        const Mosaic mosaic = render_mosaic(mesh_);
+        const Mosaic mosaic = render_mosaic(surface_.mesh);
         write_mosaic(request_.out, mosaic);
         picture_png_ = thumbnail_png(mosaic);
     }
@@ -217,7 +230,7 @@ Evaluation DiveRun::compare_with_truth() const {
                                     .causal = track_.causal,
                                     .covariances = optimised_.covariances,
                                     .keyframes = optimised_.keyframes,
-                                    .mesh = request_.options.surface ? &mesh_ : nullptr,
+                                    .mesh = request_.options.surface ? &surface_.mesh : nullptr,
                                     .ground_truth = dive_->ground_truth(),
                                     .known_distances = dive_->known_distances(),
                                     .reference = dive_->read_reference_mesh(),
@@ -251,9 +264,12 @@ nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
 
 std::optional<MeshFigures> DiveRun::mesh_figures() const {
     if (!request_.options.surface) return std::nullopt;
-    return MeshFigures{.num_vertices = std::ssize(mesh_.vertices),
-                       .num_triangles = std::ssize(mesh_.triangles),
-                       .area_m2 = surface_area_m2(mesh_),
+    const Mesh& mesh = surface_.mesh;
+    return MeshFigures{.num_vertices = std::ssize(mesh.vertices),
+                       .num_triangles = std::ssize(mesh.triangles),
+                       .area_m2 = surface_area_m2(mesh),
+                       .borders = find_borders(mesh),
+                       .simplification = surface_.simplification,
                        .voxel_m = volume_->voxel_m(),
                        .num_cloud_points = num_cloud_points_,
                        .volume_memory_bytes = volume_->memory_bytes()};

@@ -232,7 +232,10 @@ std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& 
     return complete(*file, std::move(track));
 }
 
-void save_mesh(const std::filesystem::path& path, const std::string& key, const Mesh& mesh) {
+void save_surface(const std::filesystem::path& path,
+                  const std::string& key,
+                  const Surface& surface) {
+    const Mesh& mesh = surface.mesh;
     BinaryWriter file(path);
     file.put_text(key);
     file.put_vector(mesh.vertices);
@@ -241,20 +244,24 @@ void save_mesh(const std::filesystem::path& path, const std::string& key, const 
     file.put_vector(mesh.sigma_m);
     file.put_vector(mesh.num_observations);
     file.put_vector(mesh.triangles);
+    file.put(surface.simplification.has_value());
+    if (surface.simplification) file.put(*surface.simplification);
     file.commit();
 }
 
-std::optional<Mesh> load_mesh(const std::filesystem::path& path, const std::string& key) {
+std::optional<Surface> load_surface(const std::filesystem::path& path, const std::string& key) {
     auto file = open_stage(path, key);
     if (!file) return std::nullopt;
-    Mesh mesh;
+    Surface surface;
+    Mesh& mesh = surface.mesh;
     mesh.vertices = file->get_vector<Eigen::Vector3f>();
     mesh.normals = file->get_vector<Eigen::Vector3f>();
     mesh.colors = file->get_vector<Color>();
     mesh.sigma_m = file->get_vector<float>();
     mesh.num_observations = file->get_vector<std::uint32_t>();
     mesh.triangles = file->get_vector<std::array<std::uint32_t, 3>>();
-    return complete(*file, std::move(mesh));
+    if (file->get<bool>()) surface.simplification = file->get<SimplificationError>();
+    return complete(*file, std::move(surface));
 }
 
 }  // namespace divemesh::worker

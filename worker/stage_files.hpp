@@ -21,7 +21,9 @@ void save_optimised_track(const std::filesystem::path& file,
 std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& file,
                                                    const std::string& key);
 
-void save_mesh(const std::filesystem::path& file, const std::string& key, const Mesh& mesh);
-std::optional<Mesh> load_mesh(const std::filesystem::path& file, const std::string& key);
+void save_surface(const std::filesystem::path& file,
+                  const std::string& key,
+                  const Surface& surface);
+std::optional<Surface> load_surface(const std::filesystem::path& file, const std::string& key);
 
 }  // namespace divemesh::worker

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -16,6 +17,7 @@
 #include "tests/bench/machine.hpp"
 #include "tests/bench/plan.hpp"
 #include "tests/bench/program.hpp"
+#include "tests/bench/sgbm_baseline.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::bench {
@@ -26,6 +28,8 @@ using nlohmann::json;
 using Names = std::vector<std::string>;
 
 const Names kGroups = {"trajectory", "surface", "speed"};
+constexpr int kNumThreads = 2;  // of the runs that measure speed
+constexpr int kSgbmStride = 5;  // every fifth pair says what OpenCV's matcher takes
 
 struct Options {
     Names only = kGroups;
@@ -89,6 +93,8 @@ Names words_of(const Run& run, const fs::path& dive, const fs::path& out, const 
                    run.preset};
     json overrides = run.ablation.options;
     if (run.group == "trajectory") overrides["surface"] = false;
+    if (run.group == "speed")
+        words.insert(words.end(), {"--no-texture", "--threads", std::to_string(kNumThreads)});
     for (const auto& [name, value] : overrides.items())
         words.insert(
             words.end(),
@@ -100,6 +106,51 @@ std::string name_of(const Run& run) {
     return run.group + "-" + run.dive.name + "-" + run.preset + "-" + run.ablation.name;
 }
 
+// Its metrics.json; nothing when it failed, which `result` then says.
+std::optional<json> run_once(const Run& run,
+                             const fs::path& dive,
+                             const Options& options,
+                             const fs::path& folder,
+                             json& result) {
+    const std::string name = name_of(run);
+    const fs::path log = folder / (name + ".log");
+    const int code = run_program(words_of(run, dive, folder / name, options), log);
+    if (code == 0) return json::parse(std::ifstream(folder / name / "metrics.json"));
+    result["failed"] = {{"exit_code", code}, {"output", last_lines(log)}};
+    return std::nullopt;
+}
+
+// Of a dive as divers bring it, from start to exit, beside the time of OpenCV's matcher alone:
+// taken in turn, so that what else the machine does burdens both.
+json measure_speed(const Run& run,
+                   const fs::path& dive,
+                   const Options& options,
+                   const fs::path& folder,
+                   json result) {
+    const fs::path bare = folder / (name_of(run) + ".dive");
+    link_without_truth(dive, bare);
+    std::vector<json> documents;
+    std::vector<double> wall_ms, sgbm_ms, ratios;
+    for (int repeat = 0; repeat < options.num_repeats; ++repeat) {
+        sgbm_ms.push_back(sgbm_ms_per_frame(bare, kSgbmStride));
+        const auto start = std::chrono::steady_clock::now();
+        const auto document = run_once(run, bare, options, folder, result);
+        const std::chrono::duration<double, std::milli> taken =
+            std::chrono::steady_clock::now() - start;
+        if (!document) return result;
+        documents.push_back(*document);
+        wall_ms.push_back(taken.count() / (*document)["frames"]["num_frames"].get<double>());
+        ratios.push_back(wall_ms.back() / sgbm_ms.back());
+    }
+    result["figures"] = median_figures(documents);
+    result["figures"]["wall_ms_per_frame"] = median(wall_ms);
+    result["figures"]["sgbm_ms_per_frame"] = median(sgbm_ms);
+    result["figures"]["wall_to_sgbm"] = median(ratios);
+    result["stages"] = documents.back()["speed"]["stages"];
+    result["num_repeats"] = options.num_repeats;
+    return result;
+}
+
 json reconstruct(const Run& run,
                  const fs::path& dive,
                  const Options& options,
@@ -108,22 +159,12 @@ json reconstruct(const Run& run,
                    {"dive", run.dive.name},
                    {"preset", run.preset},
                    {"ablation", run.ablation.name}};
-    const std::string name = name_of(run);
-    const int num_repeats = run.group == "speed" ? options.num_repeats : 1;
-    std::vector<json> documents;
-    for (int repeat = 0; repeat < num_repeats; ++repeat) {
-        const fs::path log = folder / (name + ".log");
-        const int code = run_program(words_of(run, dive, folder / name, options), log);
-        if (code != 0) {
-            result["failed"] = {{"exit_code", code}, {"output", last_lines(log)}};
-            return result;
-        }
-        documents.push_back(json::parse(std::ifstream(folder / name / "metrics.json")));
-    }
-    result["figures"] = median_figures(documents);
-    result["stages"] = documents.back()["speed"]["stages"];
-    if (run.group == "speed") result["num_repeats"] = num_repeats;
-    if (run.group == "trajectory") add_trajectory_figures(documents.back(), result);
+    if (run.group == "speed") return measure_speed(run, dive, options, folder, result);
+    const auto document = run_once(run, dive, options, folder, result);
+    if (!document) return result;
+    result["figures"] = median_figures({*document});
+    result["stages"] = (*document)["speed"]["stages"];
+    if (run.group == "trajectory") add_trajectory_figures(*document, result);
     return result;
 }
 

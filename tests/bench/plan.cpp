@@ -14,12 +14,6 @@ std::vector<std::string> simulated_names() {
     return names;
 }
 
-Dive dive_named(const std::string& name) {
-    return *std::find_if(all_dives().begin(), all_dives().end(), [&](const Dive& dive) {
-        return dive.name == name;
-    });
-}
-
 std::vector<Run> trajectory_runs() {
     std::vector<Run> runs;
     for (const Dive& dive : all_dives())
@@ -63,11 +57,11 @@ const std::vector<Ablation>& all_ablations() {
 std::vector<Run> runs_of(const std::string& group) {
     const Ablation none = all_ablations().front();
     if (group == "trajectory") return trajectory_runs();
-    if (group == "surface")
-        return {{group, dive_named("tank"), "standard", none},
-                {group, dive_named("barge"), "standard", none}};
-    return {{group, dive_named("tank"), "standard", none},
-            {group, dive_named("euroc_mh01"), "standard", none}};
+    std::vector<Run> runs;
+    for (const Dive& dive : all_dives())
+        for (const std::string& preset : all_presets())
+            if (!dive.simulated) runs.push_back({group, dive, preset, none});
+    return runs;
 }
 
 const std::vector<Goal>& all_goals() {
@@ -93,8 +87,18 @@ const std::vector<Goal>& all_goals() {
         {"trajectory", {"tank"},       "standard", "cpu_ms_per_frame",    Over::Worst,  true,  12.0},
         {"trajectory", {"barge"},      "standard", "cpu_ms_per_frame",    Over::Worst,  true,  12.0},
         {"trajectory", {"barge"},      "standard", "cpu_to_klt",          Over::Worst,  true,  1.3},
-        {"surface",    {"barge"},      "standard", "accuracy_median_m",   Over::Worst,  true,  0.020},
+        {"surface",    {"barge"},      "standard", "accuracy_median_m",   Over::Worst,  true,  0.006},
+        {"surface",    {"barge"},      "standard", "f1_10mm",             Over::Worst,  false, 0.65},
+        {"surface",    {"barge"},      "standard", "near_median_m",       Over::Worst,  true,  0.003},
+        {"surface",    {"tank"},       "standard", "accuracy_median_m",   Over::Worst,  true,  0.005},
+        {"surface",    {"tank"},       "standard", "f1_10mm",             Over::Worst,  false, 0.70},
+        {"surface",    {"tank"},       "standard", "relative_median_percent", Over::Worst, true, 0.2},
+        {"surface",    {"tank"},       "standard", "relative_p80_percent", Over::Worst, true,  0.5},
+        {"surface",    {"tank"},       "standard", "scale_error",         Over::Worst,  true,  0.003},
+        {"surface",    {"tank"},       "standard", "distance_max_error_m", Over::Worst, true,  0.003},
         {"speed",      {"tank"},       "standard", "frames_per_s",        Over::Worst,  false, 10.0},
+        {"speed",      {"barge"},      "standard", "wall_to_sgbm",        Over::Worst,  true,  0.75},
+        {"speed",      {"barge"},      "fast",     "wall_to_sgbm",        Over::Worst,  true,  0.45},
     };
     // clang-format on
     return goals;
@@ -124,9 +128,13 @@ const std::vector<Figure>& all_figures() {
         {"num_distances_measured",   "/known_distances/num_measured"},
         {"scale_error",              "/known_distances/scale_error"},
         {"distance_median_error_m",  "/known_distances/median_abs_error_m"},
+        {"distance_max_error_m",     "/known_distances/max_abs_error_m"},
         {"accuracy_median_m",        "/surface/accuracy/median_m"},
         {"accuracy_rms_m",           "/surface/accuracy/rms_m"},
         {"completeness_median_m",    "/surface/completeness/median_m"},
+        {"near_median_m",            "/surface/near_completeness/median_m"},
+        {"relative_median_percent",  "/surface/relative_accuracy/median_percent"},
+        {"relative_p80_percent",     "/surface/relative_accuracy/p80_percent"},
         {"f1_5mm",                   "/surface/scores/0/f1"},
         {"f1_10mm",                  "/surface/scores/1/f1"},
         {"f1_20mm",                  "/surface/scores/2/f1"},

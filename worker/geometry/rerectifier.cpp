@@ -14,9 +14,10 @@ std::array<RectifiedLens, 2> changed(std::array<RectifiedLens, 2> lenses,
     return lenses;
 }
 
-float row_at(const cv::Mat& image, double u, int v) {
-    const int left = std::clamp(static_cast<int>(std::floor(u)), 0, image.cols - 2);
-    const auto share = static_cast<float>(u - left);
+// Of a `u` that is not negative.
+float row_at(const cv::Mat& image, float u, int v) {
+    const int left = std::min(static_cast<int>(u), image.cols - 2);
+    const float share = u - static_cast<float>(left);
     const float* row = image.ptr<float>(v) + left;
     return (1.0F - share) * row[0] + share * row[1];
 }
@@ -47,6 +48,7 @@ KeyframeRerectifier::KeyframeRerectifier(const RectifiedRig& rectified,
                                          const Rerectifier& rerectifier)
     : source_x_(rectified.height_px, rectified.width_px, CV_32F),
       source_y_(rectified.height_px, rectified.width_px, CV_32F),
+      nearest_(rectified.height_px, rectified.width_px, CV_32S),
       shift_right_(rectified.height_px, rectified.width_px, CV_32F) {
     for (int v = 0; v < rectified.height_px; ++v) {
         for (int u = 0; u < rectified.width_px; ++u) {
@@ -54,6 +56,11 @@ KeyframeRerectifier::KeyframeRerectifier(const RectifiedRig& rectified,
             const Eigen::Vector2d source = rerectifier.back(0, pixel);
             source_x_.at<float>(v, u) = static_cast<float>(source.x());
             source_y_.at<float>(v, u) = static_cast<float>(source.y());
+            const auto column = static_cast<int>(std::lround(source.x()));
+            const auto row = static_cast<int>(std::lround(source.y()));
+            const bool seen =
+                column >= 0 && row >= 0 && column < rectified.width_px && row < rectified.height_px;
+            nearest_.at<int>(v, u) = seen ? row * rectified.width_px + column : -1;
             shift_right_.at<float>(v, u) =
                 static_cast<float>(rerectifier.forward(1, pixel).x() - pixel.x());
         }
@@ -62,28 +69,35 @@ KeyframeRerectifier::KeyframeRerectifier(const RectifiedRig& rectified,
 
 KeyframeImages KeyframeRerectifier::moved(const KeyframeImages& images) const {
     KeyframeImages result;
-    cv::remap(images.left_color, result.left_color, source_x_, source_y_, cv::INTER_LINEAR);
+    result.left_color = moved(images.left_color);
     const cv::Mat& disparity = images.depth.disparity_px;
     result.depth.disparity_px = cv::Mat::zeros(disparity.size(), CV_32F);
     result.depth.sigma_disparity_px = cv::Mat::zeros(disparity.size(), CV_32F);
+    const float* old_px = disparity.ptr<float>();
+    const float* old_sigma_px = images.depth.sigma_disparity_px.ptr<float>();
     for (int v = 0; v < disparity.rows; ++v) {
+        const float* source_x = source_x_.ptr<float>(v);
+        const int* nearest = nearest_.ptr<int>(v);
+        float* new_px = result.depth.disparity_px.ptr<float>(v);
+        float* new_sigma_px = result.depth.sigma_disparity_px.ptr<float>(v);
         for (int u = 0; u < disparity.cols; ++u) {
-            const double x = source_x_.at<float>(v, u);
-            const int column = static_cast<int>(std::lround(x));
-            const int row = static_cast<int>(std::lround(source_y_.at<float>(v, u)));
-            if (column < 0 || row < 0 || column >= disparity.cols || row >= disparity.rows)
-                continue;
-            const double old_px = disparity.at<float>(row, column);
-            if (old_px <= 0.0) continue;
-            const double right = x - old_px;
-            if (right < 0.0 || right > disparity.cols - 1) continue;
-            const double new_px = u - (right + row_at(shift_right_, right, row));
-            if (new_px <= 0.0) continue;
-            result.depth.disparity_px.at<float>(v, u) = static_cast<float>(new_px);
-            result.depth.sigma_disparity_px.at<float>(v, u) =
-                images.depth.sigma_disparity_px.at<float>(row, column);
+            if (nearest[u] < 0 || old_px[nearest[u]] <= 0.0F) continue;
+            const float right = source_x[u] - old_px[nearest[u]];
+            if (right < 0.0F || right > static_cast<float>(disparity.cols - 1)) continue;
+            const int row = nearest[u] / disparity.cols;
+            const float moved_px =
+                static_cast<float>(u) - (right + row_at(shift_right_, right, row));
+            if (moved_px <= 0.0F) continue;
+            new_px[u] = moved_px;
+            new_sigma_px[u] = old_sigma_px[nearest[u]];
         }
     }
+    return result;
+}
+
+cv::Mat KeyframeRerectifier::moved(const cv::Mat& left) const {
+    cv::Mat result;
+    cv::remap(left, result, source_x_, source_y_, cv::INTER_LINEAR);
     return result;
 }
 

@@ -38,10 +38,12 @@ public:
     // The left picture resampled; depth from both ends of every disparity. The rows along which the
     // pair was matched stay what they were: a vertical error of the right lens is not undone.
     KeyframeImages moved(const KeyframeImages& images) const;
+    cv::Mat moved(const cv::Mat& left) const;
 
 private:
     cv::Mat source_x_;  // CV_32F: where a pixel of the new left picture lies in the old one
     cv::Mat source_y_;
+    cv::Mat nearest_;      // CV_32S: index of the old pixel nearest to it, or -1
     cv::Mat shift_right_;  // CV_32F: new u minus old u in the right picture, by old u and v
 };
 

@@ -187,12 +187,22 @@ json speed(const MetricsInput& input) {
 }
 
 json mesh(const MeshFigures& figures) {
-    return {{"num_vertices", figures.num_vertices},
-            {"num_triangles", figures.num_triangles},
-            {"area_m2", figures.area_m2},
-            {"voxel_m", figures.voxel_m},
-            {"num_cloud_points", figures.num_cloud_points},
-            {"volume_memory_bytes", figures.volume_memory_bytes}};
+    json result = {{"num_vertices", figures.num_vertices},
+                   {"num_triangles", figures.num_triangles},
+                   {"area_m2", figures.area_m2},
+                   {"num_holes", figures.borders.num_holes},
+                   {"hole_area_m2", figures.borders.hole_area_m2},
+                   {"largest_hole_m2", figures.borders.largest_hole_m2},
+                   {"outer_edge_m", figures.borders.outer_edge_m},
+                   {"voxel_m", figures.voxel_m},
+                   {"num_cloud_points", figures.num_cloud_points},
+                   {"volume_memory_bytes", figures.volume_memory_bytes}};
+    if (figures.simplification)
+        result["simplification"] = {
+            {"num_triangles_before", figures.simplification->num_triangles_before},
+            {"rms_m", figures.simplification->rms_m},
+            {"max_m", figures.simplification->max_m}};
+    return result;
 }
 
 void add_evaluation(const Evaluation& evaluation, json& document) {

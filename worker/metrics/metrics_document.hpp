@@ -13,6 +13,8 @@
 #include "worker/metrics/imu_check.hpp"
 #include "worker/metrics/pieces.hpp"
 #include "worker/reconstruct.hpp"
+#include "worker/volume/mesh_borders.hpp"
+#include "worker/volume/simplify_mesh.hpp"
 
 namespace divemesh::worker {
 
@@ -38,6 +40,8 @@ struct MeshFigures {
     std::int64_t num_vertices = 0;
     std::int64_t num_triangles = 0;
     double area_m2 = 0.0;
+    MeshBorders borders;
+    std::optional<SimplificationError> simplification;  // nothing: all triangles stayed
     double voxel_m = 0.0;
     std::int64_t num_cloud_points = 0;
     std::int64_t volume_memory_bytes = 0;

@@ -78,6 +78,10 @@ Rows accuracy_rows(const Figures& figures) {
                 "%.1f mm",
                 1e3);
     figures.add(rows, "Mesh accuracy, median", "/surface/accuracy/median_m", "%.1f mm", 1e3);
+    figures.add(rows,
+                "Mesh error over range, median",
+                "/surface/relative_accuracy/median_percent",
+                "%.2f %%");
     figures.add(rows, "Mesh accuracy, RMS", "/surface/accuracy/rms_m", "%.1f mm", 1e3);
     figures.add(
         rows, "Mesh completeness, median", "/surface/completeness/median_m", "%.1f mm", 1e3);
@@ -120,6 +124,9 @@ Rows result_rows(const Figures& figures) {
     Rows rows;
     figures.add(rows, "Mesh area", "/mesh/area_m2", "%.2f m²");
     figures.add(rows, "Triangles", "/mesh/num_triangles", "%.0f");
+    figures.add(rows, "Lost by simplifying, largest", "/mesh/simplification/max_m", "%.1f mm", 1e3);
+    figures.add(rows, "Holes", "/mesh/num_holes", "%.0f");
+    figures.add(rows, "Area of the holes", "/mesh/hole_area_m2", "%.3f m²");
     figures.add(rows, "Voxel", "/mesh/voxel_m", "%.1f mm", 1e3);
     figures.add(rows, "Features tracked, mean", "/tracking/mean_tracked_features", "%.0f");
     figures.add(rows, "Inliers", "/tracking/inlier_share", "%.1f %%", 1e2);

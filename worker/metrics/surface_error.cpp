@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "worker/metrics/nearest_camera.hpp"
 #include "worker/metrics/surface_index.hpp"
 #include "worker/metrics/surface_samples.hpp"
 
@@ -23,34 +24,17 @@ Mesh moved(const Mesh& mesh_world, const Eigen::Isometry3d& T_reference_world) {
     return mesh;
 }
 
-// Neighbours in `samples` are neighbours in space, so the camera that served the last one is
-// asked first.
-std::vector<Eigen::Vector3f> within_range(const std::vector<Eigen::Vector3f>& samples,
-                                          const SurfaceErrorInput& input) {
-    if (input.camera_positions_world.empty()) return samples;
+NearestCamera cameras_of(const SurfaceErrorInput& input) {
     std::vector<Eigen::Vector3f> cameras;
     for (const Eigen::Vector3d& camera : input.camera_positions_world)
         cameras.emplace_back((input.T_reference_world * camera).cast<float>());
-    const auto limit = static_cast<float>(input.max_range_m * input.max_range_m);
-    std::vector<Eigen::Vector3f> kept;
-    kept.reserve(samples.size());
-    std::size_t last = 0;
-    for (const Eigen::Vector3f& sample : samples) {
-        const auto sees = [&](const Eigen::Vector3f& camera) {
-            return (camera - sample).squaredNorm() <= limit;
-        };
-        if (!sees(cameras[last])) {
-            const auto found = std::find_if(cameras.begin(), cameras.end(), sees);
-            if (found == cameras.end()) continue;
-            last = static_cast<std::size_t>(found - cameras.begin());
-        }
-        kept.push_back(sample);
-    }
-    return kept;
+    return NearestCamera(std::move(cameras));
 }
 
+// distance_m(point) of each sample, in their order.
+template <typename Surface>
 std::vector<double> distances(const std::vector<Eigen::Vector3f>& samples,
-                              const SurfaceIndex& surface,
+                              const Surface& surface,
                               int num_threads) {
     std::vector<double> result(samples.size());
     tbb::task_arena arena(num_threads > 0 ? num_threads : tbb::task_arena::automatic);
@@ -62,6 +46,18 @@ std::vector<double> distances(const std::vector<Eigen::Vector3f>& samples,
                           });
     });
     return result;
+}
+
+// The entries whose range is at most `limit_m`.
+template <typename T>
+std::vector<T> within(const std::vector<T>& entries,
+                      const std::vector<double>& ranges_m,
+                      double limit_m) {
+    std::vector<T> kept;
+    kept.reserve(entries.size());
+    for (std::size_t i = 0; i < entries.size(); ++i)
+        if (ranges_m[i] <= limit_m) kept.push_back(entries[i]);
+    return kept;
 }
 
 // Takes distances in rising order.
@@ -91,6 +87,14 @@ DistanceSummary summarise(const std::vector<double>& sorted) {
     return summary;
 }
 
+RelativeDistance relative_to(const std::vector<double>& ranges_m,
+                             const std::vector<double>& distances_m) {
+    std::vector<double> ratios(distances_m.size());
+    for (std::size_t i = 0; i < ratios.size(); ++i) ratios[i] = distances_m[i] / ranges_m[i];
+    std::sort(ratios.begin(), ratios.end());
+    return {quantile(ratios, 0.5), quantile(ratios, 0.8)};
+}
+
 double share_within(const std::vector<double>& sorted, double threshold) {
     if (sorted.empty()) return 0.0;
     const auto end = std::upper_bound(sorted.begin(), sorted.end(), threshold);
@@ -111,20 +115,32 @@ SurfaceError surface_error(const Mesh& mesh_world,
                            const Mesh& reference,
                            const SurfaceErrorInput& input) {
     const Mesh mesh = moved(mesh_world, input.T_reference_world);
-    const auto all_samples = sample_surface(mesh, input.num_samples, input.seed);
-    const auto our_samples = within_range(all_samples, input);
+    const auto reference_samples = sample_surface(reference, input.num_samples, input.seed);
+    auto completeness = distances(reference_samples, SurfaceIndex(mesh), input.num_threads);
+    auto our_samples = sample_surface(mesh, input.num_samples, input.seed);
+    const auto num_samples = static_cast<double>(our_samples.size());
+
+    SurfaceError error;
+    std::vector<double> our_ranges_m;
+    if (!input.camera_positions_world.empty()) {
+        const NearestCamera cameras = cameras_of(input);
+        const auto ranges_m = distances(our_samples, cameras, input.num_threads);
+        our_samples = within(our_samples, ranges_m, input.max_range_m);
+        our_ranges_m = within(ranges_m, ranges_m, input.max_range_m);
+        auto near = within(completeness,
+                           distances(reference_samples, cameras, input.num_threads),
+                           input.near_range_m);
+        std::sort(near.begin(), near.end());
+        error.near_completeness = summarise(near);
+    }
     auto accuracy = distances(our_samples, SurfaceIndex(reference), input.num_threads);
-    auto completeness = distances(sample_surface(reference, input.num_samples, input.seed),
-                                  SurfaceIndex(mesh),
-                                  input.num_threads);
+    if (!our_ranges_m.empty()) error.relative = relative_to(our_ranges_m, accuracy);
     std::sort(accuracy.begin(), accuracy.end());
     std::sort(completeness.begin(), completeness.end());
 
-    SurfaceError error;
     error.accuracy = summarise(accuracy);
     error.completeness = summarise(completeness);
-    error.share_beyond_range =
-        1.0 - static_cast<double>(our_samples.size()) / static_cast<double>(all_samples.size());
+    error.share_beyond_range = 1.0 - static_cast<double>(our_samples.size()) / num_samples;
     for (const double threshold : kThresholds_m) {
         const double precision = share_within(accuracy, threshold);
         const double recall = share_within(completeness, threshold);
@@ -142,10 +158,15 @@ nlohmann::json to_metrics(const SurfaceError& error) {
                           {"precision", score.precision},
                           {"recall", score.recall},
                           {"f1", score.f1}});
-    return {{"accuracy", to_json(error.accuracy)},
-            {"completeness", to_json(error.completeness)},
-            {"share_beyond_range", error.share_beyond_range},
-            {"scores", scores}};
+    nlohmann::json json = {{"accuracy", to_json(error.accuracy)},
+                           {"completeness", to_json(error.completeness)},
+                           {"share_beyond_range", error.share_beyond_range},
+                           {"scores", scores}};
+    if (error.relative)
+        json["relative_accuracy"] = {{"median_percent", 100.0 * error.relative->median},
+                                     {"p80_percent", 100.0 * error.relative->p80}};
+    if (error.near_completeness) json["near_completeness"] = to_json(*error.near_completeness);
+    return json;
 }
 
 }  // namespace divemesh::worker

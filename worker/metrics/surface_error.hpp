@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "worker/volume/mesh.hpp"
@@ -13,6 +14,7 @@ struct SurfaceErrorInput {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // of the poses
     std::vector<Eigen::Vector3d>
         camera_positions_world;  // of the estimate; none: no limit of range
+    double near_range_m = 1.6;   // of the reference that counts as near
     double max_range_m = 4.0;    // our surface farther than this from every camera is left out
     std::int64_t num_samples = 1'000'000;  // each way
     std::uint64_t seed = 1;
@@ -37,11 +39,20 @@ struct ThresholdScore {
     double f1 = 0.0;
 };
 
+// Distance to the reference over distance to the nearest camera, as the paper states errors.
+struct RelativeDistance {
+    double median = 0.0;
+    double p80 = 0.0;
+};
+
 struct SurfaceError {
-    DistanceSummary accuracy;            // ours -> reference
-    DistanceSummary completeness;        // reference -> ours, over the whole reference
-    double share_beyond_range = 0.0;     // of our samples, left out of accuracy
-    std::vector<ThresholdScore> scores;  // 5, 10, 20, 50 mm
+    DistanceSummary accuracy;      // ours -> reference
+    DistanceSummary completeness;  // reference -> ours, over the whole reference
+    // Both only where cameras are known.
+    std::optional<RelativeDistance> relative;          // of accuracy
+    std::optional<DistanceSummary> near_completeness;  // of the reference near a camera
+    double share_beyond_range = 0.0;                   // of our samples, left out of accuracy
+    std::vector<ThresholdScore> scores;                // 5, 10, 20, 50 mm
 };
 
 // How far our mesh is from the reference mesh. No ICP: ours is moved by T_reference_world alone.

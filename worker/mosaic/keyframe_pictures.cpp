@@ -1,5 +1,6 @@
 #include "worker/mosaic/keyframe_pictures.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -7,11 +8,13 @@
 #include <string>
 
 #include "worker/output/atomic_file.hpp"
+#include "worker/parallel.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 constexpr int kWidth_px = 320;
+constexpr std::size_t kSlice = 32;  // pictures between two looks at whether to go on
 
 std::string picture_name(int frame_index) {
     char name[40];
@@ -44,18 +47,21 @@ void write_keyframe_pictures(const std::filesystem::path& folder,
                              const RectifiedRig& rig,
                              const std::vector<Keyframe>& keyframes,
                              const KeyframeStore& store,
+                             int num_threads,
                              const ProgressCallback& progress) {
     std::filesystem::create_directories(folder / "keyframes");
-    nlohmann::json list = nlohmann::json::array();
-    for (const Keyframe& keyframe : keyframes) {
+    for (std::size_t begin = 0; begin < keyframes.size(); begin += kSlice) {
         Progress done;
         done.stage = "texture";
-        done.fraction = static_cast<double>(list.size()) / static_cast<double>(keyframes.size());
+        done.fraction = static_cast<double>(begin) / static_cast<double>(keyframes.size());
         progress(done);
-        write_picture(folder / picture_name(keyframe.frame_index),
-                      store.read(keyframe.frame_index).left_color);
-        list.push_back(entry_of(keyframe));
+        for_each_index(num_threads, std::min(kSlice, keyframes.size() - begin), [&](std::size_t i) {
+            const int frame_index = keyframes[begin + i].frame_index;
+            write_picture(folder / picture_name(frame_index), store.read_left_color(frame_index));
+        });
     }
+    nlohmann::json list = nlohmann::json::array();
+    for (const Keyframe& keyframe : keyframes) list.push_back(entry_of(keyframe));
     const nlohmann::json document = {
         {"frame", "world (m, z up); the camera is the rectified left one, z forward, x right"},
         {"image_size_px", {rig.width_px, rig.height_px}},

@@ -11,12 +11,13 @@
 namespace divemesh::worker {
 
 // keyframes.json (poses of the rectified left camera, its focal length, file names) and
-// keyframes/NNNNNN.jpg, the pictures 320 px wide, in `folder`. The callback is called for every
-// picture with a fraction from 0 to 1 of this work.
+// keyframes/NNNNNN.jpg, the pictures 320 px wide, in `folder`. The callback is called every
+// few pictures with a fraction from 0 to 1 of this work.
 void write_keyframe_pictures(const std::filesystem::path& folder,
                              const RectifiedRig& rig,
                              const std::vector<Keyframe>& keyframes,
                              const KeyframeStore& store,
+                             int num_threads,
                              const ProgressCallback& progress);
 
 }  // namespace divemesh::worker

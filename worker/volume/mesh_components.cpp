@@ -56,29 +56,33 @@ MeshComponents find_components(const Mesh& mesh) {
     return components;
 }
 
-Mesh keep_large_components(const Mesh& mesh, double min_area_m2) {
-    const MeshComponents components = find_components(mesh);
-    Mesh rest = mesh;
-    rest.triangles.clear();
+void drop_unused_vertices(Mesh& mesh) {
     std::vector<std::uint32_t> renumbered(mesh.vertices.size(), 0);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        if (components.area_m2[components.of_triangle[i]] < min_area_m2) continue;
-        rest.triangles.push_back(mesh.triangles[i]);
-        for (const std::uint32_t vertex : mesh.triangles[i]) renumbered[vertex] = 1;
-    }
+    for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t vertex : triangle) renumbered[vertex] = 1;
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = 0; i < renumbered.size(); ++i)
         if (renumbered[i] != 0) {
             renumbered[i] = static_cast<std::uint32_t>(kept.size());
             kept.push_back(i);
         }
-    for (auto& triangle : rest.triangles)
+    for (auto& triangle : mesh.triangles)
         for (std::uint32_t& vertex : triangle) vertex = renumbered[vertex];
-    keep_entries(rest.vertices, kept);
-    keep_entries(rest.normals, kept);
-    keep_entries(rest.colors, kept);
-    keep_entries(rest.sigma_m, kept);
-    keep_entries(rest.num_observations, kept);
+    keep_entries(mesh.vertices, kept);
+    keep_entries(mesh.normals, kept);
+    keep_entries(mesh.colors, kept);
+    keep_entries(mesh.sigma_m, kept);
+    keep_entries(mesh.num_observations, kept);
+}
+
+Mesh keep_large_components(const Mesh& mesh, double min_area_m2) {
+    const MeshComponents components = find_components(mesh);
+    Mesh rest = mesh;
+    rest.triangles.clear();
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (components.area_m2[components.of_triangle[i]] >= min_area_m2)
+            rest.triangles.push_back(mesh.triangles[i]);
+    drop_unused_vertices(rest);
     return rest;
 }
 

@@ -15,8 +15,11 @@ struct MeshComponents {
 };
 MeshComponents find_components(const Mesh& mesh);
 
-// The mesh without components of less than `min_area_m2`, and without vertices that no triangle
-// names. Order is kept.
+// Takes out the vertices that no triangle names. Order is kept.
+void drop_unused_vertices(Mesh& mesh);
+
+// The mesh without components of less than `min_area_m2` and without unused vertices. Order is
+// kept.
 Mesh keep_large_components(const Mesh& mesh, double min_area_m2);
 
 // What a surface has to be before it can be measured, textured or simplified.

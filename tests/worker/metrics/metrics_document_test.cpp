@@ -61,9 +61,14 @@ MetricsInput dive_with_everything() {
     SurfaceError surface;
     for (const double threshold : {0.005, 0.01, 0.02, 0.05})
         surface.scores.push_back({threshold, 0.5, 0.5, 0.5});
+    surface.relative = RelativeDistance{0.001, 0.004};
+    surface.near_completeness = DistanceSummary{};
     input.evaluation.surface = surface;
-    input.mesh =
-        MeshFigures{.num_vertices = 3, .num_triangles = 1, .area_m2 = 0.5, .voxel_m = 0.01};
+    input.mesh = MeshFigures{.num_vertices = 3,
+                             .num_triangles = 1,
+                             .area_m2 = 0.5,
+                             .simplification = SimplificationError{9, 0.001, 0.002},
+                             .voxel_m = 0.01};
     KnownDistanceErrors known;
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;

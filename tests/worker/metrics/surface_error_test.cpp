@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "schemas/error.hpp"
+#include "worker/metrics/nearest_camera.hpp"
 #include "worker/metrics/surface_index.hpp"
 #include "worker/metrics/surface_samples.hpp"
 
@@ -68,6 +69,42 @@ TEST(SurfaceError, SurfaceBeyondTheRangeOfEveryCameraIsLeftOut) {
     const SurfaceError error = surface_error(plane(0, 100, 10), plane(0, 50, 10), input);
     EXPECT_NEAR(error.share_beyond_range, 0.6, 0.01);
     EXPECT_EQ(error.scores[0].precision, 1.0);
+}
+
+TEST(SurfaceError, ErrorsAreAlsoStatedOverTheRange) {
+    SurfaceErrorInput input = few_samples();
+    // So high above 1 m2 that every range is 100 m to a thousandth.
+    input.camera_positions_world = {{0.5, 0.5, 100.0}};
+    input.max_range_m = 200.0;
+    const SurfaceError error = surface_error(plane(0.2F, 10, 10), plane(0, 10, 10), input);
+    EXPECT_NEAR(error.relative.value().median, 0.002, 1e-5);
+    EXPECT_NEAR(error.relative.value().p80, 0.002, 1e-5);
+}
+
+TEST(SurfaceError, TheReferenceNearACameraIsSummedUpByItself) {
+    SurfaceErrorInput input = few_samples();
+    input.camera_positions_world = {{0.5, 0.5, 0.0}};
+    // Ours holds the first 2 m of a strip of 1 x 10 m: all that is within 1.5 m of the camera.
+    input.near_range_m = 1.5;
+    const SurfaceError error = surface_error(plane(0.01F, 20, 10), plane(0, 100, 10), input);
+    EXPECT_NEAR(error.near_completeness.value().p90_m, 0.01, 1e-6);
+    EXPECT_GT(error.completeness.median_m, 1.0);
+}
+
+TEST(NearestCamera, AgreesWithASearchOverAll) {
+    std::vector<Eigen::Vector3f> path;
+    for (int i = 0; i < 500; ++i) {
+        const float t = 0.05F * static_cast<float>(i);
+        path.emplace_back(std::cos(t) * t, std::sin(t) * t, 0.1F * t);
+    }
+    const NearestCamera cameras(path);
+    for (float x = -20.0F; x <= 20.0F; x += 3.3F)
+        for (float y = -20.0F; y <= 20.0F; y += 3.3F) {
+            const Eigen::Vector3f point(x, y, 1.0F);
+            float nearest = 1e9F;
+            for (const auto& camera : path) nearest = std::min(nearest, (camera - point).norm());
+            EXPECT_FLOAT_EQ(cameras.distance_m(point), nearest);
+        }
 }
 
 TEST(SurfaceError, DoesNotDependOnTheNumberOfThreads) {

@@ -38,7 +38,7 @@ protected:
 };
 
 TEST_F(KeyframePicturesTest, EveryKeyframeHasAPoseAndASmallPicture) {
-    write_keyframe_pictures(folder_.path(), rig_, keyframes_, store_, ignore_progress);
+    write_keyframe_pictures(folder_.path(), rig_, keyframes_, store_, 2, ignore_progress);
     const auto json = nlohmann::json::parse(std::ifstream(folder_ / "keyframes.json"));
     ASSERT_EQ(json["keyframes"].size(), 2U);
     const auto& second = json["keyframes"][1];
@@ -52,7 +52,8 @@ TEST_F(KeyframePicturesTest, EveryKeyframeHasAPoseAndASmallPicture) {
 
 TEST_F(KeyframePicturesTest, StopsWhenTheCallbackCancels) {
     const auto cancel = [](const Progress&) { throw Error(ErrorCode::Cancelled, "stop"); };
-    EXPECT_THROW(write_keyframe_pictures(folder_.path(), rig_, keyframes_, store_, cancel), Error);
+    EXPECT_THROW(write_keyframe_pictures(folder_.path(), rig_, keyframes_, store_, 2, cancel),
+                 Error);
 }
 
 }  // namespace

@@ -66,18 +66,23 @@ TEST(StageFiles, AFileCutAtAnyByteIsNotLoaded) {
 
 TEST(StageFiles, AMeshSurvivesTheDisk) {
     const TemporaryFolder folder;
-    Mesh mesh;
+    Surface surface;
+    Mesh& mesh = surface.mesh;
     mesh.vertices = {{0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};
     mesh.sigma_m = {0.001F, 0.002F, 0.003F};
     mesh.triangles = {{0, 1, 2}};
-    save_mesh(folder / "mesh.stage", "key", mesh);
-    const auto read = load_mesh(folder / "mesh.stage", "key");
+    surface.simplification = SimplificationError{7, 0.001, 0.002};
+    save_surface(folder / "mesh.stage", "key", surface);
+    const auto read = load_surface(folder / "mesh.stage", "key");
 
     ASSERT_TRUE(read);
-    EXPECT_EQ(read->vertices, mesh.vertices);
-    EXPECT_EQ(read->sigma_m, mesh.sigma_m);
-    EXPECT_EQ(read->triangles, mesh.triangles);
-    EXPECT_TRUE(read->normals.empty());
+    EXPECT_EQ(read->mesh.vertices, mesh.vertices);
+    EXPECT_EQ(read->mesh.sigma_m, mesh.sigma_m);
+    EXPECT_EQ(read->mesh.triangles, mesh.triangles);
+    EXPECT_TRUE(read->mesh.normals.empty());
+    ASSERT_TRUE(read->simplification);
+    EXPECT_EQ(read->simplification->num_triangles_before, 7);
+    EXPECT_EQ(read->simplification->max_m, 0.002);
 }
 
 }  // namespace
