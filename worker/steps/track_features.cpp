@@ -74,20 +74,30 @@ Features FeatureTracker::track(const cv::Mat& left,
     for (std::size_t i = 1; i < kNumLevels; ++i) cv::pyrDown(now_[i - 1], now_[i]);
     Features features;
     if (before_[0].empty()) return features;
-    std::unordered_map<std::int64_t, Patch> first_looks = std::move(looks_);
+    std::unordered_map<std::int64_t, FirstLook> first_looks = std::move(looks_);
     looks_.clear();
     Occupancy occupancy(left, nearest_px());
     for (const Feature& feature : previous) {
         const Eigen::Vector3d guess = expected(rig_, feature, T_cam_previous);
         const Eigen::Vector2d near = roughly(feature.pixel, guess.head<2>());
         const auto known = first_looks.find(feature.id);
-        const auto seen =
-            exactly(feature.pixel, near, known == first_looks.end() ? nullptr : &known->second);
+        std::optional<Patch> first_look;
+        if (known != first_looks.end()) {
+            known->second.move(T_cam_previous);
+            first_look = known->second.from_here(rig_);
+        }
+        const auto seen = exactly(feature.pixel, near, first_look ? &*first_look : nullptr);
         if (!seen && known != first_looks.end() && has_depth(feature))
             lost_.lose(feature, known->second);
         if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
         features.push_back({feature.id, seen->pixel, guess.z()});
-        looks_.emplace(feature.id, seen->look);
+        if (seen->as_at_first) {
+            looks_.emplace(feature.id, std::move(known->second));
+        } else {
+            FirstLook anew(rig_, before_[0], feature);
+            anew.move(T_cam_previous);
+            looks_.emplace(feature.id, std::move(anew));
+        }
     }
     return features;
 }
@@ -125,7 +135,8 @@ std::optional<FeatureTracker::Seen> FeatureTracker::exactly(const Eigen::Vector2
     std::optional<Seen> seen;
     const auto look_for = [&](const Patch& look, double least_correlation) {
         const auto found = look.align(now_[0], near);
-        if (found && found->correlation >= least_correlation) seen = Seen{found->pixel, look};
+        if (found && found->correlation >= least_correlation)
+            seen = Seen{found->pixel, &look == first_look};
     };
     if (first_look != nullptr) look_for(*first_look, kSameCorrelation);
     if (!seen)

@@ -12,6 +12,7 @@
 #include "worker/steps/align_patch.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/tracking/corner_scores.hpp"
+#include "worker/tracking/first_look.hpp"
 #include "worker/tracking/high_pass.hpp"
 #include "worker/tracking/lost_features.hpp"
 
@@ -26,7 +27,9 @@ public:
     // says where to look. Each pyramid level aligns the patch around a feature with a gain and a
     // bias of its own, so that strobes, caustics and haze may change the light from frame to frame.
     // Its place is then where it looks as it did when first seen, so that errors do not add up from
-    // frame to frame; when it has changed too much, as it did in the picture before. It stays only
+    // frame to frame, turned and stretched as the motion since lets expect: as it was, a patch
+    // slides by up to a pixel while the camera turns and comes nearer. When it has changed too
+    // much, its place is where it looks as it did in the picture before. It stays only
     // when tracking it back ends where it began. Its disparity is what the motion lets expect, to
     // be measured.
     Features track(const cv::Mat& left,
@@ -51,7 +54,7 @@ private:
 
     struct Seen {
         Eigen::Vector2d pixel;
-        Patch look;  // that was found there
+        bool as_at_first = false;  // else as in the picture before
     };
     Eigen::Vector2d roughly(const Eigen::Vector2d& from, const Eigen::Vector2d& guess) const;
     std::optional<Seen> exactly(const Eigen::Vector2d& from,
@@ -62,8 +65,8 @@ private:
     int cell_px_ = 0;
     std::int64_t next_id_ = 0;
     Pyramid before_;
-    Pyramid now_;                                    // of the last picture
-    std::unordered_map<std::int64_t, Patch> looks_;  // of the features, when first or anew seen
+    Pyramid now_;                                        // of the last picture
+    std::unordered_map<std::int64_t, FirstLook> looks_;  // of the features
     LostFeatures lost_;
     HighPass high_pass_;
     CornerScores corner_scores_;

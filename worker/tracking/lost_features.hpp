@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "worker/geometry/rectified_rig.hpp"
-#include "worker/steps/align_patch.hpp"
 #include "worker/steps/feature.hpp"
+#include "worker/tracking/first_look.hpp"
 
 namespace divemesh::worker {
 
@@ -16,13 +16,13 @@ class LostFeatures {
 public:
     struct Found {
         Feature feature;  // with the disparity that is to be expected
-        Patch look;
+        FirstLook look;
     };
 
     explicit LostFeatures(const RectifiedRig& rig) : rig_(rig) {}
 
     // `feature` as the frame before had it, with depth; `look`: how it looks.
-    void lose(const Feature& feature, const Patch& look);
+    void lose(const Feature& feature, const FirstLook& look);
     // What has come back in the next picture, by id, once its motion is known.
     std::vector<Found> find(const cv::Mat& picture, const Eigen::Isometry3d& T_current_previous);
 
@@ -31,7 +31,7 @@ private:
         std::int64_t id = 0;
         Eigen::Vector3d p_cam;  // as the camera stands now
         int num_frames = 0;     // since it was seen
-        Patch look;
+        FirstLook look;
     };
 
     RectifiedRig rig_;

@@ -1,10 +1,10 @@
 #include "worker/estimation/loops/observe_again.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "worker/geometry/facing_warp.hpp"
 #include "worker/steps/align_patch.hpp"
 #include "worker/steps/refine_pose.hpp"
 
@@ -20,20 +20,6 @@ constexpr int kCellRows = 6;
 constexpr std::size_t kFewestCells = 8;  // of the picture that hold one
 // The left picture alone says nothing of disparity.
 const Eigen::Vector3d kLeftSigma_px(kFeatureSigma_px.x(), kFeatureSigma_px.y(), 1e4);
-constexpr double kMostStretch = 2.5;  // of a patch, either way
-
-// d pixel(from) / d pixel(to) at a point, its surface taken to face the camera `from`.
-Eigen::Matrix2d stretch(const RectifiedRig& rig,
-                        const KnownPoint& point,
-                        const Eigen::Isometry3d& T_to_from) {
-    const Eigen::Vector2d centre = rig.pixel(T_to_from * point.p_cam);
-    const double step_m = point.p_cam.z() / rig.focal_px;  // a pixel wide
-    Eigen::Matrix2d to_by_from;
-    for (int axis = 0; axis < 2; ++axis)
-        to_by_from.col(axis) =
-            rig.pixel(T_to_from * (point.p_cam + step_m * Eigen::Vector3d::Unit(axis))) - centre;
-    return to_by_from.inverse();
-}
 
 Features look_for(const RectifiedRig& rig,
                   const cv::Mat& from,
@@ -42,15 +28,10 @@ Features look_for(const RectifiedRig& rig,
                   const Eigen::Isometry3d& T_to_from) {
     Features found;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Eigen::Vector3d p_to = T_to_from * points[i].p_cam;
-        if (p_to.z() < kNearest_m) continue;
-        const Eigen::Matrix2d warp = stretch(rig, points[i], T_to_from);
-        const double area = std::abs(warp.determinant());
-        if (!(area < kMostStretch * kMostStretch && area * kMostStretch * kMostStretch > 1.0))
-            continue;
-        const auto patch = Patch::read(from, points[i].pixel, warp);
+        const auto warp = facing_warp(rig, points[i].p_cam, T_to_from);
+        const auto patch = warp ? Patch::read(from, points[i].pixel, *warp) : std::nullopt;
         if (!patch) continue;
-        const auto there = patch->align(to, rig.pixel(p_to));
+        const auto there = patch->align(to, rig.pixel(T_to_from * points[i].p_cam));
         if (!there || there->correlation < kLeastCorrelation) continue;
         found.push_back({static_cast<std::int64_t>(i), there->pixel, 0.0});
     }
