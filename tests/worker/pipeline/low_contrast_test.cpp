@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/synthetic/altered_recording.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+#include "worker/reconstruct.hpp"
+#include "worker/simulator/simulate.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using Look = cv::Mat (*)(const cv::Mat& picture);
+
+cv::Mat as_it_is(const cv::Mat& picture) { return picture; }
+
+// As far water leaves it.
+cv::Mat a_third_of_the_contrast(const cv::Mat& picture) {
+    cv::Mat result;
+    picture.convertTo(result, CV_8U, 1.0 / 3.0, 85.0);
+    return result;
+}
+
+cv::Mat gamma_of_two(const cv::Mat& picture) {
+    cv::Mat table(1, 256, CV_8U);
+    for (int i = 0; i < 256; ++i)
+        table.at<std::uint8_t>(i) =
+            cv::saturate_cast<std::uint8_t>(255.0 * std::pow(i / 255.0, 2.0));
+    cv::Mat result;
+    cv::LUT(picture, table, result);
+    return result;
+}
+
+cv::Mat equalised(const cv::Mat& picture) {
+    cv::Mat result;
+    cv::createCLAHE(3.0, cv::Size(8, 8))->apply(picture, result);
+    return result;
+}
+
+class LowContrastTest : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<TemporaryFolder>();
+        simulate({.scene = SceneKind::Barge,
+                  .out = *folder_ / "dive",
+                  .length_m = 1.5,
+                  .water = WaterKind::Green,
+                  .width_px = 320,
+                  .height_px = 240});
+    }
+    static void TearDownTestSuite() { folder_.reset(); }
+
+    struct Swim {
+        TrackStatistics tracking;
+        double ate_m = 0.0;
+    };
+    Swim swim(Look look, Look equalise) {
+        synthetic::AlteredRecording altered(*dive_, [=](StereoFrame& frame) {
+            for (cv::Mat* picture : {&frame.left, &frame.right})
+                *picture = equalise(look(*picture));
+        });
+        const KeyframeStore store(*folder_ / "keyframes");
+        const auto options = make_options("standard", {{"surface", false}, {"num_threads", 1}});
+        const Track track = worker::track(altered, options, store, ignore_progress);
+        const OptimisedTrack path = optimise(track, altered, options, store, ignore_progress);
+        return {track.statistics,
+                trajectory_error(path.trajectory, dive_->ground_truth()).ate_rmse_m};
+    }
+
+    static inline std::unique_ptr<TemporaryFolder> folder_;
+    std::unique_ptr<Dive> dive_ = Dive::open(*folder_ / "dive", *folder_ / "scratch");
+};
+
+// Patches without the brightness of their surroundings, with a gain and a bias of their own: the
+// contrast is nothing that has to be put right before. A millimetre is chance.
+TEST_F(LowContrastTest, TheDiveIsFollowedAsWellAsOverEqualisedPictures) {
+    for (const Look look : {a_third_of_the_contrast, gamma_of_two}) {
+        const Swim plain = swim(look, as_it_is);
+        const Swim with = swim(look, equalised);
+        EXPECT_EQ(plain.tracking.num_frames_tracked, plain.tracking.num_frames);
+        EXPECT_GE(plain.tracking.median_track_life_frames, with.tracking.median_track_life_frames);
+        EXPECT_LT(plain.ate_m, with.ate_m + 0.001);
+    }
+}
+
+}  // namespace
+}  // namespace divemesh::worker
