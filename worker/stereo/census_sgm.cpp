@@ -18,14 +18,14 @@ struct Offset {
     int y;
 };
 
-// Every other pixel of the 9 x 7 window, as on a chess board: 31 of them, and one corner.
+// Every other pixel of the 9 x 7 window, as on a chess board: 30 of them, and two corners.
 std::vector<Offset> census_pattern() {
     std::vector<Offset> pattern;
     for (int y = -kRadiusY_px; y <= kRadiusY_px; ++y)
         for (int x = -kRadiusX_px; x <= kRadiusX_px; ++x)
             if ((x != 0 || y != 0) && ((x + y) & 1) == 0) pattern.push_back({x, y});
-    pattern.resize(kNumCensusBits - 1);
     pattern.push_back({kRadiusX_px, -kRadiusY_px});
+    pattern.push_back({-kRadiusX_px, kRadiusY_px});
     return pattern;
 }
 

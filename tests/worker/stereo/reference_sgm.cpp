@@ -1,0 +1,156 @@
+#include "tests/worker/stereo/reference_sgm.hpp"
+
+#include <algorithm>
+#include <bitset>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kSmallStep = 6;  // P1
+constexpr int kMostCost = 255;
+constexpr int kOutside = 200;  // a path's cost beyond the ends of the range
+constexpr int kBits = 32;
+
+// A number for each pixel and disparity.
+struct CostVolume {
+    CostVolume(cv::Size size_, int range_)
+        : size(size_), range(range_), values(static_cast<std::size_t>(size.area()) * range) {}
+
+    int& at(int x, int y, int d) {
+        return values[(static_cast<std::size_t>(y) * size.width + x) * range + d];
+    }
+    int at(int x, int y, int d) const {
+        return values[(static_cast<std::size_t>(y) * size.width + x) * range + d];
+    }
+
+    cv::Size size;
+    int range;
+    std::vector<int> values;
+};
+
+// Bit by bit: a neighbour on the chess board of the 9 x 7 window, or in its upper right or lower
+// left corner, is at least as bright as the centre. Nothing within half a window of the border.
+std::bitset<kBits> signature(const cv::Mat& image, int x, int y) {
+    std::bitset<kBits> bits;
+    if (x < 4 || y < 3 || x >= image.cols - 4 || y >= image.rows - 3) return bits;
+    const int center = image.at<std::uint8_t>(y, x);
+    std::size_t bit = 0;
+    for (int dy = -3; dy <= 3; ++dy)
+        for (int dx = -4; dx <= 4; ++dx) {
+            const bool on_board = (dx + dy) % 2 == 0 && (dx != 0 || dy != 0);
+            const bool in_corner = (dx == 4 && dy == -3) || (dx == -4 && dy == 3);
+            if (on_board || in_corner)
+                bits[bit++] = image.at<std::uint8_t>(y + dy, x + dx) >= center;
+        }
+    return bits;
+}
+
+CostVolume matching_costs(const cv::Mat& left, const cv::Mat& right, int range) {
+    CostVolume costs(left.size(), range);
+    for (int y = 0; y < left.rows; ++y)
+        for (int x = 0; x < left.cols; ++x) {
+            const auto bits = signature(left, x, y);
+            for (int d = 0; d < range; ++d)
+                costs.at(x, y, d) =
+                    d > x ? kBits : static_cast<int>((bits ^ signature(right, x - d, y)).count());
+        }
+    return costs;
+}
+
+int large_step(const cv::Mat& image, cv::Point a, cv::Point b) {  // P2
+    const int step = std::abs(image.at<std::uint8_t>(a) - image.at<std::uint8_t>(b));
+    return std::max(20, 60 * 12 / (12 + step));
+}
+
+// Hirschmueller 2008, eq. 14: along the path that comes to a pixel from `from` on.
+void add_path(const cv::Mat& image, const CostVolume& costs, cv::Point from, CostVolume& sums) {
+    const cv::Rect inside({0, 0}, image.size());
+    CostVolume path(costs.size, costs.range);
+    for (int i = 0; i < image.rows; ++i)
+        for (int j = 0; j < image.cols; ++j) {
+            const cv::Point here(from.x > 0 ? image.cols - 1 - j : j, i);
+            const cv::Point before = here + from;
+            const bool starts = !inside.contains(before);
+            int least = starts ? 0 : kMostCost;
+            for (int d = 0; !starts && d < costs.range; ++d)
+                least = std::min(least, path.at(before.x, before.y, d));
+            const auto cost_before = [&](int d) {
+                return d < 0 || d >= costs.range ? kOutside : path.at(before.x, before.y, d);
+            };
+            for (int d = 0; d < costs.range; ++d) {
+                int way = 0;
+                if (!starts)
+                    way = std::min({cost_before(d),
+                                    cost_before(d - 1) + kSmallStep,
+                                    cost_before(d + 1) + kSmallStep,
+                                    least + large_step(image, here, before)});
+                path.at(here.x, here.y, d) = costs.at(here.x, here.y, d) + way - least;
+                int& sum = sums.at(here.x, here.y, d);
+                sum = std::min(kMostCost, sum + path.at(here.x, here.y, d));
+            }
+        }
+}
+
+int winner(const CostVolume& sums, int x, int y) {
+    int best = 0;
+    for (int d = 1; d < sums.range; ++d)
+        if (sums.at(x, y, d) < sums.at(x, y, best)) best = d;
+    return best;
+}
+
+// Nothing but the winner's neighbours costs within 5 % of it.
+bool is_unique(const CostVolume& sums, int x, int y, int best) {
+    const int least = sums.at(x, y, best);
+    if (best == 0 || best == sums.range - 1 || least == kMostCost) return false;
+    const int limit = std::min(kMostCost, least * 100 / 95);
+    for (int d = 0; d < sums.range; ++d)
+        if (std::abs(d - best) > 1 && sums.at(x, y, d) <= limit) return false;
+    return true;
+}
+
+// The cheapest of the winners that end at one pixel of the right picture, the rightmost of equals.
+int right_winner(const CostVolume& sums, const std::vector<int>& winners, int right_x, int y) {
+    int best = -1;
+    int least = kMostCost;
+    for (int x = std::min(sums.size.width - 1, right_x + sums.range - 1); x >= right_x; --x) {
+        if (winners[x] != x - right_x || sums.at(x, y, winners[x]) >= least) continue;
+        least = sums.at(x, y, winners[x]);
+        best = winners[x];
+    }
+    return best;
+}
+
+float between(int before, int at, int after, int d) {
+    const int slope = std::max(before, after) - at;
+    if (slope == 0) return static_cast<float>(d);
+    return static_cast<float>(d) +
+           0.5F * static_cast<float>(before - after) / static_cast<float>(slope);
+}
+
+}  // namespace
+
+cv::Mat reference_sgm(const cv::Mat& left, const cv::Mat& right, int num_disparities) {
+    const CostVolume costs = matching_costs(left, right, num_disparities);
+    CostVolume sums(left.size(), num_disparities);
+    for (const cv::Point from : {cv::Point(-1, 0), {1, 0}, {-1, -1}, {0, -1}, {1, -1}})
+        add_path(left, costs, from, sums);
+    cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
+    for (int y = 0; y < left.rows; ++y) {
+        std::vector<int> winners;
+        for (int x = 0; x < left.cols; ++x) winners.push_back(winner(sums, x, y));
+        for (int x = 0; x < left.cols; ++x) {
+            const int d = winners[x];
+            if (d >= x || !is_unique(sums, x, y, d) ||
+                std::abs(right_winner(sums, winners, x - d, y) - d) > 1)
+                continue;
+            disparity.at<float>(y, x) =
+                between(sums.at(x, y, d - 1), sums.at(x, y, d), sums.at(x, y, d + 1), d);
+        }
+    }
+    return disparity;
+}
+
+}  // namespace divemesh::worker
