@@ -28,6 +28,8 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("map_step", options.map_step, "how far the picture moves between frames that are fused, share of its width; 0: keyframes alone");
     visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
     visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");
+    visit("cloud_spacing_m", options.cloud_spacing_m, "between the points of the cloud, m; 0: half a voxel");
+    visit("fusion_memory_bytes", options.fusion_memory_bytes, "voxels and points in memory, more goes to the scratch folder; never changes the result");
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
     visit("simplify", options.simplify, "share of the triangles that stays, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error that ends simplifying sooner, m; 0: no limit");
@@ -65,6 +67,11 @@ void validate(const ReconstructionOptions& options) {
     require(
         options.max_depth_m == 0.0 || (options.max_depth_m >= 0.05 && options.max_depth_m <= 100.0),
         "option max_depth_m must be 0 (automatic) or 0.05 to 100 m");
+    require(options.cloud_spacing_m == 0.0 ||
+                (options.cloud_spacing_m >= 0.0005 && options.cloud_spacing_m <= 1.0),
+            "option cloud_spacing_m must be 0 (half a voxel) or 0.0005 to 1 m");
+    require(options.fusion_memory_bytes >= std::int64_t{64} << 20,
+            "option fusion_memory_bytes must be at least 67108864 (64 MiB)");
     require(options.map_step >= 0.0 && options.map_step <= 1.0,
             "option map_step must be 0 (keyframes alone) to 1, a share of the picture's width");
     require(options.simplify > 0.0 && options.simplify <= 1.0,

@@ -32,6 +32,9 @@ struct ReconstructionOptions {
     double map_step = 0.02;    // of the picture, between frames that are fused; 0: keyframes alone
     double voxel_m = 0.0;      // 0: chosen from rig and range
     double max_depth_m = 0.0;  // 0: chosen from the rig
+    double cloud_spacing_m = 0.0;  // between the points of the cloud; 0: half a voxel
+    // Of voxels and points in memory; more goes to the scratch folder. Never changes the result.
+    std::int64_t fusion_memory_bytes = std::int64_t{1} << 30;
     // step 8, surface
     std::string mesher = "surface_nets";  // surface_nets | marching_cubes
     double simplify = 1.0;                // share of the triangles that stays

@@ -21,6 +21,7 @@ inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
 using Masks = std::int32_t __attribute__((vector_size(32)));  // 0 or -1, as comparisons give
 using Shorts = std::uint16_t __attribute__((vector_size(16)));
+using SignedShorts = std::int16_t __attribute__((vector_size(16)));
 
 inline constexpr Masks kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
 

@@ -22,6 +22,7 @@
 #include "worker/frames_ahead.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_writer.hpp"
+#include "worker/parallel.hpp"
 #include "worker/steps/extract_surface.hpp"
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/match_stereo.hpp"
@@ -195,13 +196,16 @@ OptimisedTrack optimise(const Track& track,
     return result;
 }
 
-std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
-                             const std::vector<Keyframe>& frames,
-                             double median_depth_m,
-                             const ReconstructionOptions& options,
-                             const KeyframeStore& store,
-                             const ProgressCallback& progress) {
-    auto volume = make_volume(rig, options, median_depth_m);
+FusedMap fuse(const RectifiedRig& rig,
+              const std::vector<Keyframe>& frames,
+              double median_depth_m,
+              const ReconstructionOptions& options,
+              const KeyframeStore& store,
+              const std::filesystem::path& scratch,
+              const ProgressCallback& progress) {
+    FusedMap map;
+    map.volume = make_volume(rig, options, median_depth_m, scratch);
+    map.cloud = make_cloud(map.volume->settings(), options);
     Progress done;
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
@@ -218,13 +222,16 @@ std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
         reader.wait();
         const KeyframeImages seen = std::exchange(images, {});
         read_ahead(i + 1);
-        volume->integrate(frames[i], seen);  // 7
+        const Sampling sampling = choose_sampling(rig, seen.depth, map.volume->voxel_m());
+        const DepthView depth(rig, seen, sampling, options.num_threads);
+        map.volume->add(frames[i], depth);  // 7
+        map.cloud->add(frames[i], depth);
         ++done.frames_done;
         done.fraction =
             static_cast<double>(done.frames_done) / static_cast<double>(done.num_frames);
     }
     progress(done);
-    return volume;
+    return map;
 }
 
 Mesh mesh(const Volume& volume,

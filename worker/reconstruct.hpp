@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "worker/recording.hpp"
 #include "worker/steps/add_points.hpp"
 #include "worker/volume/mesh.hpp"
+#include "worker/volume/octree_volume.hpp"
 #include "worker/volume/simplify_mesh.hpp"
 
 // The method: four stages that together are the paper's eight steps. Each takes plain values and
@@ -104,12 +106,20 @@ OptimisedTrack optimise(const Track& track,
                         const KeyframeStore& store,
                         const ProgressCallback& progress);
 
-std::unique_ptr<Volume> fuse(const RectifiedRig& rig,
-                             const std::vector<Keyframe>& frames,
-                             double median_depth_m,
-                             const ReconstructionOptions& options,
-                             const KeyframeStore& store,
-                             const ProgressCallback& progress);
+// What step 7 makes: where the surface is looked for, and the points that were seen.
+struct FusedMap {
+    std::unique_ptr<Volume> volume;
+    std::unique_ptr<OctreeVolume> cloud;
+};
+
+// Voxels and points beyond `options.fusion_memory_bytes` go to the folder `scratch`.
+FusedMap fuse(const RectifiedRig& rig,
+              const std::vector<Keyframe>& frames,
+              double median_depth_m,
+              const ReconstructionOptions& options,
+              const KeyframeStore& store,
+              const std::filesystem::path& scratch,
+              const ProgressCallback& progress);
 
 Mesh mesh(const Volume& volume,
           const ReconstructionOptions& options,

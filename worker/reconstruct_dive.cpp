@@ -25,6 +25,7 @@
 #include "worker/reconstruct.hpp"
 #include "worker/stage_files.hpp"
 #include "worker/stage_progress.hpp"
+#include "worker/volume/confirmed_points.hpp"
 #include "worker/volume/mesh_borders.hpp"
 
 namespace divemesh::worker {
@@ -40,12 +41,21 @@ std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
     return dive;
 }
 
-// What a stage's result depends on. The number of threads is not part of it: it changes no byte.
+// What a stage's result depends on. Threads and memory are not part of it: they change no byte.
 std::string stage_key(const Dive& dive, const ReconstructionRequest& request) {
     auto options = options_to_json(request.options);
     options.erase("num_threads");
+    options.erase("fusion_memory_bytes");
     return sha256_hex(std::string(DIVEMESH_VERSION) + "\n" + dive.content_sha256() + "\n" +
                       options.dump());
+}
+
+// Neither file is ever changed in place.
+void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to) {
+    std::filesystem::remove(to);
+    std::error_code failure;
+    std::filesystem::create_hard_link(from, to, failure);
+    if (failure) std::filesystem::copy_file(from, to);
 }
 
 constexpr double kShareWithoutSurface = 0.72;  // of track, optimise and evaluate
@@ -85,6 +95,7 @@ private:
         texture();
     }
     void fuse();
+    CloudFigures write_cloud(const std::filesystem::path& file, const PointOctree& octree) const;
     void mesh();
     void texture();
     nlohmann::json evaluate();
@@ -114,7 +125,7 @@ private:
     OptimisedTrack optimised_;
     std::unique_ptr<Volume> volume_;
     Surface surface_;
-    std::int64_t num_cloud_points_ = 0;
+    CloudFigures cloud_;
     std::string picture_png_;
     std::vector<StageTime> stage_times_;
 };
@@ -155,23 +166,42 @@ void DiveRun::optimise() {
 void DiveRun::fuse() {
     const Stopwatch watch;
     const auto progress = begin("fuse", 0.15);
-    const auto file = stage_file("volume-" + key_.substr(0, 16));
-    const bool reused = std::filesystem::exists(file);
+    const auto volume_file = stage_file("volume-" + key_.substr(0, 16));
+    const auto cloud_file = request_.scratch / "cloud.ply";
+    const auto cloud_artifact = request_.out / "cloud.ply";
+    const auto figures = load_cloud_figures(stage_file("cloud"), key_);
+    const bool reused =
+        figures && std::filesystem::exists(cloud_file) && std::filesystem::exists(volume_file);
     if (reused) {
-        volume_ = load_volume(file);
+        cloud_ = *figures;
+        link_or_copy(cloud_file, cloud_artifact);
+        volume_ =
+            load_volume(volume_file, {request_.scratch, request_.options.fusion_memory_bytes});
     } else {
-        volume_ = worker::fuse(optimised_.rig,
-                               optimised_.mapped,
-                               track_.statistics.median_depth_m,
-                               request_.options,
-                               keyframe_store_,
-                               progress);
-        volume_->save(file);
+        FusedMap map = worker::fuse(optimised_.rig,
+                                    optimised_.mapped,
+                                    track_.statistics.median_depth_m,
+                                    request_.options,
+                                    keyframe_store_,
+                                    request_.scratch,
+                                    progress);
+        volume_ = std::move(map.volume);
+        volume_->save(volume_file);
+        cloud_ = write_cloud(cloud_artifact, map.cloud->octree());
+        link_or_copy(cloud_artifact, cloud_file);
+        save_cloud_figures(stage_file("cloud"), key_, cloud_);
     }
-    const PointCloud cloud = volume_->cloud();
-    num_cloud_points_ = static_cast<std::int64_t>(cloud.points.size());
-    write_cloud_ply(request_.out / "cloud.ply", cloud);
     stage_done(watch, "fuse", reused);
+}
+
+CloudFigures DiveRun::write_cloud(const std::filesystem::path& file,
+                                  const PointOctree& octree) const {
+    const ConfirmedPoints points(octree, *volume_);
+    CloudPlyWriter writer(file, points.size());
+    points.for_each(
+        [&](const Eigen::Vector3f& p_world, const Color& color) { writer.add(p_world, color); });
+    writer.commit();
+    return {points.size(), octree.leaf_m(), octree.num_points(), octree.size_bytes()};
 }
 
 void DiveRun::mesh() {
@@ -271,7 +301,7 @@ std::optional<MeshFigures> DiveRun::mesh_figures() const {
                        .borders = find_borders(mesh),
                        .simplification = surface_.simplification,
                        .voxel_m = volume_->voxel_m(),
-                       .num_cloud_points = num_cloud_points_,
+                       .cloud = cloud_,
                        .volume_memory_bytes = volume_->memory_bytes()};
 }
 

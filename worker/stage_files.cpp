@@ -232,6 +232,22 @@ std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& 
     return complete(*file, std::move(track));
 }
 
+void save_cloud_figures(const std::filesystem::path& path,
+                        const std::string& key,
+                        const CloudFigures& figures) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    file.put(figures);
+    file.commit();
+}
+
+std::optional<CloudFigures> load_cloud_figures(const std::filesystem::path& path,
+                                               const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    return complete(*file, file->get<CloudFigures>());
+}
+
 void save_surface(const std::filesystem::path& path,
                   const std::string& key,
                   const Surface& surface) {

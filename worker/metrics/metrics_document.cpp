@@ -195,7 +195,10 @@ json mesh(const MeshFigures& figures) {
                    {"largest_hole_m2", figures.borders.largest_hole_m2},
                    {"outer_edge_m", figures.borders.outer_edge_m},
                    {"voxel_m", figures.voxel_m},
-                   {"num_cloud_points", figures.num_cloud_points},
+                   {"num_cloud_points", figures.cloud.num_points},
+                   {"cloud_spacing_m", figures.cloud.spacing_m},
+                   {"num_octree_points", figures.cloud.num_octree_points},
+                   {"octree_bytes", figures.cloud.octree_bytes},
                    {"volume_memory_bytes", figures.volume_memory_bytes}};
     if (figures.simplification)
         result["simplification"] = {

@@ -13,6 +13,7 @@
 #include "worker/metrics/imu_check.hpp"
 #include "worker/metrics/pieces.hpp"
 #include "worker/reconstruct.hpp"
+#include "worker/stage_files.hpp"
 #include "worker/volume/mesh_borders.hpp"
 #include "worker/volume/simplify_mesh.hpp"
 
@@ -43,7 +44,7 @@ struct MeshFigures {
     MeshBorders borders;
     std::optional<SimplificationError> simplification;  // nothing: all triangles stayed
     double voxel_m = 0.0;
-    std::int64_t num_cloud_points = 0;
+    CloudFigures cloud;
     std::int64_t volume_memory_bytes = 0;
 };
 

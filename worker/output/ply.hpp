@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
+#include "worker/output/atomic_file.hpp"
 #include "worker/volume/mesh.hpp"
 
 namespace divemesh::worker {
@@ -13,8 +15,17 @@ namespace divemesh::worker {
 // has none. Throws as AtomicFile and check_mesh do.
 void write_ply(const std::filesystem::path& file, const Mesh& mesh);
 
-// x y z (float) and, when the cloud has them, red green blue (uchar).
-void write_cloud_ply(const std::filesystem::path& file, const PointCloud& cloud);
+// x y z (float), red green blue (uchar), one point after the other; the number of points is known
+// before.
+class CloudPlyWriter {
+public:
+    CloudPlyWriter(const std::filesystem::path& file, std::int64_t num_points);
+    void add(const Eigen::Vector3f& p_world, const Color& color);
+    void commit() { output_.commit(); }  // nothing is there before
+
+private:
+    AtomicFile output_;
+};
 
 // Any PLY of triangles or polygons (cut into fans) or bare points: ascii or binary of either byte
 // order, properties in any order, unknown ones skipped. Counts are checked against the size of the

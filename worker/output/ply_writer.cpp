@@ -77,17 +77,17 @@ void write_ply(const std::filesystem::path& file, const Mesh& mesh) {
     output.commit();
 }
 
-void write_cloud_ply(const std::filesystem::path& file, const PointCloud& cloud) {
-    AtomicFile output(file);
-    output.write(header_start(cloud.points.size()) + (cloud.colors.empty() ? "" : kColorHeader) +
-                 "end_header\n");
+CloudPlyWriter::CloudPlyWriter(const std::filesystem::path& file, std::int64_t num_points)
+    : output_(file) {
+    output_.write(header_start(static_cast<std::size_t>(num_points)) + kColorHeader +
+                  "end_header\n");
+}
+
+void CloudPlyWriter::add(const Eigen::Vector3f& p_world, const Color& color) {
     Record record;
-    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-        record.put(cloud.points[i]);
-        if (!cloud.colors.empty()) record.put(cloud.colors[i]);
-        record.flush_to(output);
-    }
-    output.commit();
+    record.put(p_world);
+    record.put(color);
+    record.flush_to(output_);
 }
 
 }  // namespace divemesh::worker

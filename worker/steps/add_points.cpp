@@ -31,9 +31,15 @@ double choose_max_depth_m(const RectifiedRig& rig, double voxel_m) {
     return std::sqrt(kLargestSigma_voxels * voxel_m / sigma_z(rig, 1.0));
 }
 
+void Volume::integrate(const Keyframe& keyframe, const KeyframeImages& images) {
+    const Sampling sampling = choose_sampling(settings_.rig, images.depth, settings_.voxel_m);
+    add(keyframe, DepthView(settings_.rig, images, sampling, settings_.num_threads));
+}
+
 std::unique_ptr<Volume> make_volume(const RectifiedRig& rig,
                                     const ReconstructionOptions& options,
-                                    double median_depth_m) {
+                                    double median_depth_m,
+                                    const std::filesystem::path& scratch) {
     VolumeSettings settings;
     settings.rig = rig;
     settings.voxel_m =
@@ -41,16 +47,24 @@ std::unique_ptr<Volume> make_volume(const RectifiedRig& rig,
     settings.max_depth_m =
         options.max_depth_m > 0.0 ? options.max_depth_m : choose_max_depth_m(rig, settings.voxel_m);
     settings.num_threads = options.num_threads;
+    settings.spill = {scratch, options.fusion_memory_bytes / 2};
     if (options.fusion == "octree") return std::make_unique<OctreeVolume>(settings);
     return std::make_unique<TsdfVolume>(settings);
 }
 
-std::unique_ptr<Volume> load_volume(const std::filesystem::path& path) {
+std::unique_ptr<OctreeVolume> make_cloud(VolumeSettings settings,
+                                         const ReconstructionOptions& options) {
+    settings.voxel_m =
+        options.cloud_spacing_m > 0.0 ? options.cloud_spacing_m : 0.5 * settings.voxel_m;
+    return std::make_unique<OctreeVolume>(settings);
+}
+
+std::unique_ptr<Volume> load_volume(const std::filesystem::path& path, const SpillSettings& spill) {
     BinaryReader file(path);
     const auto magic = file.get<std::uint32_t>();
     std::unique_ptr<Volume> volume;
-    if (file.ok() && magic == kTsdfMagic) volume = TsdfVolume::load(file);
-    if (file.ok() && magic == kOctreeMagic) volume = OctreeVolume::load(file);
+    if (file.ok() && magic == kTsdfMagic) volume = TsdfVolume::load(file, spill);
+    if (file.ok() && magic == kOctreeMagic) volume = OctreeVolume::load(file, spill);
     if (!volume || !file.at_end())
         throw Error(
             ErrorCode::BadData,

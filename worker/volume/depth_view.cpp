@@ -11,8 +11,9 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr float kLargestSlope = 1.0F;  // of disparity per pixel; steeper is a jump
-constexpr int kReach_px = 4;           // of the gradient
+constexpr float kLargestSlope = 1.0F;    // of disparity per pixel; steeper is a jump
+constexpr int kReach_px = 4;             // of the gradient, at full sampling
+constexpr float kLargestBend_px = 1.0F;  // of the disparity over that reach
 constexpr float kDeadRim_px = 2.0F;
 constexpr float kFullWeight_px = 5.0F;  // from a jump or the unknown
 constexpr float kLeastCosine = 0.15F;   // of the angle of incidence
@@ -41,11 +42,11 @@ struct SlopeFit {
 };
 
 DIVEMESH_INLINE_BODY void add_pair(
-    SlopeFit& fit, Floats center, Floats ahead, Floats behind, int reach_px) {
+    SlopeFit& fit, Floats center, Floats ahead, Floats behind, int reach_px, float bend_px) {
     const auto reach = static_cast<float>(reach_px);
     const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) &
                            (size_of(ahead - behind) <= 2.0F * kLargestSlope * reach) &
-                           (size_of(ahead + behind - 2.0F * center) <= 1.0F);
+                           (size_of(ahead + behind - 2.0F * center) <= bend_px);
     fit.numerator += where(on_plane, 2.0F * reach * (ahead - behind));
     fit.denominator += where(on_plane, splat(4.0F * reach * reach));
 }
@@ -55,7 +56,7 @@ struct DepthRow {
     const float* disparity;  // of the row, and `stride` floats on the next
     std::ptrdiff_t stride;
     const float* sigma;
-    const float* rim;           // distance from the nearest unknown pixel or jump, px
+    const float* rim;           // distance from the nearest unknown pixel or jump
     const std::uint8_t* image;  // BGR
     int width;
     float v;  // of the row, from the principal point
@@ -65,6 +66,7 @@ struct Optics {
     float focal;
     float focal_baseline;
     float cx;
+    int step_px;  // of the keyframe's pixels between two of these
 };
 
 // Red, green and blue from bit 16 down, of eight pixels. Reads one byte more, so not for the last.
@@ -83,22 +85,28 @@ DIVEMESH_INLINE_BODY Masks colors(const std::uint8_t* bgr) {
 DIVEMESH_INLINE_BODY void fit_planes_body(const DepthRow& row,
                                           const Optics& optics,
                                           SurfacePixel* pixels) {
-    for (int start = kReach_px; start < row.width - kReach_px; start += kLanes) {
+    const int furthest = kReach_px / optics.step_px;
+    const float bend_px = kLargestBend_px / static_cast<float>(optics.step_px);
+    for (int start = furthest; start < row.width - furthest; start += kLanes) {
         // The last eight overlap the ones before.
-        const int u = std::min(start, row.width - kReach_px - kLanes);
-        const Floats inside = load(row.rim + u);
+        const int u = std::min(start, row.width - furthest - kLanes);
+        const Floats inside = static_cast<float>(optics.step_px) * load(row.rim + u);
         Masks good = inside > kDeadRim_px;
         if (!any(good)) continue;
         const float* at = row.disparity + u;
         const Floats d = load(at);
         SlopeFit along_u{};
         SlopeFit along_v{};
-        for (int reach = 2; reach <= kReach_px; reach += 2)
-            for (int side = -kReach_px; side <= kReach_px; side += kReach_px) {
+        for (int reach = furthest / 2; reach <= furthest; reach += furthest / 2)
+            for (int side = -furthest; side <= furthest; side += furthest) {
                 const std::ptrdiff_t rows_u = side * row.stride;
                 const std::ptrdiff_t rows_v = reach * row.stride;
-                add_pair(along_u, d, load(at + rows_u + reach), load(at - rows_u - reach), reach);
-                add_pair(along_v, d, load(at + rows_v + side), load(at - rows_v - side), reach);
+                const Floats right = load(at + rows_u + reach);
+                const Floats left = load(at - rows_u - reach);
+                const Floats below = load(at + rows_v + side);
+                const Floats above = load(at - rows_v - side);
+                add_pair(along_u, d, right, left, reach, bend_px);
+                add_pair(along_v, d, below, above, reach, bend_px);
             }
         good &= (along_u.denominator > 0.0F) & (along_v.denominator > 0.0F);
         const Floats slope_u = along_u.numerator / largest_of(along_u.denominator, splat(1.0F));
@@ -151,7 +159,7 @@ DIVEMESH_FOR_AVX2 void fit_planes_avx2(const DepthRow& row,
     fit_planes_body(row, optics, pixels);
 }
 
-// Distance of each known pixel from the nearest unknown one or jump, px.
+// Distance of each pixel from the nearest one that is unknown or at a jump, px.
 cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
     cv::Mat inside(disparity.size(), CV_8U, cv::Scalar(0));
     for (int y = 1; y + 1 < disparity.rows; ++y)
@@ -165,35 +173,108 @@ cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
     return distance;
 }
 
+// What planes are fitted to.
+struct DepthPicture {
+    cv::Mat disparity;  // CV_32F
+    cv::Mat sigma;      // CV_32F
+    cv::Mat rim;        // CV_32F, distance from the nearest pixel outside of a surface
+    cv::Mat color;      // CV_8UC3
+};
+
+// The means of two by two pixels, in units of their own width; 0 where a disparity is not known.
+void halve_row(const DepthPicture& from, int row, DepthPicture& to) {
+    const auto* above = from.disparity.ptr<float>(2 * row);
+    const auto* below = from.disparity.ptr<float>(2 * row + 1);
+    const auto mean_of = [&](const cv::Mat& values, int x) {
+        const auto* first = values.ptr<float>(2 * row) + 2 * x;
+        const auto* second = values.ptr<float>(2 * row + 1) + 2 * x;
+        return 0.25F * ((first[0] + first[1]) + (second[0] + second[1]));
+    };
+    auto* disparity = to.disparity.ptr<float>(row);
+    auto* sigma = to.sigma.ptr<float>(row);
+    auto* rim = to.rim.ptr<float>(row);
+    for (int x = 0; x < to.disparity.cols; ++x) {
+        const float least = std::min(std::min(above[2 * x], above[2 * x + 1]),
+                                     std::min(below[2 * x], below[2 * x + 1]));
+        disparity[x] = least > 0.0F ? 0.5F * mean_of(from.disparity, x) : 0.0F;
+        sigma[x] = 0.5F * mean_of(from.sigma, x);
+        rim[x] = 0.5F * mean_of(from.rim, x);
+    }
+}
+
+DepthPicture halved(const DepthPicture& full) {
+    const cv::Size size(full.disparity.cols / 2, full.disparity.rows / 2);
+    DepthPicture half{cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), {}};
+    for (int row = 0; row < size.height; ++row) halve_row(full, row, half);
+    const cv::Rect whole(0, 0, 2 * size.width, 2 * size.height);
+    cv::resize(full.color(whole), half.color, size, 0.0, 0.0, cv::INTER_AREA);
+    return half;
+}
+
+// The middle of two by two pixels is half a pixel right of and below the first one's.
+RectifiedRig halved(RectifiedRig rig) {
+    rig.width_px /= 2;
+    rig.height_px /= 2;
+    rig.focal_px /= 2.0;
+    rig.cx_px = (rig.cx_px - 0.5) / 2.0;
+    rig.cy_px = (rig.cy_px - 0.5) / 2.0;
+    return rig;
+}
+
 }  // namespace
+
+Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double voxel_m) {
+    constexpr int kStep_px = 8;
+    constexpr double kPixels = 2.0;
+    std::vector<float> disparities;
+    for (int v = 0; v < depth.disparity_px.rows; v += kStep_px)
+        for (int u = 0; u < depth.disparity_px.cols; u += kStep_px) {
+            const float disparity = depth.disparity_px.at<float>(v, u);
+            if (disparity > 0.0F) disparities.push_back(disparity);
+        }
+    if (disparities.empty()) return Sampling::Full;
+    const auto middle = disparities.begin() + std::ssize(disparities) / 2;
+    std::nth_element(disparities.begin(), middle, disparities.end());
+    return *middle * voxel_m / rig.baseline_m >= kPixels ? Sampling::Half : Sampling::Full;
+}
 
 DepthView::DepthView(const RectifiedRig& rig,
                      const KeyframeImages& images,
+                     Sampling sampling,
                      int num_threads,
                      Instructions instructions)
-    : width_px_(images.depth.disparity_px.cols),
-      height_px_(images.depth.disparity_px.rows),
-      pixels_(images.depth.disparity_px.total()) {
-    const DepthMap& depth = images.depth;
-    if (width_px_ < 2 * kReach_px + kLanes || height_px_ <= 2 * kReach_px) return;
+    : step_px_(sampling == Sampling::Half ? 2 : 1),
+      rig_(sampling == Sampling::Half ? halved(rig) : rig),
+      picture_(images.left_color),
+      pixels_(static_cast<std::size_t>(rig_.width_px) * rig_.height_px) {
+    const int reach = kReach_px / step_px_;
+    if (images.depth.disparity_px.empty() || rig_.width_px < 2 * reach + kLanes ||
+        rig_.height_px <= 2 * reach)
+        return;
     const Kernels kernels = instructions == Instructions::Baseline
                                 ? Kernels{mark_inside, fit_planes}
                                 : Kernels{mark_inside_avx2, fit_planes_avx2};
-    const cv::Mat rim = distance_from_rim(depth.disparity_px, kernels);
-    const Optics optics{static_cast<float>(rig.focal_px),
-                        static_cast<float>(rig.focal_px * rig.baseline_m),
-                        static_cast<float>(rig.cx_px)};
-    const auto num_rows = static_cast<std::size_t>(height_px_ - 2 * kReach_px);
+    DepthPicture picture{images.depth.disparity_px,
+                         images.depth.sigma_disparity_px,
+                         distance_from_rim(images.depth.disparity_px, kernels),
+                         images.left_color};
+    if (sampling == Sampling::Half) picture = halved(picture);
+    const Optics optics{static_cast<float>(rig_.focal_px),
+                        static_cast<float>(rig_.focal_px * rig_.baseline_m),
+                        static_cast<float>(rig_.cx_px),
+                        step_px_};
+    const auto num_rows = static_cast<std::size_t>(rig_.height_px - 2 * reach);
     for_each_index(num_threads, num_rows, [&](std::size_t i) {
-        const int v = static_cast<int>(i) + kReach_px;
-        const DepthRow row{depth.disparity_px.ptr<float>(v),
-                           static_cast<std::ptrdiff_t>(depth.disparity_px.step1()),
-                           depth.sigma_disparity_px.ptr<float>(v),
-                           rim.ptr<float>(v),
-                           images.left_color.ptr<std::uint8_t>(v),
-                           width_px_,
-                           static_cast<float>(v - rig.cy_px)};
-        kernels.fit_planes(row, optics, pixels_.data() + static_cast<std::size_t>(v) * width_px_);
+        const int v = static_cast<int>(i) + reach;
+        const DepthRow row{picture.disparity.ptr<float>(v),
+                           static_cast<std::ptrdiff_t>(picture.disparity.step1()),
+                           picture.sigma.ptr<float>(v),
+                           picture.rim.ptr<float>(v),
+                           picture.color.ptr<std::uint8_t>(v),
+                           rig_.width_px,
+                           static_cast<float>(v - rig_.cy_px)};
+        kernels.fit_planes(
+            row, optics, pixels_.data() + static_cast<std::size_t>(v) * rig_.width_px);
     });
 }
 

@@ -21,6 +21,13 @@ struct alignas(32) SurfacePixel {
     std::uint32_t color = 0;  // red, green and blue from bit 16 down
 };
 
+// Every pixel, or one for every two by two: their mean, where all four see one surface.
+enum class Sampling { Full, Half };
+
+// Half where a voxel covers two pixels or more at the median depth of the view: finer pixels would
+// say nothing more about it.
+Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double voxel_m);
+
 // A keyframe's depth and picture made ready for fusion. A plane is linear in disparity, so the
 // tangent plane comes from the disparity's gradient over a few pixels. Pixels at a jump of the
 // disparity, where matchers let the foreground grow, and at the rim of the unknown weigh nothing.
@@ -28,19 +35,23 @@ class DepthView {
 public:
     DepthView(const RectifiedRig& rig,
               const KeyframeImages& images,
+              Sampling sampling = Sampling::Full,
               int num_threads = 1,
               Instructions instructions = best_instructions());
 
+    // The camera of these pixels: that of the keyframe, or with half as many either way.
+    const RectifiedRig& rig() const { return rig_; }
     const SurfacePixel& pixel(int u_px, int v_px) const {
-        return pixels_[static_cast<std::size_t>(v_px) * width_px_ + u_px];
+        return pixels_[static_cast<std::size_t>(v_px) * rig_.width_px + u_px];
     }
     const SurfacePixel* pixels() const { return pixels_.data(); }  // row by row
-    int width_px() const { return width_px_; }
-    int height_px() const { return height_px_; }
+    int step_px() const { return step_px_; }  // of the keyframe's pixels between two of these
+    const cv::Mat& picture() const { return picture_; }  // CV_8UC3, all of the keyframe's pixels
 
 private:
-    int width_px_;
-    int height_px_;
+    int step_px_;
+    RectifiedRig rig_;
+    cv::Mat picture_;
     std::vector<SurfacePixel> pixels_;
 };
 

@@ -49,6 +49,10 @@ private:
     template <typename Work>
     void phase(double begin, double end, const Work& work) const {
         ProgressShare share = settings_.progress;
+        share.report = [this](const Progress& progress) {
+            field_.let_go();
+            settings_.progress.report(progress);
+        };
         const double whole = share.end - share.begin;
         share.end = share.begin + whole * end;
         share.begin += whole * begin;

@@ -20,9 +20,4 @@ struct Mesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-struct PointCloud {
-    std::vector<Eigen::Vector3f> points;
-    std::vector<Color> colors;  // as many as points, or none
-};
-
 }  // namespace divemesh::worker

@@ -20,13 +20,12 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
     return i;
 }
 
+// `kept` rises.
 template <typename T>
 void keep_entries(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
     if (values.empty()) return;
-    std::vector<T> rest;
-    rest.reserve(kept.size());
-    for (const std::uint32_t i : kept) rest.push_back(values[i]);
-    values = std::move(rest);
+    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+    values.resize(kept.size());
 }
 
 }  // namespace
@@ -75,15 +74,15 @@ void drop_unused_vertices(Mesh& mesh) {
     keep_entries(mesh.num_observations, kept);
 }
 
-Mesh keep_large_components(const Mesh& mesh, double min_area_m2) {
+Mesh keep_large_components(Mesh mesh, double min_area_m2) {
     const MeshComponents components = find_components(mesh);
-    Mesh rest = mesh;
-    rest.triangles.clear();
+    std::size_t num_kept = 0;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
         if (components.area_m2[components.of_triangle[i]] >= min_area_m2)
-            rest.triangles.push_back(mesh.triangles[i]);
-    drop_unused_vertices(rest);
-    return rest;
+            mesh.triangles[num_kept++] = mesh.triangles[i];
+    mesh.triangles.resize(num_kept);
+    drop_unused_vertices(mesh);
+    return mesh;
 }
 
 MeshTopology check_topology(const Mesh& mesh) {

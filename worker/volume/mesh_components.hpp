@@ -20,7 +20,7 @@ void drop_unused_vertices(Mesh& mesh);
 
 // The mesh without components of less than `min_area_m2` and without unused vertices. Order is
 // kept.
-Mesh keep_large_components(const Mesh& mesh, double min_area_m2);
+Mesh keep_large_components(Mesh mesh, double min_area_m2);
 
 // What a surface has to be before it can be measured, textured or simplified.
 struct MeshTopology {

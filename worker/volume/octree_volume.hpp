@@ -13,21 +13,22 @@ namespace divemesh::worker {
 // planes (Hoppe et al. 1992), averaged over the leaves nearby.
 class OctreeVolume : public Volume {
 public:
-    explicit OctreeVolume(const VolumeSettings& settings);
+    explicit OctreeVolume(VolumeSettings settings);
 
-    void integrate(const Keyframe& keyframe, const KeyframeImages& images) override;
-    PointCloud cloud() const override;
+    void add(const Keyframe& keyframe, const DepthView& depth) override;
+    bool confirms(const Eigen::Vector3d& p_world) const override;
     std::unique_ptr<SignedField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
     std::int64_t memory_bytes() const override { return octree_.memory_bytes(); }
-    double voxel_m() const override { return settings_.voxel_m; }
+    void trim() const override { octree_.trim(); }
 
-    static std::unique_ptr<OctreeVolume> load(class BinaryReader& file);
+    const PointOctree& octree() const { return octree_; }
+
+    static std::unique_ptr<OctreeVolume> load(class BinaryReader& file, SpillSettings spill);
 
 private:
     int least_views() const;
 
-    VolumeSettings settings_;
     PointOctree octree_;
     std::uint32_t num_views_ = 0;
 };

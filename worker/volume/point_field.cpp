@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/parallel.hpp"
+#include "worker/volume/packed_values.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -94,7 +95,7 @@ void PointField::collect_points(const PointOctree& octree, int least_views) {
             octree.position(cell, leaf) / voxel_m_ - first_sample(block).cast<double>();
         points_.push_back({place.cast<float>(),
                            normal.normalized(),
-                           leaf.weight,
+                           unpack_weight(leaf.weight),
                            leaf_color(leaf),
                            leaf.num_views});
         ranges_.back().second.end = points_.size();

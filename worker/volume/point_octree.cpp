@@ -3,75 +3,92 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
+
+#include "worker/volume/packed_values.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr float kPlaceScale = 65536.0F;
-constexpr float kNormalScale = 32767.0F;
-constexpr float kColorScale = 256.0F;
+constexpr int kCapacityStep = 4;  // leaves by which a brick grows
+constexpr std::uint32_t kBricksPerTrim = 4096;
 
-// A stored mean moved toward a new value by its share.
-template <typename Stored>
-void move_toward(Stored& mean, float value, float share, float low, float high) {
-    const float before = static_cast<float>(mean);
-    const float after = std::round(before + share * (value - before));
-    mean = static_cast<Stored>(std::clamp(after, low, high));
+// One of three means, moved toward a new value by its share; values in steps, not negative.
+std::uint32_t moved(std::uint32_t means, int i, float value, float share) {
+    const auto before = static_cast<float>(unpack(means, i));
+    const auto after = static_cast<std::int32_t>(before + share * (value - before) + 0.5F);
+    return packed(std::clamp(after, 0, PackedTriple::largest(i)), i);
+}
+
+PointLeaf* leaves_of(std::byte* memory) { return reinterpret_cast<PointLeaf*>(memory); }
+const PointLeaf* leaves_of(const std::byte* memory) {
+    return reinterpret_cast<const PointLeaf*>(memory);
 }
 
 }  // namespace
 
-PointOctree::PointOctree(double leaf_m) : leaf_m_(leaf_m) {
+PointOctree::PointOctree(double leaf_m, SpillSettings spill)
+    : leaf_m_(leaf_m), leaves_(std::move(spill)), free_(kBlockSamples / kCapacityStep + 1) {
     nodes_.add(Node{});  // the root; as a child, 0 means none
-    leaves_.add(PointLeaf{});
+    bricks_.add(Brick{});
+}
+
+bool PointOctree::inside(const Eigen::Vector3i& cell) {
+    constexpr int kLimit = 1 << (kLeafLevels - 1);
+    return (cell.array() >= -kLimit).all() && (cell.array() < kLimit).all();
 }
 
 bool PointOctree::insert(const PointObservation& observation) {
     const Eigen::Vector3d scaled = observation.p_world / leaf_m_;
-    constexpr double kLimit = 1 << (kLevels - 1);
-    if (!((scaled.array() >= -kLimit).all() && (scaled.array() < kLimit).all())) return false;
+    if (!(scaled.array().abs() < 1e9).all()) return false;
     const Eigen::Vector3d corner = scaled.array().floor();
-    PointLeaf& leaf = *leaf_at(corner.cast<int>());
-    const bool is_new = leaf.weight == 0.0F;
-    leaf.weight += observation.weight;
-    const float share = is_new ? 1.0F : observation.weight / leaf.weight;
-    const Eigen::Vector3f place = kPlaceScale * (scaled - corner).cast<float>();
-    for (int axis = 0; axis < 3; ++axis) {
-        move_toward(leaf.place[axis], place[axis], share, 0.0F, kPlaceScale - 1.0F);
-        move_toward(leaf.normal[axis],
-                    kNormalScale * observation.normal[axis],
-                    share,
-                    -kNormalScale,
-                    kNormalScale);
-        move_toward(leaf.color[axis],
-                    kColorScale * static_cast<float>(observation.color[axis]),
-                    share,
-                    0.0F,
-                    65535.0F);
+    const Eigen::Vector3i cell = corner.cast<int>();
+    if (!inside(cell)) return false;
+    PointLeaf& leaf = leaf_at(cell);
+    const bool is_new = leaf.weight == 0;
+    const float weight = unpack_weight(leaf.weight) + observation.weight;
+    const float share = is_new ? 1.0F : observation.weight / weight;
+    const float color_share = std::max(share, kLeastColorShare);
+    const Eigen::Vector3f place = (scaled - corner).cast<float>();
+    PointLeaf mean = leaf;
+    mean.weight = pack_weight(weight);
+    mean.place = mean.normal = mean.color = 0;
+    for (int i = 0; i < 3; ++i) {
+        const auto steps = static_cast<float>(PackedTriple::largest(i));
+        const auto grey =
+            static_cast<float>(observation.color[i] * PackedTriple::steps_per_grey(i));
+        mean.place |= moved(leaf.place, i, steps * place[i], share);
+        mean.normal |= moved(leaf.normal, i, 0.5F * steps * (observation.normal[i] + 1.0F), share);
+        mean.color |= moved(leaf.color, i, grey + 1.0F, color_share);
     }
-    if ((is_new || leaf.last_view != observation.view) && leaf.num_views < 255) ++leaf.num_views;
-    leaf.last_view = observation.view;
+    if ((is_new || leaf.last_view != observation.view) && leaf.num_views < 255) ++mean.num_views;
+    mean.last_view = observation.view;
+    leaf = mean;
     return true;
 }
 
 bool PointOctree::restore(const Eigen::Vector3i& cell, const PointLeaf& leaf) {
-    constexpr int kLimit = 1 << (kLevels - 1);
-    if (!((cell.array() >= -kLimit).all() && (cell.array() < kLimit).all())) return false;
-    *leaf_at(cell) = leaf;
+    if (!inside(cell)) return false;
+    leaf_at(cell) = leaf;
     return true;
 }
 
-// Cells are counted from the cube's corner, so that bit kLevels - 1 - level of each coordinate
-// chooses the child at that level.
-PointLeaf* PointOctree::leaf_at(const Eigen::Vector3i& cell) {
-    const Eigen::Vector3i at = cell.array() + (1 << (kLevels - 1));
-    const auto parted = static_cast<unsigned>(
-        (at.x() ^ path_cell_.x()) | (at.y() ^ path_cell_.y()) | (at.z() ^ path_cell_.z()));
-    // The first level whose node is not known to be the last cell's too.
+int PointOctree::Brick::rank(int place) const {
+    const std::uint64_t below = (std::uint64_t{1} << (place & 63)) - 1;
+    return num_before[place >> 6] + std::popcount(occupied[place >> 6] & below);
+}
+
+// Bricks are counted from the cube's corner, so that bit kLevels - 1 - level of each coordinate
+// chooses the child at that level. Neighbouring ones go down from where their paths part.
+std::uint32_t PointOctree::brick_at(const Eigen::Vector3i& at) {
+    const auto parted = static_cast<unsigned>((at.x() ^ last_at_.x()) | (at.y() ^ last_at_.y()) |
+                                              (at.z() ^ last_at_.z()));
+    if (parted == 0 && last_brick_ != 0) return last_brick_;
+    // The first level whose node is not known to be the last brick's too.
     int level =
         std::min(kLevels - 1, std::max(0, kLevels - static_cast<int>(std::bit_width(parted))));
     while (level > 0 && path_[level] == 0) --level;
-    path_cell_ = at;
+    last_at_ = at;
     std::uint32_t node = path_[level];
     for (;; ++level) {
         path_[level] = node;
@@ -79,59 +96,135 @@ PointLeaf* PointOctree::leaf_at(const Eigen::Vector3i& cell) {
         const int child = ((at.x() >> shift) & 1) | (((at.y() >> shift) & 1) << 1) |
                           (((at.z() >> shift) & 1) << 2);
         std::uint32_t next = nodes_[node][child];
-        const bool is_leaf = level == kLevels - 1;
+        const bool is_brick = level == kLevels - 1;
         if (next == 0) {
-            next = is_leaf ? leaves_.add(PointLeaf{}) : nodes_.add(Node{});
+            next = is_brick ? bricks_.add(Brick{}) : nodes_.add(Node{});
             nodes_[node][child] = next;
         }
-        if (is_leaf) return &leaves_[next];
+        if (is_brick) return last_brick_ = next;
         node = next;
     }
 }
 
+PointLeaf& PointOctree::leaf_at(const Eigen::Vector3i& cell) {
+    const Eigen::Vector3i at = cell.array() + (1 << (kLeafLevels - 1));
+    Brick& brick = bricks_[brick_at({at.x() >> 3, at.y() >> 3, at.z() >> 3})];
+    const int place = index_in_block(at);
+    if (!brick.holds(place)) return *make_leaf(brick, place);
+    return leaves_of(leaves_.write(brick.leaves))[brick.rank(place)];
+}
+
+PointLeaf* PointOctree::make_leaf(Brick& brick, int place) {
+    if (brick.num_leaves == brick.capacity) make_room(brick);
+    const int rank = brick.rank(place);
+    PointLeaf* leaf = leaves_of(leaves_.write(brick.leaves)) + rank;
+    std::copy_backward(
+        leaf, leaf + (brick.num_leaves - rank), leaf + (brick.num_leaves - rank) + 1);
+    *leaf = PointLeaf{};
+    brick.occupied[place >> 6] |= std::uint64_t{1} << (place & 63);
+    for (int layer = (place >> 6) + 1; layer < kBlockEdge; ++layer) ++brick.num_before[layer];
+    ++brick.num_leaves;
+    ++num_points_;
+    return leaf;
+}
+
+// Outgrown room is handed to bricks that are smaller still.
+void PointOctree::make_room(Brick& brick) {
+    const int capacity = brick.capacity + kCapacityStep;
+    auto& waiting = free_[capacity / kCapacityStep];
+    SpillStore::Handle room = 0;
+    if (waiting.empty()) {
+        room = leaves_.allocate(sizeof(PointLeaf) * static_cast<std::size_t>(capacity));
+    } else {
+        room = waiting.back();
+        waiting.pop_back();
+    }
+    if (brick.capacity > 0) {
+        std::memcpy(
+            leaves_.write(room), leaves_.read(brick.leaves), sizeof(PointLeaf) * brick.num_leaves);
+        free_[brick.capacity / kCapacityStep].push_back(brick.leaves);
+    }
+    brick.leaves = room;
+    brick.capacity = static_cast<std::uint16_t>(capacity);
+}
+
 const PointLeaf* PointOctree::find(const Eigen::Vector3i& cell) const {
-    const Eigen::Vector3i at = cell.array() + (1 << (kLevels - 1));
-    if ((at.array() < 0).any() || (at.array() >= (1 << kLevels)).any()) return nullptr;
+    if (!inside(cell)) return nullptr;
+    const Eigen::Vector3i at = cell.array() + (1 << (kLeafLevels - 1));
     std::uint32_t node = 0;
-    for (int shift = kLevels - 1; shift >= 0; --shift) {
+    for (int shift = kLeafLevels - 1; shift >= 3; --shift) {
         const int child = ((at.x() >> shift) & 1) | (((at.y() >> shift) & 1) << 1) |
                           (((at.z() >> shift) & 1) << 2);
         node = nodes_[node][child];
         if (node == 0) return nullptr;
     }
-    return &leaves_[node];
+    const Brick& brick = bricks_[node];
+    const int place = index_in_block(at);
+    return brick.holds(place) ? leaves_of(leaves_.read(brick.leaves)) + brick.rank(place) : nullptr;
 }
 
-void PointOctree::for_each(
-    const std::function<void(const Eigen::Vector3i&, const PointLeaf&)>& visit) const {
+void PointOctree::for_each(const Visit& visit) const {
     visit_below(0, 0, Eigen::Vector3i::Constant(-(1 << (kLevels - 1))), visit);
 }
 
-void PointOctree::visit_below(
-    std::uint32_t node,
-    int level,
-    const Eigen::Vector3i& first_cell,
-    const std::function<void(const Eigen::Vector3i&, const PointLeaf&)>& visit) const {
+void PointOctree::visit_below(std::uint32_t node,
+                              int level,
+                              const Eigen::Vector3i& first_brick,
+                              const Visit& visit) const {
     const int half = 1 << (kLevels - 1 - level);
     for (int child = 0; child < 8; ++child) {
         const std::uint32_t next = nodes_[node][child];
         if (next == 0) continue;
-        const Eigen::Vector3i cell =
-            first_cell + half * Eigen::Vector3i(child & 1, (child >> 1) & 1, (child >> 2) & 1);
+        const Eigen::Vector3i brick =
+            first_brick + half * Eigen::Vector3i(child & 1, (child >> 1) & 1, (child >> 2) & 1);
         if (level == kLevels - 1)
-            visit(cell, leaves_[next]);
+            visit_brick(next, brick, visit);
         else
-            visit_below(next, level + 1, cell, visit);
+            visit_below(next, level + 1, brick, visit);
     }
 }
 
+void PointOctree::visit_brick(std::uint32_t number,
+                              const Eigen::Vector3i& coordinate,
+                              const Visit& visit) const {
+    if (number % kBricksPerTrim == 0) trim();
+    const Brick& brick = bricks_[number];
+    const PointLeaf* leaf = leaves_of(leaves_.read(brick.leaves));
+    for (int place = 0; place < kBlockSamples; ++place)
+        if (brick.holds(place))
+            visit(
+                kBlockEdge * coordinate + Eigen::Vector3i(place & 7, (place >> 3) & 7, place >> 6),
+                *leaf++);
+}
+
 Eigen::Vector3d PointOctree::position(const Eigen::Vector3i& cell, const PointLeaf& leaf) const {
-    const Eigen::Vector3d place(leaf.place[0], leaf.place[1], leaf.place[2]);
-    return leaf_m_ * (cell.cast<double>() + place / static_cast<double>(kPlaceScale));
+    Eigen::Vector3d position = cell.cast<double>();
+    for (int i = 0; i < 3; ++i)
+        position[i] += static_cast<double>(unpack(leaf.place, i)) / PackedTriple::largest(i);
+    return leaf_m_ * position;
+}
+
+std::int64_t PointOctree::size_bytes() const {
+    return memory_bytes() - leaves_.memory_bytes() + leaves_.size_bytes();
 }
 
 std::int64_t PointOctree::memory_bytes() const {
-    return static_cast<std::int64_t>(nodes_.memory_bytes() + leaves_.memory_bytes());
+    std::size_t rest = nodes_.memory_bytes() + bricks_.memory_bytes();
+    for (const auto& rooms : free_) rest += rooms.capacity() * sizeof(SpillStore::Handle);
+    return leaves_.memory_bytes() + static_cast<std::int64_t>(rest);
+}
+
+Eigen::Vector3f leaf_normal(const PointLeaf& leaf) {
+    Eigen::Vector3f normal;
+    for (int i = 0; i < 3; ++i)
+        normal[i] = 2.0F * static_cast<float>(unpack(leaf.normal, i)) /
+                        static_cast<float>(PackedTriple::largest(i)) -
+                    1.0F;
+    return normal;
+}
+
+Color leaf_color(const PointLeaf& leaf) {
+    return {unpack_grey(leaf.color, 0), unpack_grey(leaf.color, 1), unpack_grey(leaf.color, 2)};
 }
 
 }  // namespace divemesh::worker

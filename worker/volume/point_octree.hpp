@@ -8,7 +8,9 @@
 #include <memory>
 #include <vector>
 
+#include "worker/volume/block_coordinate.hpp"
 #include "worker/volume/mesh.hpp"
+#include "worker/volume/spill_store.hpp"
 
 namespace divemesh::worker {
 
@@ -21,16 +23,17 @@ struct PointObservation {
     std::uint8_t view = 0;  // number of the view, modulo 256
 };
 
-// All that was seen in one leaf, in 24 bytes: weighted means, not the observations.
+// All that was seen in one leaf, in 16 bytes: weighted means, not the observations; packed as
+// worker/volume/packed_values.hpp says.
 struct PointLeaf {
-    float weight = 0.0F;                   // sum
-    std::array<std::uint16_t, 3> place{};  // in the leaf, 1/65536 of its edge
-    std::array<std::int16_t, 3> normal{};  // mean, 1/32767
-    std::array<std::uint16_t, 3> color{};  // 1/256 grey values
-    std::uint8_t num_views = 0;            // up to 255
+    std::uint16_t weight = 0;    // sum
+    std::uint8_t num_views = 0;  // up to 255
     std::uint8_t last_view = 0;
+    std::uint32_t place = 0;   // in the leaf, shares of its edge
+    std::uint32_t normal = 0;  // mean; from -1 to 1
+    std::uint32_t color = 0;   // red, green, blue
 };
-static_assert(sizeof(PointLeaf) == 24);
+static_assert(sizeof(PointLeaf) == 16);
 
 // A grow-only array in pieces: never copied, so that it never needs twice its memory.
 template <typename T>
@@ -54,12 +57,13 @@ private:
 };
 
 // The paper's octree of points: cubes of 2^20 leaves a side around the world's origin, halved down
-// to leaves of `leaf_m`. Nodes exist where there are points; tens of millions of leaves fit, at 24
-// bytes each and some 10 bytes of nodes above them on a surface. Neighbouring points go down from
-// where their paths part. One thread at a time may insert.
+// to leaves of `leaf_m`. Nodes exist where there are points. The lowest three levels are one brick:
+// a bit for each of its 8 x 8 x 8 leaves, and those that exist one after the other. Tens of
+// millions of leaves fit, at 16 bytes each and about two more for bricks and nodes on a surface;
+// leaves that were not in view of late go to disk when there are many. One thread at a time.
 class PointOctree {
 public:
-    explicit PointOctree(double leaf_m);
+    explicit PointOctree(double leaf_m, SpillSettings spill = {});
 
     // False when the point is not finite or outside of the cube (+-524288 leaves).
     bool insert(const PointObservation& observation);
@@ -67,41 +71,59 @@ public:
     bool restore(const Eigen::Vector3i& cell, const PointLeaf& leaf);
 
     const PointLeaf* find(const Eigen::Vector3i& cell) const;  // null: empty
-    // Every leaf with its cell, (x, y, z) / leaf_m rounded down, in Morton order: eight by eight by
-    // eight aligned cells come one after the other.
+    // Every leaf with its cell, (x, y, z) / leaf_m rounded down, brick by brick in Morton order.
     void for_each(const std::function<void(const Eigen::Vector3i&, const PointLeaf&)>& visit) const;
+    // Leaves beyond what may be in memory go; no pointer to a leaf outlives it.
+    void trim() const { leaves_.trim(); }
 
     Eigen::Vector3d position(const Eigen::Vector3i& cell, const PointLeaf& leaf) const;
     double leaf_m() const { return leaf_m_; }
-    std::uint32_t num_points() const { return leaves_.size() - 1; }
-    std::int64_t memory_bytes() const;
+    std::int64_t num_points() const { return num_points_; }
+    std::int64_t size_bytes() const;    // in memory and on disk
+    std::int64_t memory_bytes() const;  // in memory
 
 private:
-    static constexpr int kLevels = 20;
-    using Node =
-        std::array<std::uint32_t, 8>;  // children: nodes, at the last level leaves; 0: none
+    static constexpr int kLeafLevels = 20;
+    static constexpr int kLevels = kLeafLevels - 3;  // of bricks
+    // Children: nodes, at the last level bricks; 0: none.
+    using Node = std::array<std::uint32_t, 8>;
+    struct Brick {
+        std::array<std::uint64_t, kBlockEdge> occupied{};    // by layer z: bit 8 y + x
+        std::array<std::uint16_t, kBlockEdge> num_before{};  // leaves in the layers below
+        SpillStore::Handle leaves = 0;
+        std::uint16_t num_leaves = 0;
+        std::uint16_t capacity = 0;
 
-    PointLeaf* leaf_at(const Eigen::Vector3i& cell);
-    void visit_below(
-        std::uint32_t node,
-        int level,
-        const Eigen::Vector3i& first_cell,
-        const std::function<void(const Eigen::Vector3i&, const PointLeaf&)>& visit) const;
+        int rank(int place) const;  // of a leaf among those that exist
+        bool holds(int place) const { return ((occupied[place >> 6] >> (place & 63)) & 1) != 0; }
+    };
+    using Visit = std::function<void(const Eigen::Vector3i&, const PointLeaf&)>;
+
+    static bool inside(const Eigen::Vector3i& cell);
+    std::uint32_t brick_at(const Eigen::Vector3i& brick);
+    PointLeaf& leaf_at(const Eigen::Vector3i& cell);
+    PointLeaf* make_leaf(Brick& brick, int place);
+    void make_room(Brick& brick);
+    void visit_below(std::uint32_t node,
+                     int level,
+                     const Eigen::Vector3i& first_brick,
+                     const Visit& visit) const;
+    void visit_brick(std::uint32_t brick,
+                     const Eigen::Vector3i& coordinate,
+                     const Visit& visit) const;
 
     double leaf_m_;
     Pool<Node> nodes_;
-    Pool<PointLeaf> leaves_;
-    std::array<std::uint32_t, kLevels> path_{};  // nodes down to the last cell
-    Eigen::Vector3i path_cell_ = Eigen::Vector3i::Zero();
+    Pool<Brick> bricks_;
+    SpillStore leaves_;
+    std::vector<std::vector<SpillStore::Handle>> free_;  // by capacity
+    std::int64_t num_points_ = 0;
+    std::array<std::uint32_t, kLevels> path_{};  // nodes down to the last brick
+    Eigen::Vector3i last_at_ = Eigen::Vector3i::Zero();
+    std::uint32_t last_brick_ = 0;
 };
 
-inline Eigen::Vector3f leaf_normal(const PointLeaf& leaf) {
-    return Eigen::Vector3f(leaf.normal[0], leaf.normal[1], leaf.normal[2]) / 32767.0F;
-}
-inline Color leaf_color(const PointLeaf& leaf) {
-    return {static_cast<std::uint8_t>(leaf.color[0] >> 8),
-            static_cast<std::uint8_t>(leaf.color[1] >> 8),
-            static_cast<std::uint8_t>(leaf.color[2] >> 8)};
-}
+Eigen::Vector3f leaf_normal(const PointLeaf& leaf);  // its length tells how much normals agree
+Color leaf_color(const PointLeaf& leaf);
 
 }  // namespace divemesh::worker

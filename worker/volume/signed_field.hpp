@@ -22,7 +22,7 @@ struct SampleAttributes {
 
 // A sparse signed distance to the surface: positive on the side of the cameras, unknown away from
 // the surface and where too little was seen. What both volumes are to both meshers. Calls from
-// several threads are safe.
+// several threads are safe, but for let_go().
 class SignedField {
 public:
     virtual ~SignedField() = default;
@@ -33,6 +33,9 @@ public:
     virtual void read_distances(std::size_t block, float* distances_m) const = 0;
     virtual float distance_m(std::size_t block, int sample) const = 0;
     virtual SampleAttributes attributes(std::size_t block, int sample) const = 0;
+    // To be called now and then on a walk through the field, so that it need not be in memory
+    // whole.
+    virtual void let_go() const {}
 };
 
 }  // namespace divemesh::worker

@@ -65,10 +65,12 @@ private:
     void add_quad(std::size_t block, const Eigen::Vector3i& sample, int axis, bool behind);
     std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge) const;
     void link_neighbours();
+    void collect_links();
+    void sort_links(std::size_t vertex);
     void read_attributes();
     void relax();
     void relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>& places) const;
-    Mesh make_mesh() const;
+    Mesh make_mesh();
     Eigen::Vector3f position(std::size_t vertex) const;  // in voxels
 
     const SignedField& field_;
@@ -78,14 +80,19 @@ private:
     std::vector<std::vector<Quad>> quads_;
     std::vector<NetVertex> vertices_;
     std::vector<SampleAttributes> attributes_;
-    std::vector<std::uint32_t> neighbours_;       // of all vertices, one after the other
-    std::vector<std::uint32_t> first_neighbour_;  // of each vertex, and one behind
-    std::vector<bool> on_border_;
+    std::vector<std::uint32_t> links_;       // to neighbours, of all vertices one after the other
+    std::vector<std::uint32_t> first_link_;  // of each vertex, and one behind
+    std::vector<std::uint8_t> num_neighbours_;
+    std::vector<std::uint8_t> on_border_;
 };
 
 template <typename Work>
 void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& work) const {
     ProgressShare share = settings_.progress;
+    share.report = [this](const Progress& progress) {
+        field_.let_go();
+        settings_.progress.report(progress);
+    };
     const double whole = share.end - share.begin;
     share.end = share.begin + whole * end;
     share.begin += whole * begin;
@@ -222,28 +229,43 @@ std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell, int edge) cons
 // Each quad's sides link its vertices. A side of one quad alone is border: its ends stay put, or
 // the net would draw itself together.
 void SurfaceNets::link_neighbours() {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+    collect_links();
+    settings_.progress.at(0.55);
+    num_neighbours_.assign(vertices_.size(), 0);
+    on_border_.assign(vertices_.size(), 0);
+    phase(0.55, 0.6, vertices_.size(), [this](std::size_t vertex) { sort_links(vertex); });
+}
+
+// Both ways along each side of each quad: a side between two quads comes twice.
+void SurfaceNets::collect_links() {
+    first_link_.assign(vertices_.size() + 2, 0);
+    for (const auto& quads : quads_)
+        for (const Quad& quad : quads)
+            for (const std::uint32_t vertex : quad) first_link_[vertex + 2] += 2;
+    for (std::size_t i = 2; i < first_link_.size(); ++i) first_link_[i] += first_link_[i - 1];
+    links_.resize(first_link_.back());
+    // first_link_[v + 1] runs from where v's links begin to where they end.
     for (const auto& quads : quads_)
         for (const Quad& quad : quads)
             for (int i = 0; i < 4; ++i) {
-                links.emplace_back(quad[i], quad[(i + 1) & 3]);
-                links.emplace_back(quad[(i + 1) & 3], quad[i]);
+                links_[first_link_[quad[i] + 1]++] = quad[(i + 1) & 3];
+                links_[first_link_[quad[i] + 1]++] = quad[(i + 3) & 3];
             }
-    settings_.progress.at(0.5);
-    std::sort(links.begin(), links.end());
-    settings_.progress.at(0.6);
-    on_border_.assign(vertices_.size(), false);
-    first_neighbour_.assign(vertices_.size() + 1, 0);
-    for (std::size_t i = 0; i < links.size();) {
-        std::size_t end = i;
-        while (end < links.size() && links[end] == links[i]) ++end;
-        if (end - i == 1) on_border_[links[i].first] = true;
-        neighbours_.push_back(links[i].second);
-        ++first_neighbour_[links[i].first + 1];
-        i = end;
+}
+
+// Leaves each neighbour once, in order.
+void SurfaceNets::sort_links(std::size_t vertex) {
+    const auto begin = links_.begin() + first_link_[vertex];
+    const auto end = links_.begin() + first_link_[vertex + 1];
+    std::sort(begin, end);
+    auto kept = begin;
+    for (auto link = begin; link != end;) {
+        const auto next = std::upper_bound(link, end, *link);
+        if (next - link == 1) on_border_[vertex] = 1;
+        *kept++ = *link;
+        link = next;
     }
-    for (std::size_t i = 0; i < vertices_.size(); ++i)
-        first_neighbour_[i + 1] += first_neighbour_[i];
+    num_neighbours_[vertex] = static_cast<std::uint8_t>(kept - begin);
 }
 
 void SurfaceNets::read_attributes() {
@@ -270,12 +292,12 @@ void SurfaceNets::relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>&
     Eigen::Vector3f& place = places[vertex];
     place = here.place;
     if (!here.single) return;
-    const std::uint32_t begin = first_neighbour_[vertex], end = first_neighbour_[vertex + 1];
-    if (!on_border_[vertex] && begin != end) {
+    const std::uint32_t begin = first_link_[vertex], end = begin + num_neighbours_[vertex];
+    if (on_border_[vertex] == 0 && begin != end) {
         Eigen::Vector3f mean = Eigen::Vector3f::Zero();
         for (std::uint32_t i = begin; i < end; ++i)
-            mean += (vertices_[neighbours_[i]].cell - here.cell).cast<float>() +
-                    vertices_[neighbours_[i]].place;
+            mean +=
+                (vertices_[links_[i]].cell - here.cell).cast<float>() + vertices_[links_[i]].place;
         place += 0.5F * (mean / static_cast<float>(end - begin) - place);
     }
     place = place.cwiseMax(0.0F).cwiseMin(1.0F);
@@ -296,8 +318,14 @@ Eigen::Vector3f SurfaceNets::position(std::size_t vertex) const {
     return vertices_[vertex].cell.cast<float>() + vertices_[vertex].place;
 }
 
-Mesh SurfaceNets::make_mesh() const {
+Mesh SurfaceNets::make_mesh() {
+    for (auto* done : {&links_, &first_link_}) *done = {};
     Mesh mesh;
+    mesh.vertices.reserve(vertices_.size());
+    mesh.normals.reserve(vertices_.size());
+    mesh.colors.reserve(vertices_.size());
+    mesh.sigma_m.reserve(vertices_.size());
+    mesh.num_observations.reserve(vertices_.size());
     const auto voxel = static_cast<float>(field_.voxel_m());
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
         const NetVertex& vertex = vertices_[i];
@@ -309,6 +337,10 @@ Mesh SurfaceNets::make_mesh() const {
         mesh.sigma_m.push_back(attributes_[i].sigma_m);
         mesh.num_observations.push_back(attributes_[i].num_observations);
     }
+    vertices_ = {};
+    std::size_t num_quads = 0;
+    for (const auto& quads : quads_) num_quads += quads.size();
+    mesh.triangles.reserve(2 * num_quads);
     for (const auto& quads : quads_)
         for (const Quad& q : quads) {
             const auto diagonal = [&](int a, int b) {

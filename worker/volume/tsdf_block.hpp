@@ -7,13 +7,17 @@
 
 namespace divemesh::worker {
 
-// Samples of 8 x 8 x 8 lattice points, x running fastest.
+// Distances are kept to this part of a voxel, up to 16 voxels.
+inline constexpr float kDistanceSteps = 2048.0F;
+
+// Samples of 8 x 8 x 8 lattice points, x running fastest, 10 bytes each; packed as
+// worker/volume/packed_values.hpp says.
 struct TsdfBlock {
-    std::array<float, kBlockSamples> distance_m{};
-    std::array<float, kBlockSamples> weight{};             // sum of 1 / variance, 1/m^2
+    std::array<std::int16_t, kBlockSamples> distance{};    // 1 / kDistanceSteps voxels
+    std::array<std::uint16_t, kBlockSamples> weight{};     // sum of 1 / variance
     std::array<std::uint16_t, kBlockSamples> num_views{};  // that saw the surface near the sample
-    // Red, green, blue in 1/256 grey values; 0: none.
-    std::array<std::array<std::uint16_t, kBlockSamples>, 3> color{};
+    std::array<std::uint32_t, kBlockSamples> color{};      // red, green, blue; 0: none
 };
+static_assert(sizeof(TsdfBlock) == 10 * kBlockSamples);
 
 }  // namespace divemesh::worker

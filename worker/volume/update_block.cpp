@@ -1,12 +1,15 @@
 #include "worker/volume/update_block.hpp"
 
 #include "worker/lanes.hpp"
+#include "worker/volume/packed_values.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 constexpr float kColorBand_voxels = 2.0F;
 constexpr float kNearest_m = 0.1F;
+constexpr std::int32_t kLargestSteps_int = 0x7fff;
+constexpr float kLargestSteps = kLargestSteps_int;
 
 // What a view says about the eight samples of a row.
 struct Sighting {
@@ -17,17 +20,25 @@ struct Sighting {
     Masks color;   // red, green and blue from bit 16 down
 };
 
+DIVEMESH_INLINE_BODY Floats within_range(Floats steps) {
+    return largest_of(least_of(steps, splat(kLargestSteps)), splat(-kLargestSteps));
+}
+
 DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, TsdfBlock& block) {
+    const Masks before = load_lanes<Masks>(block.color.data() + sample);
+    const Floats share = largest_of(sighting.share, splat(kLeastColorShare));
+    Masks after{};
     for (int channel = 0; channel < 3; ++channel) {
-        const Masks bits = (sighting.color >> (16 - 8 * channel)) & 0xff;
-        const Floats seen = 256.0F * __builtin_convertvector(bits, Floats) + 1.0F;
-        std::uint16_t* means = block.color[channel].data() + sample;
-        const Masks means_before = __builtin_convertvector(load_lanes<Shorts>(means), Masks);
-        const Floats before =
-            means_before == 0 ? seen : __builtin_convertvector(means_before, Floats);
-        const Masks mean = whole(before + sighting.share * (seen - before) + 0.5F);
-        store(means, __builtin_convertvector(sighting.colored ? mean : means_before, Shorts));
+        const int shift = PackedTriple::kShift[channel];
+        const Masks grey = (sighting.color >> (16 - 8 * channel)) & 0xff;
+        const Floats seen =
+            __builtin_convertvector(grey * PackedTriple::steps_per_grey(channel) + 1, Floats);
+        const Masks mean = (before >> shift) & PackedTriple::largest(channel);
+        const Floats mean_before = __builtin_convertvector(mean, Floats);
+        const Floats moved = mean_before + share * (seen - mean_before);
+        after |= whole((before == 0 ? seen : moved) + 0.5F) << shift;
     }
+    store(block.color.data() + sample, sighting.colored ? after : before);
 }
 
 // The samples on the line x = 0..7 of the block, whose first is at p_cam and the next by step_cam
@@ -66,7 +77,9 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
         largest_of(splat(kTruncation_voxels * view.voxel_m), kTruncation_sigmas * sigma);
     const Masks known = in_view & (certainty > 0.0F) & (distance >= -truncation);
     if (!any(known)) return;
-    const Floats weight_before = load(block.weight.data() + sample);
+    const Masks packed_before =
+        __builtin_convertvector(load_lanes<Shorts>(block.weight.data() + sample), Masks);
+    const Floats weight_before = unpack_weights(packed_before);
     const Masks passed_through = distance > truncation;
     const Masks in_range =
         (depth <= view.max_depth_m) & (depth * depth * sigma_scale <= view.max_sigma_m);
@@ -84,11 +97,20 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
         distance < -certain ? full * ((truncation + distance) / (truncation - certain)) : full;
     const Floats weight_after = weight_before + weight;
     sighting.share = weight / weight_after;
-    const Floats distance_before = load(block.distance_m.data() + sample);
-    const Floats distance_after =
-        distance_before + sighting.share * (least_of(distance, truncation) - distance_before);
-    store(block.weight.data() + sample, sighting.updated ? weight_after : weight_before);
-    store(block.distance_m.data() + sample, sighting.updated ? distance_after : distance_before);
+    const float steps = kDistanceSteps / view.voxel_m;
+    const SignedShorts steps_before = load_lanes<SignedShorts>(block.distance.data() + sample);
+    const Floats distance_before = __builtin_convertvector(steps_before, Floats);
+    const Floats seen = within_range(steps * least_of(distance, truncation));
+    const Floats distance_after = distance_before + sighting.share * (seen - distance_before);
+    // Rounded where all are positive: whole() cuts toward zero.
+    const Masks steps_after = whole(distance_after + (kLargestSteps + 0.5F)) - kLargestSteps_int;
+    store(block.weight.data() + sample,
+          __builtin_convertvector(sighting.updated ? pack_weights(weight_after) : packed_before,
+                                  Shorts));
+    store(block.distance.data() + sample,
+          __builtin_convertvector(
+              sighting.updated ? steps_after : __builtin_convertvector(steps_before, Masks),
+              SignedShorts));
 
     if (any(sighting.seen_near)) {
         std::uint16_t* views = block.num_views.data() + sample;

@@ -6,7 +6,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr int kStep_px = 2;  // neighbouring pixels lie on nearly the same plane
+constexpr float kBlockSize_samples = kBlockEdge;
+constexpr float kRegionSize_samples = 8.0F * kBlockEdge;
 
 // How far behind its surface a pixel changes samples, along its ray. The noise, and so the
 // truncation, is that of the far end.
@@ -42,8 +43,8 @@ VisibleSpace::VisibleSpace(const TsdfView& view)
     const float half_y = std::max(view.cy_px, static_cast<float>(view.height_px) - view.cy_px);
     slack_x_ = std::hypot(half_x, view.focal_px) / view.focal_px;
     slack_y_ = std::hypot(half_y, view.focal_px) / view.focal_px;
-    for (int v = 0; v < view.height_px; v += kStep_px)
-        for (int u = 0; u < view.width_px; u += kStep_px) {
+    for (int v = 0; v < view.height_px; ++v)
+        for (int u = 0; u < view.width_px; ++u) {
             const SurfacePixel& pixel = view.pixels[v * view.width_px + u];
             if (pixel.weight <= 0.0F) continue;
             float& farthest = farthest_m_[(v / kTile_px) * num_columns_ + u / kTile_px];
@@ -102,20 +103,52 @@ void BlockRegions::add(const BlockCoordinate& block, std::uint32_t number) {
     region.numbers.push_back(number);
 }
 
+Eigen::AlignedBox3f VisibleSpace::bounds() const {
+    const auto to_world = [&](const Eigen::Vector3f& p_cam) {
+        return Eigen::Vector3f(view_.R_cam_world.transpose() * (p_cam - view_.t_cam_world));
+    };
+    Eigen::AlignedBox3f box(to_world(Eigen::Vector3f::Zero()));
+    const float far = *std::max_element(farthest_m_.begin(), farthest_m_.end());
+    for (const int u : {0, view_.width_px})
+        for (const int v : {0, view_.height_px})
+            box.extend(to_world({far * (static_cast<float>(u) - view_.cx_px) / view_.focal_px,
+                                 far * (static_cast<float>(v) - view_.cy_px) / view_.focal_px,
+                                 far}));
+    return box;
+}
+
 std::vector<std::uint32_t> BlockRegions::find(const VisibleSpace& space, float voxel_m) const {
-    constexpr float kBlock = kBlockEdge;
-    constexpr float kRegion = 8.0F * kBlockEdge;
+    const Eigen::AlignedBox3f box = space.bounds();
+    const Eigen::Array3f in_regions(
+        Eigen::Array3f::Constant(1.0F / (kRegionSize_samples * voxel_m)));
+    // The first sample of a region lies on its border.
+    const Eigen::Array3i first = (box.min().array() * in_regions - 0.1F).floor().cast<int>();
+    const Eigen::Array3i last = (box.max().array() * in_regions + 0.1F).floor().cast<int>();
+    const Eigen::Array3d extent = (last - first + 1).cast<double>();
     std::vector<std::uint32_t> found;
-    for (const Region& region : regions_) {
-        if (!space.may_hold(middle_of(region.coordinate, kRegion, voxel_m),
-                            radius_of(kRegion, voxel_m)))
-            continue;
-        for (std::size_t i = 0; i < region.blocks.size(); ++i)
-            if (space.may_hold(middle_of(region.blocks[i], kBlock, voxel_m),
-                               radius_of(kBlock, voxel_m)))
-                found.push_back(region.numbers[i]);
+    if (extent.prod() > static_cast<double>(regions_.size())) {  // something far away was seen
+        for (const Region& region : regions_) find_in(region, space, voxel_m, found);
+        return found;
     }
+    for (int z = first.z(); z <= last.z(); ++z)
+        for (int y = first.y(); y <= last.y(); ++y)
+            for (int x = first.x(); x <= last.x(); ++x) {
+                const auto entry = index_.find({x, y, z});
+                if (entry != index_.end()) find_in(regions_[entry->second], space, voxel_m, found);
+            }
     return found;
+}
+
+void BlockRegions::find_in(const Region& region,
+                           const VisibleSpace& space,
+                           float voxel_m,
+                           std::vector<std::uint32_t>& found) {
+    const Eigen::Vector3f middle = middle_of(region.coordinate, kRegionSize_samples, voxel_m);
+    if (!space.may_hold(middle, radius_of(kRegionSize_samples, voxel_m))) return;
+    const float radius_m = radius_of(kBlockSize_samples, voxel_m);
+    for (std::size_t i = 0; i < region.blocks.size(); ++i)
+        if (space.may_hold(middle_of(region.blocks[i], kBlockSize_samples, voxel_m), radius_m))
+            found.push_back(region.numbers[i]);
 }
 
 }  // namespace divemesh::worker

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -18,9 +18,10 @@ public:
 
     // A ball in the world: may it reach into it?
     bool may_hold(const Eigen::Vector3f& middle, float radius_m) const;
+    Eigen::AlignedBox3f bounds() const;  // in the world, m
 
 private:
-    static constexpr int kTile_px = 16;
+    static constexpr int kTile_px = 8;
 
     float farthest_m(const Eigen::Vector3f& p_cam, float radius_m) const;
 
@@ -41,11 +42,16 @@ public:
     std::vector<std::uint32_t> find(const VisibleSpace& space, float voxel_m) const;
 
 private:
-    struct Region {
-        BlockCoordinate coordinate;  // in regions of 8 x 8 x 8 blocks
+    struct Region {  // of 8 x 8 x 8 blocks
+        BlockCoordinate coordinate;
         std::vector<BlockCoordinate> blocks;
         std::vector<std::uint32_t> numbers;
     };
+
+    static void find_in(const Region& region,
+                        const VisibleSpace& space,
+                        float voxel_m,
+                        std::vector<std::uint32_t>& found);
 
     std::vector<Region> regions_;
     std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;

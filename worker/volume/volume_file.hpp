@@ -8,8 +8,8 @@
 namespace divemesh::worker {
 
 // The first bytes of a saved volume: its kind and version, then its settings.
-inline constexpr std::uint32_t kTsdfMagic = 0x31545344;    // "DST1"
-inline constexpr std::uint32_t kOctreeMagic = 0x31434f44;  // "DOC1"
+inline constexpr std::uint32_t kTsdfMagic = 0x32545344;    // "DST2"
+inline constexpr std::uint32_t kOctreeMagic = 0x32434f44;  // "DOC2"
 
 inline void put_volume_header(BinaryWriter& file,
                               std::uint32_t magic,

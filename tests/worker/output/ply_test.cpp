@@ -41,11 +41,14 @@ TEST_F(PlyTest, WrittenNormalsAreUnitLengthEvenWhereTheMeshHasNone) {
 }
 
 TEST_F(PlyTest, ACloudKeepsItsPointsAndColours) {
-    const PointCloud cloud{{{1, 2, 3}, {4, 5, 6}}, {{1, 2, 3}, {4, 5, 6}}};
-    write_cloud_ply(file("cloud.ply"), cloud);
+    const std::vector<Eigen::Vector3f> points{{1, 2, 3}, {4, 5, 6}};
+    const std::vector<Color> colors{{1, 2, 3}, {4, 5, 6}};
+    CloudPlyWriter cloud(file("cloud.ply"), 2);
+    for (int i = 0; i < 2; ++i) cloud.add(points[i], colors[i]);
+    cloud.commit();
     const Mesh mesh = read_ply(file("cloud.ply"));
-    EXPECT_EQ(mesh.vertices, cloud.points);
-    EXPECT_EQ(mesh.colors, cloud.colors);
+    EXPECT_EQ(mesh.vertices, points);
+    EXPECT_EQ(mesh.colors, colors);
     EXPECT_TRUE(mesh.triangles.empty());
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/worker/volume/synthetic_views.hpp"
+#include "worker/volume/packed_values.hpp"
 #include "worker/volume/visible_blocks.hpp"
 
 namespace divemesh::worker {
@@ -27,8 +28,8 @@ protected:
           depth_(small_rig(), rendered_.images) {
         const RectifiedRig rig = small_rig();
         view_.pixels = depth_.pixels();
-        view_.width_px = depth_.width_px();
-        view_.height_px = depth_.height_px();
+        view_.width_px = rig.width_px;
+        view_.height_px = rig.height_px;
         view_.focal_px = static_cast<float>(rig.focal_px);
         view_.cx_px = static_cast<float>(rig.cx_px);
         view_.cy_px = static_cast<float>(rig.cy_px);
@@ -45,11 +46,10 @@ protected:
         std::mt19937 random(seed);
         TsdfBlock block;
         for (int i = 0; i < kBlockSamples; ++i) {
-            block.distance_m[i] = 0.01F * static_cast<float>(random() % 7) - 0.03F;
-            block.weight[i] = static_cast<float>(random() % 3) * 100.0F;
+            block.distance[i] = static_cast<std::int16_t>(random() % 6000 - 3000);
+            block.weight[i] = random() % 3 == 0 ? 0 : pack_weight(1.0F + random() % 1000);
             block.num_views[i] = static_cast<std::uint16_t>(random() % 4);
-            for (auto& channel : block.color)
-                channel[i] = static_cast<std::uint16_t>(random() % 65536);
+            block.color[i] = static_cast<std::uint32_t>(random());
         }
         return block;
     }
@@ -69,10 +69,10 @@ protected:
 };
 
 TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
-    const DepthView plain(small_rig(), rendered_.images, 1, Instructions::Baseline);
+    const DepthView plain(small_rig(), rendered_.images, Sampling::Full, 1, Instructions::Baseline);
     ASSERT_EQ(std::memcmp(plain.pixels(),
                           depth_.pixels(),
-                          sizeof(SurfacePixel) * depth_.width_px() * depth_.height_px()),
+                          sizeof(SurfacePixel) * depth_.rig().width_px * depth_.rig().height_px),
               0);
     int num_changed = 0;
     for_each_block([&](const BlockCoordinate& at) {

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "worker/lanes.hpp"
+
+// Running means and sums of the maps in few bits. Each packing is exact in the same way for one
+// value and for eight at once.
+namespace divemesh::worker {
+
+// A weight, 1/m^2, in 16 bits: 6 of exponent (2^-20 to 2^44), 10 of mantissa; 0 is none. A sum
+// stands still when what is added is less than a 4096th of it.
+inline constexpr std::int32_t kWeightBase = (127 - 20) << 23;
+inline constexpr int kWeightShift = 13;
+
+inline float unpack_weight(std::uint16_t packed) {
+    return packed == 0 ? 0.0F : std::bit_cast<float>((packed << kWeightShift) + kWeightBase);
+}
+inline std::uint16_t pack_weight(float weight) {
+    const std::int32_t bits = std::bit_cast<std::int32_t>(weight) - kWeightBase;
+    const std::int32_t rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
+    return static_cast<std::uint16_t>(std::clamp(rounded, 1, 0xffff));
+}
+DIVEMESH_INLINE_BODY Floats unpack_weights(Masks packed) {
+    const Floats weights = reinterpret_cast<Floats>((packed << kWeightShift) + kWeightBase);
+    return where(packed != 0, weights);
+}
+DIVEMESH_INLINE_BODY Masks pack_weights(Floats weights) {
+    const Masks bits = reinterpret_cast<Masks>(weights) - kWeightBase;
+    const Masks rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
+    const Masks least = rounded > 1 ? rounded : Masks{} + 1;
+    return least < 0xffff ? least : Masks{} + 0xffff;
+}
+
+// Three means in 32 bits: 11, 11 and 10 of them.
+struct PackedTriple {
+    static constexpr int kBits[3] = {11, 11, 10};
+    static constexpr int kShift[3] = {21, 10, 0};
+    static constexpr std::int32_t largest(int i) { return (1 << kBits[i]) - 1; }
+    // One grey value in steps of that channel's mean.
+    static constexpr std::int32_t steps_per_grey(int i) { return 1 << (kBits[i] - 8); }
+};
+inline std::int32_t unpack(std::uint32_t triple, int i) {
+    return static_cast<std::int32_t>(triple >> PackedTriple::kShift[i]) & PackedTriple::largest(i);
+}
+inline std::uint32_t packed(std::int32_t value, int i) {
+    return static_cast<std::uint32_t>(value) << PackedTriple::kShift[i];
+}
+
+// Colours: one is added to every mean, so that 0 is no colour at all.
+inline std::uint8_t unpack_grey(std::uint32_t color, int i) {
+    return static_cast<std::uint8_t>((unpack(color, i) - 1) / PackedTriple::steps_per_grey(i));
+}
+
+// Steps are coarse: a mean moves by no less than this share of the way to a new colour, or it would
+// stand still after many views.
+inline constexpr float kLeastColorShare = 1.0F / 32.0F;
+
+}  // namespace divemesh::worker

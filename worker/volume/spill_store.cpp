@@ -1,0 +1,159 @@
+#include "worker/volume/spill_store.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <new>
+#include <string>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kUnitBytes = 16;
+constexpr int kUnitBits = 16;
+static_assert(SpillStore::kPieceBytes == kUnitBytes << kUnitBits);
+constexpr std::align_val_t kAlignment{64};
+constexpr double kKeptShare = 0.75;  // after pieces have gone, so that not every trim() drops some
+
+std::size_t piece_of(SpillStore::Handle record) { return record >> kUnitBits; }
+std::size_t place_of(SpillStore::Handle record) {
+    return (record & ((1U << kUnitBits) - 1)) * kUnitBytes;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& folder, const std::string& what, int code) {
+    throw Error(ErrorCode::OutOfSpace,
+                "cannot " + what + " a scratch file in " + folder.string() + ": " +
+                    std::generic_category().message(code) +
+                    "; free space there, choose another scratch folder or raise "
+                    "fusion_memory_bytes");
+}
+
+int open_unnamed(const std::filesystem::path& folder) {
+    std::string name = (folder / "spilled-XXXXXX").string();
+    const int file = mkostemp(name.data(), O_CLOEXEC);
+    if (file < 0) fail(folder, "make", errno);
+    unlink(name.c_str());
+    return file;
+}
+
+// Calls `move` (pread or pwrite) until a whole piece has gone over.
+template <typename Move>
+void move_piece(Move&& move) {
+    std::size_t done = 0;
+    while (done < SpillStore::kPieceBytes) {
+        const ssize_t moved = move(done);
+        if (moved < 0 && errno == EINTR) continue;
+        if (moved <= 0) throw std::system_error(moved < 0 ? errno : EIO, std::generic_category());
+        done += static_cast<std::size_t>(moved);
+    }
+}
+
+}  // namespace
+
+SpillStore::~SpillStore() {
+    for (Piece& piece : pieces_) operator delete(piece.memory.load(), kAlignment);
+    if (file_ >= 0) close(file_);
+}
+
+SpillStore::Handle SpillStore::allocate(std::size_t num_bytes) {
+    const std::size_t rounded = (num_bytes + kUnitBytes - 1) / kUnitBytes * kUnitBytes;
+    if (used_bytes_ + rounded > kPieceBytes) {
+        if (pieces_.size() > 0xffff)
+            throw Error(ErrorCode::TooLarge, "the map is larger than 64 GiB: choose larger voxels");
+        auto* memory = static_cast<std::byte*>(operator new(kPieceBytes, kAlignment));
+        std::memset(memory, 0, kPieceBytes);
+        pieces_.emplace_back().memory = memory;
+        ++num_resident_;
+        used_bytes_ = 0;
+    }
+    const auto record =
+        static_cast<Handle>(((pieces_.size() - 1) << kUnitBits) | (used_bytes_ / kUnitBytes));
+    used_bytes_ += rounded;
+    return record;
+}
+
+std::byte* SpillStore::write(Handle record) {
+    std::byte* memory = resident(piece_of(record));
+    pieces_[piece_of(record)].changed = true;
+    return memory + place_of(record);
+}
+
+const std::byte* SpillStore::read(Handle record) const {
+    return resident(piece_of(record)) + place_of(record);
+}
+
+std::byte* SpillStore::resident(std::size_t index) const {
+    Piece& piece = pieces_[index];
+    if (piece.last_use.load(std::memory_order_relaxed) != now_)
+        piece.last_use.store(now_, std::memory_order_relaxed);
+    std::byte* memory = piece.memory.load(std::memory_order_acquire);
+    if (memory != nullptr) return memory;
+    const std::lock_guard lock(loading_);
+    memory = piece.memory.load(std::memory_order_relaxed);
+    if (memory != nullptr) return memory;
+    memory = static_cast<std::byte*>(operator new(kPieceBytes, kAlignment));
+    try {
+        move_piece([&](std::size_t done) {
+            return pread(file_,
+                         memory + done,
+                         kPieceBytes - done,
+                         static_cast<off_t>(index * kPieceBytes + done));
+        });
+    } catch (const std::system_error& error) {
+        operator delete(memory, kAlignment);
+        fail(settings_.folder, "read", error.code().value());
+    }
+    piece.memory.store(memory, std::memory_order_release);
+    ++num_resident_;
+    return memory;
+}
+
+void SpillStore::spill(std::size_t index) const {
+    Piece& piece = pieces_[index];
+    std::byte* memory = piece.memory.load();
+    if (piece.changed) {
+        if (file_ < 0) file_ = open_unnamed(settings_.folder);
+        try {
+            move_piece([&](std::size_t done) {
+                return pwrite(file_,
+                              memory + done,
+                              kPieceBytes - done,
+                              static_cast<off_t>(index * kPieceBytes + done));
+            });
+        } catch (const std::system_error& error) {
+            fail(settings_.folder, "write", error.code().value());
+        }
+        piece.changed = false;
+    }
+    piece.memory = nullptr;
+    operator delete(memory, kAlignment);
+    --num_resident_;
+}
+
+void SpillStore::trim() const {
+    ++now_;
+    if (settings_.folder.empty() || memory_bytes() <= settings_.memory_bytes) return;
+    std::vector<std::pair<std::uint64_t, std::size_t>> oldest_first;
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+        if (pieces_[i].memory.load() != nullptr) oldest_first.emplace_back(pieces_[i].last_use, i);
+    std::sort(oldest_first.begin(), oldest_first.end());
+    const auto kept =
+        static_cast<std::int64_t>(kKeptShare * static_cast<double>(settings_.memory_bytes));
+    for (const auto& [last_use, index] : oldest_first) {
+        if (memory_bytes() <= kept) break;
+        spill(index);
+    }
+}
+
+std::int64_t SpillStore::size_bytes() const {
+    return static_cast<std::int64_t>(pieces_.size() * kPieceBytes);
+}
+
+}  // namespace divemesh::worker
