@@ -22,7 +22,6 @@
 #include "worker/frames_ahead.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_writer.hpp"
-#include "worker/parallel.hpp"
 #include "worker/steps/extract_surface.hpp"
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/match_stereo.hpp"

@@ -123,7 +123,9 @@ private:
     KeyframeStore keyframe_store_;
     Track track_;
     OptimisedTrack optimised_;
-    std::unique_ptr<Volume> volume_;
+    std::unique_ptr<Volume> volume_;  // until the mesh is made of it
+    double voxel_m_ = 0.0;
+    std::int64_t volume_memory_bytes_ = 0;
     Surface surface_;
     CloudFigures cloud_;
     std::string picture_png_;
@@ -191,6 +193,8 @@ void DiveRun::fuse() {
         link_or_copy(cloud_artifact, cloud_file);
         save_cloud_figures(stage_file("cloud"), key_, cloud_);
     }
+    voxel_m_ = volume_->voxel_m();
+    volume_memory_bytes_ = volume_->memory_bytes();
     stage_done(watch, "fuse", reused);
 }
 
@@ -213,6 +217,7 @@ void DiveRun::mesh() {
         stored = simplified(worker::mesh(*volume_, request_.options, progress), request_.options);
         save_surface(stage_file("mesh"), key_, *stored);
     }
+    volume_.reset();
     surface_ = std::move(*stored);
     write_ply(request_.out / "mesh.ply", surface_.mesh);
     stage_done(watch, "mesh", reused);
@@ -300,9 +305,9 @@ std::optional<MeshFigures> DiveRun::mesh_figures() const {
                        .area_m2 = surface_area_m2(mesh),
                        .borders = find_borders(mesh),
                        .simplification = surface_.simplification,
-                       .voxel_m = volume_->voxel_m(),
+                       .voxel_m = voxel_m_,
                        .cloud = cloud_,
-                       .volume_memory_bytes = volume_->memory_bytes()};
+                       .volume_memory_bytes = volume_memory_bytes_};
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "worker/steps/extract_surface.hpp"
 
+#include <utility>
+
 #include "worker/volume/marching_cubes.hpp"
 #include "worker/volume/mesh_components.hpp"
 #include "worker/volume/surface_nets.hpp"
@@ -20,9 +22,9 @@ Mesh extract_surface(const Volume& volume,
     share.begin = 0.2;
     share.end = 0.95;
     const MeshingSettings settings{.num_threads = options.num_threads, .progress = share};
-    const Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
-                                                          : surface_nets(*field, settings);
-    return keep_large_components(whole,
+    Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
+                                                    : surface_nets(*field, settings);
+    return keep_large_components(std::move(whole),
                                  kLeastComponent_voxels * volume.voxel_m() * volume.voxel_m());
 }
 

@@ -4,10 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "worker/lanes.hpp"
-
-// Running means and sums of the maps in few bits. Each packing is exact in the same way for one
-// value and for eight at once.
+// Running means and sums of the maps in few bits.
 namespace divemesh::worker {
 
 // A weight, 1/m^2, in 16 bits: 6 of exponent (2^-20 to 2^44), 10 of mantissa; 0 is none. A sum
@@ -23,17 +20,6 @@ inline std::uint16_t pack_weight(float weight) {
     const std::int32_t rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
     return static_cast<std::uint16_t>(std::clamp(rounded, 1, 0xffff));
 }
-DIVEMESH_INLINE_BODY Floats unpack_weights(Masks packed) {
-    const Floats weights = reinterpret_cast<Floats>((packed << kWeightShift) + kWeightBase);
-    return where(packed != 0, weights);
-}
-DIVEMESH_INLINE_BODY Masks pack_weights(Floats weights) {
-    const Masks bits = reinterpret_cast<Masks>(weights) - kWeightBase;
-    const Masks rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
-    const Masks least = rounded > 1 ? rounded : Masks{} + 1;
-    return least < 0xffff ? least : Masks{} + 0xffff;
-}
-
 // Three means in 32 bits: 11, 11 and 10 of them.
 struct PackedTriple {
     static constexpr int kBits[3] = {11, 11, 10};

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "worker/volume/packed_values.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr int kCapacityStep = 4;  // leaves by which a brick grows
 constexpr std::uint32_t kBricksPerTrim = 4096;
 
 // One of three means, moved toward a new value by its share; values in steps, not negative.
@@ -20,17 +18,13 @@ std::uint32_t moved(std::uint32_t means, int i, float value, float share) {
     return packed(std::clamp(after, 0, PackedTriple::largest(i)), i);
 }
 
-PointLeaf* leaves_of(std::byte* memory) { return reinterpret_cast<PointLeaf*>(memory); }
-const PointLeaf* leaves_of(const std::byte* memory) {
-    return reinterpret_cast<const PointLeaf*>(memory);
-}
-
 }  // namespace
 
 PointOctree::PointOctree(double leaf_m, SpillSettings spill)
-    : leaf_m_(leaf_m), leaves_(std::move(spill)), free_(kBlockSamples / kCapacityStep + 1) {
+    : leaf_m_(leaf_m), leaves_(std::move(spill)) {
     nodes_.add(Node{});  // the root; as a child, 0 means none
     bricks_.add(Brick{});
+    overflow_.add(Overflow{});
 }
 
 bool PointOctree::inside(const Eigen::Vector3i& cell) {
@@ -110,42 +104,55 @@ PointLeaf& PointOctree::leaf_at(const Eigen::Vector3i& cell) {
     const Eigen::Vector3i at = cell.array() + (1 << (kLeafLevels - 1));
     Brick& brick = bricks_[brick_at({at.x() >> 3, at.y() >> 3, at.z() >> 3})];
     const int place = index_in_block(at);
-    if (!brick.holds(place)) return *make_leaf(brick, place);
-    return leaves_of(leaves_.write(brick.leaves))[brick.rank(place)];
+    if (!brick.holds(place)) return make_leaf(brick, place);
+    const int rank = brick.rank(place);
+    return write_room(brick, rank / kRoom)[rank % kRoom];
 }
 
-PointLeaf* PointOctree::make_leaf(Brick& brick, int place) {
-    if (brick.num_leaves == brick.capacity) make_room(brick);
+// Leaves above it move up by one, the last of each room into the next.
+PointLeaf& PointOctree::make_leaf(Brick& brick, int place) {
+    if (brick.num_leaves % kRoom == 0) add_room(brick);
     const int rank = brick.rank(place);
-    PointLeaf* leaf = leaves_of(leaves_.write(brick.leaves)) + rank;
-    std::copy_backward(
-        leaf, leaf + (brick.num_leaves - rank), leaf + (brick.num_leaves - rank) + 1);
-    *leaf = PointLeaf{};
+    const int first = rank % kRoom;
+    PointLeaf* to = write_room(brick, brick.num_leaves / kRoom);
+    PointLeaf* end = to + brick.num_leaves % kRoom;
+    for (int number = brick.num_leaves / kRoom; number > rank / kRoom; --number) {
+        PointLeaf* below = write_room(brick, number - 1);
+        std::copy_backward(to, end, end + 1);
+        to[0] = below[kRoom - 1];
+        to = below;
+        end = below + kRoom - 1;
+    }
+    std::copy_backward(to + first, end, end + 1);
+    to[first] = PointLeaf{};
     brick.occupied[place >> 6] |= std::uint64_t{1} << (place & 63);
     for (int layer = (place >> 6) + 1; layer < kBlockEdge; ++layer) ++brick.num_before[layer];
     ++brick.num_leaves;
     ++num_points_;
-    return leaf;
+    return to[first];
 }
 
-// Outgrown room is handed to bricks that are smaller still.
-void PointOctree::make_room(Brick& brick) {
-    const int capacity = brick.capacity + kCapacityStep;
-    auto& waiting = free_[capacity / kCapacityStep];
-    SpillStore::Handle room = 0;
-    if (waiting.empty()) {
-        room = leaves_.allocate(sizeof(PointLeaf) * static_cast<std::size_t>(capacity));
-    } else {
-        room = waiting.back();
-        waiting.pop_back();
+void PointOctree::add_room(Brick& brick) {
+    const auto number = static_cast<std::size_t>(brick.num_leaves / kRoom);
+    const SpillStore::Handle made = leaves_.allocate(kRoom * sizeof(PointLeaf));
+    if (number < brick.rooms.size()) {
+        brick.rooms[number] = made;
+        return;
     }
-    if (brick.capacity > 0) {
-        std::memcpy(
-            leaves_.write(room), leaves_.read(brick.leaves), sizeof(PointLeaf) * brick.num_leaves);
-        free_[brick.capacity / kCapacityStep].push_back(brick.leaves);
-    }
-    brick.leaves = room;
-    brick.capacity = static_cast<std::uint16_t>(capacity);
+    if (brick.overflow == 0) brick.overflow = overflow_.add(Overflow{});
+    overflow_[brick.overflow][number - brick.rooms.size()] = made;
+}
+
+SpillStore::Handle PointOctree::room(const Brick& brick, int number) const {
+    const auto i = static_cast<std::size_t>(number);
+    return i < brick.rooms.size() ? brick.rooms[i]
+                                  : overflow_[brick.overflow][i - brick.rooms.size()];
+}
+PointLeaf* PointOctree::write_room(const Brick& brick, int number) {
+    return reinterpret_cast<PointLeaf*>(leaves_.write(room(brick, number)));
+}
+const PointLeaf* PointOctree::read_room(const Brick& brick, int number) const {
+    return reinterpret_cast<const PointLeaf*>(leaves_.read(room(brick, number)));
 }
 
 const PointLeaf* PointOctree::find(const Eigen::Vector3i& cell) const {
@@ -160,7 +167,9 @@ const PointLeaf* PointOctree::find(const Eigen::Vector3i& cell) const {
     }
     const Brick& brick = bricks_[node];
     const int place = index_in_block(at);
-    return brick.holds(place) ? leaves_of(leaves_.read(brick.leaves)) + brick.rank(place) : nullptr;
+    if (!brick.holds(place)) return nullptr;
+    const int rank = brick.rank(place);
+    return read_room(brick, rank / kRoom) + rank % kRoom;
 }
 
 void PointOctree::for_each(const Visit& visit) const {
@@ -189,12 +198,14 @@ void PointOctree::visit_brick(std::uint32_t number,
                               const Visit& visit) const {
     if (number % kBricksPerTrim == 0) trim();
     const Brick& brick = bricks_[number];
-    const PointLeaf* leaf = leaves_of(leaves_.read(brick.leaves));
-    for (int place = 0; place < kBlockSamples; ++place)
-        if (brick.holds(place))
-            visit(
-                kBlockEdge * coordinate + Eigen::Vector3i(place & 7, (place >> 3) & 7, place >> 6),
-                *leaf++);
+    const PointLeaf* leaves = nullptr;
+    int rank = 0;
+    for (int place = 0; place < kBlockSamples; ++place) {
+        if (!brick.holds(place)) continue;
+        if (rank % kRoom == 0) leaves = read_room(brick, rank / kRoom);
+        visit(kBlockEdge * coordinate + Eigen::Vector3i(place & 7, (place >> 3) & 7, place >> 6),
+              leaves[rank++ % kRoom]);
+    }
 }
 
 Eigen::Vector3d PointOctree::position(const Eigen::Vector3i& cell, const PointLeaf& leaf) const {
@@ -209,9 +220,9 @@ std::int64_t PointOctree::size_bytes() const {
 }
 
 std::int64_t PointOctree::memory_bytes() const {
-    std::size_t rest = nodes_.memory_bytes() + bricks_.memory_bytes();
-    for (const auto& rooms : free_) rest += rooms.capacity() * sizeof(SpillStore::Handle);
-    return leaves_.memory_bytes() + static_cast<std::int64_t>(rest);
+    return leaves_.memory_bytes() +
+           static_cast<std::int64_t>(nodes_.memory_bytes() + bricks_.memory_bytes() +
+                                     overflow_.memory_bytes());
 }
 
 Eigen::Vector3f leaf_normal(const PointLeaf& leaf) {

@@ -50,7 +50,7 @@ public:
     std::size_t memory_bytes() const { return pieces_.size() * sizeof(T) * (kMask + 1); }
 
 private:
-    static constexpr int kShift = 16;
+    static constexpr int kShift = 12;
     static constexpr std::uint32_t kMask = (1U << kShift) - 1;
     std::vector<std::unique_ptr<T[]>> pieces_;
     std::uint32_t size_ = 0;
@@ -83,6 +83,7 @@ public:
     std::int64_t memory_bytes() const;  // in memory
 
 private:
+    static constexpr int kRoom = 16;
     static constexpr int kLeafLevels = 20;
     static constexpr int kLevels = kLeafLevels - 3;  // of bricks
     // Children: nodes, at the last level bricks; 0: none.
@@ -90,20 +91,25 @@ private:
     struct Brick {
         std::array<std::uint64_t, kBlockEdge> occupied{};    // by layer z: bit 8 y + x
         std::array<std::uint16_t, kBlockEdge> num_before{};  // leaves in the layers below
-        SpillStore::Handle leaves = 0;
-        std::uint16_t num_leaves = 0;
-        std::uint16_t capacity = 0;
+        // Leaves by rank, kRoom in each; further ones in `overflow_`.
+        std::array<SpillStore::Handle, 8> rooms{};
+        std::uint32_t overflow = 0;
+        int num_leaves = 0;
 
         int rank(int place) const;  // of a leaf among those that exist
         bool holds(int place) const { return ((occupied[place >> 6] >> (place & 63)) & 1) != 0; }
     };
+    using Overflow = std::array<SpillStore::Handle, kBlockSamples / kRoom - 8>;
     using Visit = std::function<void(const Eigen::Vector3i&, const PointLeaf&)>;
 
     static bool inside(const Eigen::Vector3i& cell);
     std::uint32_t brick_at(const Eigen::Vector3i& brick);
     PointLeaf& leaf_at(const Eigen::Vector3i& cell);
-    PointLeaf* make_leaf(Brick& brick, int place);
-    void make_room(Brick& brick);
+    PointLeaf& make_leaf(Brick& brick, int place);
+    void add_room(Brick& brick);
+    SpillStore::Handle room(const Brick& brick, int number) const;
+    PointLeaf* write_room(const Brick& brick, int number);
+    const PointLeaf* read_room(const Brick& brick, int number) const;
     void visit_below(std::uint32_t node,
                      int level,
                      const Eigen::Vector3i& first_brick,
@@ -115,8 +121,8 @@ private:
     double leaf_m_;
     Pool<Node> nodes_;
     Pool<Brick> bricks_;
+    Pool<Overflow> overflow_;
     SpillStore leaves_;
-    std::vector<std::vector<SpillStore::Handle>> free_;  // by capacity
     std::int64_t num_points_ = 0;
     std::array<std::uint32_t, kLevels> path_{};  // nodes down to the last brick
     Eigen::Vector3i last_at_ = Eigen::Vector3i::Zero();

@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kAllocationStep_px = 2;
 constexpr float kLargestSigma_voxels = 4.0F;  // of a depth that may make surface
-constexpr float kConfirmed_voxels = 2.0F;     // how far from the surface a point may lie
+// How far from the surface a point may lie: where as many views looked through as saw something,
+// the zero is farther off.
+constexpr float kConfirmed_voxels = 1.5F;
 constexpr std::uint32_t kBlocksPerTrim = 4096;
 
 float sigma_z(const TsdfView& view, float z, float sigma_disparity_px) {
@@ -135,7 +137,7 @@ bool TsdfVolume::confirms(const Eigen::Vector3d& p_world) const {
     const TsdfBlock& samples = block(entry->second);
     const int i = index_in_block(sample);
     return samples.num_views[i] >= least_views() &&
-           std::abs(static_cast<float>(samples.distance[i])) <= kConfirmed_voxels * kDistanceSteps;
+           std::abs(static_cast<float>(samples.distance[i])) < kConfirmed_voxels * kDistanceSteps;
 }
 
 // What the meshers see: samples that enough views agree on.

@@ -1,7 +1,7 @@
 #include "worker/volume/update_block.hpp"
 
 #include "worker/lanes.hpp"
-#include "worker/volume/packed_values.hpp"
+#include "worker/volume/packed_lanes.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,8 +1,8 @@
-#include "worker/volume/packed_values.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "worker/volume/packed_lanes.hpp"
 
 namespace divemesh::worker {
 namespace {

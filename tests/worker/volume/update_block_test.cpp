@@ -47,7 +47,8 @@ protected:
         TsdfBlock block;
         for (int i = 0; i < kBlockSamples; ++i) {
             block.distance[i] = static_cast<std::int16_t>(random() % 6000 - 3000);
-            block.weight[i] = random() % 3 == 0 ? 0 : pack_weight(1.0F + random() % 1000);
+            block.weight[i] =
+                random() % 3 == 0 ? 0 : pack_weight(1.0F + static_cast<float>(random() % 1000));
             block.num_views[i] = static_cast<std::uint16_t>(random() % 4);
             block.color[i] = static_cast<std::uint32_t>(random());
         }
