@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "worker/volume/even_out.hpp"
 #include "worker/volume/marching_cubes.hpp"
 #include "worker/volume/mesh_components.hpp"
 #include "worker/volume/surface_nets.hpp"
@@ -24,8 +25,10 @@ Mesh extract_surface(const Volume& volume,
     const MeshingSettings settings{.num_threads = options.num_threads, .progress = share};
     Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
                                                     : surface_nets(*field, settings);
-    return keep_large_components(std::move(whole),
-                                 kLeastComponent_voxels * volume.voxel_m() * volume.voxel_m());
+    Mesh surface = keep_large_components(
+        std::move(whole), kLeastComponent_voxels * volume.voxel_m() * volume.voxel_m());
+    even_out(surface, volume.voxel_m(), options.num_threads);
+    return surface;
 }
 
 }  // namespace divemesh::worker

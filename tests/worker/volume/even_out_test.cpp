@@ -1,0 +1,101 @@
+#include "worker/volume/even_out.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/worker/volume/analytic_field.hpp"
+#include "worker/volume/surface_nets.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kVoxel_m = 0.01;
+
+// Cells of a voxel in the plane z = 0; corners displaced by noise of `sigma_m` along z.
+Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(0.0F, sigma_m);
+    Mesh mesh;
+    for (std::uint32_t y = 0; y <= num_cells; ++y)
+        for (std::uint32_t x = 0; x <= num_cells; ++x) {
+            mesh.vertices.emplace_back(
+                0.01F * static_cast<float>(x), 0.01F * static_cast<float>(y), noise(random));
+            mesh.normals.emplace_back(0, 0, 1);
+            mesh.sigma_m.push_back(sigma_m);
+        }
+    for (std::uint32_t y = 0; y < num_cells; ++y)
+        for (std::uint32_t x = 0; x < num_cells; ++x) {
+            const std::uint32_t corner = y * (num_cells + 1) + x;
+            mesh.triangles.push_back({corner, corner + 1, corner + num_cells + 1});
+            mesh.triangles.push_back({corner + 1, corner + num_cells + 2, corner + num_cells + 1});
+        }
+    return mesh;
+}
+
+// Of the vertices that are `margin` cells or more from every border.
+double rms_height_m(const Mesh& mesh, std::uint32_t num_cells, std::uint32_t margin) {
+    double sum = 0.0;
+    int num = 0;
+    for (std::uint32_t y = margin; y <= num_cells - margin; ++y)
+        for (std::uint32_t x = margin; x <= num_cells - margin; ++x, ++num)
+            sum += std::pow(mesh.vertices[y * (num_cells + 1) + x].z(), 2);
+    return std::sqrt(sum / num);
+}
+
+// With L = 10 voxels the membrane's low-pass is 1 / (1 + L^2 q), q = (kx^2 + ky^2 - kx ky) / 3 on
+// these triangles. Used twice it leaves of white noise of variance sigma^2 the part
+// (4 - 2 + 1/3) / (4 pi L^2 sqrt(det q)) (integral over wave numbers k): 0.080 sigma.
+TEST(EvenOut, WhiteNoiseOnAPlaneGoesDownAsTheMembraneSays) {
+    Mesh mesh = noisy_plane(200, 0.02F);
+    even_out(mesh, kVoxel_m, 2);
+    EXPECT_NEAR(rms_height_m(mesh, 200, 70) / 0.02, 0.080, 0.012);
+    EXPECT_GT(mesh.normals[100 * 201 + 100].z(), 0.95F);
+}
+
+TEST(EvenOut, WhatIsKnownWellAndBordersStayPut) {
+    const Mesh sharp = noisy_plane(40, 0.004F);
+    Mesh mesh = sharp;
+    even_out(mesh, kVoxel_m, 1);
+    EXPECT_EQ(mesh.vertices, sharp.vertices);
+
+    const Mesh loose = noisy_plane(40, 0.02F);
+    mesh = loose;
+    even_out(mesh, kVoxel_m, 1);
+    for (std::uint32_t i = 0; i <= 40; ++i) {
+        EXPECT_EQ(mesh.vertices[i], loose.vertices[i]);
+        EXPECT_EQ(mesh.vertices[i * 41], loose.vertices[i * 41]);
+    }
+}
+
+TEST(EvenOut, ABallKeepsItsSize) {
+    const Eigen::Vector3f center(0.013F, -0.007F, 0.021F);
+    Mesh mesh = surface_nets(AnalyticField(sphere(center.cast<double>(), 0.3), kVoxel_m, 6),
+                             {.num_threads = 2});
+    mesh.sigma_m.assign(mesh.vertices.size(), 0.02F);
+    even_out(mesh, kVoxel_m, 2);
+    double sum_m = 0.0;
+    for (const auto& vertex : mesh.vertices) sum_m += (vertex - center).norm();
+    EXPECT_NEAR(sum_m / static_cast<double>(mesh.vertices.size()), 0.3, 0.1 * 0.02);
+}
+
+TEST(EvenOut, NothingMovesFartherThanThreeSigmas) {
+    const Mesh before = noisy_plane(60, 0.02F);
+    Mesh mesh = before;
+    mesh.vertices[30 * 61 + 30].z() = 0.5F;
+    even_out(mesh, kVoxel_m, 1);
+    EXPECT_NEAR(mesh.vertices[30 * 61 + 30].z(), 0.5F - 0.06F, 1e-4F);
+}
+
+TEST(EvenOut, OneThreadAndTwoGiveTheSameBytes) {
+    Mesh one = noisy_plane(100, 0.02F);
+    Mesh two = one;
+    even_out(one, kVoxel_m, 1);
+    even_out(two, kVoxel_m, 2);
+    EXPECT_EQ(one.vertices, two.vertices);
+    EXPECT_EQ(one.normals, two.normals);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,162 @@
+#include "worker/volume/even_out.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "worker/parallel.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kLeastSigma_voxels = 0.5F;
+constexpr float kRoughness_voxels = 0.2F;  // of a surface from the mean of a vertex's neighbours
+constexpr float kLongestReach = 12.0F;     // voxels over which noise is evened out
+constexpr int kNumIterations = 45;         // leave 1 % of the way at that reach
+constexpr float kFarthest_sigmas = 3.0F;
+constexpr std::size_t kSlice = 2048;  // vertices that a thread takes at once
+
+using Points = std::vector<Eigen::Vector3f>;
+
+class Membrane {
+public:
+    Membrane(const Mesh& mesh, float voxel_m, int num_threads)
+        : mesh_(mesh), voxel_m_(voxel_m), num_threads_(num_threads) {
+        choose();
+        link();
+    }
+
+    // Of the mesh: first those that move, then their neighbours that do not.
+    const std::vector<std::uint32_t>& vertices() const { return vertices_; }
+    std::size_t num_moving() const { return pulls_.size(); }
+
+    // Of values at vertices(); those that do not move keep theirs.
+    Points evened(const Points& values) const;
+
+private:
+    void choose();
+    void link();
+    template <typename Work>
+    void for_each_moving(const Work& work) const;  // work(index in vertices())
+
+    const Mesh& mesh_;
+    float voxel_m_;
+    int num_threads_;
+    std::vector<std::uint32_t> vertices_;
+    std::vector<float> pulls_;                    // towards the neighbours, 0 to 1
+    std::vector<std::uint32_t> neighbours_;       // in vertices()
+    std::vector<std::uint32_t> first_neighbour_;  // of each that moves, and one behind
+};
+
+// Vertices that are known badly enough and lie inside the surface: the triangles around such a one
+// arrive at every neighbour once and leave it once.
+void Membrane::choose() {
+    std::vector<std::int64_t> balance(mesh_.vertices.size(), 0);
+    for (const auto& triangle : mesh_.triangles)
+        for (int k = 0; k < 3; ++k)
+            balance[triangle[k]] += static_cast<std::int64_t>(triangle[(k + 1) % 3]) -
+                                    static_cast<std::int64_t>(triangle[(k + 2) % 3]);
+    for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
+        const float sigma_voxels = mesh_.sigma_m[i] / voxel_m_;
+        if (sigma_voxels <= kLeastSigma_voxels || balance[i] != 0) continue;
+        const float reach = std::min(kLongestReach, sigma_voxels / kRoughness_voxels);
+        vertices_.push_back(i);
+        pulls_.push_back(1.0F / (1.0F + 1.0F / (reach * reach)));
+    }
+}
+
+// Each neighbour once, as the next one in a triangle.
+void Membrane::link() {
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> index(mesh_.vertices.size(), kNone);
+    for (std::uint32_t i = 0; i < vertices_.size(); ++i) index[vertices_[i]] = i;
+    const auto for_each_link = [&](const auto& visit) {
+        for (const auto& triangle : mesh_.triangles)
+            for (int k = 0; k < 3; ++k)
+                if (const std::uint32_t i = index[triangle[k]]; i < num_moving())
+                    visit(i, triangle[(k + 1) % 3]);
+    };
+    first_neighbour_.assign(num_moving() + 2, 0);
+    for_each_link([&](std::uint32_t i, std::uint32_t) { ++first_neighbour_[i + 2]; });
+    for (std::size_t i = 2; i < first_neighbour_.size(); ++i)
+        first_neighbour_[i] += first_neighbour_[i - 1];
+    neighbours_.resize(first_neighbour_.back());
+    // first_neighbour_[i + 1] runs from where i's neighbours begin to where they end.
+    for_each_link([&](std::uint32_t i, std::uint32_t vertex) {
+        if (index[vertex] == kNone) {
+            index[vertex] = static_cast<std::uint32_t>(vertices_.size());
+            vertices_.push_back(vertex);
+        }
+        neighbours_[first_neighbour_[i + 1]++] = index[vertex];
+    });
+}
+
+template <typename Work>
+void Membrane::for_each_moving(const Work& work) const {
+    const std::size_t num_slices = (num_moving() + kSlice - 1) / kSlice;
+    for_each_index(num_threads_, num_slices, [&](std::size_t slice) {
+        const std::size_t end = std::min(num_moving(), (slice + 1) * kSlice);
+        for (std::size_t i = slice * kSlice; i < end; ++i) work(i);
+    });
+}
+
+Points Membrane::evened(const Points& values) const {
+    Points now = values;
+    Points before = values;
+    Points next = values;
+    constexpr float kRadius = 1.0F / (1.0F + 1.0F / (kLongestReach * kLongestReach));
+    float acceleration = 1.0F;
+    for (int iteration = 0; iteration < kNumIterations; ++iteration) {
+        if (iteration == 1) acceleration = 1.0F / (1.0F - 0.5F * kRadius * kRadius);
+        if (iteration > 1) acceleration = 1.0F / (1.0F - 0.25F * kRadius * kRadius * acceleration);
+        for_each_moving([&](std::size_t i) {
+            const std::uint32_t begin = first_neighbour_[i], end = first_neighbour_[i + 1];
+            Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+            for (std::uint32_t k = begin; k < end; ++k) mean += now[neighbours_[k]];
+            mean /= static_cast<float>(end - begin);
+            const Eigen::Vector3f step = values[i] + pulls_[i] * (mean - values[i]);
+            next[i] = before[i] + acceleration * (step - before[i]);
+        });
+        before.swap(now);
+        now.swap(next);
+    }
+    return now;
+}
+
+// Of the first `num` of the vertices.
+void renew_normals(Mesh& mesh, const std::vector<std::uint32_t>& vertices, std::size_t num) {
+    Points sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
+    for (const auto& t : mesh.triangles) {
+        const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                                           .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        for (const std::uint32_t vertex : t) sums[vertex] += normal;
+    }
+    for (std::size_t i = 0; i < num; ++i)
+        if (const Eigen::Vector3f& sum = sums[vertices[i]]; sum.norm() > 0.0F)
+            mesh.normals[vertices[i]] = sum.normalized();
+}
+
+}  // namespace
+
+void even_out(Mesh& mesh, double voxel_m, int num_threads) {
+    if (mesh.sigma_m.empty()) return;
+    const Membrane membrane(mesh, static_cast<float>(voxel_m), num_threads);
+    const auto& vertices = membrane.vertices();
+    Points measured;
+    measured.reserve(vertices.size());
+    for (const std::uint32_t vertex : vertices) measured.push_back(mesh.vertices[vertex]);
+    const Points places = membrane.evened(measured);
+    Points rest(measured.size());
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = measured[i] - places[i];
+    rest = membrane.evened(rest);
+    for (std::size_t i = 0; i < membrane.num_moving(); ++i) {
+        Eigen::Vector3f shift = places[i] + rest[i] - measured[i];
+        const float farthest = kFarthest_sigmas * mesh.sigma_m[vertices[i]];
+        if (shift.norm() > farthest) shift *= farthest / shift.norm();
+        mesh.vertices[vertices[i]] += shift;
+    }
+    if (!mesh.normals.empty()) renew_normals(mesh, vertices, membrane.num_moving());
+}
+
+}  // namespace divemesh::worker
