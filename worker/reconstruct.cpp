@@ -124,7 +124,7 @@ Track track(Recording& recording,
                 frame, T_current_previous, options.num_disparities_px, tracker, features);
         const bool keep = map.empty() || (vision.found && map.due(features, now_ns));
         if (keep || !vision.found)
-            add_new_features(frame, depth, options.num_disparities_px, tracker, features);
+            add_new_features(rig, frame, depth, options.num_disparities_px, tracker, features);
         if (!vision.found) memory.lose_sight();
         if (keep) {
             memory.recognise(frame, seed, features, motion);

@@ -7,6 +7,7 @@
 
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/refine_pose.hpp"
+#include "worker/tracking/surface_slope.hpp"
 
 namespace divemesh::worker {
 
@@ -60,13 +61,15 @@ void add_lost_features(const RectifiedFrame& frame,
     features = std::move(all);
 }
 
-void add_new_features(const RectifiedFrame& frame,
+void add_new_features(const RectifiedRig& rig,
+                      const RectifiedFrame& frame,
                       const DepthMap& depth,
                       int num_disparities_px,
                       FeatureTracker& tracker,
                       Features& features) {
     Features fresh = tracker.detect(features);
     match_features(frame, depth.disparity_px, num_disparities_px, fresh);
+    measure_slopes(rig, frame, fresh);
     features.insert(features.end(), fresh.begin(), fresh.end());
 }
 

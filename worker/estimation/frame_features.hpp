@@ -34,8 +34,9 @@ void add_lost_features(const RectifiedFrame& frame,
                        FeatureTracker& tracker,
                        Features& features);
 
-// Where the picture has lost its features, new ones with their disparity.
-void add_new_features(const RectifiedFrame& frame,
+// Where the picture has lost its features, new ones with their disparity and its slope.
+void add_new_features(const RectifiedRig& rig,
+                      const RectifiedFrame& frame,
                       const DepthMap& depth,
                       int num_disparities_px,
                       FeatureTracker& tracker,

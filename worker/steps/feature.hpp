@@ -13,6 +13,8 @@ struct Feature {
     std::int64_t id = 0;
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // in the left picture
     double disparity_px = 0.0;                        // <= 0: not found in the right one
+    // Of the disparity by u and v, where a fresh feature's surface leans; 0: it faces the camera.
+    Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
 };
 using Features = std::vector<Feature>;  // ids rise
 

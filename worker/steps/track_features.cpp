@@ -82,19 +82,19 @@ Features FeatureTracker::track(const cv::Mat& left,
         const Eigen::Vector2d near = roughly(feature.pixel, guess.head<2>());
         const auto known = first_looks.find(feature.id);
         std::optional<Patch> first_look;
-        if (known != first_looks.end()) {
-            known->second.move(T_cam_previous);
-            first_look = known->second.from_here(rig_);
-        }
+        if (known != first_looks.end()) first_look = known->second.from_here(rig_, T_cam_previous);
         const auto seen = exactly(feature.pixel, near, first_look ? &*first_look : nullptr);
         if (!seen && known != first_looks.end() && has_depth(feature))
             lost_.lose(feature, known->second);
         if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
         features.push_back({feature.id, seen->pixel, guess.z()});
         if (seen->as_at_first) {
+            known->second.move(T_cam_previous);
             looks_.emplace(feature.id, std::move(known->second));
         } else {
-            FirstLook anew(rig_, before_[0], feature);
+            FirstLook anew = known == first_looks.end()
+                                 ? FirstLook(rig_, before_[0], feature)
+                                 : FirstLook(rig_, before_[0], feature, known->second);
             anew.move(T_cam_previous);
             looks_.emplace(feature.id, std::move(anew));
         }

@@ -21,10 +21,10 @@ std::vector<LostFeatures::Found> LostFeatures::find(const cv::Mat& picture,
     std::vector<Found> found;
     std::erase_if(lost_, [&](Lost& lost) {
         lost.p_cam = T_current_previous * lost.p_cam;
-        if (lost.num_frames > 0) lost.look.move(T_current_previous);
+        lost.look.move(T_current_previous);
         if (lost.p_cam.z() < kNearest_m || ++lost.num_frames > kLongest_frames) return true;
         const Eigen::Vector3d expected = project_px(rig_, lost.p_cam);
-        const auto look = lost.look.from_here(rig_);
+        const auto look = lost.look.from_here(rig_, Eigen::Isometry3d::Identity());
         const auto there = look ? look->align(picture, expected.head<2>()) : std::nullopt;
         if (!there || there->correlation < kLeastCorrelation ||
             (there->pixel - expected.head<2>()).norm() > kTolerance_px)

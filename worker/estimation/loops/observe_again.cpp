@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "worker/geometry/facing_warp.hpp"
+#include "worker/geometry/plane_warp.hpp"
 #include "worker/steps/align_patch.hpp"
 #include "worker/steps/refine_pose.hpp"
 
@@ -28,7 +28,8 @@ Features look_for(const RectifiedRig& rig,
                   const Eigen::Isometry3d& T_to_from) {
     Features found;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto warp = facing_warp(rig, points[i].p_cam, T_to_from);
+        const auto warp =
+            plane_warp(rig, points[i].p_cam, facing_plane(points[i].p_cam), T_to_from);
         const auto patch = warp ? Patch::read(from, points[i].pixel, *warp) : std::nullopt;
         if (!patch) continue;
         const auto there = patch->align(to, rig.pixel(T_to_from * points[i].p_cam));
