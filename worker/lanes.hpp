@@ -49,9 +49,15 @@ DIVEMESH_INLINE_BODY Floats largest_of(Floats a, Floats b) { return a > b ? a : 
 DIVEMESH_INLINE_BODY Floats least_of(Floats a, Floats b) { return a < b ? a : b; }
 DIVEMESH_INLINE_BODY Masks whole(Floats values) { return __builtin_convertvector(values, Masks); }
 DIVEMESH_INLINE_BODY bool any(Masks mask) {
+#if defined(__SSE2__)
+    __m128i halves[2];
+    std::memcpy(halves, &mask, sizeof halves);
+    return _mm_movemask_epi8(_mm_or_si128(halves[0], halves[1])) != 0;
+#else
     std::uint64_t words[4];
     std::memcpy(words, &mask, sizeof words);
     return (words[0] | words[1] | words[2] | words[3]) != 0;
+#endif
 }
 DIVEMESH_INLINE_BODY Floats square_root(Floats values) {
 #if defined(__SSE2__)

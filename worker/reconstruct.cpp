@@ -22,6 +22,7 @@
 #include "worker/frames_ahead.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_writer.hpp"
+#include "worker/parallel.hpp"
 #include "worker/steps/extract_surface.hpp"
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/match_stereo.hpp"
@@ -39,6 +40,7 @@ namespace {
 
 // A pair agrees with a motion within this.
 constexpr double kInlierTolerance_px = 2.0;
+constexpr std::size_t kCloudStep = 3;  // of the mapped frames
 // How far a camera sees, in median depths of the dive.
 constexpr double kReach = 3.0;
 
@@ -205,6 +207,10 @@ FusedMap fuse(const RectifiedRig& rig,
     FusedMap map;
     map.volume = make_volume(rig, options, median_depth_m, scratch);
     map.cloud = make_cloud(map.volume->settings(), options);
+    // Frames that follow one another see nearly the same points: all of them only where the points
+    // are to be closer than a voxel needs.
+    const std::size_t cloud_step =
+        map.cloud->voxel_m() < 0.5 * map.volume->voxel_m() ? 1 : kCloudStep;
     Progress done;
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
@@ -223,8 +229,13 @@ FusedMap fuse(const RectifiedRig& rig,
         read_ahead(i + 1);
         const Sampling sampling = choose_sampling(rig, seen.depth, map.volume->voxel_m());
         const DepthView depth(rig, seen, sampling, options.num_threads);
-        map.volume->add(frames[i], depth);  // 7
-        map.cloud->add(frames[i], depth);
+        const bool in_cloud = i % cloud_step == 0;
+        for_each_index(options.num_threads, in_cloud ? 2 : 1, [&](std::size_t part) {  // 7
+            if (part == 0)
+                map.volume->add(frames[i], depth);
+            else
+                map.cloud->add(frames[i], depth);
+        });
         ++done.frames_done;
         done.fraction =
             static_cast<double>(done.frames_done) / static_cast<double>(done.num_frames);

@@ -16,31 +16,49 @@ constexpr int kLeastViews = 2;  // of a leaf before it counts: what one view saw
 OctreeVolume::OctreeVolume(VolumeSettings settings)
     : Volume(std::move(settings)), octree_(settings_.voxel_m, settings_.spill) {}
 
-// Every pixel of the keyframe is a point: where the view has one for four of them, on its plane.
+// Where the view has one pixel for four of the keyframe's, it is one point if their own would fall
+// into one leaf, else four on its plane.
 void OctreeVolume::add(const Keyframe& keyframe, const DepthView& depth) {
-    const RectifiedRig& rig = settings_.rig;
-    const Eigen::Matrix3f R_world_cam = keyframe.T_world_cam.linear().cast<float>();
     const double sigma_scale = 1.0 / (depth.rig().focal_px * depth.rig().baseline_m);
-    const int step = depth.step_px();
-    for (int v = 0; v < step * depth.rig().height_px; ++v)
-        for (int u = 0; u < step * depth.rig().width_px; ++u) {
-            const SurfacePixel& pixel = depth.pixel(u / step, v / step);
+    const double finest_m = settings_.voxel_m * settings_.rig.focal_px;
+    PointObservation point;
+    point.view = static_cast<std::uint8_t>(num_views_);
+    for (int v = 0; v < depth.rig().height_px; ++v)
+        for (int u = 0; u < depth.rig().width_px; ++u) {
+            const SurfacePixel& pixel = depth.pixel(u, v);
             if (pixel.weight <= 0.0F || pixel.depth_m > settings_.max_depth_m) continue;
-            const Eigen::Vector3d ray = rig.point_cam(u, v, 1.0);
-            const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);
-            const double z = pixel.offset_m / normal.cast<double>().dot(ray);
+            const double z = pixel.depth_m;
             const double sigma_z = z * z * pixel.sigma_disparity_px * sigma_scale;
-            const auto& bgr = depth.picture().at<cv::Vec3b>(v, u);
-            PointObservation point;
-            point.p_world = keyframe.T_world_cam * (z * ray);
-            point.normal = -(R_world_cam * normal);
-            point.color = {bgr[2], bgr[1], bgr[0]};
+            const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);
+            point.normal = -(keyframe.T_world_cam.linear().cast<float>() * normal);
             point.weight = static_cast<float>(pixel.weight / (sigma_z * sigma_z));
-            point.view = static_cast<std::uint8_t>(num_views_);
-            octree_.insert(point);
+            if (depth.step_px() == 1 || z <= finest_m) {
+                point.p_world = keyframe.T_world_cam * depth.rig().point_cam(u, v, z);
+                for (int i = 0; i < 3; ++i)
+                    point.color[i] = static_cast<std::uint8_t>(pixel.color >> (16 - 8 * i));
+                octree_.insert(point);
+            } else {
+                insert_four(keyframe.T_world_cam, depth, {u, v}, point);
+            }
         }
     octree_.trim();
     ++num_views_;
+}
+
+void OctreeVolume::insert_four(const Eigen::Isometry3d& T_world_cam,
+                               const DepthView& depth,
+                               const Eigen::Vector2i& at,
+                               PointObservation point) {
+    const SurfacePixel& pixel = depth.pixel(at.x(), at.y());
+    const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);
+    for (int i = 0; i < 4; ++i) {
+        const Eigen::Vector2i full(2 * at.x() + (i & 1), 2 * at.y() + (i >> 1));
+        const Eigen::Vector3d ray = settings_.rig.point_cam(full.x(), full.y(), 1.0);
+        point.p_world = T_world_cam * (pixel.offset_m / normal.cast<double>().dot(ray) * ray);
+        const auto& bgr = depth.picture().at<cv::Vec3b>(full.y(), full.x());
+        point.color = {bgr[2], bgr[1], bgr[0]};
+        octree_.insert(point);
+    }
 }
 
 bool OctreeVolume::confirms(const Eigen::Vector3d& p_world) const {

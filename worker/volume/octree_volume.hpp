@@ -28,6 +28,10 @@ public:
 
 private:
     int least_views() const;
+    void insert_four(const Eigen::Isometry3d& T_world_cam,
+                     const DepthView& depth,
+                     const Eigen::Vector2i& at,
+                     PointObservation point);
 
     PointOctree octree_;
     std::uint32_t num_views_ = 0;

@@ -35,15 +35,15 @@ bool PointOctree::inside(const Eigen::Vector3i& cell) {
 bool PointOctree::insert(const PointObservation& observation) {
     const Eigen::Vector3d scaled = observation.p_world / leaf_m_;
     if (!(scaled.array().abs() < 1e9).all()) return false;
-    const Eigen::Vector3d corner = scaled.array().floor();
-    const Eigen::Vector3i cell = corner.cast<int>();
+    Eigen::Vector3i cell = scaled.cast<int>();
+    for (int axis = 0; axis < 3; ++axis) cell[axis] -= scaled[axis] < cell[axis] ? 1 : 0;
     if (!inside(cell)) return false;
     PointLeaf& leaf = leaf_at(cell);
     const bool is_new = leaf.weight == 0;
     const float weight = unpack_weight(leaf.weight) + observation.weight;
     const float share = is_new ? 1.0F : observation.weight / weight;
     const float color_share = std::max(share, kLeastColorShare);
-    const Eigen::Vector3f place = (scaled - corner).cast<float>();
+    const Eigen::Vector3f place = (scaled - cell.cast<double>()).cast<float>();
     PointLeaf mean = leaf;
     mean.weight = pack_weight(weight);
     mean.place = mean.normal = mean.color = 0;

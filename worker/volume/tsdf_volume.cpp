@@ -79,9 +79,10 @@ void TsdfVolume::add(const Keyframe& keyframe, const DepthView& depth) {
     const auto visible = regions_.find(VisibleSpace(view), view.voxel_m);
     std::vector<TsdfBlock*> blocks;
     blocks.reserve(visible.size());
-    for (const std::uint32_t number : visible) blocks.push_back(&block(number));
+    for (const VisibleBlock& seen : visible) blocks.push_back(&block(seen.number));
     for_each_index(settings_.num_threads, visible.size(), [&](std::size_t i) {
-        update_block(view, first_sample(coordinates_[visible[i]]), *blocks[i]);
+        const VisibleBlock& seen = visible[i];
+        update_block(view, first_sample(coordinates_[seen.number]), seen.place, *blocks[i]);
     });
     samples_.trim();
     ++num_views_;

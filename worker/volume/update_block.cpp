@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kColorBand_voxels = 2.0F;
 constexpr float kNearest_m = 0.1F;
+constexpr std::int32_t kFreeSteps = 2 * static_cast<std::int32_t>(kDistanceSteps);
 constexpr std::int32_t kLargestSteps_int = 0x7fff;
 constexpr float kLargestSteps = kLargestSteps_int;
 
@@ -122,13 +123,24 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     if (any(sighting.colored)) update_color(sighting, sample, block);
 }
 
+// Whether some of eight samples is known and not well before every surface.
+DIVEMESH_INLINE_BODY bool can_be_carved(const TsdfBlock& block, int sample) {
+    const Masks weights =
+        __builtin_convertvector(load_lanes<Shorts>(block.weight.data() + sample), Masks);
+    const Masks steps =
+        __builtin_convertvector(load_lanes<SignedShorts>(block.distance.data() + sample), Masks);
+    return any((weights != 0) & (steps < kFreeSteps));
+}
+
 DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
                                             const Eigen::Vector3i& first,
+                                            BlockPlace place,
                                             TsdfBlock& block) {
     const float voxel = view.voxel_m;
     const Eigen::Matrix3f R = voxel * view.R_cam_world;
     const Eigen::Vector3f step = R.col(0);
     for (int row = 0; row < kBlockSamples / kLanes; ++row) {
+        if (place == BlockPlace::Before && !can_be_carved(block, row * kLanes)) continue;
         const Eigen::Vector3f sample =
             (first + Eigen::Vector3i(0, row & 7, row >> 3)).cast<float>();
         const Eigen::Vector3f p_cam(R(0, 0) * sample.x() + R(0, 1) * sample.y() +
@@ -141,25 +153,30 @@ DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
     }
 }
 
-void update_block_baseline(const TsdfView& view, const Eigen::Vector3i& first, TsdfBlock& block) {
-    update_block_body(view, first, block);
+void update_block_baseline(const TsdfView& view,
+                           const Eigen::Vector3i& first,
+                           BlockPlace place,
+                           TsdfBlock& block) {
+    update_block_body(view, first, place, block);
 }
 DIVEMESH_FOR_AVX2 void update_block_avx2(const TsdfView& view,
                                          const Eigen::Vector3i& first,
+                                         BlockPlace place,
                                          TsdfBlock& block) {
-    update_block_body(view, first, block);
+    update_block_body(view, first, place, block);
 }
 
 }  // namespace
 
 void update_block(const TsdfView& view,
                   const Eigen::Vector3i& first,
+                  BlockPlace place,
                   TsdfBlock& block,
                   Instructions instructions) {
     if (instructions == Instructions::Baseline)
-        update_block_baseline(view, first, block);
+        update_block_baseline(view, first, place, block);
     else
-        update_block_avx2(view, first, block);
+        update_block_avx2(view, first, place, block);
 }
 
 }  // namespace divemesh::worker

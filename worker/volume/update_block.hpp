@@ -36,10 +36,15 @@ inline bool makes_surface(const TsdfView& view, const SurfacePixel& pixel) {
            z * z * (pixel.sigma_disparity_px * view.depth_sigma_scale) <= view.max_sigma_m;
 }
 
+// Where a block is: where the view saw a surface, or all of it before what the view saw.
+enum class BlockPlace { Near, Before };
+
 // Moves the samples of the block that begins at lattice point `first` toward what the view saw.
+// A block before all surfaces can only be carved: what is free in it already is left alone.
 // Every instruction set gives the same bytes.
 void update_block(const TsdfView& view,
                   const Eigen::Vector3i& first,
+                  BlockPlace place,
                   TsdfBlock& block,
                   Instructions instructions = best_instructions());
 

@@ -9,19 +9,6 @@ namespace {
 constexpr float kBlockSize_samples = kBlockEdge;
 constexpr float kRegionSize_samples = 8.0F * kBlockEdge;
 
-// How far behind its surface a pixel changes samples, along its ray. The noise, and so the
-// truncation, is that of the far end.
-float farthest_of(const TsdfView& view, const SurfacePixel& pixel) {
-    if (!makes_surface(view, pixel)) return pixel.depth_m;
-    const float along_ray = pixel.depth_m / pixel.offset_m;  // per metre across the plane
-    const auto behind = [&](float z) {
-        const float sigma = z * z * (pixel.sigma_disparity_px * view.depth_sigma_scale);
-        return pixel.depth_m +
-               along_ray * std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
-    };
-    return behind(behind(pixel.depth_m));
-}
-
 Eigen::Vector3f middle_of(const BlockCoordinate& cube, float edge_samples, float voxel_m) {
     const Eigen::Vector3f first =
         edge_samples * Eigen::Vector3i(cube.x, cube.y, cube.z).cast<float>();
@@ -34,11 +21,24 @@ float radius_of(float edge_samples, float voxel_m) {
 
 }  // namespace
 
+// How far before and behind its surface a pixel changes samples, along its ray. The noise, and so
+// the truncation, is that of the far end.
+VisibleSpace::Range VisibleSpace::range_of(const TsdfView& view, const SurfacePixel& pixel) {
+    if (!makes_surface(view, pixel)) return {pixel.depth_m, pixel.depth_m};
+    const float along_ray = pixel.depth_m / pixel.offset_m;  // per metre across the plane
+    const auto band = [&](float z) {
+        const float sigma = z * z * (pixel.sigma_disparity_px * view.depth_sigma_scale);
+        return along_ray * std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
+    };
+    const float behind = pixel.depth_m + band(pixel.depth_m);
+    return {pixel.depth_m - band(pixel.depth_m), pixel.depth_m + band(behind)};
+}
+
 VisibleSpace::VisibleSpace(const TsdfView& view)
     : view_(view),
       num_columns_((view.width_px + kTile_px - 1) / kTile_px),
       num_rows_((view.height_px + kTile_px - 1) / kTile_px),
-      farthest_m_(static_cast<std::size_t>(num_columns_) * num_rows_, 0.0F) {
+      ranges_(static_cast<std::size_t>(num_columns_) * num_rows_) {
     const float half_x = std::max(view.cx_px, static_cast<float>(view.width_px) - view.cx_px);
     const float half_y = std::max(view.cy_px, static_cast<float>(view.height_px) - view.cy_px);
     slack_x_ = std::hypot(half_x, view.focal_px) / view.focal_px;
@@ -47,24 +47,26 @@ VisibleSpace::VisibleSpace(const TsdfView& view)
         for (int u = 0; u < view.width_px; ++u) {
             const SurfacePixel& pixel = view.pixels[v * view.width_px + u];
             if (pixel.weight <= 0.0F) continue;
-            float& farthest = farthest_m_[(v / kTile_px) * num_columns_ + u / kTile_px];
-            farthest = std::max(farthest, farthest_of(view, pixel));
+            ranges_[(v / kTile_px) * num_columns_ + u / kTile_px].extend(range_of(view, pixel));
         }
 }
 
-bool VisibleSpace::may_hold(const Eigen::Vector3f& middle, float radius_m) const {
+std::optional<BlockPlace> VisibleSpace::place_of(const Eigen::Vector3f& middle,
+                                                 float radius_m) const {
     const Eigen::Vector3f p = view_.R_cam_world * middle + view_.t_cam_world;
-    if (p.z() < -radius_m) return false;
+    if (p.z() < -radius_m) return std::nullopt;
     const float z = std::max(0.0F, p.z());
     const float half_x = std::max(view_.cx_px, static_cast<float>(view_.width_px) - view_.cx_px);
     const float half_y = std::max(view_.cy_px, static_cast<float>(view_.height_px) - view_.cy_px);
-    if (std::abs(p.x()) > z * half_x / view_.focal_px + slack_x_ * radius_m) return false;
-    if (std::abs(p.y()) > z * half_y / view_.focal_px + slack_y_ * radius_m) return false;
-    return p.z() - radius_m <= farthest_m(p, radius_m);
+    if (std::abs(p.x()) > z * half_x / view_.focal_px + slack_x_ * radius_m) return std::nullopt;
+    if (std::abs(p.y()) > z * half_y / view_.focal_px + slack_y_ * radius_m) return std::nullopt;
+    const Range range = range_around(p, radius_m);
+    if (p.z() - radius_m > range.farthest_m) return std::nullopt;
+    return p.z() + radius_m < range.nearest_m ? BlockPlace::Before : BlockPlace::Near;
 }
 
-// Among the tiles that the ball may cover.
-float VisibleSpace::farthest_m(const Eigen::Vector3f& p_cam, float radius_m) const {
+// Over the tiles that the ball may cover.
+VisibleSpace::Range VisibleSpace::range_around(const Eigen::Vector3f& p_cam, float radius_m) const {
     const float near = p_cam.z() - radius_m;
     int first_column = 0;
     int last_column = num_columns_ - 1;
@@ -87,11 +89,11 @@ float VisibleSpace::farthest_m(const Eigen::Vector3f& p_cam, float radius_m) con
         first_row = std::max(first_row, first(p_cam.y(), view_.cy_px));
         last_row = std::min(last_row, last(p_cam.y(), view_.cy_px));
     }
-    float farthest = 0.0F;
+    Range range;
     for (int row = first_row; row <= last_row; ++row)
         for (int column = first_column; column <= last_column; ++column)
-            farthest = std::max(farthest, farthest_m_[row * num_columns_ + column]);
-    return farthest;
+            range.extend(ranges_[row * num_columns_ + column]);
+    return range;
 }
 
 void BlockRegions::add(const BlockCoordinate& block, std::uint32_t number) {
@@ -108,7 +110,9 @@ Eigen::AlignedBox3f VisibleSpace::bounds() const {
         return Eigen::Vector3f(view_.R_cam_world.transpose() * (p_cam - view_.t_cam_world));
     };
     Eigen::AlignedBox3f box(to_world(Eigen::Vector3f::Zero()));
-    const float far = *std::max_element(farthest_m_.begin(), farthest_m_.end());
+    Range whole;
+    for (const Range& range : ranges_) whole.extend(range);
+    const float far = whole.farthest_m;
     for (const int u : {0, view_.width_px})
         for (const int v : {0, view_.height_px})
             box.extend(to_world({far * (static_cast<float>(u) - view_.cx_px) / view_.focal_px,
@@ -117,7 +121,7 @@ Eigen::AlignedBox3f VisibleSpace::bounds() const {
     return box;
 }
 
-std::vector<std::uint32_t> BlockRegions::find(const VisibleSpace& space, float voxel_m) const {
+std::vector<VisibleBlock> BlockRegions::find(const VisibleSpace& space, float voxel_m) const {
     const Eigen::AlignedBox3f box = space.bounds();
     const Eigen::Array3f in_regions(
         Eigen::Array3f::Constant(1.0F / (kRegionSize_samples * voxel_m)));
@@ -125,7 +129,7 @@ std::vector<std::uint32_t> BlockRegions::find(const VisibleSpace& space, float v
     const Eigen::Array3i first = (box.min().array() * in_regions - 0.1F).floor().cast<int>();
     const Eigen::Array3i last = (box.max().array() * in_regions + 0.1F).floor().cast<int>();
     const Eigen::Array3d extent = (last - first + 1).cast<double>();
-    std::vector<std::uint32_t> found;
+    std::vector<VisibleBlock> found;
     if (extent.prod() > static_cast<double>(regions_.size())) {  // something far away was seen
         for (const Region& region : regions_) find_in(region, space, voxel_m, found);
         return found;
@@ -142,13 +146,14 @@ std::vector<std::uint32_t> BlockRegions::find(const VisibleSpace& space, float v
 void BlockRegions::find_in(const Region& region,
                            const VisibleSpace& space,
                            float voxel_m,
-                           std::vector<std::uint32_t>& found) {
+                           std::vector<VisibleBlock>& found) {
     const Eigen::Vector3f middle = middle_of(region.coordinate, kRegionSize_samples, voxel_m);
-    if (!space.may_hold(middle, radius_of(kRegionSize_samples, voxel_m))) return;
+    if (!space.place_of(middle, radius_of(kRegionSize_samples, voxel_m))) return;
     const float radius_m = radius_of(kBlockSize_samples, voxel_m);
     for (std::size_t i = 0; i < region.blocks.size(); ++i)
-        if (space.may_hold(middle_of(region.blocks[i], kBlockSize_samples, voxel_m), radius_m))
-            found.push_back(region.numbers[i]);
+        if (const auto place =
+                space.place_of(middle_of(region.blocks[i], kBlockSize_samples, voxel_m), radius_m))
+            found.push_back({region.numbers[i], *place});
 }
 
 }  // namespace divemesh::worker

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -16,30 +19,45 @@ class VisibleSpace {
 public:
     explicit VisibleSpace(const TsdfView& view);
 
-    // A ball in the world: may it reach into it?
-    bool may_hold(const Eigen::Vector3f& middle, float radius_m) const;
+    // Where a ball in the world is; nothing: the view changes none of it.
+    std::optional<BlockPlace> place_of(const Eigen::Vector3f& middle, float radius_m) const;
     Eigen::AlignedBox3f bounds() const;  // in the world, m
 
 private:
     static constexpr int kTile_px = 8;
 
-    float farthest_m(const Eigen::Vector3f& p_cam, float radius_m) const;
+    // The depths, along the optical axis, between which a view may make surface.
+    struct Range {
+        float nearest_m = std::numeric_limits<float>::infinity();
+        float farthest_m = 0.0F;
+
+        void extend(const Range& other) {
+            nearest_m = std::min(nearest_m, other.nearest_m);
+            farthest_m = std::max(farthest_m, other.farthest_m);
+        }
+    };
+    static Range range_of(const TsdfView& view, const SurfacePixel& pixel);
+    Range range_around(const Eigen::Vector3f& p_cam, float radius_m) const;
 
     const TsdfView& view_;
     float slack_x_;  // how far, per radius, the picture's sides are let out
     float slack_y_;
     int num_columns_;
     int num_rows_;
-    std::vector<float> farthest_m_;  // by tile; 0: nothing is known there
+    std::vector<Range> ranges_;  // by tile
+};
+
+struct VisibleBlock {
+    std::uint32_t number;
+    BlockPlace place;
 };
 
 // Blocks by where they are, so that finding those in a view does not take a look at all of them.
 class BlockRegions {
 public:
     void add(const BlockCoordinate& block, std::uint32_t number);
-    // Numbers of the blocks that may reach into a space, in an order that depends on that of add()
-    // alone.
-    std::vector<std::uint32_t> find(const VisibleSpace& space, float voxel_m) const;
+    // The blocks that may reach into a space, in an order that depends on that of add() alone.
+    std::vector<VisibleBlock> find(const VisibleSpace& space, float voxel_m) const;
 
 private:
     struct Region {  // of 8 x 8 x 8 blocks
@@ -51,7 +69,7 @@ private:
     static void find_in(const Region& region,
                         const VisibleSpace& space,
                         float voxel_m,
-                        std::vector<std::uint32_t>& found);
+                        std::vector<VisibleBlock>& found);
 
     std::vector<Region> regions_;
     std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;

@@ -80,8 +80,9 @@ TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
         const TsdfBlock before = used_block(static_cast<unsigned>(at.x + 31 * at.y + 997 * at.z));
         TsdfBlock a = before;
         TsdfBlock b = before;
-        update_block(view_, first_sample(at), a, Instructions::Baseline);
-        update_block(view_, first_sample(at), b);
+        const BlockPlace place = at.z % 2 == 0 ? BlockPlace::Near : BlockPlace::Before;
+        update_block(view_, first_sample(at), place, a, Instructions::Baseline);
+        update_block(view_, first_sample(at), place, b);
         ASSERT_TRUE(same(a, b)) << at.x << " " << at.y << " " << at.z;
         num_changed += same(a, before) ? 0 : 1;
     });
@@ -96,16 +97,42 @@ TEST_F(OneView, WhatIsNotVisibleWouldNotHaveChanged) {
         blocks.push_back(at);
     });
     const auto found = regions.find(VisibleSpace(view_), kVoxel_m);
-    const std::set<std::uint32_t> visible(found.begin(), found.end());
+    std::set<std::uint32_t> visible;
+    for (const VisibleBlock& block : found) visible.insert(block.number);
     EXPECT_EQ(visible.size(), found.size());
     EXPECT_LT(visible.size(), blocks.size() / 2);
     for (std::uint32_t i = 0; i < blocks.size(); ++i) {
         if (visible.contains(i)) continue;
         const TsdfBlock before = used_block(i);
         TsdfBlock after = before;
-        update_block(view_, first_sample(blocks[i]), after);
+        update_block(view_, first_sample(blocks[i]), BlockPlace::Near, after);
         EXPECT_TRUE(same(before, after)) << blocks[i].x << " " << blocks[i].y << " " << blocks[i].z;
     }
+}
+
+TEST_F(OneView, ABlockBeforeEverySurfaceIsOnlyCarved) {
+    BlockRegions regions;
+    std::vector<BlockCoordinate> blocks;
+    for_each_block([&](const BlockCoordinate& at) {
+        regions.add(at, static_cast<std::uint32_t>(blocks.size()));
+        blocks.push_back(at);
+    });
+    int num_before = 0;
+    for (const VisibleBlock& seen : regions.find(VisibleSpace(view_), kVoxel_m)) {
+        if (seen.place != BlockPlace::Before) continue;
+        ++num_before;
+        TsdfBlock fresh;
+        update_block(view_, first_sample(blocks[seen.number]), BlockPlace::Near, fresh);
+        ASSERT_TRUE(same(fresh, TsdfBlock{}));
+        const TsdfBlock before = used_block(seen.number);
+        TsdfBlock after = before;
+        update_block(view_, first_sample(blocks[seen.number]), seen.place, after);
+        for (int i = 0; i < kBlockSamples; ++i) {
+            ASSERT_GE(after.distance[i], before.distance[i]);
+            ASSERT_EQ(after.num_views[i], before.num_views[i]);
+        }
+    }
+    EXPECT_GT(num_before, 100);
 }
 
 }  // namespace
