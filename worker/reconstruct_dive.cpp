@@ -121,7 +121,8 @@ private:
     std::unique_ptr<Dive> dive_;
     std::string key_;
     KeyframeStore keyframe_store_;
-    Track track_;
+    Track track_;  // of what only optimise() reads, nothing after it
+    std::int64_t num_landmarks_ = 0;
     OptimisedTrack optimised_;
     std::unique_ptr<Volume> volume_;  // until the mesh is made of it
     double voxel_m_ = 0.0;
@@ -162,6 +163,11 @@ void DiveRun::optimise() {
             Rerectifier(dive_->rig(), track_.rig, optimised_.calibration.applied_lenses)));
     write_tum(request_.out / "trajectory.tum", optimised_.trajectory);
     write_covariances(request_.out / "trajectory_covariance.csv", optimised_.covariances);
+    // An hour's dive needs the room for what follows.
+    num_landmarks_ = std::ssize(track_.landmarks);
+    track_.landmarks = {};
+    track_.views = {};
+    track_.odometry = {};
     stage_done(watch, "optimise", reused);
 }
 
@@ -288,7 +294,7 @@ nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
                              .track = track_.statistics,
                              .optimise = optimised_.statistics,
                              .num_keyframes = std::ssize(optimised_.keyframes),
-                             .num_landmarks = std::ssize(track_.landmarks),
+                             .num_landmarks = num_landmarks_,
                              .path_length_m = path_length_m(optimised_.trajectory),
                              .pieces = pieces_of(optimised_.trajectory, optimised_.keyframes),
                              .mesh = mesh_figures(),
