@@ -30,6 +30,7 @@ public:
     // Of the mesh: first those that move, then their neighbours that do not.
     const std::vector<std::uint32_t>& vertices() const { return vertices_; }
     std::size_t num_moving() const { return pulls_.size(); }
+    bool on_border(std::size_t i) const { return on_border_[i]; }  // of those that move
 
     // Of values at vertices(); those that do not move keep theirs.
     Points evened(const Points& values) const;
@@ -37,6 +38,7 @@ public:
 private:
     void choose();
     void link();
+    void keep_single(std::size_t i);
     template <typename Work>
     void for_each_moving(const Work& work) const;  // work(index in vertices())
 
@@ -44,13 +46,15 @@ private:
     float voxel_m_;
     int num_threads_;
     std::vector<std::uint32_t> vertices_;
+    std::vector<bool> on_border_;
     std::vector<float> pulls_;                    // towards the neighbours, 0 to 1
     std::vector<std::uint32_t> neighbours_;       // in vertices()
-    std::vector<std::uint32_t> first_neighbour_;  // of each that moves, and one behind
+    std::vector<std::uint32_t> first_neighbour_;  // of each that moves
+    std::vector<std::uint32_t> end_neighbour_;
 };
 
-// Vertices that are known badly enough and lie inside the surface: the triangles around such a one
-// arrive at every neighbour once and leave it once.
+// Vertices that are known badly enough. The triangles around one inside the surface arrive at every
+// neighbour once and leave it once.
 void Membrane::choose() {
     std::vector<std::int64_t> balance(mesh_.vertices.size(), 0);
     for (const auto& triangle : mesh_.triangles)
@@ -59,14 +63,17 @@ void Membrane::choose() {
                                     static_cast<std::int64_t>(triangle[(k + 2) % 3]);
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
         const float sigma_voxels = mesh_.sigma_m[i] / voxel_m_;
-        if (sigma_voxels <= kLeastSigma_voxels || balance[i] != 0) continue;
+        if (sigma_voxels <= kLeastSigma_voxels) continue;
+        on_border_.push_back(balance[i] != 0);
         const float reach = std::min(kLongestReach, sigma_voxels / kRoughness_voxels);
         vertices_.push_back(i);
         pulls_.push_back(1.0F / (1.0F + 1.0F / (reach * reach)));
     }
 }
 
-// Each neighbour once, as the next one in a triangle.
+// Each neighbour once, as the next one in a triangle. A vertex on the border has those on the
+// border alone, or the surface would draw itself together: they are next or last in a triangle, not
+// both.
 void Membrane::link() {
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> index(mesh_.vertices.size(), kNone);
@@ -74,8 +81,10 @@ void Membrane::link() {
     const auto for_each_link = [&](const auto& visit) {
         for (const auto& triangle : mesh_.triangles)
             for (int k = 0; k < 3; ++k)
-                if (const std::uint32_t i = index[triangle[k]]; i < num_moving())
+                if (const std::uint32_t i = index[triangle[k]]; i < num_moving()) {
                     visit(i, triangle[(k + 1) % 3]);
+                    if (on_border_[i]) visit(i, triangle[(k + 2) % 3]);
+                }
     };
     first_neighbour_.assign(num_moving() + 2, 0);
     for_each_link([&](std::uint32_t i, std::uint32_t) { ++first_neighbour_[i + 2]; });
@@ -90,6 +99,22 @@ void Membrane::link() {
         }
         neighbours_[first_neighbour_[i + 1]++] = index[vertex];
     });
+    end_neighbour_.assign(first_neighbour_.begin() + 1, first_neighbour_.end());
+    for (std::size_t i = 0; i < num_moving(); ++i)
+        if (on_border_[i]) keep_single(i);
+}
+
+void Membrane::keep_single(std::size_t i) {
+    const auto begin = neighbours_.begin() + first_neighbour_[i];
+    const auto end = neighbours_.begin() + end_neighbour_[i];
+    std::sort(begin, end);
+    auto kept = begin;
+    for (auto at = begin; at != end;) {
+        const auto next = std::upper_bound(at, end, *at);
+        if (next - at == 1) *kept++ = *at;
+        at = next;
+    }
+    end_neighbour_[i] = static_cast<std::uint32_t>(kept - neighbours_.begin());
 }
 
 template <typename Work>
@@ -111,7 +136,8 @@ Points Membrane::evened(const Points& values) const {
         if (iteration == 1) acceleration = 1.0F / (1.0F - 0.5F * kRadius * kRadius);
         if (iteration > 1) acceleration = 1.0F / (1.0F - 0.25F * kRadius * kRadius * acceleration);
         for_each_moving([&](std::size_t i) {
-            const std::uint32_t begin = first_neighbour_[i], end = first_neighbour_[i + 1];
+            const std::uint32_t begin = first_neighbour_[i], end = end_neighbour_[i];
+            if (begin == end) return;
             Eigen::Vector3f mean = Eigen::Vector3f::Zero();
             for (std::uint32_t k = begin; k < end; ++k) mean += now[neighbours_[k]];
             mean /= static_cast<float>(end - begin);
@@ -124,17 +150,24 @@ Points Membrane::evened(const Points& values) const {
     return now;
 }
 
-// Of the first `num` of the vertices.
-void renew_normals(Mesh& mesh, const std::vector<std::uint32_t>& vertices, std::size_t num) {
+// Of each vertex, as the triangles around it have it; not of unit length.
+Points normals_by_area(const Mesh& mesh) {
     Points sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
                                            .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
         for (const std::uint32_t vertex : t) sums[vertex] += normal;
     }
-    for (std::size_t i = 0; i < num; ++i)
-        if (const Eigen::Vector3f& sum = sums[vertices[i]]; sum.norm() > 0.0F)
-            mesh.normals[vertices[i]] = sum.normalized();
+    return sums;
+}
+
+Points evened_twice(const Membrane& membrane, const Points& measured) {
+    Points places = membrane.evened(measured);
+    Points rest(measured.size());
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = measured[i] - places[i];
+    rest = membrane.evened(rest);
+    for (std::size_t i = 0; i < places.size(); ++i) places[i] += rest[i];
+    return places;
 }
 
 }  // namespace
@@ -146,17 +179,19 @@ void even_out(Mesh& mesh, double voxel_m, int num_threads) {
     Points measured;
     measured.reserve(vertices.size());
     for (const std::uint32_t vertex : vertices) measured.push_back(mesh.vertices[vertex]);
-    const Points places = membrane.evened(measured);
-    Points rest(measured.size());
-    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = measured[i] - places[i];
-    rest = membrane.evened(rest);
+    const Points places = evened_twice(membrane, measured);
+    for (std::size_t i = 0; i < membrane.num_moving(); ++i) mesh.vertices[vertices[i]] = places[i];
+    const Points normals = normals_by_area(mesh);
     for (std::size_t i = 0; i < membrane.num_moving(); ++i) {
-        Eigen::Vector3f shift = places[i] + rest[i] - measured[i];
-        const float farthest = kFarthest_sigmas * mesh.sigma_m[vertices[i]];
+        const std::uint32_t vertex = vertices[i];
+        const Eigen::Vector3f normal = normals[vertex].stableNormalized();
+        Eigen::Vector3f shift = places[i] - measured[i];
+        if (membrane.on_border(i)) shift = normal * normal.dot(shift);
+        const float farthest = kFarthest_sigmas * mesh.sigma_m[vertex];
         if (shift.norm() > farthest) shift *= farthest / shift.norm();
-        mesh.vertices[vertices[i]] += shift;
+        mesh.vertices[vertex] = measured[i] + shift;
+        if (!mesh.normals.empty() && normal.norm() > 0.5F) mesh.normals[vertex] = normal;
     }
-    if (!mesh.normals.empty()) renew_normals(mesh, vertices, membrane.num_moving());
 }
 
 }  // namespace divemesh::worker

@@ -10,7 +10,8 @@ namespace divemesh::worker {
 // p the measured places, d a vertex's number of neighbours, s a fifth of a voxel: the membrane of
 // a surface that deviates by s from the mean of its neighbours. The same is done with what was
 // taken away (twicing, Tukey 1977), so that round things do not shrink. No vertex moves by more
-// than two standard deviations; borders and well-known vertices stay put. Normals of what moved are
+// than three standard deviations. Well-known vertices stay put; borders are evened out along
+// themselves and keep their outline: they move along their normal alone. Normals of what moved are
 // those of its triangles. Solved by Jacobi with Chebyshev's acceleration (Golub and Varga 1961);
 // the number of threads changes no byte.
 void even_out(Mesh& mesh, double voxel_m, int num_threads);
