@@ -83,7 +83,7 @@ public:
     std::int64_t memory_bytes() const;  // in memory
 
 private:
-    static constexpr int kRoom = 16;
+    static constexpr int kRoom = 8;
     static constexpr int kLeafLevels = 20;
     static constexpr int kLevels = kLeafLevels - 3;  // of bricks
     // Children: nodes, at the last level bricks; 0: none.
