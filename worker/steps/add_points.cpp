@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSigmaDisparity_px = 0.15;  // of a textured surface
 constexpr double kPixelsPerVoxel = 2.5;
-constexpr double kLargestSigma_voxels = 4.0;
+constexpr double kLargestSigma_voxels = 6.0;
 
 double sigma_z(const RectifiedRig& rig, double depth_m) {
     return depth_m * depth_m * kSigmaDisparity_px / (rig.focal_px * rig.baseline_m);

@@ -15,6 +15,26 @@ namespace {
 constexpr int kLeastIsland = 120;        // pixels
 constexpr float kLargestStep_px = 1.5F;  // between neighbours of one surface
 constexpr float kLargestSigma_px = 1.0F;
+constexpr float kLeastSigma_px = 0.15F;  // what calibration, interpolation and slant leave
+
+void remove_islands(DepthMap& depth) {
+    remove_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
+}
+
+// Once more after the refinement, which takes out what has no texture and leaves islands.
+void refine(const RectifiedFrame& frame, DepthMap& depth) {
+    remove_islands(depth);
+    const cv::Mat sigma = refine_disparity(frame.left, frame.right, depth.disparity_px);
+    depth.sigma_disparity_px = cv::max(sigma, kLeastSigma_px);
+    remove_islands(depth);
+}
+
+void rate_by_texture(const RectifiedFrame& frame, DepthMap& depth) {
+    depth.sigma_disparity_px = disparity_sigma(frame.left);
+    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kLargestSigma_px);
+    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kLargestSigma_px);
+    remove_islands(depth);
+}
 
 // OpenCV's single-pass semi-global matcher, for comparison.
 class OpenCvSgbm {
@@ -64,11 +84,10 @@ StereoMatcher::~StereoMatcher() = default;
 DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
     DepthMap depth;
     depth.disparity_px = implementation_->compute(frame.left, frame.right);
-    depth.sigma_disparity_px = disparity_sigma(frame.left);
-    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kLargestSigma_px);
-    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kLargestSigma_px);
-    remove_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
-    if (implementation_->refine) refine_disparity(frame.left, frame.right, depth.disparity_px);
+    if (implementation_->refine)
+        refine(frame, depth);
+    else
+        rate_by_texture(frame, depth);
     depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
     return depth;
 }

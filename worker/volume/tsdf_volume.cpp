@@ -13,7 +13,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kLargestSigma_voxels = 4.0F;  // of a depth that may make surface
+constexpr float kLargestSigma_voxels = 6.0F;  // of a depth that may make surface
 // How far from the surface a point may lie: where as many views looked through as saw something,
 // the zero is farther off.
 constexpr float kConfirmed_voxels = 1.5F;

@@ -1,0 +1,115 @@
+// What has no texture gets no depth: rendered pairs with the sensor's noise and JPEG's blocks,
+// whose depth is known at every pixel.
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "worker/geometry/rectifier.hpp"
+#include "worker/simulator/camera_sensor.hpp"
+#include "worker/simulator/draw_rig.hpp"
+#include "worker/simulator/renderer.hpp"
+#include "worker/steps/match_stereo.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kFarEdge_m = 3.5F;
+constexpr int kReach_px = 14;  // of the matcher's windows, and a little
+
+// A bed with a boulder that ends 3.5 m ahead; behind and above it nothing but water.
+Scene bed_before_open_water() {
+    SceneBuilder builder(3, 1, place_at({0, 0, 0}));
+    builder.add("bed",
+                Material::Coral,
+                make_height_field(
+                    {-1.0F, kFarEdge_m, -4.0F, 4.0F}, 0.1F, [](float, float) { return 0.0F; }),
+                place_at({0, 0, 0}));
+    builder.add("boulder",
+                Material::Rock,
+                make_ellipsoid({0.3F, 0.3F, 0.4F}, 0.05F),
+                place_at({1.8F, 0.3F, 0.1F}));
+    return builder.finish({}, 8.0);
+}
+
+// A diver's arm above the bed, looking ahead and a little down.
+Eigen::Isometry3d look_ahead() {
+    Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
+    T_world_imu.translation() = Eigen::Vector3d(0.0, 0.0, 0.9);
+    T_world_imu.linear() = Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    return T_world_imu;
+}
+
+using ChangeLight = std::function<void(Rendering& rendering)>;
+
+struct Look {
+    DepthMap depth;
+    cv::Mat open_water;  // CV_8U, 255: nothing within the matcher's reach but water
+    cv::Mat surface;     // the same of the scene
+};
+
+cv::Mat developed(const Rendering& rendering, int camera, const Water& water) {
+    const SensorOptions sensor{.exposure = water.exposure, .seed = 5};
+    const cv::Mat color =
+        develop(rendering.radiance, static_cast<std::uint64_t>(camera), 0.0, sensor);
+    std::vector<std::uint8_t> jpeg;
+    cv::imencode(".jpg", color, jpeg, {cv::IMWRITE_JPEG_QUALITY, 93});
+    return cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE);
+}
+
+Look look(WaterKind kind, const ChangeLight& change_light) {
+    const Scene scene = bed_before_open_water();
+    const Rig rig = draw_rig(640, 480, 4);
+    const Water water = make_water(kind);
+    const auto snow = std::make_shared<MarineSnow>(200.0, 6);
+    Renderer renderer(scene, rig, {.water = water, .snow = snow, .exact_depth = true});
+    StereoFrame frame;
+    cv::Mat truth;
+    for (const int camera : {0, 1}) {
+        Rendering rendering = renderer.render(camera, look_ahead(), 0.0);
+        change_light(rendering);
+        (camera == 0 ? frame.left : frame.right) = developed(rendering, camera, water);
+        if (camera == 0) truth = rendering.depth > 0.0F;
+    }
+    const Rectifier rectifier(rig);
+    const cv::Mat there = rectifier.rectify_left(truth);
+    const cv::Mat reach = cv::Mat::ones(2 * kReach_px + 1, 2 * kReach_px + 1, CV_8U);
+    Look result;
+    cv::dilate(there, result.open_water, reach);
+    result.open_water = result.open_water == 0;
+    cv::erode(there, result.surface, reach);
+    result.surface = result.surface == 255;
+    result.depth = StereoMatcher(rectifier.rig(), {}).match(rectifier.rectify(frame));
+    return result;
+}
+
+double share_known(const DepthMap& depth, const cv::Mat& where) {
+    const cv::Mat known = depth.disparity_px > 0.0F;
+    return static_cast<double>(cv::countNonZero(known & where)) /
+           static_cast<double>(cv::countNonZero(where));
+}
+
+void leave(Rendering&) {}
+
+// All of the scene as bright as everything else: vignetting, noise and JPEG's blocks alone are seen.
+void without_pattern(Rendering& rendering) {
+    rendering.radiance.setTo(cv::Scalar::all(0.2), rendering.depth > 0.0F);
+}
+
+TEST(StereoMatcher, SeesTheBedAndNothingInTheOpenWaterBehindIt) {
+    for (const WaterKind kind : {WaterKind::Clear, WaterKind::Green}) {
+        const Look seen = look(kind, leave);
+        EXPECT_GT(cv::countNonZero(seen.open_water), 30'000);
+        EXPECT_LT(share_known(seen.depth, seen.open_water), 0.005) << to_string(kind);
+        EXPECT_GT(share_known(seen.depth, seen.surface), 0.7) << to_string(kind);
+    }
+}
+
+TEST(StereoMatcher, GivesASurfaceWithoutPatternNoDepth) {
+    const Look seen = look(WaterKind::None, without_pattern);
+    EXPECT_GT(cv::countNonZero(seen.surface), 80'000);
+    EXPECT_LT(share_known(seen.depth, seen.surface), 0.005);
+}
+
+}  // namespace
+}  // namespace divemesh::worker
