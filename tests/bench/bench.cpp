@@ -18,6 +18,8 @@
 #include "tests/bench/plan.hpp"
 #include "tests/bench/program.hpp"
 #include "tests/bench/sgbm_baseline.hpp"
+#include "tests/bench/stereo_pairs.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::bench {
@@ -248,6 +250,8 @@ json run_all(const Options& options, const fs::path& folder) {
     json report = {{"machine", describe_machine()}, {"goals", json::array()}};
     Names absent;
     report["runs"] = measure_all(options, folder, absent);
+    if (wanted(options.only, "surface") && options.dives.empty())
+        report["stereo_pairs"] = compare_on_stereo_pairs(shared_data("middlebury"));
     report["absent"] = absent;
     report["track_life"] = compare_track_life(report["runs"]);
     for (const Goal& goal : all_goals()) {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <benchmark/benchmark.h>
+#include <cstdint>
+
+#include "tests/bench/machine_limit.hpp"
+
+namespace divemesh::bench {
+
+// Runs a kernel as often as the benchmark asks and adds what one run does: millions of `unit`s per
+// second, and instructions per unit where the processor lets them be counted.
+template <typename Run>
+void measure(benchmark::State& state, const char* unit, double num_units, Run&& run) {
+    InstructionCounter counter;
+    counter.start();
+    for ([[maybe_unused]] auto _ : state) run();
+    const auto instructions = counter.stop();
+    state.counters[std::string("M") + unit] =
+        benchmark::Counter(1e-6 * num_units, benchmark::Counter::kIsIterationInvariantRate);
+    if (instructions)
+        state.counters[std::string("instructions/") + unit] =
+            static_cast<double>(*instructions) /
+            (num_units * static_cast<double>(state.iterations()));
+    else
+        state.SetLabel("no instruction counter on this machine");
+}
+
+}  // namespace divemesh::bench

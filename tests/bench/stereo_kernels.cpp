@@ -1,0 +1,133 @@
+// Step 1. `DE` is one disparity of one pixel evaluated.
+#include <benchmark/benchmark.h>
+#include <opencv2/calib3d.hpp>
+
+#include "tests/bench/kernel_pictures.hpp"
+#include "tests/bench/measured.hpp"
+#include "worker/stereo/block_matcher.hpp"
+#include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/speckles.hpp"
+
+namespace divemesh::bench {
+namespace {
+
+using worker::best_instructions;
+using worker::Instructions;
+
+constexpr double kNumPixels = 1.0 * kWidth_px * kHeight_px;
+
+// Operations on vectors of bytes that semi-global matching cannot do without, per pixel and vector
+// of disparities (worker/stereo/sgm_rows.simd.hpp): the census distance; five paths of six
+// operations and the least of each; four sums; the least sum, where it is and what comes near it.
+double num_operations(Instructions instructions) {
+    constexpr double kPaths = 5 * (6 + 1) + 4 + 1 + 3;
+    switch (instructions) {
+        case Instructions::Avx512: return 11 + kPaths;  // counts bits by itself
+        case Instructions::Avx2: return 29 + kPaths;    // by table, three planes added first
+        case Instructions::Baseline: break;
+    }
+    return 41 + kPaths;  // by shifts
+}
+
+template <typename Run>
+void measure_range(benchmark::State& state, Run&& run) {
+    measure(state, "DE", kNumPixels * static_cast<double>(state.range(0)), run);
+}
+
+void opencv_3way(benchmark::State& state) {
+    const auto matcher = cv::StereoSGBM::create(0,
+                                                static_cast<int>(state.range(0)),
+                                                5,
+                                                200,
+                                                800,
+                                                1,
+                                                0,
+                                                5,
+                                                0,
+                                                0,
+                                                cv::StereoSGBM::MODE_SGBM_3WAY);
+    cv::Mat disparity;
+    measure_range(state,
+                  [&] { matcher->compute(slanted_bed().left, slanted_bed().right, disparity); });
+}
+
+void opencv_block(benchmark::State& state) {
+    const auto matcher = cv::StereoBM::create(static_cast<int>(state.range(0)), 11);
+    cv::Mat disparity;
+    measure_range(state,
+                  [&] { matcher->compute(slanted_bed().left, slanted_bed().right, disparity); });
+}
+
+// `of_limit`: how much of what this core does in vector operations at most is spent on those that
+// are needed.
+void census_sgm(benchmark::State& state) {
+    const auto set = static_cast<Instructions>(state.range(1));
+    worker::CensusSgm matcher(static_cast<int>(state.range(0)), set);
+    measure_range(state, [&] {
+        benchmark::DoNotOptimize(matcher.compute(slanted_bed().left, slanted_bed().right));
+    });
+    const double needed = kNumPixels * static_cast<double>(state.range(0)) * num_operations(set);
+    state.counters["of_limit"] = benchmark::Counter(needed / byte_operations_per_s(set),
+                                                    benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void census_sgm_refined(benchmark::State& state) {
+    worker::CensusSgm matcher(static_cast<int>(state.range(0)),
+                              static_cast<Instructions>(state.range(1)));
+    measure_range(state, [&] {
+        cv::Mat disparity = matcher.compute(slanted_bed().left, slanted_bed().right);
+        worker::remove_speckles(disparity, 120, 1.5F);
+        benchmark::DoNotOptimize(
+            worker::refine_disparity(slanted_bed().left, slanted_bed().right, disparity));
+        worker::remove_speckles(disparity, 120, 1.5F);
+    });
+}
+
+void block_matcher(benchmark::State& state) {
+    worker::BlockMatcher matcher(static_cast<int>(state.range(0)),
+                                 static_cast<Instructions>(state.range(1)));
+    measure_range(state, [&] {
+        benchmark::DoNotOptimize(matcher.compute(slanted_bed().left, slanted_bed().right));
+    });
+}
+
+// Ranges times the instruction sets that this machine runs.
+void every_set(benchmark::internal::Benchmark* benchmark) {
+    for (const int range : {64, 128})
+        for (int set = 0; set <= static_cast<int>(best_instructions()); ++set)
+            benchmark->Args({range, set});
+    benchmark->ArgNames({"range", "set"})->Unit(benchmark::kMillisecond);
+}
+
+cv::Mat matched_bed() {
+    return worker::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right);
+}
+
+void speckles(benchmark::State& state) {
+    const cv::Mat matched = matched_bed();
+    measure(state, "px", kNumPixels, [&] {
+        cv::Mat disparity = matched.clone();
+        worker::remove_speckles(disparity, 120, 1.5F);
+    });
+}
+
+void opencv_speckles(benchmark::State& state) {
+    cv::Mat matched, buffer;
+    matched_bed().convertTo(matched, CV_16S, 16.0);
+    measure(state, "px", kNumPixels, [&] {
+        cv::Mat disparity = matched.clone();
+        cv::filterSpeckles(disparity, 0, 120, 24, buffer);
+    });
+}
+
+BENCHMARK(opencv_3way)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK(census_sgm)->Apply(every_set);
+BENCHMARK(census_sgm_refined)->Apply(every_set);
+BENCHMARK(opencv_block)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+BENCHMARK(block_matcher)->Apply(every_set);
+BENCHMARK(opencv_speckles)->Unit(benchmark::kMillisecond);
+BENCHMARK(speckles)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace divemesh::bench
