@@ -45,6 +45,7 @@ DIVEMESH_INLINE_BODY void smooth_row_body(
         const int x = std::min(start, width - reach - kLanes);
         const Floats center = load(rows[kSmoothRadius] + x);
         const Floats gate = load(gates + x);
+        if (!any(gate > 0.0F)) continue;
         Floats sum = {};
         Floats count = {};
         for (int dy = 0; dy <= kSmoothRadius; ++dy) {
@@ -337,6 +338,7 @@ void smooth_uncertain(Refined& refined, Instructions instructions) {
     float* sigma = refined.sigma_px.ptr<float>();
     const float* num_taken = wide.num_taken.ptr<float>();
     for (std::size_t i = 0; i < refined.sigma_px.total(); ++i) {
+        if (num_taken[i] <= 1.0F) continue;
         const float others = (num_taken[i] - 1.0F) / kMostOthers;
         sigma[i] /= std::sqrt(1.0F + (kMostWindows - 1.0F) * others);
     }
