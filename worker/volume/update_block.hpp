@@ -27,7 +27,7 @@ struct TsdfView {
 
 // Samples are truncated at the larger of these.
 inline constexpr float kTruncation_voxels = 3.0F;
-inline constexpr float kTruncation_sigmas = 3.0F;
+inline constexpr float kTruncation_sigmas = 2.0F;
 
 // Whether a pixel may make surface, not only carve what is in front of it.
 inline bool makes_surface(const TsdfView& view, const SurfacePixel& pixel) {
