@@ -54,17 +54,18 @@ std::optional<fs::path> dive_folder(const Dive& dive,
     return folder;
 }
 
-void link_without_truth(const fs::path& dive, const fs::path& folder) {
+void copy_without_truth(const fs::path& dive, const fs::path& folder) {
     const bool has_root = fs::exists(dive / "mav0");
     const fs::path mav0 = has_root ? dive / "mav0" : dive;
     fs::remove_all(folder);
     fs::create_directories(folder / "mav0");
     for (const auto& entry : fs::directory_iterator(mav0))
         if (entry.path().filename() != "state_groundtruth_estimate0")
-            fs::create_symlink(fs::canonical(entry.path()),
-                               folder / "mav0" / entry.path().filename());
+            fs::copy(entry.path(),
+                     folder / "mav0" / entry.path().filename(),
+                     fs::copy_options::recursive);
     if (has_root && fs::exists(dive / "dive.json"))
-        fs::create_symlink(fs::canonical(dive / "dive.json"), folder / "dive.json");
+        fs::copy(dive / "dive.json", folder / "dive.json");
 }
 
 }  // namespace divemesh::bench

@@ -13,8 +13,8 @@ std::optional<std::filesystem::path> dive_folder(const Dive& dive,
                                                  const std::filesystem::path& program,
                                                  const std::filesystem::path& cache);
 
-// A dive as divers bring it: links in `folder` to all of it but ground truth, reference mesh and
-// known lengths.
-void link_without_truth(const std::filesystem::path& dive, const std::filesystem::path& folder);
+// A dive as divers bring it: a copy in `folder` of all but ground truth, reference mesh and known
+// lengths. A reader follows no link out of a dive, so it has to be one.
+void copy_without_truth(const std::filesystem::path& dive, const std::filesystem::path& folder);
 
 }  // namespace divemesh::bench
