@@ -1,8 +1,50 @@
 #include "worker/background.hpp"
 
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
 #include <utility>
 
 namespace divemesh::worker {
+
+class Background::Task {
+public:
+    explicit Task(std::function<void()> work) : work_(std::move(work)) {}
+
+    void run_unless_taken() {
+        if (taken_.test_and_set()) return;
+        try {
+            work_();
+        } catch (...) {
+            failure_ = std::current_exception();
+        }
+        work_ = nullptr;
+        const std::lock_guard lock(mutex_);
+        done_ = true;
+        changed_.notify_all();
+    }
+
+    bool at_work() {
+        const std::lock_guard lock(mutex_);
+        return taken_.test() && !done_;
+    }
+
+    void wait() {
+        run_unless_taken();
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return done_; });
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+private:
+    std::function<void()> work_;
+    std::atomic_flag taken_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool done_ = false;
+    std::exception_ptr failure_;
+};
 
 Background::~Background() {
     try {
@@ -13,11 +55,14 @@ Background::~Background() {
 
 void Background::run(std::function<void()> work) {
     wait();
-    arena_.execute([&] { group_.run(std::move(work)); });
+    task_ = std::make_shared<Task>(std::move(work));
+    if (arena_.max_concurrency() > 1) arena_.enqueue([task = task_] { task->run_unless_taken(); });
 }
 
 void Background::wait() {
-    arena_.execute([&] { group_.wait(); });
+    if (const auto task = std::exchange(task_, nullptr)) task->wait();
 }
+
+bool Background::at_work() const { return task_ && task_->at_work(); }
 
 }  // namespace divemesh::worker

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <oneapi/tbb/task_arena.h>
-#include <oneapi/tbb/task_group.h>
 
 namespace divemesh::worker {
 
@@ -19,7 +19,8 @@ private:
     oneapi::tbb::task_arena arena_;
 };
 
-// One piece of work at a time beside the caller. What it throws comes out at the next wait().
+// One piece of work at a time beside the caller; with one thread, when it is waited for. What it
+// throws comes out at the next wait().
 class Background {
 public:
     explicit Background(Workers& workers) : arena_(workers.arena_) {}
@@ -27,13 +28,18 @@ public:
     Background(const Background&) = delete;
     Background& operator=(const Background&) = delete;
 
-    // Waits for the piece before.
+    // Waits for the piece before. Who waits for a piece that nobody has begun does it himself, and
+    // never another one: a task group's wait would take up whatever is there, however long.
     void run(std::function<void()> work);
     void wait();
+    // Whether somebody is at it: to wait now would be idle time.
+    bool at_work() const;
 
 private:
+    class Task;
+
     oneapi::tbb::task_arena& arena_;
-    oneapi::tbb::task_group group_;
+    std::shared_ptr<Task> task_;
 };
 
 }  // namespace divemesh::worker

@@ -10,7 +10,7 @@ namespace divemesh::worker {
 
 // Keyframe pictures and depth on disk, one file a keyframe, so that memory does not grow with the
 // dive and every later stage can start from them. Disparity is kept to 1/128 px, sigma to 1/64 px,
-// colour as JPEG. write() from one thread at a time, read() from any number.
+// colour as JPEG. Any number of threads may read and write, each keyframe written by one.
 class KeyframeStore {
 public:
     explicit KeyframeStore(std::filesystem::path folder);  // made when missing

@@ -14,9 +14,9 @@ KeyframeWriter::KeyframeWriter(const RectifiedRig& rig,
     : loops_(options.close_loops),
       surface_(options.surface),
       left_in_color_(std::move(left_in_color)),
-      stereo_(rig, options),
-      store_(store),
-      background_(workers) {}
+      store_(store) {
+    for (auto& lane : lanes_) lane.emplace(rig, options, workers);
+}
 
 void KeyframeWriter::write(const RectifiedFrame& frame, const DepthMap& depth, const Seen& seen) {
     go_on({});
@@ -27,20 +27,25 @@ void KeyframeWriter::go_on(const Features& moving) {
     if (!waiting_) return;
     Features& all = waiting_->seen.moving;
     all.insert(all.end(), moving.begin(), moving.end());
-    background_.run(
-        [this, waiting = *std::exchange(waiting_, std::nullopt)]() mutable { store(waiting); });
+    // The oldest lane; while somebody is at that, the one behind, whose frame is then stored here.
+    if (lanes_[next_lane_]->background.at_work()) next_lane_ = (next_lane_ + 1) % kNumLanes;
+    Lane& lane = *lanes_[next_lane_];
+    next_lane_ = (next_lane_ + 1) % kNumLanes;
+    lane.background.run([this, &lane, waiting = *std::exchange(waiting_, std::nullopt)]() mutable {
+        store(waiting, lane.stereo);
+    });
 }
 
 void KeyframeWriter::finish() {
     go_on({});
-    background_.wait();
+    for (auto& lane : lanes_) lane->background.wait();
 }
 
-void KeyframeWriter::store(Waiting& waiting) {
+void KeyframeWriter::store(Waiting& waiting, StereoMatcher& stereo) const {
     const RectifiedFrame& frame = waiting.frame;
     if (loops_ && waiting.seen.is_keyframe) store_.write_left(frame.index, frame.left);
     if (!surface_) return;
-    if (waiting.depth.disparity_px.empty()) waiting.depth = stereo_.match(frame);
+    if (waiting.depth.disparity_px.empty()) waiting.depth = stereo.match(frame);
     leave_out_moving(waiting.seen.moving, waiting.seen.scene, waiting.depth);
     store_.write(frame.index, {left_in_color_(frame.index), waiting.depth});
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 
@@ -12,7 +13,7 @@ namespace divemesh::worker {
 
 // Puts what later stages will ask for of a frame into the store, beside the caller: the grey
 // picture of a keyframe, to close loops with; picture and dense depth, to make the surface. At most
-// two frames wait.
+// five frames wait or are worked on.
 class KeyframeWriter {
 public:
     // The left picture of a frame, rectified; called on another thread.
@@ -46,15 +47,24 @@ private:
         DepthMap depth;
         Seen seen;
     };
-    void store(Waiting& waiting);
+    // Dense matching takes longer than tracking: several frames are at work or wait their turn, so
+    // that nobody is idle while the caller, made to wait, matches one itself.
+    static constexpr std::size_t kNumLanes = 4;
+    struct Lane {
+        Lane(const RectifiedRig& rig, const ReconstructionOptions& options, Workers& workers)
+            : stereo(rig, options), background(workers) {}
+        StereoMatcher stereo;
+        Background background;  // ends before the matcher goes
+    };
+    void store(Waiting& waiting, StereoMatcher& stereo) const;
 
     bool loops_;
     bool surface_;
     LeftInColor left_in_color_;
-    StereoMatcher stereo_;
     const KeyframeStore& store_;
     std::optional<Waiting> waiting_;
-    Background background_;
+    std::array<std::optional<Lane>, kNumLanes> lanes_;
+    std::size_t next_lane_ = 0;
 };
 
 }  // namespace divemesh::worker
