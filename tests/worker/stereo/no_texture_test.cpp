@@ -91,7 +91,8 @@ double share_known(const DepthMap& depth, const cv::Mat& where) {
 
 void leave(Rendering&) {}
 
-// All of the scene as bright as everything else: vignetting, noise and JPEG's blocks alone are seen.
+// All of the scene as bright as everything else: vignetting, noise and JPEG's blocks alone are
+// seen.
 void without_pattern(Rendering& rendering) {
     rendering.radiance.setTo(cv::Scalar::all(0.2), rendering.depth > 0.0F);
 }
