@@ -51,12 +51,14 @@ Background::~Background() {
         wait();
     } catch (...) {  // see the declaration
     }
+    arena_.execute([this] { group_.wait(); });  // for the turns of pieces that were done meanwhile
 }
 
 void Background::run(std::function<void()> work) {
     wait();
     task_ = std::make_shared<Task>(std::move(work));
-    if (arena_.max_concurrency() > 1) arena_.enqueue([task = task_] { task->run_unless_taken(); });
+    if (arena_.max_concurrency() > 1)
+        arena_.execute([this] { group_.run([task = task_] { task->run_unless_taken(); }); });
 }
 
 void Background::wait() {

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 namespace divemesh::worker {
 
@@ -39,6 +40,7 @@ private:
     class Task;
 
     oneapi::tbb::task_arena& arena_;
+    oneapi::tbb::task_group group_;
     std::shared_ptr<Task> task_;
 };
 
