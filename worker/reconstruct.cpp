@@ -215,8 +215,8 @@ FusedMap fuse(const RectifiedRig& rig,
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
     Workers workers(options.num_threads);
-    Background reader(workers);
     KeyframeImages images;
+    Background reader(workers);  // ends before what it writes to goes, also when progress() throws
     const auto read_ahead = [&](std::size_t index) {
         if (index < frames.size())
             reader.run([&, index] { images = store.read(frames[index].frame_index); });
