@@ -30,8 +30,9 @@ using nlohmann::json;
 using Names = std::vector<std::string>;
 
 const Names kGroups = {"trajectory", "surface", "speed"};
-constexpr int kNumThreads = 2;  // of the runs that measure speed
-constexpr int kSgbmStride = 5;  // every fifth pair says what OpenCV's matcher takes
+constexpr int kNumThreads = 2;                  // of the runs that measure speed
+constexpr int kSgbmStride = 5;                  // every fifth pair says what OpenCV's matcher takes
+const std::string kStereoPairs = "middlebury";  // matched beside the dives, by `standard`
 
 struct Options {
     Names only = kGroups;
@@ -246,12 +247,22 @@ json measure_all(const Options& options, const fs::path& folder, Names& absent) 
     return results;
 }
 
+void add_stereo_pairs(const Options& options, json& runs, Names& absent) {
+    if (!wanted(options.only, "surface") || !wanted(options.presets, "standard") ||
+        !wanted(options.dives, kStereoPairs))
+        return;
+    const json run = compare_on_stereo_pairs(shared_data(kStereoPairs));
+    if (run.is_null())
+        absent.push_back(kStereoPairs);
+    else
+        runs.push_back(run);
+}
+
 json run_all(const Options& options, const fs::path& folder) {
     json report = {{"machine", describe_machine()}, {"goals", json::array()}};
     Names absent;
     report["runs"] = measure_all(options, folder, absent);
-    if (wanted(options.only, "surface") && options.dives.empty())
-        report["stereo_pairs"] = compare_on_stereo_pairs(shared_data("middlebury"));
+    add_stereo_pairs(options, report["runs"], absent);
     report["absent"] = absent;
     report["track_life"] = compare_track_life(report["runs"]);
     for (const Goal& goal : all_goals()) {
@@ -291,7 +302,9 @@ int main(int argc, char** argv) {
             app.add_option(flag, list, text)->delimiter(',')->check(CLI::IsMember(known));
         };
     choose("--only", options.only, bench::kGroups, "groups of runs; default: all");
-    choose("--dive", options.dives, bench::names_of(bench::all_dives()), "default: all");
+    bench::Names dives = bench::names_of(bench::all_dives());
+    dives.push_back(bench::kStereoPairs);
+    choose("--dive", options.dives, dives, "default: all");
     choose("--preset", options.presets, bench::all_presets(), "default: all");
     choose("--ablation",
            options.ablations,

@@ -1,5 +1,6 @@
-// Step 7 on one thread: keyframes of 640x480 pixels over a rough bed, each 8 cm on, into voxels of
-// a centimetre with colour and into the octree of points half as fine. Reading them is not in it.
+// Steps 7 and 8 on one thread: keyframes of 640x480 pixels over a rough bed, each 8 cm on, into
+// voxels of a centimetre with colour and into the octree of points half as fine. Reading them is
+// not in it.
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <memory>
@@ -7,7 +8,10 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "tests/bench/measured.hpp"
+#include "worker/volume/marching_cubes.hpp"
 #include "worker/volume/octree_volume.hpp"
+#include "worker/volume/surface_nets.hpp"
 #include "worker/volume/tsdf_volume.hpp"
 
 namespace divemesh::worker {
@@ -110,6 +114,34 @@ BENCHMARK(depth_view)
     ->Arg(static_cast<int>(Sampling::Full))
     ->Arg(static_cast<int>(Sampling::Half))
     ->Unit(benchmark::kMillisecond);
+
+// Step 8 on what the keyframes gave. `of_limit`: the time in which distances, weights and views
+// could be read once from memory, of that which the mesh takes.
+void extract(benchmark::State& state, Mesh (*mesher)(const SignedField&, const MeshingSettings&)) {
+    constexpr double kBytesPerVoxel = 6.0;
+    VolumeSettings settings;
+    settings.rig = vga_rig();
+    settings.voxel_m = kVoxel_m;
+    settings.num_threads = 1;
+    TsdfVolume volume(settings);
+    for (const DeepKeyframe& frame : keyframes()) volume.integrate(frame.keyframe, frame.images);
+    const auto field = volume.field(1);
+    const double num_voxels = static_cast<double>(kBlockSamples * field->blocks().size());
+    MeshingSettings meshing;
+    meshing.num_threads = 1;
+    std::size_t num_triangles = 0;
+    const double run_s = bench::measure(state, "voxels", num_voxels, [&] {
+        num_triangles = mesher(*field, meshing).triangles.size();
+    });
+    state.counters["triangles"] = static_cast<double>(num_triangles);
+    state.counters["of_limit"] = kBytesPerVoxel * num_voxels / bench::bytes_read_per_s() / run_s;
+}
+
+void extract_by_surface_nets(benchmark::State& state) { extract(state, surface_nets); }
+BENCHMARK(extract_by_surface_nets)->Unit(benchmark::kMillisecond);
+
+void extract_by_marching_cubes(benchmark::State& state) { extract(state, marching_cubes); }
+BENCHMARK(extract_by_marching_cubes)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace divemesh::worker

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <ctime>
 #include <linux/perf_event.h>
+#include <numeric>
 #include <sys/ioctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <vector>
 
 namespace divemesh::bench {
 namespace {
@@ -36,20 +38,20 @@ DIVEMESH_FOR_AVX2 void operate_avx2() { operate_body<32>(); }
 __attribute__((target("avx512f,avx512bw"))) void operate_avx512() { operate_body<64>(); }
 #endif
 
-double cpu_s() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double measure(void (*run)(), int num_bytes) {
+// The best of five.
+template <typename Run>
+double least_cpu_s(Run&& run) {
     double least_s = 1e9;
     for (int i = 0; i < 5; ++i) {
-        const double start_s = cpu_s();
+        const double start_s = thread_cpu_s();
         run();
-        least_s = std::min(least_s, cpu_s() - start_s);
+        least_s = std::min(least_s, thread_cpu_s() - start_s);
     }
-    return 2.0 * kNumAccumulators * kNumRounds * num_bytes / least_s;
+    return least_s;
+}
+
+double operations_per_s(void (*run)(), int num_bytes) {
+    return 2.0 * kNumAccumulators * kNumRounds * num_bytes / least_cpu_s(run);
 }
 
 }  // namespace
@@ -83,12 +85,28 @@ std::optional<std::uint64_t> InstructionCounter::stop() {
     return count;
 }
 
+double thread_cpu_s() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 double byte_operations_per_s(worker::Instructions instructions) {
 #if defined(__x86_64__)
-    if (instructions == worker::Instructions::Avx512) return measure(operate_avx512, 64);
-    if (instructions == worker::Instructions::Avx2) return measure(operate_avx2, 32);
+    if (instructions == worker::Instructions::Avx512) return operations_per_s(operate_avx512, 64);
+    if (instructions == worker::Instructions::Avx2) return operations_per_s(operate_avx2, 32);
 #endif
-    return measure(operate, 16);
+    return operations_per_s(operate, 16);
+}
+
+double bytes_read_per_s() {
+    constexpr std::size_t kNumWords = std::size_t{1} << 24;  // 128 MB: more than any cache holds
+    const std::vector<std::uint64_t> words(kNumWords, 1);
+    const double read_s = least_cpu_s([&] {
+        const auto sum = std::accumulate(words.begin(), words.end(), std::uint64_t{0});
+        asm volatile("" : : "r"(sum));
+    });
+    return sizeof(std::uint64_t) * static_cast<double>(kNumWords) / read_s;
 }
 
 }  // namespace divemesh::bench

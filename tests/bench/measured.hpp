@@ -8,12 +8,15 @@
 namespace divemesh::bench {
 
 // Runs a kernel as often as the benchmark asks and adds what one run does: millions of `unit`s per
-// second, and instructions per unit where the processor lets them be counted.
+// second, and instructions per unit where the processor lets them be counted. Returns seconds of
+// CPU per run.
 template <typename Run>
-void measure(benchmark::State& state, const char* unit, double num_units, Run&& run) {
+double measure(benchmark::State& state, const char* unit, double num_units, Run&& run) {
     InstructionCounter counter;
     counter.start();
+    const double start_s = thread_cpu_s();
     for ([[maybe_unused]] auto _ : state) run();
+    const double run_s = (thread_cpu_s() - start_s) / static_cast<double>(state.iterations());
     const auto instructions = counter.stop();
     state.counters[std::string("M") + unit] =
         benchmark::Counter(1e-6 * num_units, benchmark::Counter::kIsIterationInvariantRate);
@@ -23,6 +26,7 @@ void measure(benchmark::State& state, const char* unit, double num_units, Run&& 
             (num_units * static_cast<double>(state.iterations()));
     else
         state.SetLabel("no instruction counter on this machine");
+    return run_s;
 }
 
 }  // namespace divemesh::bench

@@ -96,6 +96,7 @@ const std::vector<Goal>& all_goals() {
         {"surface",    {"tank"},       "standard", "relative_p80_percent", Over::Worst, true,  0.5},
         {"surface",    {"tank"},       "standard", "scale_error",         Over::Worst,  true,  0.003},
         {"surface",    {"tank"},       "standard", "distance_max_error_m", Over::Worst, true,  0.003},
+        {"surface",    {"middlebury"}, "standard", "bad2_to_opencv",      Over::Worst,  true,  1.0},
         {"speed",      {"tank"},       "standard", "frames_per_s",        Over::Worst,  false, 10.0},
         {"speed",      {"barge"},      "standard", "wall_to_sgbm",        Over::Worst,  true,  0.75},
         {"speed",      {"barge"},      "fast",     "wall_to_sgbm",        Over::Worst,  true,  0.45},

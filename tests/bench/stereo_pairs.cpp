@@ -132,7 +132,8 @@ nlohmann::json compare_on_stereo_pairs(const fs::path& middlebury) {
         }
         return sum / static_cast<double>(pairs.size());
     };
-    nlohmann::json result;
+    nlohmann::json result = {
+        {"group", "surface"}, {"dive", "middlebury"}, {"preset", "standard"}, {"ablation", "none"}};
     const double own = mean_over_pairs(match_own, &result["pairs"]);
     double best = 1.0;
     for (const auto& [name, mode] : kModes)
