@@ -20,6 +20,7 @@ http::status status_of(ErrorCode code) {
         case ErrorCode::Unsupported: return http::status::unsupported_media_type;
         case ErrorCode::Cancelled: return http::status::conflict;
         case ErrorCode::OutOfSpace: return http::status::insufficient_storage;
+        case ErrorCode::OutOfMemory:
         case ErrorCode::Unavailable: return http::status::service_unavailable;
     }
     return http::status::internal_server_error;

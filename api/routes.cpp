@@ -5,6 +5,7 @@
 #include "api/handlers/events.hpp"
 #include "api/handlers/health.hpp"
 #include "api/handlers/jobs.hpp"
+#include "api/handlers/queue.hpp"
 #include "api/handlers/tokens.hpp"
 #include "api/handlers/uploads.hpp"
 
@@ -33,12 +34,22 @@ constexpr Route kRoutes[] = {
 
     {Plain,      verb::get,     "/api/v1/jobs",                   "dives:read",  list_jobs},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}",          "dives:read",  get_job},
+    {Plain,      verb::patch,   "/api/v1/jobs/{job_id}",          "jobs:write",  change_job},
     {Plain,      verb::post,    "/api/v1/jobs/{job_id}/cancel",   "jobs:write",  cancel_job},
     {Plain,      verb::post,    "/api/v1/jobs/{job_id}/retry",    "jobs:write",  retry_job},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}/log",      "dives:read",  get_job_log},
+    {Plain,      verb::get,     "/api/v1/jobs/{job_id}/attempts", "dives:read",  list_attempts},
+    {Plain,      verb::get,     "/api/v1/jobs/{job_id}/attempts/{attempt}/log",
+                                                                  "dives:read",  get_attempt_log},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}/artifacts", "dives:read", list_artifacts},
     {File,       verb::get,     "/api/v1/jobs/{job_id}/artifacts/{artifact_name...}",
                                                                   "dives:read",  get_artifact},
+
+    {Plain,      verb::get,     "/api/v1/queue",                  "dives:read",  get_queue},
+    {Plain,      verb::patch,   "/api/v1/queue",                  "admin",       change_queue},
+    {Plain,      verb::post,    "/api/v1/queue/redrive",          "jobs:write",  redrive_queue},
+    {Plain,      verb::get,     "/api/v1/workers",                "admin",       list_workers},
+    {Plain,      verb::patch,   "/api/v1/workers/{worker_name}",  "admin",       change_worker},
 
     {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},
 

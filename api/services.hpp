@@ -8,6 +8,7 @@
 #include "api/upload_turns.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
+#include "storage/queue_forecast.hpp"
 
 namespace divemesh::api {
 
@@ -23,6 +24,7 @@ struct Services {
     boost::asio::thread_pool& pool;  // for SQL, disk and hashing; see in_pool()
     UploadTurns& turns;
     HashCache& hashes;
+    storage::QueueForecast& forecast;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     ServiceLimits limits;
     bool no_auth = false;

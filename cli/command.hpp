@@ -24,6 +24,8 @@ void add_jobs(CLI::App& app, Context& context);
 void add_download(CLI::App& app, Context& context);
 void add_cancel(CLI::App& app, Context& context);
 void add_retry(CLI::App& app, Context& context);
+void add_queue(CLI::App& app, Context& context);
+void add_workers(CLI::App& app, Context& context);
 void add_reconstruct(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_simulate(CLI::App& app, Context& context);

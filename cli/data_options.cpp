@@ -33,12 +33,22 @@ std::string blobs_url(const DataOptions& options) {
     return (data_folder(options, "--blobs") / "blobs").string();
 }
 
-fs::path work_folder(const DataOptions& options) {
+namespace {
+
+// Beside a directory of blobs, else below the system's temporary folder.
+fs::path beside_blobs(const DataOptions& options, const std::string& name) {
     std::string blobs = blobs_url(options);
     const std::string scheme = "file://";
     if (blobs.starts_with(scheme)) blobs.erase(0, scheme.size());
-    if (blobs.find("://") != std::string::npos) return fs::temp_directory_path() / "divemesh-work";
-    return fs::absolute(blobs).parent_path() / "work";
+    if (blobs.find("://") != std::string::npos)
+        return fs::temp_directory_path() / ("divemesh-" + name);
+    return fs::absolute(blobs).parent_path() / name;
 }
+
+}  // namespace
+
+fs::path work_folder(const DataOptions& options) { return beside_blobs(options, "work"); }
+
+fs::path cache_folder(const DataOptions& options) { return beside_blobs(options, "cache"); }
 
 }  // namespace divemesh::cli

@@ -21,5 +21,7 @@ std::string blobs_url(const DataOptions& options);    // default DIR/blobs
 // Scratch of running attempts: beside a directory of blobs, else below the system's temporary
 // folder.
 std::filesystem::path work_folder(const DataOptions& options);
+// What stages made, kept for other attempts: beside the work folder.
+std::filesystem::path cache_folder(const DataOptions& options);
 
 }  // namespace divemesh::cli

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
@@ -20,7 +21,11 @@ struct JobsOptions {
     std::string state;
     std::string job_id;
     bool log = false;
+    int attempt = 0;  // 0: the newest
     bool wait = false;
+    bool pause = false;
+    bool resume = false;
+    std::optional<int> priority;
 };
 
 std::string percent_text(double fraction) {
@@ -42,7 +47,7 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
         return kExitDone;
     }
     std::vector<std::vector<std::string>> rows = {
-        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "TRIES", "CREATED", "FAILURE"}};
+        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "TRIES", "PLACE", "CREATED", "FAILURE"}};
     for (const auto& item : items) {
         const Job job = item.get<Job>();
         rows.push_back({job.id,
@@ -52,6 +57,7 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
                         std::string(to_string(job.state)),
                         percent_text(job.progress.fraction),
                         std::to_string(job.num_attempts),
+                        job.forecast ? std::to_string(job.forecast->position) : "",
                         time_text(job.created_at_ms),
                         job.failure.message});
     }
@@ -59,9 +65,19 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
     return kExitDone;
 }
 
+void change_job(client::RestClient& rest, const JobsOptions& options) {
+    nlohmann::json body = nlohmann::json::object();
+    if (options.pause || options.resume) body["paused"] = options.pause;
+    if (options.priority) body["priority"] = *options.priority;
+    if (!body.empty()) rest.patch(job_path(options.job_id), body);
+}
+
 int show_job(client::RestClient& rest, const JobsOptions& options) {
+    change_job(rest, options);
     if (options.log) {
-        std::cout << rest.get_text(job_path(options.job_id) + "/log");
+        const std::string attempt =
+            options.attempt > 0 ? "/attempts/" + std::to_string(options.attempt) : "";
+        std::cout << rest.get_text(job_path(options.job_id) + attempt + "/log");
         return kExitDone;
     }
     if (!options.wait) {
@@ -105,14 +121,20 @@ void add_job_action(CLI::App& app,
 void add_jobs(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("jobs", "list the jobs of a server, or show one");
     auto options = std::make_shared<JobsOptions>();
+    // clang-format off
     command->add_option("job", options->job_id, "id of one job: show all of it");
     add_server_options(*command, options->server);
     command->add_option("--dive", options->dive_id, "only jobs of this dive");
     command->add_option("--state",
                         options->state,
                         "only held, queued, running, succeeded, failed, dead or cancelled ones");
-    command->add_flag("--log", options->log, "print the log of the newest attempt");
+    auto* log = command->add_flag("--log", options->log, "print the log of the newest attempt");
+    command->add_option("--attempt", options->attempt, "of this attempt")->needs(log)->check(CLI::Range(1, 1'000'000));
     command->add_flag("--wait", options->wait, "follow the job until it is finished");
+    auto* pause = command->add_flag("--pause", options->pause, "hold a job that waits");
+    command->add_flag("--resume", options->resume, "let it go")->excludes(pause);
+    command->add_option("--priority", options->priority, "of a job that waits; a step is worth ten minutes of waiting")->check(CLI::Range(-100, 100));
+    // clang-format on
     command->callback([options, &context] {
         context.command = [options, &context] {
             client::RestClient rest(account_of(options->server));

@@ -16,6 +16,7 @@ constexpr EnumText<ErrorCode> kTexts[] = {
     {ErrorCode::Unsupported, "unsupported"},
     {ErrorCode::Cancelled, "cancelled"},
     {ErrorCode::OutOfSpace, "out_of_space"},
+    {ErrorCode::OutOfMemory, "out_of_memory"},
     {ErrorCode::Unavailable, "unavailable"},
 };
 

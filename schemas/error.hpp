@@ -20,6 +20,7 @@ enum class ErrorCode {
     Unsupported,   // a media type, protocol version or format we do not speak
     Cancelled,
     OutOfSpace,   // the disk is full
+    OutOfMemory,  // of the machine, or of what a process may have
     Unavailable,  // try again later: network, database, a locked file
 };
 

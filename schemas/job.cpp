@@ -20,4 +20,26 @@ JobKind job_kind_from_string(std::string_view text) {
     return enum_from_text<JobKind>(kTexts, text, "job kind");
 }
 
+std::string_view usual_remedy(ErrorCode code) {
+    switch (code) {  // no default: the compiler lists a code that is missing here
+        case ErrorCode::InvalidArgument: return "mend the option that is named and ask anew";
+        case ErrorCode::BadData:
+            return "see the findings of the dive, mend the recording and upload it again";
+        case ErrorCode::TooLarge: return "split the recording into shorter dives";
+        case ErrorCode::Unsupported: return "convert the recording: `divemesh validate` checks it";
+        case ErrorCode::NotFound: return "look whether its dive and the blobs are still there";
+        case ErrorCode::Conflict: return "retry the job that it waited for, then this one";
+        case ErrorCode::Unauthorized:
+        case ErrorCode::Forbidden: return "give the worker the rights to its folders";
+        case ErrorCode::Cancelled: return "`divemesh retry` puts it back into the queue";
+        case ErrorCode::OutOfSpace:
+            return "free space where workers have their scratch folder and where the blobs are";
+        case ErrorCode::OutOfMemory:
+            return "run it on a worker with more memory, or with a larger voxel_m";
+        case ErrorCode::Unavailable:
+            return "see the logs of its attempts; `divemesh retry` when it is not tried by itself";
+    }
+    return "";
+}
+
 }  // namespace divemesh

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,24 @@ struct Progress {
 struct Failure {
     ErrorCode code = ErrorCode::Unavailable;
     std::string message;  // "" when nothing failed
+    std::string remedy;   // "": usual_remedy(code) serves
+};
+
+// What helps against a failure of this class when nothing more is known of it.
+std::string_view usual_remedy(ErrorCode code);
+
+// A stage of the newest attempt that is done.
+struct StageRun {
+    std::string name;  // track, optimise, fuse, mesh, texture, evaluate, publish
+    double seconds = 0.0;
+    bool from_cache = false;  // an earlier attempt or job made it
+};
+
+// What waits for a job that is queued. Negative: not known.
+struct Forecast {
+    std::int64_t position = 0;  // 1: the next one
+    double starts_in_s = -1.0;
+    double takes_s = -1.0;
 };
 
 // One request for work. Times are unix milliseconds (wall clock of the catalog).
@@ -42,11 +61,16 @@ struct Job {
     JobState state = JobState::Queued;
     std::string preset;                                 // of a reconstruction
     nlohmann::json options = nlohmann::json::object();  // overrides of the preset
-    int priority = 0;      // higher first; intake jobs come before all others
-    int num_attempts = 0;  // begun so far
+    std::vector<std::string> parents;  // start only when all of these have succeeded
+    int priority = 0;                  // each step is worth ten minutes of waiting
+    bool paused = false;               // held by a person
+    bool lowered = false;              // memory ran out: the next attempt takes as little as it can
+    int num_attempts = 0;              // begun so far
     int max_attempts = 3;
     bool cancel_requested = false;
     Progress progress;
+    std::vector<StageRun> stages;
+    std::optional<Forecast> forecast;  // as asked for; not stored
     Failure failure;
     std::int64_t not_before_ms = 0;
     std::int64_t created_at_ms = 0;

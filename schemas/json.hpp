@@ -7,8 +7,10 @@
 #include "schemas/event.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
+#include "schemas/queue.hpp"
 #include "schemas/token.hpp"
 #include "schemas/upload.hpp"
+#include "schemas/worker.hpp"
 
 // What crosses a process boundary. JSON keys are the field names, so there is nothing to look up;
 // api/openapi.yaml documents the same. Server, CLI, worker and catalog all use these. from_json
@@ -26,7 +28,16 @@ void to_json(nlohmann::json& json, const Failure& failure);
 void from_json(const nlohmann::json& json, Failure& failure);
 void to_json(nlohmann::json& json, const Job& job);
 void from_json(const nlohmann::json& json, Job& job);
+void to_json(nlohmann::json& json, const StageRun& stage);
+void from_json(const nlohmann::json& json, StageRun& stage);
+void to_json(nlohmann::json& json, const Forecast& forecast);
+void from_json(const nlohmann::json& json, Forecast& forecast);
 void to_json(nlohmann::json& json, const Attempt& attempt);
+void from_json(const nlohmann::json& json, Attempt& attempt);
+void to_json(nlohmann::json& json, const Queue& queue);
+void from_json(const nlohmann::json& json, Queue& queue);
+void to_json(nlohmann::json& json, const Worker& worker);
+void from_json(const nlohmann::json& json, Worker& worker);
 void to_json(nlohmann::json& json, const Artifact& artifact);
 void from_json(const nlohmann::json& json, Artifact& artifact);
 void to_json(nlohmann::json& json, const Event& event);

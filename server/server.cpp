@@ -92,6 +92,7 @@ struct Server::Implementation {
                                pool,
                                turns,
                                hashes,
+                               forecast,
                                stopping,
                                {config.max_upload_bytes, config.min_free_bytes},
                                config.no_auth};
@@ -108,6 +109,7 @@ struct Server::Implementation {
     std::unique_ptr<storage::BlobStore> blobs;
     std::string first_token;
     api::HashCache hashes;
+    storage::QueueForecast forecast{catalog};
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;

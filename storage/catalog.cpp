@@ -6,6 +6,7 @@
 
 #include "schemas/error.hpp"
 #include "storage/engine.hpp"
+#include "storage/fault_point.hpp"
 #include "storage/migrations.hpp"
 
 namespace divemesh::storage {
@@ -82,8 +83,10 @@ public:
     soci::session& session() { return *session_; }
     void begun() { open_ = true; }
     void commit() {
+        fault_point();
         *session_ << "COMMIT";
         open_ = false;
+        fault_point();
     }
 
 private:

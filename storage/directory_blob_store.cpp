@@ -12,6 +12,7 @@
 #include "schemas/error.hpp"
 #include "storage/blob_key.hpp"
 #include "storage/directory_files.hpp"
+#include "storage/fault_point.hpp"
 #include "storage/ids.hpp"
 
 namespace divemesh::storage {
@@ -191,6 +192,7 @@ void DirectoryBlobStore::publish(const FileDescriptor& from,
                                  const std::string& key) {
     const auto parts = split_key(key);
     const FileDescriptor parent = open_parent(blobs_, parts, true);
+    fault_point();
     if (renameat(from.get(), name.c_str(), parent.get(), parts.back().c_str()) != 0)
         throw_errno("publishing " + key);
     sync(parent);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "schemas/error.hpp"
+#include "storage/fault_point.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -82,6 +83,7 @@ std::int64_t size_of(const FileDescriptor& file) {
 }
 
 void sync(const FileDescriptor& file_or_folder) {
+    fault_point();
     if (fsync(file_or_folder.get()) != 0) throw_errno("making stored data durable");
 }
 

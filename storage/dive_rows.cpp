@@ -99,6 +99,12 @@ Dive read_dive(soci::session& session, const std::string& id) {
     return std::move(*dive);
 }
 
+void require_not_refused(const Dive& dive) {
+    if (dive.state == DiveState::Refused)
+        throw Error(ErrorCode::Conflict,
+                    "dive " + dive.id + " was refused: see its findings and upload it anew");
+}
+
 std::optional<Dive> find_recording(soci::session& session,
                                    const std::string& project,
                                    const std::string& archive_sha256,

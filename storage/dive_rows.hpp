@@ -27,6 +27,9 @@ inline constexpr const char* kDiveColumns =
 
 Dive read_dive(soci::session& session, const std::string& id);  // throws Error{NotFound}
 
+// Throws Error{Conflict} when no job can be done on it.
+void require_not_refused(const Dive& dive);
+
 // The project's dive with this recording, unless it was refused. Empty hashes match nothing.
 std::optional<Dive> find_recording(soci::session& session,
                                    const std::string& project,

@@ -1,5 +1,9 @@
 #include "storage/job_changes.hpp"
 
+#include <algorithm>
+#include <deque>
+
+#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/event_store.hpp"
@@ -10,9 +14,17 @@
 namespace divemesh::storage {
 namespace {
 
-std::string code_text(const Failure& failure) {
-    return failure.message.empty() ? "" : std::string(to_string(failure.code));
-}
+// A failure as stored: each has a remedy, and where nothing failed all is empty.
+struct FailureText {
+    explicit FailureText(const Failure& failure) : message(failure.message) {
+        if (message.empty()) return;
+        code = to_string(failure.code);
+        remedy = failure.remedy.empty() ? usual_remedy(failure.code) : failure.remedy;
+    }
+    std::string code;
+    std::string message;
+    std::string remedy;
+};
 
 // "": there is none, or it has succeeded.
 std::string unfinished_intake(soci::session& session, const std::string& dive_id) {
@@ -26,35 +38,42 @@ std::string unfinished_intake(soci::session& session, const std::string& dive_id
 void write_end_of_attempt(soci::session& session, const Job& job, const AttemptEnd& end) {
     const std::int64_t now_ms = Catalog::now_ms(session);
     const std::string state(to_string(end.attempt));
-    const std::string code = code_text(end.failure);
+    const FailureText failure(end.failure);
     execute(session,
             "UPDATE attempts SET state = :state, failure_code = :code, failure_message = :message,"
-            " finished_at_ms = :now WHERE job_id = :job AND state = 'running'",
+            " failure_remedy = :remedy, finished_at_ms = :now WHERE job_id = :job AND state = "
+            "'running'",
             soci::use(state, "state"),
-            soci::use(code, "code"),
-            soci::use(end.failure.message, "message"),
+            soci::use(failure.code, "code"),
+            soci::use(failure.message, "message"),
+            soci::use(failure.remedy, "remedy"),
             soci::use(now_ms, "now"),
             soci::use(job.id, "job"));
 }
 
 void write_job_after_attempt(soci::session& session, const Job& job, const AttemptEnd& end) {
     const std::string state(to_string(end.job));
-    const std::string code = code_text(end.failure);
+    const FailureText failure(end.failure);
     const std::int64_t finished_at_ms = is_finished(end.job) ? Catalog::now_ms(session) : 0;
     const int num_attempts = job.num_attempts - (end.counts ? 0 : 1);
+    const int lowered = job.lowered || end.lowered ? 1 : 0;
     Progress progress = end.job == JobState::Queued ? Progress{} : job.progress;
     if (end.job == JobState::Succeeded) progress.fraction = 1.0, progress.seconds_left = 0.0;
     const std::string progress_text = to_text(progress);
     execute(session,
             "UPDATE jobs SET state = :state, lease_id = NULL, lease_expires_at_ms = NULL,"
+            " lease_renewed = 0, num_silent_losses = :losses, lowered = :lowered,"
             " num_attempts = :attempts, progress = :progress, failure_code = :code,"
-            " failure_message = :message, not_before_ms = :not_before,"
+            " failure_message = :message, failure_remedy = :remedy, not_before_ms = :not_before,"
             " finished_at_ms = :finished WHERE id = :id",
             soci::use(state, "state"),
+            soci::use(end.num_silent_losses, "losses"),
+            soci::use(lowered, "lowered"),
             soci::use(num_attempts, "attempts"),
             soci::use(progress_text, "progress"),
-            soci::use(code, "code"),
-            soci::use(end.failure.message, "message"),
+            soci::use(failure.code, "code"),
+            soci::use(failure.message, "message"),
+            soci::use(failure.remedy, "remedy"),
             soci::use(end.not_before_ms, "not_before"),
             soci::use(finished_at_ms, "finished"),
             soci::use(job.id, "id"));
@@ -69,10 +88,127 @@ std::optional<Failure> refusal_from(const std::string& parent_id,
         "job " + parent_id + ", which this one waited for, is " + std::string(to_string(state));
     if (!failure.message.empty()) message += ": " + failure.message;
     return Failure{.code = state == JobState::Failed ? failure.code : ErrorCode::Conflict,
-                   .message = message};
+                   .message = message,
+                   .remedy = "retry job " + parent_id + ", then this one"};
+}
+
+// Those that were asked for, and the intake of its dive while that has not succeeded.
+std::vector<std::string> all_parents(soci::session& session, const NewJob& request) {
+    std::vector<std::string> parents = request.parents;
+    const std::string intake =
+        request.kind == JobKind::Intake ? "" : unfinished_intake(session, request.dive_id);
+    if (!intake.empty()) parents.push_back(intake);
+    std::sort(parents.begin(), parents.end());
+    parents.erase(std::unique(parents.begin(), parents.end()), parents.end());
+    return parents;
+}
+
+void write_new_job(soci::session& session, const Job& job, const std::string& key) {
+    const std::string kind(to_string(job.kind));
+    const std::string state(to_string(job.state));
+    const std::string options = to_text(job.options);
+    const std::string parents = to_text(job.parents);
+    const std::string progress = to_text(job.progress);
+    const std::int64_t rank_ms = queue_rank_ms(job.created_at_ms, job.priority);
+    execute(session,
+            "INSERT INTO jobs (id, project, dive_id, kind, state, preset, options, parents,"
+            " priority, queue_rank_ms, unique_key, max_attempts, progress, created_at_ms)"
+            " VALUES (:id, :project, :dive, :kind, :state, :preset, :options, :parents,"
+            " :priority, :rank, :key, :max_attempts, :progress, :now)",
+            soci::use(job.id, "id"),
+            soci::use(job.project, "project"),
+            soci::use(job.dive_id, "dive"),
+            soci::use(kind, "kind"),
+            soci::use(state, "state"),
+            soci::use(job.preset, "preset"),
+            soci::use(options, "options"),
+            soci::use(parents, "parents"),
+            soci::use(job.priority, "priority"),
+            soci::use(rank_ms, "rank"),
+            soci::use(key, "key"),
+            soci::use(job.max_attempts, "max_attempts"),
+            soci::use(progress, "progress"),
+            soci::use(job.created_at_ms, "now"));
+}
+
+void write_state(soci::session& session,
+                 const std::string& job_id,
+                 JobState to,
+                 const Failure& failure) {
+    const std::string state(to_string(to));
+    const FailureText text(failure);
+    const std::int64_t finished_at_ms = is_finished(to) ? Catalog::now_ms(session) : 0;
+    execute(
+        session,
+        "UPDATE jobs SET state = :state, failure_code = :code, failure_message = :message,"
+        " failure_remedy = :remedy, not_before_ms = 0, finished_at_ms = :finished WHERE id = :id",
+        soci::use(state, "state"),
+        soci::use(text.code, "code"),
+        soci::use(text.message, "message"),
+        soci::use(text.remedy, "remedy"),
+        soci::use(finished_at_ms, "finished"),
+        soci::use(job_id, "id"));
+    append_job_event(session, job_id, "job.state");
+}
+
+std::vector<std::string> held_children(soci::session& session, const std::string& parent_id) {
+    return select_all<TextRow>(
+        session,
+        "SELECT id FROM jobs WHERE state = 'held'"
+        " AND id IN (SELECT job_id FROM job_parents WHERE parent_id = :parent)"
+        " ORDER BY created_at_ms, id",
+        soci::use(parent_id, "parent"));
+}
+
+// Those that wait for nothing and nobody any more.
+std::vector<std::string> released_children(soci::session& session, const std::string& parent_id) {
+    return select_all<TextRow>(
+        session,
+        "SELECT id FROM jobs WHERE state = 'held' AND paused = 0"
+        " AND id IN (SELECT job_id FROM job_parents WHERE parent_id = :parent)"
+        " AND NOT EXISTS (SELECT 1 FROM job_parents, jobs AS parents"
+        "   WHERE job_parents.job_id = jobs.id AND parents.id = job_parents.parent_id"
+        "   AND parents.state <> 'succeeded')"
+        " ORDER BY created_at_ms, id",
+        soci::use(parent_id, "parent"));
 }
 
 }  // namespace
+
+std::string unique_key(const NewJob& request) {
+    nlohmann::json options = request.options;
+    for (const char* name : {"num_threads", "fusion_memory_bytes"}) options.erase(name);
+    return sha256_hex(std::string(to_string(request.kind)) + "\n" + request.preset + "\n" +
+                      to_text(options));
+}
+
+void check_priority(int priority) {
+    if (priority < -kMaxPriority || priority > kMaxPriority)
+        throw Error(ErrorCode::InvalidArgument,
+                    "priority is " + std::to_string(priority) + ": give -" +
+                        std::to_string(kMaxPriority) + " to " + std::to_string(kMaxPriority));
+}
+
+std::optional<Job> find_twin(soci::session& session,
+                             const std::string& dive_id,
+                             const std::string& key) {
+    return select_one<JobRow>(session,
+                              "SELECT " + std::string(kJobColumns) +
+                                  " FROM jobs WHERE dive_id = :dive AND unique_key = :key"
+                                  " AND state IN ('held', 'queued', 'running')",
+                              soci::use(dive_id, "dive"),
+                              soci::use(key, "key"));
+}
+
+std::string unfinished_parent(soci::session& session, const std::string& job_id) {
+    return select_one<TextRow>(
+               session,
+               "SELECT jobs.id FROM jobs, job_parents"
+               " WHERE job_parents.job_id = :job AND jobs.id = job_parents.parent_id"
+               " AND jobs.state <> 'succeeded' ORDER BY jobs.id LIMIT 1",
+               soci::use(job_id, "job"))
+        .value_or("");
+}
 
 Job insert_job(soci::session& session, const NewJob& request) {
     Job job{.id = new_id("job"),
@@ -81,32 +217,16 @@ Job insert_job(soci::session& session, const NewJob& request) {
             .kind = request.kind,
             .preset = request.preset,
             .options = request.options,
+            .parents = all_parents(session, request),
             .priority = request.priority,
-            .max_attempts = request.max_attempts};
-    const std::string parent =
-        job.kind == JobKind::Intake ? "" : unfinished_intake(session, job.dive_id);
-    job.state = parent.empty() ? JobState::Queued : JobState::Held;
-    job.created_at_ms = Catalog::now_ms(session);
-    const std::string kind(to_string(job.kind));
-    const std::string state(to_string(job.state));
-    const std::string options = to_text(job.options);
-    const std::string progress = to_text(job.progress);
-    execute(session,
-            "INSERT INTO jobs (id, project, dive_id, kind, state, preset, options, priority,"
-            " max_attempts, progress, created_at_ms) VALUES (:id, :project, :dive, :kind, :state,"
-            " :preset, :options, :priority, :max_attempts, :progress, :now)",
-            soci::use(job.id, "id"),
-            soci::use(job.project, "project"),
-            soci::use(job.dive_id, "dive"),
-            soci::use(kind, "kind"),
-            soci::use(state, "state"),
-            soci::use(job.preset, "preset"),
-            soci::use(options, "options"),
-            soci::use(job.priority, "priority"),
-            soci::use(job.max_attempts, "max_attempts"),
-            soci::use(progress, "progress"),
-            soci::use(job.created_at_ms, "now"));
-    if (!parent.empty())
+            .max_attempts = request.max_attempts,
+            .created_at_ms = Catalog::now_ms(session)};
+    const bool waits = std::any_of(job.parents.begin(), job.parents.end(), [&](const auto& id) {
+        return read_job(session, id).state != JobState::Succeeded;
+    });
+    job.state = waits ? JobState::Held : JobState::Queued;
+    write_new_job(session, job, unique_key(request));
+    for (const std::string& parent : job.parents)
         execute(session,
                 "INSERT INTO job_parents (job_id, parent_id) VALUES (:job, :parent)",
                 soci::use(job.id, "job"),
@@ -138,39 +258,27 @@ void change_state(soci::session& session,
                   const std::string& job_id,
                   JobState to,
                   const Failure& failure) {
-    const std::string state(to_string(to));
-    const std::string code = code_text(failure);
-    const std::int64_t finished_at_ms = is_finished(to) ? Catalog::now_ms(session) : 0;
-    execute(session,
-            "UPDATE jobs SET state = :state, failure_code = :code, failure_message = :message,"
-            " not_before_ms = 0, finished_at_ms = :finished WHERE id = :id",
-            soci::use(state, "state"),
-            soci::use(code, "code"),
-            soci::use(failure.message, "message"),
-            soci::use(finished_at_ms, "finished"),
-            soci::use(job_id, "id"));
-    append_job_event(session, job_id, "job.state");
+    write_state(session, job_id, to, failure);
     if (is_finished(to)) settle_children(session, job_id, refusal_from(job_id, to, failure));
 }
 
+// Generation by generation, not by recursion: a person may have made a chain of any length.
 void settle_children(soci::session& session,
                      const std::string& parent_id,
                      const std::optional<Failure>& refusal) {
-    const auto children = select_all<TextRow>(
-        session,
-        "SELECT id FROM jobs WHERE state = 'held'"
-        " AND id IN (SELECT job_id FROM job_parents WHERE parent_id = :parent)"
-        " AND (:refused = 1 OR NOT EXISTS (SELECT 1 FROM job_parents, jobs AS parents"
-        "   WHERE job_parents.job_id = jobs.id AND parents.id = job_parents.parent_id"
-        "   AND parents.state <> 'succeeded'))"
-        " ORDER BY created_at_ms, id",
-        soci::use(parent_id, "parent"),
-        soci::use(refusal ? 1 : 0, "refused"));
-    for (const std::string& child : children)
-        change_state(session,
-                     child,
-                     refusal ? JobState::Failed : JobState::Queued,
-                     refusal.value_or(Failure{}));
+    if (!refusal) {
+        for (const std::string& child : released_children(session, parent_id))
+            write_state(session, child, JobState::Queued, {});
+        return;
+    }
+    std::deque<std::pair<std::string, Failure>> refused = {{parent_id, *refusal}};
+    for (; !refused.empty(); refused.pop_front()) {
+        const auto& [parent, failure] = refused.front();
+        for (const std::string& child : held_children(session, parent)) {
+            write_state(session, child, JobState::Failed, failure);
+            refused.emplace_back(child, failure);
+        }
+    }
 }
 
 }  // namespace divemesh::storage

@@ -1,13 +1,12 @@
 // What workers do to jobs: everything here happens under a lease.
-#include <algorithm>
-#include <random>
-
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
 #include "storage/ids.hpp"
 #include "storage/job_changes.hpp"
+#include "storage/job_ends.hpp"
 #include "storage/job_rows.hpp"
+#include "storage/job_speeds.hpp"
 #include "storage/job_store.hpp"
 #include "storage/sql.hpp"
 
@@ -17,54 +16,62 @@ namespace {
 constexpr std::size_t kMaxLogBytes = 256 * 1024;
 constexpr const char* kLogCut = "\n[the log was cut off here]\n";
 
-constexpr const char* kHasDueOrExpired =
-    "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE"
-    " (state = 'queued' AND not_before_ms <= :now) OR"
-    " (state = 'running' AND lease_expires_at_ms <= :now) LIMIT 1) AS work";
+// What keeps queues back: names of those that are paused, and of those that run as many jobs as
+// they may. Intakes are quick and somebody on a boat waits for them: no limit holds them.
+const std::string kPausedQueues = "(SELECT project FROM queues WHERE paused = 1)";
+const std::string kFullQueues =
+    "(SELECT project FROM queues WHERE max_running > 0 AND max_running <="
+    " (SELECT COUNT(*) FROM jobs AS running WHERE running.state = 'running'"
+    "   AND running.kind <> 'intake'"
+    "   AND (queues.project = '' OR running.project = queues.project)))";
 
-bool is_bad_data(ErrorCode code) {
-    return code == ErrorCode::BadData || code == ErrorCode::InvalidArgument ||
-           code == ErrorCode::TooLarge || code == ErrorCode::Unsupported;
-}
+// A retry is never due later than :patience from now: when it looks so, the clock was set back.
+const std::string kStartable =
+    " FROM jobs WHERE state = 'queued'"
+    " AND (not_before_ms <= :now OR not_before_ms > :now + :patience)"
+    " AND '' NOT IN " +
+    kPausedQueues + " AND project NOT IN " + kPausedQueues +
+    " AND (kind = 'intake' OR ('' NOT IN " + kFullQueues + " AND project NOT IN " + kFullQueues +
+    "))"
+    " AND NOT EXISTS (SELECT 1 FROM workers WHERE name = :worker AND draining = 1)";
 
-// Doubles with every attempt, and differs between jobs that failed together (a database or a disk
-// that was gone for a moment).
-std::int64_t pause_ms(const RetryPause& pause, int num_attempts) {
-    static thread_local std::mt19937_64 random{std::random_device{}()};
-    const int doublings = std::clamp(num_attempts - 1, 0, 20);
-    const auto full =
-        std::min<std::int64_t>(pause.first.count() << doublings, pause.longest.count());
-    return std::uniform_int_distribution<std::int64_t>(full / 2, full)(random);
-}
+// Expired, or ending later than any lease of its length can: the clock was set back.
+const std::string kEndingWrong =
+    " FROM jobs WHERE state = 'running'"
+    " AND (lease_expires_at_ms <= :now OR lease_expires_at_ms > :now + lease_ms)";
 
-// A worker was killed, froze or lost the network.
-AttemptEnd end_of_expired(const Job& job) {
-    const Failure failure{.code = ErrorCode::Unavailable,
-                          .message =
-                              "the worker was not heard of before its lease ended: it was "
-                              "killed, or lost its network"};
-    AttemptEnd end{.attempt = AttemptState::LeaseLost, .job = JobState::Queued, .failure = failure};
-    if (job.cancel_requested)
-        end.job = JobState::Cancelled;
-    else if (job.num_attempts >= job.max_attempts)
-        end.job = JobState::Dead;
-    return end;
+bool has_work(soci::session& session, const std::string& worker, std::int64_t patience_ms) {
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    const auto work = select_one<TextRow>(session,
+                                          "SELECT '' WHERE EXISTS (SELECT 1" + kStartable +
+                                              ") OR EXISTS (SELECT 1" + kEndingWrong + ")",
+                                          soci::use(now_ms, "now"),
+                                          soci::use(patience_ms, "patience"),
+                                          soci::use(worker, "worker"));
+    return work.has_value();
 }
 
 int end_expired(soci::session& session) {
     const std::int64_t now_ms = Catalog::now_ms(session);
-    const auto expired =
-        select_all<JobRow>(session,
-                           "SELECT " + std::string(kJobColumns) +
-                               " FROM jobs WHERE state = 'running' AND lease_expires_at_ms <= :now"
-                               " ORDER BY created_at_ms, id",
-                           soci::use(now_ms, "now"));
-    for (const Job& job : expired) end_attempt(session, job, end_of_expired(job));
+    execute(session,
+            "UPDATE jobs SET lease_expires_at_ms = :now + lease_ms"
+            " WHERE state = 'running' AND lease_expires_at_ms > :now + lease_ms",
+            soci::use(now_ms, "now"));
+    const auto expired = select_all<ExpiredRow>(
+        session,
+        "SELECT " + kExpiredColumns +
+            " FROM jobs WHERE state = 'running' AND lease_expires_at_ms <= :now"
+            " ORDER BY created_at_ms, id",
+        soci::use(now_ms, "now"));
+    for (const ExpiredJob& lost : expired) end_attempt(session, lost.job, end_of_expired(lost));
     return static_cast<int>(expired.size());
 }
 
 // The first job by priority and age that is due, taken over in one statement.
-std::optional<Lease> take_next(soci::session& session, std::chrono::milliseconds duration) {
+std::optional<Lease> take_next(soci::session& session,
+                               const std::string& worker,
+                               std::chrono::milliseconds duration,
+                               std::int64_t patience_ms) {
     struct LeaseRow {
         Lease lease;
         void define(soci::statement& statement) {
@@ -75,19 +82,23 @@ std::optional<Lease> take_next(soci::session& session, std::chrono::milliseconds
         Lease value() const { return lease; }
     };
     const std::int64_t now_ms = Catalog::now_ms(session);
-    const std::int64_t expires_at_ms = now_ms + duration.count();
+    const std::int64_t lease_ms = duration.count();
     const std::string lease_id = random_hex(16);
     return select_one<LeaseRow>(
         session,
         "UPDATE jobs SET state = 'running', attempt = attempt + 1, num_attempts = num_attempts + 1,"
-        " lease_id = :lease, lease_expires_at_ms = :expires, started_at_ms = :now,"
-        " failure_code = '', failure_message = '', not_before_ms = 0"
-        " WHERE id = (SELECT id FROM jobs WHERE state = 'queued' AND not_before_ms <= :now"
-        "   ORDER BY priority DESC, created_at_ms, id LIMIT 1)"
-        " RETURNING id, attempt, lease_id",
+        " lease_id = :lease, lease_expires_at_ms = :now + :duration, lease_ms = :duration,"
+        " lease_renewed = 0, started_at_ms = :now, stages = '[]', failure_code = '',"
+        " failure_message = '', failure_remedy = '', not_before_ms = 0"
+        " WHERE id = (SELECT id" +
+            kStartable +
+            " ORDER BY queue_rank_ms, id LIMIT 1)"
+            " RETURNING id, attempt, lease_id",
         soci::use(lease_id, "lease"),
-        soci::use(expires_at_ms, "expires"),
-        soci::use(now_ms, "now"));
+        soci::use(lease_ms, "duration"),
+        soci::use(now_ms, "now"),
+        soci::use(patience_ms, "patience"),
+        soci::use(worker, "worker"));
 }
 
 void insert_attempt(soci::session& session, const Lease& lease, const std::string& worker) {
@@ -111,24 +122,6 @@ void insert_artifact(soci::session& session, const Lease& lease, const Artifact&
             soci::use(artifact.sha256, "hash"),
             soci::use(artifact.size_bytes, "bytes"),
             soci::use(artifact.blob, "blob"));
-}
-
-// Who cancelled a job does not want it tried again, whatever it failed of. An attempt that says
-// cancelled without anybody having asked was ended from outside: that is retried.
-AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t retry_at_ms) {
-    AttemptEnd end{.attempt = AttemptState::Failed, .failure = failure};
-    if (is_bad_data(failure.code)) {
-        end.job = JobState::Failed;
-    } else if (job.cancel_requested) {
-        end.attempt = AttemptState::Cancelled;
-        end.job = JobState::Cancelled;
-    } else if (job.num_attempts >= job.max_attempts) {
-        end.job = JobState::Dead;
-    } else {
-        end.job = JobState::Queued;
-        end.not_before_ms = retry_at_ms;
-    }
-    return end;
 }
 
 // An intake that cannot say what is wrong in findings still decides about its dive.
@@ -156,17 +149,15 @@ bool JobStore::with_lease(const Lease& lease,
 }
 
 std::optional<Claim> JobStore::claim(const std::string& worker, std::chrono::milliseconds lease) {
-    int due = 0;  // looked for without the writers' lock: most polls find nothing
-    catalog_.read([&](soci::session& session) {
-        const std::int64_t now_ms = Catalog::now_ms(session);
-        session << kHasDueOrExpired, soci::use(now_ms, "now"), soci::into(due);
-    });
-    if (due == 0) return std::nullopt;
+    const std::int64_t patience_ms = pause_.longest.count();
+    bool found = false;  // looked for without the writers' lock: most polls find nothing
+    catalog_.read([&](soci::session& session) { found = has_work(session, worker, patience_ms); });
+    if (!found) return std::nullopt;
 
     std::optional<Claim> claim;
     catalog_.transaction([&](soci::session& session) {
         end_expired(session);
-        const auto taken = take_next(session, lease);
+        const auto taken = take_next(session, worker, lease, patience_ms);
         if (!taken) return;
         insert_attempt(session, *taken, worker);
         append_job_event(session, taken->job_id, "job.state");
@@ -179,10 +170,13 @@ std::optional<Claim> JobStore::claim(const std::string& worker, std::chrono::mil
 Renewal JobStore::renew(const Lease& lease, std::chrono::milliseconds duration) {
     Renewal renewal;
     renewal.valid = with_lease(lease, [&](soci::session& session, const Job& job) {
-        const std::int64_t expires_at_ms = Catalog::now_ms(session) + duration.count();
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        const std::int64_t lease_ms = duration.count();
         execute(session,
-                "UPDATE jobs SET lease_expires_at_ms = :expires WHERE id = :id",
-                soci::use(expires_at_ms, "expires"),
+                "UPDATE jobs SET lease_expires_at_ms = :now + :duration, lease_ms = :duration,"
+                " lease_renewed = 1 WHERE id = :id",
+                soci::use(now_ms, "now"),
+                soci::use(lease_ms, "duration"),
                 soci::use(job.id, "id"));
         renewal.cancel_requested = job.cancel_requested;
     });
@@ -209,6 +203,18 @@ bool JobStore::report_progress(const Lease& lease, const Progress& progress) {
     });
 }
 
+bool JobStore::report_stage(const Lease& lease, const StageRun& stage) {
+    return with_lease(lease, [&](soci::session& session, const Job& job) {
+        std::vector<StageRun> stages = job.stages;
+        stages.push_back(stage);
+        const std::string text = to_text(stages);
+        execute(session,
+                "UPDATE jobs SET stages = :stages WHERE id = :id",
+                soci::use(text, "stages"),
+                soci::use(job.id, "id"));
+    });
+}
+
 bool JobStore::append_log(const Lease& lease, const std::string& text) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         const std::string log = select_one<TextRow>(session,
@@ -229,6 +235,7 @@ bool JobStore::append_log(const Lease& lease, const std::string& text) {
 bool JobStore::succeed(const Lease& lease, const std::vector<Artifact>& artifacts) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         for (const Artifact& artifact : artifacts) insert_artifact(session, lease, artifact);
+        learn_speed(session, job);
         end_attempt(session, job, {});
     });
 }
@@ -236,6 +243,7 @@ bool JobStore::succeed(const Lease& lease, const std::vector<Artifact>& artifact
 bool JobStore::finish_intake(const Lease& lease, const IntakeResult& result) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         const IntakeVerdict verdict = apply_intake(session, job.dive_id, result);
+        learn_speed(session, job);
         end_attempt(session, job, {});
         settle_children(session, job.id, verdict.refusal);
     });

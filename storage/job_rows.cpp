@@ -25,13 +25,18 @@ void JobRow::define(soci::statement& statement) {
     statement.exchange(soci::into(state));
     statement.exchange(soci::into(job.preset));
     statement.exchange(soci::into(options));
+    statement.exchange(soci::into(parents));
     statement.exchange(soci::into(job.priority));
+    statement.exchange(soci::into(paused));
+    statement.exchange(soci::into(lowered));
     statement.exchange(soci::into(job.num_attempts));
     statement.exchange(soci::into(job.max_attempts));
     statement.exchange(soci::into(cancel_requested));
     statement.exchange(soci::into(progress));
+    statement.exchange(soci::into(stages));
     statement.exchange(soci::into(failure_code));
     statement.exchange(soci::into(job.failure.message));
+    statement.exchange(soci::into(job.failure.remedy));
     statement.exchange(soci::into(job.not_before_ms));
     statement.exchange(soci::into(job.created_at_ms));
     statement.exchange(soci::into(job.started_at_ms));
@@ -43,10 +48,20 @@ Job JobRow::value() const {
     value.kind = job_kind_from_string(kind);
     value.state = job_state_from_string(state);
     value.options = nlohmann::json::parse(options);
+    value.parents = nlohmann::json::parse(parents).get<std::vector<std::string>>();
+    value.paused = paused != 0;
+    value.lowered = lowered != 0;
     value.progress = nlohmann::json::parse(progress).get<Progress>();
+    value.stages = nlohmann::json::parse(stages).get<std::vector<StageRun>>();
     value.failure.code = failure_code_from(failure_code);
     value.cancel_requested = cancel_requested != 0;
     return value;
+}
+
+void ExpiredRow::define(soci::statement& statement) {
+    row.define(statement);
+    statement.exchange(soci::into(renewed));
+    statement.exchange(soci::into(num_silent_losses));
 }
 
 void AttemptRow::define(soci::statement& statement) {
@@ -56,6 +71,7 @@ void AttemptRow::define(soci::statement& statement) {
     statement.exchange(soci::into(attempt.worker));
     statement.exchange(soci::into(failure_code));
     statement.exchange(soci::into(attempt.failure.message));
+    statement.exchange(soci::into(attempt.failure.remedy));
     statement.exchange(soci::into(attempt.started_at_ms));
     statement.exchange(soci::into(attempt.finished_at_ms));
 }

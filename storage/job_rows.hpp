@@ -14,8 +14,12 @@ struct JobRow {
     std::string kind;
     std::string state;
     std::string options;
+    std::string parents;
     std::string progress;
+    std::string stages;
     std::string failure_code;
+    int paused = 0;
+    int lowered = 0;
     int cancel_requested = 0;
 
     void define(soci::statement& statement);
@@ -23,9 +27,28 @@ struct JobRow {
 };
 
 inline constexpr const char* kJobColumns =
-    "id, project, dive_id, kind, state, preset, options, priority, num_attempts, max_attempts,"
-    " cancel_requested, progress, failure_code, failure_message, not_before_ms, created_at_ms,"
-    " started_at_ms, finished_at_ms";
+    "id, project, dive_id, kind, state, preset, options, parents, priority, paused, lowered,"
+    " num_attempts, max_attempts, cancel_requested, progress, stages, failure_code,"
+    " failure_message, failure_remedy, not_before_ms, created_at_ms, started_at_ms, finished_at_ms";
+
+// A running job and what decides about it when its lease has ended.
+struct ExpiredJob {
+    Job job;
+    bool renewed = false;       // its worker was heard of after the claim
+    int num_silent_losses = 0;  // of the attempts just before this one
+};
+
+struct ExpiredRow {
+    JobRow row;
+    int renewed = 0;
+    int num_silent_losses = 0;
+
+    void define(soci::statement& statement);
+    ExpiredJob value() const { return {row.value(), renewed != 0, num_silent_losses}; }
+};
+
+inline const std::string kExpiredColumns =
+    std::string(kJobColumns) + ", lease_renewed, num_silent_losses";
 
 struct AttemptRow {
     Attempt attempt;
@@ -37,7 +60,8 @@ struct AttemptRow {
 };
 
 inline constexpr const char* kAttemptColumns =
-    "job_id, number, state, worker, failure_code, failure_message, started_at_ms, finished_at_ms";
+    "job_id, number, state, worker, failure_code, failure_message, failure_remedy, started_at_ms,"
+    " finished_at_ms";
 
 Job read_job(soci::session& session, const std::string& id);  // throws Error{NotFound}
 

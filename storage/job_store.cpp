@@ -13,6 +13,7 @@ namespace divemesh::storage {
 namespace {
 
 constexpr int kMaxMaxAttempts = 20;
+constexpr std::size_t kMaxParents = 16;
 
 struct ArtifactRow {
     Artifact artifact;
@@ -44,10 +45,10 @@ struct StateCountRow {
 void check(const NewJob& job) {
     if (job.kind == JobKind::Intake)
         throw Error(ErrorCode::InvalidArgument, "an intake job is made with its dive alone");
-    if (job.priority < -kMaxPriority || job.priority > kMaxPriority)
+    check_priority(job.priority);
+    if (job.parents.size() > kMaxParents)
         throw Error(ErrorCode::InvalidArgument,
-                    "priority is " + std::to_string(job.priority) + ": give -" +
-                        std::to_string(kMaxPriority) + " to " + std::to_string(kMaxPriority));
+                    "a job can wait for " + std::to_string(kMaxParents) + " others at most");
     if (job.max_attempts < 1 || job.max_attempts > kMaxMaxAttempts)
         throw Error(ErrorCode::InvalidArgument,
                     "max_attempts is " + std::to_string(job.max_attempts) + ": give 1 to " +
@@ -56,48 +57,33 @@ void check(const NewJob& job) {
         throw Error(ErrorCode::InvalidArgument, "the options of a job are an object");
 }
 
-void check_not_refused(const Dive& dive) {
-    if (dive.state == DiveState::Refused)
-        throw Error(ErrorCode::Conflict,
-                    "dive " + dive.id + " was refused: see its findings and upload it anew");
-}
-
-void check_parents_succeeded(soci::session& session, const std::string& job_id) {
-    const auto parent =
-        select_one<TextRow>(session,
-                            "SELECT jobs.id FROM jobs, job_parents WHERE job_parents.job_id = :job"
-                            " AND jobs.id = job_parents.parent_id AND jobs.state <> 'succeeded'"
-                            " ORDER BY jobs.id LIMIT 1",
-                            soci::use(job_id, "job"));
-    if (parent)
-        throw Error(
-            ErrorCode::Conflict,
-            "job " + job_id + " needs job " + *parent + " to succeed first: retry that one");
-}
-
-[[noreturn]] void throw_wrong_state(const Job& job, const std::string& wanted) {
-    throw Error(
-        ErrorCode::Conflict,
-        "job " + job.id + " is " + std::string(to_string(job.state)) + ": cannot " + wanted);
-}
-
-void request_cancel(soci::session& session, const std::string& id) {
-    execute(session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
+void check_parents(soci::session& session, const NewJob& request) {
+    for (const std::string& id : request.parents) {
+        const Job parent = read_job(session, id);
+        if (parent.project != request.project) throw Error(ErrorCode::NotFound, "no job " + id);
+        if (is_finished(parent.state) && parent.state != JobState::Succeeded)
+            throw Error(ErrorCode::Conflict,
+                        "job " + id + " is " + std::string(to_string(parent.state)) +
+                            ": nothing can wait for it; retry it first");
+    }
 }
 
 }  // namespace
 
-Job JobStore::enqueue(const NewJob& request) {
+EnqueuedJob JobStore::enqueue(const NewJob& request) {
     check(request);
-    Job job;
+    EnqueuedJob enqueued;
     catalog_.transaction([&](soci::session& session) {
         const Dive dive = read_dive(session, request.dive_id);
-        check_not_refused(dive);
+        require_not_refused(dive);
         NewJob owned = request;
         owned.project = dive.project;
-        job = insert_job(session, owned);
+        check_parents(session, owned);
+        auto twin = find_twin(session, dive.id, unique_key(owned));
+        enqueued.is_new = !twin;
+        enqueued.job = twin ? std::move(*twin) : insert_job(session, owned);
     });
-    return job;
+    return enqueued;
 }
 
 Job JobStore::get(const std::string& id) {
@@ -182,40 +168,19 @@ std::string JobStore::log(const std::string& job_id) {
     return log;
 }
 
-Job JobStore::cancel(const std::string& id) {
-    Job job;
-    catalog_.transaction([&](soci::session& session) {
-        job = read_job(session, id);
-        if (is_finished(job.state)) throw_wrong_state(job, "be cancelled");
-        if (job.cancel_requested) return;
-        request_cancel(session, id);
-        if (job.state == JobState::Running)
-            append_job_event(session, id, "job.state");
-        else
-            change_state(session, id, JobState::Cancelled, {ErrorCode::Cancelled, "cancelled"});
-        job = read_job(session, id);
+std::string JobStore::log(const std::string& job_id, int attempt) {
+    std::optional<std::string> log;
+    catalog_.read([&](soci::session& session) {
+        log =
+            select_one<TextRow>(session,
+                                "SELECT log FROM attempts WHERE job_id = :job AND number = :number",
+                                soci::use(job_id, "job"),
+                                soci::use(attempt, "number"));
     });
-    return job;
-}
-
-Job JobStore::retry(const std::string& id) {
-    Job job;
-    catalog_.transaction([&](soci::session& session) {
-        job = read_job(session, id);
-        if (!is_finished(job.state) || job.state == JobState::Succeeded)
-            throw_wrong_state(job, "be tried again");
-        check_not_refused(read_dive(session, job.dive_id));
-        check_parents_succeeded(session, id);
-        const std::string progress = to_text(Progress{});
-        execute(session,
-                "UPDATE jobs SET num_attempts = 0, cancel_requested = 0, progress = :progress"
-                " WHERE id = :id",
-                soci::use(progress, "progress"),
-                soci::use(id, "id"));
-        change_state(session, id, JobState::Queued, {});
-        job = read_job(session, id);
-    });
-    return job;
+    if (!log)
+        throw Error(ErrorCode::NotFound,
+                    "job " + job_id + " has no attempt " + std::to_string(attempt));
+    return std::move(*log);
 }
 
 std::vector<std::pair<JobState, std::int64_t>> JobStore::count_by_state() {

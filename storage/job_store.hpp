@@ -28,8 +28,20 @@ struct NewJob {
     JobKind kind = JobKind::Reconstruct;
     std::string preset;
     nlohmann::json options = nlohmann::json::object();
+    std::vector<std::string> parents = {};  // jobs of the same project that have to succeed first
     int priority = 0;
     int max_attempts = 3;
+};
+
+struct EnqueuedJob {
+    Job job;
+    bool is_new = true;  // false: the same work was asked for before and is still to be done
+};
+
+// What a person may change of a job that waits.
+struct JobChange {
+    std::optional<int> priority = std::nullopt;
+    std::optional<bool> paused = std::nullopt;
 };
 
 struct Claim {
@@ -59,37 +71,43 @@ public:
     explicit JobStore(Catalog& catalog, const RetryPause& pause = {})
         : catalog_(catalog), pause_(pause) {}
 
-    // A job on a dive that is still checking is held until intake has ended; on a refused dive
-    // Error{Conflict}. Its project is its dive's.
-    Job enqueue(const NewJob& job);
+    // Held until its parents have succeeded, the intake of its dive among them. Error{Conflict} on
+    // a refused dive and behind a parent that came to nothing; Error{NotFound} for a parent of
+    // another project. Its project is its dive's. The same work on the same dive is queued once.
+    EnqueuedJob enqueue(const NewJob& job);
     Job get(const std::string& id);  // throws Error{NotFound}
     Page<Job> list(const JobFilter& filter, const PageRequest& page);
     std::vector<Attempt> attempts(const std::string& job_id);
     std::vector<Artifact> artifacts(const std::string& job_id);  // visible ones: of the success
     Artifact artifact(const std::string& job_id, const std::string& name);  // throws NotFound
-    std::string log(const std::string& job_id);  // of the newest attempt, capped
+    std::string log(const std::string& job_id);               // of the newest attempt, capped
+    std::string log(const std::string& job_id, int attempt);  // throws Error{NotFound}
 
     // For people.
     Job cancel(const std::string& id);  // held, queued: at once; running: asks the worker.
                                         // Error{Conflict} when it is finished
     Job retry(const std::string& id);   // failed, dead, cancelled -> queued, attempts from 0;
                                         // Error{Conflict} otherwise, on a refused dive, and while a
-                                        // job it was held behind has not succeeded
+                                        // job it was held behind has not succeeded, and while
+                                        // the same work is under way in another job
+    Job change(const std::string& id, const JobChange& change);  // Error{Conflict} when it does
+                                                                 // not wait any more
+    // Puts the oldest dead jobs of a project ("": of all) back into the queue, `limit` at most.
+    std::vector<Job> redrive(const std::string& project, int limit);
 
-    // For workers. claim() first frees the jobs of expired leases (running -> queued at once, dead
-    // when the attempts are used up), then takes the first by priority and age that is due.
+    // For workers. claim() first frees the jobs of expired leases (storage/job_ends.hpp), then
+    // takes the first by priority and age that is due and that no pause, limit or drain keeps back.
     std::optional<Claim> claim(const std::string& worker, std::chrono::milliseconds lease);
     Renewal renew(const Lease& lease, std::chrono::milliseconds duration);
     Renewal look(const Lease& lease);  // the same news without renewing: reads alone
 
     // Every write below carries the lease; false: it is stale and nothing was changed.
     bool report_progress(const Lease& lease, const Progress& progress);
+    bool report_stage(const Lease& lease, const StageRun& stage);
     bool append_log(const Lease& lease, const std::string& text);
     bool succeed(const Lease& lease, const std::vector<Artifact>& artifacts);
     bool finish_intake(const Lease& lease, const IntakeResult& result);  // dive ready or refused
-    // bad_data, invalid_argument, too_large, unsupported -> failed; anything else -> cancelled when
-    // that was asked for, else queued after a growing pause, or dead when the attempts are used up.
-    bool fail(const Lease& lease, const Failure& failure);
+    bool fail(const Lease& lease, const Failure& failure);  // as storage/job_ends.hpp says
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
 
     int requeue_expired();  // what claim() does first; how many

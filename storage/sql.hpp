@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "storage/fault_point.hpp"
+
 // What the stores say to SOCI. A Row is a struct with define(statement), which binds its members to
 // the columns, and value(), which makes the domain type of them.
 namespace divemesh::storage {
@@ -14,6 +16,7 @@ namespace divemesh::storage {
 // Every row of the query. `uses` are soci::use(variable, "name").
 template <typename Row, typename... Uses>
 auto select_all(soci::session& session, const std::string& sql, const Uses&... uses) {
+    fault_point();
     Row row;
     soci::statement statement(session);
     row.define(statement);
@@ -39,6 +42,7 @@ auto select_one(soci::session& session, const std::string& sql, const Uses&... u
 // Runs a statement without rows; how many rows it changed.
 template <typename... Uses>
 long long execute(soci::session& session, const std::string& sql, const Uses&... uses) {
+    fault_point();
     soci::statement statement(session);
     (statement.exchange(uses), ...);
     statement.alloc();

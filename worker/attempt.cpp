@@ -83,8 +83,11 @@ void run_reconstruction(const AttemptRequest& request) {
     reconstruct_dive({.dive = request.dive,
                       .out = request.out,
                       .scratch = request.scratch,
+                      .cache = request.cache,
+                      .cache_bytes = request.cache_bytes,
                       .preset = request.preset,
-                      .options = make_options(request.preset, request.options)},
+                      .options = make_options(request.preset, request.options),
+                      .stage_done = [](const StageRun& stage) { send(stage); }},
                      reporter());
     send(Reconstructed{});
 }
@@ -110,12 +113,13 @@ int run_attempt(const std::filesystem::path& request_file) try {
         run(read_request(request_file));
         return 0;
     } catch (const Error& error) {
-        send(Failure{error.code(), error.what()});
+        send(Failure{.code = error.code(), .message = error.what()});
     } catch (const std::bad_alloc&) {
-        send(Failure{ErrorCode::Unavailable,
-                     "out of memory: run the job on a worker with more, or with a larger voxel_m"});
+        send(Failure{.code = ErrorCode::OutOfMemory, .message = "memory ran out"});
     } catch (const std::exception& error) {
-        send(Failure{ErrorCode::Unavailable, std::string("internal error: ") + error.what()});
+        send(Failure{.code = ErrorCode::Unavailable,
+                     .message = std::string("internal error: ") + error.what(),
+                     .remedy = "if this repeats, report it with this dive"});
     }
     return 1;
 } catch (...) {  // nobody is left to tell

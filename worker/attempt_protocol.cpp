@@ -11,6 +11,8 @@ json message_body(const Progress& progress) { return {{"type", "progress"}, {"bo
 
 json message_body(const LogText& log) { return {{"type", "log"}, {"body", log.text}}; }
 
+json message_body(const StageRun& stage) { return {{"type", "stage"}, {"body", stage}}; }
+
 json message_body(const Reconstructed&) { return {{"type", "reconstructed"}, {"body", nullptr}}; }
 
 json message_body(const Failure& failure) { return {{"type", "failed"}, {"body", failure}}; }
@@ -48,6 +50,8 @@ void to_json(json& out, const AttemptRequest& request) {
            {"dive", request.dive.string()},
            {"out", request.out.string()},
            {"scratch", request.scratch.string()},
+           {"cache", request.cache.string()},
+           {"cache_bytes", request.cache_bytes},
            {"preset", request.preset},
            {"options", request.options}};
 }
@@ -57,6 +61,8 @@ void from_json(const json& in, AttemptRequest& request) {
     request.dive = in.at("dive").get<std::string>();
     request.out = in.at("out").get<std::string>();
     request.scratch = in.at("scratch").get<std::string>();
+    request.cache = in.at("cache").get<std::string>();
+    in.at("cache_bytes").get_to(request.cache_bytes);
     in.at("preset").get_to(request.preset);
     request.options = in.at("options");
 }
@@ -74,6 +80,7 @@ AttemptMessage decode_message(const std::string& line) {
         const json& body = message.at("body");
         if (type == "progress") return body.get<Progress>();
         if (type == "log") return LogText{body.get<std::string>()};
+        if (type == "stage") return body.get<StageRun>();
         if (type == "intake") return intake_from_json(body);
         if (type == "reconstructed") return Reconstructed{};
         if (type == "failed") return body.get<Failure>();

@@ -22,6 +22,8 @@ struct AttemptRequest {
     std::filesystem::path dive;     // archive on this machine
     std::filesystem::path out;      // artifacts: every file below becomes one
     std::filesystem::path scratch;  // removed by the parent
+    std::filesystem::path cache;    // of stages, shared with other attempts; empty: none
+    std::int64_t cache_bytes = 0;
     std::string preset;
     nlohmann::json options = nlohmann::json::object();
 };
@@ -44,7 +46,8 @@ struct LogText {
 
 struct Reconstructed {};
 
-using AttemptMessage = std::variant<Progress, LogText, IntakeAnswer, Reconstructed, Failure>;
+using AttemptMessage =
+    std::variant<Progress, LogText, StageRun, IntakeAnswer, Reconstructed, Failure>;
 
 void to_json(nlohmann::json& json, const AttemptRequest& request);
 void from_json(const nlohmann::json& json, AttemptRequest& request);

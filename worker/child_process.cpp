@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <linux/close_range.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -17,18 +18,39 @@
 namespace divemesh::worker {
 namespace {
 
-void limit(int resource, std::int64_t bytes) {
-    if (bytes <= 0) return;
-    const rlimit value{static_cast<rlim_t>(bytes), static_cast<rlim_t>(bytes)};
-    setrlimit(static_cast<__rlimit_resource_t>(resource), &value);
+void limit(int resource, std::int64_t value, std::int64_t hard_extra = 0) {
+    if (value <= 0) return;
+    const rlimit limits{static_cast<rlim_t>(value), static_cast<rlim_t>(value + hard_extra)};
+    setrlimit(static_cast<__rlimit_resource_t>(resource), &limits);
+}
+
+// The line of /proc/self/uid_map that keeps a process the user it is in a user namespace of its
+// own. Made before the fork.
+std::string own_user_map() {
+    const std::string user = std::to_string(geteuid());
+    return user + " " + user + " 1\n";
+}
+
+// Root needs no user namespace, and would lose its rights to the files of others in one.
+bool cut_network(const std::string& user_map) {
+    if (unshare(CLONE_NEWNET) == 0) return true;
+    if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
+    const int map = open("/proc/self/uid_map", O_WRONLY | O_CLOEXEC);
+    const bool mapped = map >= 0 && write(map, user_map.data(), user_map.size()) ==
+                                        static_cast<ssize_t>(user_map.size());
+    if (map >= 0) close(map);
+    return mapped;
 }
 
 // Between fork and exec in a process with threads: async-signal-safe calls alone.
 [[noreturn]] void become(char* const* arguments,
                          int pipe_end,
                          pid_t parent,
-                         const ProcessLimits& limits) {
+                         const ProcessLimits& limits,
+                         const std::string& user_map) {
     setpgid(0, 0);
+    if (limits.no_network && !cut_network(user_map)) _exit(127);
+    // After the user namespace: entering one forgets it.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);  // it died before the line above
     const int null = open("/dev/null", O_RDONLY);
@@ -40,8 +62,10 @@ void limit(int resource, std::int64_t bytes) {
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
-    limit(RLIMIT_AS, limits.max_memory_bytes);
+    limit(RLIMIT_DATA, limits.max_memory_bytes);
     limit(RLIMIT_FSIZE, limits.max_file_bytes);
+    limit(RLIMIT_NOFILE, limits.max_open_files);
+    limit(RLIMIT_CPU, limits.max_cpu_s, 5);  // SIGXCPU, five seconds later SIGKILL
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
     execv(arguments[0], arguments);
@@ -49,6 +73,16 @@ void limit(int resource, std::int64_t bytes) {
 }
 
 }  // namespace
+
+bool can_cut_network() {
+    const std::string user_map = own_user_map();
+    const pid_t child = fork();
+    if (child == 0) _exit(cut_network(user_map) ? 0 : 1);
+    int status = 0;
+    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
 
 ChildProcess::ChildProcess(const std::vector<std::string>& command, const ProcessLimits& limits) {
     int ends[2];
@@ -58,9 +92,10 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Proces
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     const pid_t parent = getpid();
+    const std::string user_map = own_user_map();
 
     pid_ = fork();
-    if (pid_ == 0) become(arguments.data(), ends[1], parent, limits);
+    if (pid_ == 0) become(arguments.data(), ends[1], parent, limits, user_map);
     const int failure = errno;
     close(ends[1]);
     pipe_ = ends[0];

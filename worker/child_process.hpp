@@ -10,9 +10,16 @@ namespace divemesh::worker {
 
 // Limits that the kernel holds a child to; 0: none.
 struct ProcessLimits {
-    std::int64_t max_memory_bytes = 0;  // RLIMIT_AS
+    std::int64_t max_memory_bytes = 0;  // RLIMIT_DATA: what it may write to, not what it maps
     std::int64_t max_file_bytes = 0;    // RLIMIT_FSIZE, of one file
+    std::int64_t max_open_files = 0;    // RLIMIT_NOFILE
+    std::int64_t max_cpu_s = 0;         // RLIMIT_CPU, of all threads
+    bool no_network = false;            // a network namespace of its own, with nothing in it
 };
+
+// Whether this machine lets us start a child without network: root may, others where user
+// namespaces are allowed (containers often forbid them).
+bool can_cut_network();
 
 // How a child ended: by exit code or by signal.
 struct ProcessEnd {

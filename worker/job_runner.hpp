@@ -13,15 +13,19 @@ namespace divemesh::worker {
 struct WorkerConfig {
     std::string catalog_url;
     std::string blobs_url;
-    std::filesystem::path work_folder;                    // scratch of running attempts
+    std::filesystem::path work_folder;        // scratch of running attempts
+    std::filesystem::path cache_folder = {};  // of stages; empty: none is kept
+    std::int64_t cache_bytes = 0;
     std::filesystem::path executable = "/proc/self/exe";  // run as: executable attempt REQUEST
     int num_slots = 1;                                    // jobs at a time
     int num_threads = 0;                                  // per job; 0: as the job's options say
     std::chrono::milliseconds lease = std::chrono::seconds(20);
     std::chrono::milliseconds renew_every = std::chrono::seconds(5);
     std::chrono::milliseconds poll_every = std::chrono::milliseconds(500);
-    std::chrono::milliseconds deadline = std::chrono::hours(48);       // of one attempt
+    std::chrono::milliseconds deadline = std::chrono::hours(48);  // of one attempt
+    std::chrono::milliseconds stall = std::chrono::hours(2);      // without a word from the child
     std::chrono::milliseconds cancel_grace = std::chrono::seconds(5);  // SIGTERM, then SIGKILL
+    std::int64_t scratch_bytes = 0;  // of one attempt; 0: its share of what is free as it starts
     ProcessLimits limits;
 };
 

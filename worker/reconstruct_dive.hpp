@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "schemas/job.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/observer.hpp"
 
@@ -12,9 +14,12 @@ namespace divemesh::worker {
 struct ReconstructionRequest {
     std::filesystem::path dive;  // folder or archive
     std::filesystem::path out;   // the artifacts, by the names of the contract; made when missing
-    std::filesystem::path scratch;  // what the stages hand on; the caller removes it
+    std::filesystem::path scratch;     // what the stages hand on; the caller removes it
+    std::filesystem::path cache = {};  // of what stages made; empty: none is kept
+    std::int64_t cache_bytes = 0;
     std::string preset = "standard";
     ReconstructionOptions options;
+    std::function<void(const StageRun&)> stage_done = [](const StageRun&) {};
 };
 
 // A dive goes in, the artifacts come out: opens it, runs the stages track, optimise, fuse, mesh,

@@ -100,6 +100,11 @@ nlohmann::json RestClient::post(const std::string& path,
     return response.body.empty() ? nlohmann::json() : nlohmann::json::parse(response.body);
 }
 
+nlohmann::json RestClient::patch(const std::string& path, const nlohmann::json& body) {
+    return nlohmann::json::parse(
+        send({"PATCH", path, {{"Content-Type", "application/json"}}, body.dump()}).body);
+}
+
 std::string RestClient::get_text(const std::string& path) {
     return send({"GET", path, {}, ""}).body;
 }

@@ -41,6 +41,7 @@ public:
     nlohmann::json post(const std::string& path,
                         const nlohmann::json& body,
                         std::chrono::milliseconds patience = {});
+    nlohmann::json patch(const std::string& path, const nlohmann::json& body);
     std::string get_text(const std::string& path);
     void remove(const std::string& path);
 

@@ -16,7 +16,6 @@ namespace divemesh::api {
 namespace {
 
 constexpr std::size_t kMaxNameBytes = 200;
-constexpr int kMaxPriority = 10;
 
 storage::DiveFilter filter_of(const Request& request) {
     storage::DiveFilter filter{visible_project(request.token),
@@ -53,7 +52,7 @@ DiveRequest dive_request(const Request& request) {
 }
 
 storage::NewJob job_request(const Request& request, const Dive& dive) {
-    const auto body = json_body(request, {"kind", "preset", "options", "priority"});
+    const auto body = json_body(request, {"kind", "preset", "options", "priority", "parents"});
     storage::NewJob job;
     job.project = dive.project;
     job.dive_id = dive.id;
@@ -63,9 +62,8 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
     job.preset = value_or<std::string>(body, "preset", "standard");
     job.options = body.value("options", nlohmann::json::object());
     make_options(job.preset, job.options);
+    job.parents = value_or<std::vector<std::string>>(body, "parents", {});
     job.priority = value_or<int>(body, "priority", 0);
-    if (job.priority < -kMaxPriority || job.priority > kMaxPriority)
-        throw Error(ErrorCode::InvalidArgument, "\"priority\" has to be -10 to 10");
     return job;
 }
 
@@ -121,9 +119,10 @@ Awaitable<Response> create_job(Request request, Services services) {
         const Dive dive = visible_dive(request, services);
         return storage::JobStore(services.catalog).enqueue(job_request(request, dive));
     };
-    const Job job = co_await in_pool(services.pool, std::move(work));
-    Response response = json_response(http::status::created, job);
-    response.set("Location", "/api/v1/jobs/" + job.id);
+    const auto made = co_await in_pool(services.pool, std::move(work));
+    Response response =
+        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
+    response.set("Location", "/api/v1/jobs/" + made.job.id);
     co_return response;
 }
 

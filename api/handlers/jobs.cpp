@@ -1,8 +1,11 @@
 #include "api/handlers/jobs.hpp"
 
+#include <limits>
+
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/target.hpp"
 #include "api/visible.hpp"
 #include "schemas/json.hpp"
 #include "storage/job_store.hpp"
@@ -19,20 +22,57 @@ storage::JobFilter filter_of(const Request& request) {
     return filter;
 }
 
+storage::JobChange job_change(const Request& request) {
+    const auto body = json_body(request, {"priority", "paused"});
+    storage::JobChange change;
+    if (body.contains("priority")) change.priority = value_or<int>(body, "priority", 0);
+    if (body.contains("paused")) change.paused = value_or<bool>(body, "paused", false);
+    return change;
+}
+
+int attempt_number(const Request& request) {
+    const auto number = parse_count(request.parameter("attempt"));
+    if (!number || *number > std::numeric_limits<int>::max())
+        throw Error(ErrorCode::NotFound, "no such attempt");
+    return static_cast<int>(*number);
+}
+
+Response text_response(std::string text) {
+    Response response = empty_response(http::status::ok);
+    response.body = std::move(text);
+    response.set("Content-Type", "text/plain; charset=utf-8");
+    return response;
+}
+
 }  // namespace
 
 Awaitable<Response> list_jobs(Request request, Services services) {
     const auto filter = filter_of(request);
     const auto page = page_request(request);
-    auto work = [&catalog = services.catalog, filter, page] {
-        return storage::JobStore(catalog).list(filter, page);
+    auto work = [services, filter, page] {
+        auto jobs = storage::JobStore(services.catalog).list(filter, page);
+        for (Job& job : jobs.items) job.forecast = services.forecast.of(job);
+        return jobs;
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
     co_return list_response(request, jobs.items, jobs.next_cursor);
 }
 
 Awaitable<Response> get_job(Request request, Services services) {
-    auto work = [services, request] { return visible_job(request, services); };
+    auto work = [services, request] {
+        Job found = visible_job(request, services);
+        found.forecast = services.forecast.of(found);
+        return found;
+    };
+    const Job job = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, job);
+}
+
+Awaitable<Response> change_job(Request request, Services services) {
+    auto work = [services, request] {
+        const std::string id = visible_job(request, services).id;
+        return storage::JobStore(services.catalog).change(id, job_change(request));
+    };
     const Job job = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, job);
 }
@@ -57,10 +97,23 @@ Awaitable<Response> get_job_log(Request request, Services services) {
     auto work = [services, request] {
         return storage::JobStore(services.catalog).log(visible_job(request, services).id);
     };
-    Response response = empty_response(http::status::ok);
-    response.body = co_await in_pool(services.pool, std::move(work));
-    response.set("Content-Type", "text/plain; charset=utf-8");
-    co_return response;
+    co_return text_response(co_await in_pool(services.pool, std::move(work)));
+}
+
+Awaitable<Response> list_attempts(Request request, Services services) {
+    auto work = [services, request] {
+        return storage::JobStore(services.catalog).attempts(visible_job(request, services).id);
+    };
+    const auto attempts = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, attempts);
+}
+
+Awaitable<Response> get_attempt_log(Request request, Services services) {
+    auto work = [services, request, attempt = attempt_number(request)] {
+        const std::string id = visible_job(request, services).id;
+        return storage::JobStore(services.catalog).log(id, attempt);
+    };
+    co_return text_response(co_await in_pool(services.pool, std::move(work)));
 }
 
 Awaitable<Response> list_artifacts(Request request, Services services) {

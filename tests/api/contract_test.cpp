@@ -68,7 +68,12 @@ TEST(ContractTest, DescribesTheKeysThatOurTypesHave) {
                                                             {"Finding", Finding{}},
                                                             {"Progress", Progress{}},
                                                             {"Failure", Failure{}},
+                                                            {"StageRun", StageRun{}},
+                                                            {"Forecast", Forecast{}},
                                                             {"Job", Job{}},
+                                                            {"Attempt", Attempt{}},
+                                                            {"Queue", Queue{}},
+                                                            {"Worker", Worker{}},
                                                             {"Artifact", Artifact{}},
                                                             {"Event", Event{}},
                                                             {"Token", Token{}}};
@@ -85,6 +90,7 @@ TEST(ContractTest, ListsTheWordsThatOurTypesKnow) {
     };
     EXPECT_EQ(words("JobState"), words_of(kJobStates));
     EXPECT_EQ(words("Preset"), std::set<std::string>(std::begin(kPresets), std::end(kPresets)));
+    for (const auto& word : words("AttemptState")) EXPECT_NO_THROW(attempt_state_from_string(word));
     for (const auto& word : words("JobKind")) EXPECT_NO_THROW(job_kind_from_string(word));
     for (const auto& word : words("DiveState")) EXPECT_NO_THROW(dive_state_from_string(word));
     for (const auto& word : words("ErrorCode")) EXPECT_NO_THROW(error_code_from_string(word));

@@ -31,6 +31,7 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
                                                   {ErrorCode::Unsupported, 415},
                                                   {ErrorCode::Cancelled, 409},
                                                   {ErrorCode::OutOfSpace, 507},
+                                                  {ErrorCode::OutOfMemory, 503},
                                                   {ErrorCode::Unavailable, 503}};
     for (const auto& [code, status] : expected) {
         const auto response = response_to(std::make_exception_ptr(Error(code, "why")));

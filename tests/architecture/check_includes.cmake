@@ -22,8 +22,8 @@ function(check_file file folder)
     if(line MATCHES "^#include \"([^/\"]+)/")
       set(used ${CMAKE_MATCH_1})
       set(allowed ${${folder}_may_use})
-      if(file MATCHES "^worker/job_runner\\.")
-        list(APPEND allowed storage) # the only file there that knows it
+      if(file MATCHES "^worker/(job|attempt)_runner\\.")
+        list(APPEND allowed storage) # the only ones there that know it
       elseif(file MATCHES "^api/client/")
         set(allowed schemas)
       endif()

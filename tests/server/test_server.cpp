@@ -84,7 +84,7 @@ std::string TestServer::make_job(const std::string& project,
     wanted.dive_id = make_dive(project, sha256_hex(bytes + artifact_name));
     wanted.preset = "standard";
     storage::JobStore jobs(*catalog_);
-    const Job job = jobs.enqueue(wanted);
+    const Job job = jobs.enqueue(wanted).job;
     const auto claim = jobs.claim("test:1", 60s);
     const std::filesystem::path file = folder_ / "artifact";
     std::ofstream(file, std::ios::binary) << bytes;

@@ -36,7 +36,7 @@ TEST_F(JobLeaseTest, ClaimsByPriorityThenAgeAndIntakeBeforeAllOthers) {
     const Dive dive = ready_dive();
     const Job first = enqueue(dive);
     const Job second = enqueue(dive);
-    const Job urgent = jobs_.enqueue({.dive_id = dive.id, .priority = 100});
+    const Job urgent = jobs_.enqueue({.dive_id = dive.id, .priority = 100}).job;
     create_dive("reef");
 
     std::vector<std::string> order;
@@ -185,7 +185,7 @@ TEST_F(JobLeaseTest, PausesGrowAndDifferBetweenJobs) {
     const std::int64_t pause_ms = waiting.not_before_ms - waiting.started_at_ms;
     EXPECT_GE(pause_ms, 1'800'000);
     EXPECT_LE(pause_ms, 3'700'000);
-    EXPECT_FALSE(jobs_.claim("worker", kLong));
+    EXPECT_FALSE(patient.claim("worker", kLong));
 }
 
 TEST_F(JobLeaseTest, AnAttemptGivenBackIsNotCounted) {

@@ -13,8 +13,12 @@ using JobStoreTest = StoreTest;
 TEST_F(JobStoreTest, QueuesAJobOnAReadyDive) {
     const Dive dive = ready_dive();
 
-    const Job job = jobs_.enqueue(
-        {.dive_id = dive.id, .preset = "paper", .options = {{"voxel_m", 0.02}}, .priority = 7});
+    const Job job = jobs_
+                        .enqueue({.dive_id = dive.id,
+                                  .preset = "paper",
+                                  .options = {{"voxel_m", 0.02}},
+                                  .priority = 7})
+                        .job;
 
     EXPECT_EQ(job.state, JobState::Queued);
     const Job stored = jobs_.get(job.id);

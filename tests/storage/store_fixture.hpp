@@ -7,6 +7,7 @@
 #include <optional>
 #include <soci/soci.h>
 #include <string>
+#include <unistd.h>
 
 #include "schemas/content_hash.hpp"
 #include "storage/catalog.hpp"
@@ -59,9 +60,16 @@ struct Stores {
         ASSERT_TRUE(jobs_.finish_intake(claim->lease, result));
     }
 
+    // Never the same work twice.
     Job enqueue(const Dive& dive, int max_attempts = 3) {
-        return jobs_.enqueue(
-            {.dive_id = dive.id, .preset = "standard", .max_attempts = max_attempts});
+        NewJob job = work_on(dive);
+        job.max_attempts = max_attempts;
+        return jobs_.enqueue(job).job;
+    }
+    NewJob work_on(const Dive& dive) {
+        return {.dive_id = dive.id,
+                .preset = "standard",
+                .options = {{"seed", ++num_works_}, {"by", getpid()}}};
     }
 
     Claim claim(std::chrono::milliseconds lease = kLong) {
@@ -96,6 +104,7 @@ struct Stores {
     DiveStore dives_{catalog_};
     JobStore jobs_{catalog_, {.first = std::chrono::milliseconds(0)}};
     EventStore events_{catalog_};
+    int num_works_ = 0;
 };
 
 class InFolder {

@@ -1,11 +1,16 @@
 // Stands in for the pipeline behind a real worker: what it does is the first word of the "archive".
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <netinet/in.h>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
 
@@ -51,6 +56,42 @@ void write_large_file(const fs::path& out) {
     fs::resize_file(out / "mesh.ply", 64 << 20);
 }
 
+void write_settings(const fs::path& file, const ReconstructionOptions& options) {
+    std::ofstream(file, std::ios::app)
+        << options.num_threads << ' ' << options.fusion_memory_bytes << '\n';
+}
+
+void fill_scratch(const fs::path& scratch, const ProgressCallback& progress) {
+    std::ofstream file(scratch / "volume");
+    for (const std::string block(1 << 20, 'x');;) {
+        progress({.stage = "fuse"});
+        if (file.tellp() < (8 << 20)) file << block << std::flush;
+        std::this_thread::sleep_for(20ms);
+    }
+}
+
+std::string tcp_to_nowhere() {
+    const int stream = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in there{};
+    there.sin_family = AF_INET;
+    there.sin_port = htons(9);
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const int result = connect(stream, reinterpret_cast<sockaddr*>(&there), sizeof there);
+    const int failure = result == 0 ? 0 : errno;
+    close(stream);
+    return failure == ECONNREFUSED || failure == 0 ? "network" : "no network";
+}
+
+void write_limits(const fs::path& out) {
+    std::ofstream file(out / "limits.txt");
+    for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CPU}) {
+        rlimit limit{};
+        getrlimit(resource, &limit);
+        file << limit.rlim_cur << ' ';
+    }
+    file << tcp_to_nowhere() << '\n';
+}
+
 // The first attempt waits for the file MARKER.go; the next ones, which find the marker, do not.
 void wait_once(const fs::path& marker, const ProgressCallback& progress) {
     if (fs::exists(marker)) return;
@@ -81,13 +122,23 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     if (script.word == "bug") throw std::logic_error("index out of range");
     if (script.word == "abort") std::abort();
     if (script.word == "exit") _exit(7);
+    if (script.word == "killed") raise(SIGKILL);
+    if (script.word == "greedy")
+        write_settings(script.marker, request.options), throw std::bad_alloc();
+    if (script.word == "fill") fill_scratch(request.scratch, progress);
+    if (script.word == "limits") write_limits(request.out);
     if (script.word == "deaf") {
         write_pid(script.marker);
         std::this_thread::sleep_for(10min);
     }
+    if (script.word == "empty") {
+        std::ofstream(request.out / "mesh.ply") << "ply\n";
+        return {};
+    }
     write_artifacts(request.out);
     if (script.word == "large") write_large_file(request.out);
     progress({.stage = "evaluate", .fraction = 1.0});
+    request.stage_done({.name = "evaluate", .seconds = 0.5});
     return {};
 }
 

@@ -1,5 +1,5 @@
-// A worker with short times: fake_worker worker CATALOG BLOBS WORK LEASE_MS DEADLINE_MS FILE_LIMIT,
-// and its child: fake_worker attempt REQUEST.
+// A worker with short times: fake_worker worker CATALOG BLOBS WORK LEASE_MS DEADLINE_MS FILE_LIMIT
+// SCRATCH, and its child: fake_worker attempt REQUEST.
 #include <csignal>
 #include <stop_token>
 #include <string>
@@ -22,7 +22,8 @@ int run_worker(char** arguments) {
                                                 .renew_every = lease / 5,
                                                 .poll_every = milliseconds(100),
                                                 .deadline = milliseconds(std::stol(arguments[6])),
-                                                .cancel_grace = milliseconds(1000)};
+                                                .cancel_grace = milliseconds(1000),
+                                                .scratch_bytes = std::stol(arguments[8])};
     rlimit limit{};
     getrlimit(RLIMIT_FSIZE, &limit);
     limit.rlim_cur = std::stoul(arguments[7]);
@@ -47,6 +48,6 @@ int run_worker(char** arguments) {
 int main(int argc, char** argv) {
     const std::string command = argc > 1 ? argv[1] : "";
     if (command == "attempt" && argc == 3) return divemesh::worker::run_attempt(argv[2]);
-    if (command == "worker" && argc == 8) return run_worker(argv);
+    if (command == "worker" && argc == 9) return run_worker(argv);
     return 2;
 }

@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
+#include <sstream>
 #include <string>
+#include <thread>
+#include <unistd.h>
 
 #include "schemas/content_hash.hpp"
 #include "storage/blob_store.hpp"
@@ -13,6 +16,7 @@
 #include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/upload_store.hpp"
+#include "storage/worker_store.hpp"
 #include "tests/end_to_end/process.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -26,7 +30,8 @@ using testing::HasSubstr;
 class JobRunnerTest : public testing::Test {
 protected:
     Process start_worker(const std::string& deadline_ms = "600000",
-                         const std::string& file_limit_bytes = "1000000000") {
+                         const std::string& file_limit_bytes = "1000000000",
+                         const std::string& scratch_bytes = "1000000000") {
         const fs::path output = folder_ / ("worker-" + std::to_string(++num_workers_));
         fs::create_directories(output);
         return Process({FAKE_WORKER,
@@ -36,7 +41,8 @@ protected:
                         (folder_ / "work").string(),
                         "2000",
                         deadline_ms,
-                        file_limit_bytes},
+                        file_limit_bytes,
+                        scratch_bytes},
                        output);
     }
 
@@ -52,8 +58,9 @@ protected:
                                        .archive_sha256 = sha256_hex(script),
                                        .blob = key})
                               .dive;
-        return jobs_.enqueue(
-            {.dive_id = dive.id, .preset = "standard", .max_attempts = max_attempts});
+        return jobs_
+            .enqueue({.dive_id = dive.id, .preset = "standard", .max_attempts = max_attempts})
+            .job;
     }
 
     bool reaches(const Job& job, JobState state) {
@@ -257,6 +264,82 @@ TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
     EXPECT_TRUE(jobs_.artifacts(job.id).empty());
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
+}
+
+TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
+    const Job killed = make_job("killed", 10);
+    const Job greedy = make_job("greedy " + marker_.string(), 10);
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(killed, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(killed.id).failure.code, ErrorCode::OutOfMemory);
+    EXPECT_EQ(jobs_.attempts(killed.id).size(), 2u);
+    ASSERT_TRUE(reaches(greedy, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(greedy.id).failure.code, ErrorCode::OutOfMemory);
+    EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second on one thread
+}
+
+TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
+    const Job job = make_job("fill", 1);
+    Process worker = start_worker("600000", "1000000000", "4194304");
+
+    ASSERT_TRUE(reaches(job, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
+}
+
+TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetwork) {
+    const Job job = make_job("limits");
+    Process worker = start_worker("600000", "1000000000", "123456789");
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+
+    std::istringstream limits(
+        read_text(blobs_->local_copy(jobs_.artifact(job.id, "limits.txt").blob, folder_.path())));
+    std::int64_t memory = 0, file = 0, open_files = 0, cpu_s = 0;
+    std::string network;
+    limits >> memory >> file >> open_files >> cpu_s;
+    std::getline(limits >> std::ws, network);
+
+    EXPECT_GT(memory, 0);
+    EXPECT_LT(memory, sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE));
+    EXPECT_EQ(file, 123456789);
+    EXPECT_EQ(open_files, 1024);
+    EXPECT_GE(cpu_s, 600);
+    const bool cut = worker.stderr_text().find("keep the network") == std::string::npos &&
+                     worker.stdout_text().find("keep the network") == std::string::npos;
+    EXPECT_EQ(network, cut ? "no network" : "network");
+}
+
+TEST_F(JobRunnerTest, TheStagesOfAnAttemptAreTold) {
+    const Job job = make_job("ok");
+    Process worker = start_worker();
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+
+    const auto stages = jobs_.get(job.id).stages;
+    ASSERT_EQ(stages.size(), 2u);
+    EXPECT_EQ(stages[0].name, "evaluate");
+    EXPECT_EQ(stages[1].name, "publish");
+}
+
+TEST_F(JobRunnerTest, AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
+    const Job first = make_job(wait_once());
+    Process worker = start_worker();
+    child_of_marker();
+    const Job second = make_job("ok");
+    storage::WorkerStore workers(catalog_);
+    const std::string name = workers.list().at(0).name;
+
+    EXPECT_EQ(workers.set_draining(name, true).num_running, 1);
+    let_go();
+    ASSERT_TRUE(reaches(first, JobState::Succeeded)) << worker.stderr_text();
+    EXPECT_TRUE(wait_until(seconds(30), [&] { return workers.list().at(0).num_running == 0; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));  // a few polls
+    EXPECT_EQ(jobs_.get(second.id).num_attempts, 0);
+    workers.set_draining(name, false);
+
+    EXPECT_TRUE(reaches(second, JobState::Succeeded)) << worker.stderr_text();
+    worker.send(SIGTERM);
+    EXPECT_EQ(worker.wait(seconds(30)), 0);
+    EXPECT_TRUE(workers.list().empty());
 }
 
 TEST_F(JobRunnerTest, TwoWorkersShareTheJobsAndEachRunsOnce) {

@@ -1,0 +1,80 @@
+#include "api/handlers/queue.hpp"
+
+#include "api/authorization.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "schemas/json.hpp"
+#include "storage/job_store.hpp"
+#include "storage/queue_store.hpp"
+#include "storage/worker_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::size_t kMaxProjectBytes = 63;
+
+// An administrator names a project, "" for all; everybody else has their own.
+std::string project_of(const Request& request, const std::string& wanted) {
+    if (wanted.size() > kMaxProjectBytes)
+        throw Error(ErrorCode::InvalidArgument, "\"project\" is longer than 63 bytes");
+    const std::string visible = visible_project(request.token);
+    if (visible.empty()) return wanted;
+    require_visible(request.token, wanted.empty() ? visible : wanted, "project " + wanted);
+    return visible;
+}
+
+}  // namespace
+
+Awaitable<Response> get_queue(Request request, Services services) {
+    const std::string project = project_of(request, query_value(request, "project"));
+    auto work = [&catalog = services.catalog, project] {
+        return storage::QueueStore(catalog).get(project);
+    };
+    const Queue queue = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, queue);
+}
+
+Awaitable<Response> change_queue(Request request, Services services) {
+    const auto body = json_body(request, {"project", "paused", "max_running"});
+    const std::string project = project_of(request, value_or<std::string>(body, "project", ""));
+    storage::QueueChange change;
+    if (body.contains("paused")) change.paused = value_or<bool>(body, "paused", false);
+    if (body.contains("max_running")) change.max_running = value_or<int>(body, "max_running", 0);
+    auto work = [&catalog = services.catalog, project, change] {
+        return storage::QueueStore(catalog).change(project, change);
+    };
+    const Queue queue = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, queue);
+}
+
+Awaitable<Response> redrive_queue(Request request, Services services) {
+    const auto body = json_body(request, {"project", "limit"});
+    const std::string project = project_of(request, value_or<std::string>(body, "project", ""));
+    const int limit = value_or<int>(body, "limit", 100);
+    auto work = [&catalog = services.catalog, project, limit] {
+        return storage::JobStore(catalog).redrive(project, limit);
+    };
+    const auto jobs = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, jobs);
+}
+
+Awaitable<Response> list_workers(Request request, Services services) {
+    auto work = [&catalog = services.catalog] { return storage::WorkerStore(catalog).list(); };
+    const auto workers = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, workers);
+}
+
+Awaitable<Response> change_worker(Request request, Services services) {
+    auto work = [services, request] {
+        storage::WorkerStore workers(services.catalog);
+        const std::string name = workers.get(request.parameter("worker_name")).name;
+        const auto body = json_body(request, {"draining"});
+        if (!body.contains("draining"))
+            throw Error(ErrorCode::InvalidArgument, "\"draining\" is missing: give true or false");
+        return workers.set_draining(name, value_or<bool>(body, "draining", false));
+    };
+    const Worker worker = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, worker);
+}
+
+}  // namespace divemesh::api

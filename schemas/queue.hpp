@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace divemesh {
+
+// The queue of one project, or of all of them. Paused: what runs goes on, nothing more starts.
+struct Queue {
+    std::string project;  // "": the whole queue
+    bool paused = false;
+    int max_running = 0;  // jobs at a time, intakes not counted; 0: no limit
+    std::map<std::string, std::int64_t> num_jobs;  // by state
+};
+
+}  // namespace divemesh

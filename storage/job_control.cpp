@@ -1,0 +1,140 @@
+// What people do to jobs.
+#include "schemas/error.hpp"
+#include "schemas/json.hpp"
+#include "storage/dive_rows.hpp"
+#include "storage/job_changes.hpp"
+#include "storage/job_rows.hpp"
+#include "storage/job_store.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+constexpr int kMaxRedrive = 1000;
+
+[[noreturn]] void throw_wrong_state(const Job& job, const std::string& wanted) {
+    throw Error(
+        ErrorCode::Conflict,
+        "job " + job.id + " is " + std::string(to_string(job.state)) + ": cannot " + wanted);
+}
+
+void check_parents_succeeded(soci::session& session, const std::string& job_id) {
+    const std::string parent = unfinished_parent(session, job_id);
+    if (!parent.empty())
+        throw Error(ErrorCode::Conflict,
+                    "job " + job_id + " needs job " + parent + " to succeed first: retry that one");
+}
+
+std::optional<Job> find_twin_of(soci::session& session, const std::string& job_id) {
+    const auto key = select_one<TextRow>(
+        session, "SELECT unique_key FROM jobs WHERE id = :id", soci::use(job_id, "id"));
+    return find_twin(session, read_job(session, job_id).dive_id, key.value_or(""));
+}
+
+void request_cancel(soci::session& session, const std::string& id) {
+    execute(session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
+}
+
+// A finished job into the queue, with all its attempts.
+Job put_back(soci::session& session, const std::string& id) {
+    const std::string progress = to_text(Progress{});
+    execute(session,
+            "UPDATE jobs SET num_attempts = 0, num_silent_losses = 0, cancel_requested = 0,"
+            " paused = 0, lowered = 0, stages = '[]', progress = :progress WHERE id = :id",
+            soci::use(progress, "progress"),
+            soci::use(id, "id"));
+    change_state(session, id, JobState::Queued, {});
+    return read_job(session, id);
+}
+
+void set_priority(soci::session& session, const Job& job, int priority) {
+    const std::int64_t rank_ms = queue_rank_ms(job.created_at_ms, priority);
+    execute(session,
+            "UPDATE jobs SET priority = :priority, queue_rank_ms = :rank WHERE id = :id",
+            soci::use(priority, "priority"),
+            soci::use(rank_ms, "rank"),
+            soci::use(job.id, "id"));
+}
+
+void set_paused(soci::session& session, const Job& job, bool paused) {
+    const int flag = paused ? 1 : 0;
+    execute(session,
+            "UPDATE jobs SET paused = :paused WHERE id = :id",
+            soci::use(flag, "paused"),
+            soci::use(job.id, "id"));
+    if (paused && job.state == JobState::Queued)
+        return change_state(session, job.id, JobState::Held, {});
+    if (!paused && job.state == JobState::Held && unfinished_parent(session, job.id).empty())
+        return change_state(session, job.id, JobState::Queued, {});
+    append_job_event(session, job.id, "job.changed");
+}
+
+}  // namespace
+
+Job JobStore::cancel(const std::string& id) {
+    Job job;
+    catalog_.transaction([&](soci::session& session) {
+        job = read_job(session, id);
+        if (is_finished(job.state)) throw_wrong_state(job, "be cancelled");
+        if (job.cancel_requested) return;
+        request_cancel(session, id);
+        if (job.state == JobState::Running)
+            append_job_event(session, id, "job.state");
+        else
+            change_state(session, id, JobState::Cancelled, {ErrorCode::Cancelled, "cancelled"});
+        job = read_job(session, id);
+    });
+    return job;
+}
+
+Job JobStore::retry(const std::string& id) {
+    Job job;
+    catalog_.transaction([&](soci::session& session) {
+        job = read_job(session, id);
+        if (!is_finished(job.state) || job.state == JobState::Succeeded)
+            throw_wrong_state(job, "be tried again");
+        require_not_refused(read_dive(session, job.dive_id));
+        check_parents_succeeded(session, id);
+        if (const auto twin = find_twin_of(session, id))
+            throw Error(ErrorCode::Conflict, "job " + twin->id + " does the same already");
+        job = put_back(session, id);
+    });
+    return job;
+}
+
+// Their parents have succeeded: a job that was still waiting for one would not be dead.
+std::vector<Job> JobStore::redrive(const std::string& project, int limit) {
+    if (limit < 1 || limit > kMaxRedrive)
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "limit is " + std::to_string(limit) + ": give 1 to " + std::to_string(kMaxRedrive));
+    std::vector<Job> redriven;
+    catalog_.transaction([&](soci::session& session) {
+        const auto dead = select_all<TextRow>(session,
+                                              "SELECT id FROM jobs WHERE state = 'dead'"
+                                              " AND (:project = '' OR project = :project)"
+                                              " ORDER BY created_at_ms, id LIMIT :limit",
+                                              soci::use(project, "project"),
+                                              soci::use(limit, "limit"));
+        for (const std::string& id : dead)
+            if (!find_twin_of(session, id)) redriven.push_back(put_back(session, id));
+    });
+    return redriven;
+}
+
+Job JobStore::change(const std::string& id, const JobChange& change) {
+    if (change.priority) check_priority(*change.priority);
+    Job job;
+    catalog_.transaction([&](soci::session& session) {
+        job = read_job(session, id);
+        if (job.state != JobState::Held && job.state != JobState::Queued)
+            throw_wrong_state(job, "be changed: only what waits can");
+        if (change.priority) set_priority(session, job, *change.priority);
+        if (change.paused) set_paused(session, job, *change.paused);
+        if (change.priority) append_job_event(session, id, "job.changed");
+        job = read_job(session, id);
+    });
+    return job;
+}
+
+}  // namespace divemesh::storage

@@ -1,0 +1,74 @@
+#include "storage/job_ends.hpp"
+
+#include <algorithm>
+#include <random>
+#include <string>
+
+namespace divemesh::storage {
+namespace {
+
+bool is_hopeless(ErrorCode code) {
+    return code == ErrorCode::BadData || code == ErrorCode::InvalidArgument ||
+           code == ErrorCode::TooLarge || code == ErrorCode::Unsupported;
+}
+
+Failure crash_loop(int num_losses) {
+    return {.code = ErrorCode::Unavailable,
+            .message = std::to_string(num_losses) +
+                       " workers in a row were lost right after they took this job: it may take "
+                       "their machines down",
+            .remedy =
+                "see the logs of its attempts and of those machines (memory, disk), then "
+                "retry it on a worker by itself"};
+}
+
+}  // namespace
+
+AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t retry_at_ms) {
+    AttemptEnd end{.attempt = AttemptState::Failed, .job = JobState::Queued, .failure = failure};
+    if (is_hopeless(failure.code)) {
+        end.job = JobState::Failed;
+    } else if (job.cancel_requested) {
+        end.attempt = AttemptState::Cancelled;
+        end.job = JobState::Cancelled;
+    } else if (job.num_attempts >= job.max_attempts) {
+        end.job = JobState::Dead;
+    } else if (failure.code == ErrorCode::OutOfMemory) {
+        if (job.lowered) end.job = JobState::Dead;
+        end.lowered = true;
+    } else {
+        end.not_before_ms = retry_at_ms;
+    }
+    return end;
+}
+
+AttemptEnd end_of_expired(const ExpiredJob& expired) {
+    const Job& job = expired.job;
+    AttemptEnd end{.attempt = AttemptState::LeaseLost,
+                   .job = JobState::Queued,
+                   .failure = {.code = ErrorCode::Unavailable,
+                               .message = "the worker was not heard of before its lease ended: it "
+                                          "was killed, or lost its network",
+                               .remedy = "look after the worker; the job runs again by itself"},
+                   .num_silent_losses = expired.renewed ? 0 : expired.num_silent_losses + 1};
+    if (job.cancel_requested) {
+        end.job = JobState::Cancelled;
+    } else if (end.num_silent_losses >= kMaxSilentLosses) {
+        end.job = JobState::Dead;
+        end.failure = crash_loop(end.num_silent_losses);
+    } else if (job.num_attempts >= job.max_attempts) {
+        end.job = JobState::Dead;
+        end.failure.remedy = "look after the workers, then `divemesh retry`";
+    }
+    return end;
+}
+
+std::int64_t pause_ms(const RetryPause& pause, int num_attempts) {
+    static thread_local std::mt19937_64 random{std::random_device{}()};
+    const int doublings = std::clamp(num_attempts - 1, 0, 20);
+    const auto full =
+        std::min<std::int64_t>(pause.first.count() << doublings, pause.longest.count());
+    return std::uniform_int_distribution<std::int64_t>(full / 2, full)(random);
+}
+
+}  // namespace divemesh::storage

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "schemas/job.hpp"
+#include "storage/catalog.hpp"
+
+namespace divemesh::storage {
+
+// Where a queued job stands and when it may start: a picture of the queue that is renewed when it
+// is older than `max_age`, so that many who ask cost one look. The start is simulated from measured
+// speeds (storage/job_speeds.hpp) and the slots of the workers that are alive; limits of projects
+// are left out of it. Thread-safe.
+class QueueForecast {
+public:
+    explicit QueueForecast(Catalog& catalog,
+                           std::chrono::milliseconds max_age = std::chrono::seconds(2));
+    ~QueueForecast();
+
+    // Nothing unless it is queued. Times are rounded to ten seconds.
+    std::optional<Forecast> of(const Job& job);
+
+    struct Picture;
+
+private:
+    std::shared_ptr<const Picture> picture();
+
+    Catalog& catalog_;
+    std::chrono::milliseconds max_age_;
+    std::mutex mutex_;
+    std::shared_ptr<const Picture> newest_;
+    std::chrono::steady_clock::time_point taken_;
+    bool being_taken_ = false;
+};
+
+}  // namespace divemesh::storage

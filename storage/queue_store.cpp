@@ -1,0 +1,81 @@
+#include "storage/queue_store.hpp"
+
+#include "schemas/error.hpp"
+#include "schemas/job_state.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+struct QueueRow {
+    Queue queue;
+    int paused = 0;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(queue.project));
+        statement.exchange(soci::into(paused));
+        statement.exchange(soci::into(queue.max_running));
+    }
+    Queue value() const {
+        Queue value = queue;
+        value.paused = paused != 0;
+        return value;
+    }
+};
+
+struct CountRow {
+    std::string state;
+    std::int64_t count = 0;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(state));
+        statement.exchange(soci::into(count));
+    }
+    CountRow value() const { return *this; }
+};
+
+Queue read_queue(soci::session& session, const std::string& project) {
+    Queue queue = select_one<QueueRow>(
+                      session,
+                      "SELECT project, paused, max_running FROM queues WHERE project = :project",
+                      soci::use(project, "project"))
+                      .value_or(Queue{.project = project});
+    for (const JobState state : kJobStates) queue.num_jobs[std::string(to_string(state))] = 0;
+    for (const CountRow& row :
+         select_all<CountRow>(session,
+                              "SELECT state, COUNT(*) FROM jobs"
+                              " WHERE (:project = '' OR project = :project) GROUP BY state",
+                              soci::use(project, "project")))
+        queue.num_jobs[row.state] = row.count;
+    return queue;
+}
+
+}  // namespace
+
+Queue QueueStore::get(const std::string& project) {
+    Queue queue;
+    catalog_.read([&](soci::session& session) { queue = read_queue(session, project); });
+    return queue;
+}
+
+Queue QueueStore::change(const std::string& project, const QueueChange& change) {
+    if (change.max_running.value_or(0) < 0)
+        throw Error(ErrorCode::InvalidArgument, "max_running is less than 0: 0 is no limit");
+    Queue queue;
+    catalog_.transaction([&](soci::session& session) {
+        queue = read_queue(session, project);
+        queue.paused = change.paused.value_or(queue.paused);
+        queue.max_running = change.max_running.value_or(queue.max_running);
+        const int paused = queue.paused ? 1 : 0;
+        execute(session,
+                "INSERT INTO queues (project, paused, max_running)"
+                " VALUES (:project, :paused, :limit) ON CONFLICT (project) DO UPDATE SET"
+                " paused = excluded.paused, max_running = excluded.max_running",
+                soci::use(project, "project"),
+                soci::use(paused, "paused"),
+                soci::use(queue.max_running, "limit"));
+    });
+    return queue;
+}
+
+}  // namespace divemesh::storage

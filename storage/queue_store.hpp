@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "schemas/queue.hpp"
+#include "storage/catalog.hpp"
+
+namespace divemesh::storage {
+
+struct QueueChange {
+    std::optional<bool> paused = std::nullopt;
+    std::optional<int> max_running = std::nullopt;
+};
+
+// The queues table: pauses and limits of a project, or of all together (project "").
+class QueueStore {
+public:
+    explicit QueueStore(Catalog& catalog) : catalog_(catalog) {}
+
+    Queue get(const std::string& project);
+    // What runs goes on; Error{InvalidArgument} for a limit below 0.
+    Queue change(const std::string& project, const QueueChange& change);
+
+private:
+    Catalog& catalog_;
+};
+
+}  // namespace divemesh::storage

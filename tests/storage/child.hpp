@@ -1,0 +1,57 @@
+#pragma once
+
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+
+#include "tests/storage/store_fixture.hpp"
+
+namespace divemesh::storage {
+
+// A process that waits until it is let go and then does its work with stores of its own. Made
+// before this process opens the catalog: SQLite must not be carried over a fork.
+class Child {
+public:
+    Child(const std::string& url, const std::function<void(Stores&)>& work) {
+        if (pipe(go_) != 0) throw std::runtime_error("pipe");
+        pid_ = fork();
+        if (pid_ != 0) return;
+        try {
+            char word = 0;
+            close(go_[1]);
+            if (read(go_[0], &word, 1) != 1) _exit(2);
+            Stores stores(url);
+            work(stores);
+            _exit(0);
+        } catch (const std::exception& error) {
+            fprintf(stderr, "child: %s\n", error.what());
+            _exit(1);
+        }
+    }
+    ~Child() {
+        close(go_[0]);
+        close(go_[1]);
+        if (pid_ > 0) end();
+    }
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+
+    void go() { EXPECT_EQ(write(go_[1], "g", 1), 1); }
+    void kill_now() { kill(pid_, SIGKILL); }
+    int end() {
+        int status = 0;
+        waitpid(std::exchange(pid_, -1), &status, 0);
+        return status;
+    }
+
+private:
+    int go_[2]{};
+    pid_t pid_ = -1;
+};
+
+}  // namespace divemesh::storage
