@@ -124,6 +124,11 @@ KeyframeStore::KeyframeStore(std::filesystem::path folder) : folder_(std::move(f
     std::filesystem::create_directories(folder_);
 }
 
+void KeyframeStore::clear() const {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+}
+
 KeyframeStore KeyframeStore::rerectified(
     std::shared_ptr<const KeyframeRerectifier> rerectifier) const {
     KeyframeStore store = *this;

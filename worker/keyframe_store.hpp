@@ -17,6 +17,8 @@ public:
     // The same store; what is read is as if rectified with other lenses.
     KeyframeStore rerectified(std::shared_ptr<const KeyframeRerectifier> rerectifier) const;
 
+    void clear() const;  // removes every file
+
     void write(int frame_index, const KeyframeImages& images) const;  // throws Error{OutOfSpace}
     KeyframeImages read(int frame_index) const;                       // throws Error{NotFound}
     cv::Mat read_left_color(int frame_index) const;                   // of the same, without depth

@@ -1,12 +1,13 @@
 #include "worker/reconstruct_dive.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
 #include <vector>
 
-#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/keyframe_store.hpp"
@@ -23,7 +24,9 @@
 #include "worker/output/ply.hpp"
 #include "worker/output/trajectory_file.hpp"
 #include "worker/reconstruct.hpp"
+#include "worker/stage_cache.hpp"
 #include "worker/stage_files.hpp"
+#include "worker/stage_keys.hpp"
 #include "worker/stage_progress.hpp"
 #include "worker/volume/confirmed_points.hpp"
 #include "worker/volume/mesh_borders.hpp"
@@ -41,17 +44,14 @@ std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
     return dive;
 }
 
-// What a stage's result depends on. Threads and memory are not part of it: they change no byte.
-std::string stage_key(const Dive& dive, const ReconstructionRequest& request) {
-    auto options = options_to_json(request.options);
-    options.erase("num_threads");
-    options.erase("fusion_memory_bytes");
-    return sha256_hex(std::string(DIVEMESH_VERSION) + "\n" + dive.content_sha256() + "\n" +
-                      options.dump());
+std::string read_text(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 // Neither file is ever changed in place.
 void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to) {
+    std::filesystem::create_directories(to.parent_path());
     std::filesystem::remove(to);
     std::error_code failure;
     std::filesystem::create_hard_link(from, to, failure);
@@ -74,7 +74,8 @@ public:
         : request_(request),
           stages_(progress),
           dive_(open_dive(request)),
-          key_(stage_key(*dive_, request)),
+          keys_(stage_keys(DIVEMESH_VERSION, dive_->content_sha256(), request.options)),
+          cache_(request.cache, request.cache_bytes),
           keyframe_store_(request.scratch / "keyframes") {
         std::filesystem::create_directories(request.out);
     }
@@ -98,6 +99,9 @@ private:
     CloudFigures write_cloud(const std::filesystem::path& file, const PointOctree& octree) const;
     void mesh();
     void texture();
+    void write_pictures(const std::filesystem::path& folder,
+                        const std::filesystem::path& picture,
+                        const ProgressCallback& progress) const;
     nlohmann::json evaluate();
     Evaluation compare_with_truth() const;
     nlohmann::json metrics(const Evaluation& evaluation) const;
@@ -111,15 +115,29 @@ private:
     std::filesystem::path stage_file(const std::string& name) const {
         return request_.scratch / (name + ".stage");
     }
+    std::string volume_name() const { return "volume-" + keys_.fuse.substr(0, 16); }
+    // What an attempt before this one left, or the cache has; `load` reads it from the scratch
+    // folder.
+    template <typename Load>
+    auto found(const std::string& entry, const Load& load) {
+        auto stored = load();
+        if (!stored && cache_.fetch(entry, request_.scratch)) {
+            stored = load();
+            if (!stored) cache_.drop(entry);
+        }
+        return stored;
+    }
     void stage_done(const Stopwatch& watch, const std::string& stage, bool reused) {
         stage_times_.push_back(watch.stop(stage));
         stage_times_.back().reused = reused;
+        request_.stage_done({stage, stage_times_.back().wall_s, reused});
     }
 
     const ReconstructionRequest& request_;
     StageProgress stages_;
     std::unique_ptr<Dive> dive_;
-    std::string key_;
+    StageKeys keys_;
+    StageCache cache_;
     KeyframeStore keyframe_store_;
     Track track_;  // of what only optimise() reads, nothing after it
     std::int64_t num_landmarks_ = 0;
@@ -136,11 +154,14 @@ private:
 void DiveRun::track() {
     const Stopwatch watch;
     const auto progress = begin("track", 0.55);
-    auto stored = load_track(stage_file("track"), key_);
+    const std::string entry = "track-" + keys_.track;
+    auto stored = found(entry, [&] { return load_track(stage_file("track"), keys_.track); });
     const bool reused = stored.has_value();
     if (!stored) {
+        keyframe_store_.clear();  // what lies there may be a link into the cache
         stored = worker::track(*dive_, request_.options, keyframe_store_, progress);
-        save_track(stage_file("track"), key_, *stored);
+        save_track(stage_file("track"), keys_.track, *stored);
+        cache_.store(entry, request_.scratch, {"track.stage", "keyframes"});
     }
     track_ = std::move(*stored);
     write_tum(request_.out / "trajectory_causal.tum", track_.causal);
@@ -150,11 +171,14 @@ void DiveRun::track() {
 void DiveRun::optimise() {
     const Stopwatch watch;
     const auto progress = begin("optimise", 0.1);
-    auto stored = load_optimised_track(stage_file("optimise"), key_);
+    const std::string entry = "optimise-" + keys_.optimise;
+    auto stored =
+        found(entry, [&] { return load_optimised_track(stage_file("optimise"), keys_.optimise); });
     const bool reused = stored.has_value();
     if (!stored) {
         stored = worker::optimise(track_, *dive_, request_.options, keyframe_store_, progress);
-        save_optimised_track(stage_file("optimise"), key_, *stored);
+        save_optimised_track(stage_file("optimise"), keys_.optimise, *stored);
+        cache_.store(entry, request_.scratch, {"optimise.stage"});
     }
     optimised_ = std::move(*stored);
     if (request_.options.surface && optimised_.calibration.lenses_applied)
@@ -174,12 +198,17 @@ void DiveRun::optimise() {
 void DiveRun::fuse() {
     const Stopwatch watch;
     const auto progress = begin("fuse", 0.15);
-    const auto volume_file = stage_file("volume-" + key_.substr(0, 16));
+    const std::string entry = "fuse-" + keys_.fuse;
+    const auto volume_file = stage_file(volume_name());
     const auto cloud_file = request_.scratch / "cloud.ply";
     const auto cloud_artifact = request_.out / "cloud.ply";
-    const auto figures = load_cloud_figures(stage_file("cloud"), key_);
-    const bool reused =
-        figures && std::filesystem::exists(cloud_file) && std::filesystem::exists(volume_file);
+    const auto figures = found(entry, [&] {
+        auto stored = load_cloud_figures(stage_file("cloud"), keys_.fuse);
+        if (!std::filesystem::exists(cloud_file) || !std::filesystem::exists(volume_file))
+            stored.reset();
+        return stored;
+    });
+    const bool reused = figures.has_value();
     if (reused) {
         cloud_ = *figures;
         link_or_copy(cloud_file, cloud_artifact);
@@ -197,7 +226,9 @@ void DiveRun::fuse() {
         volume_->save(volume_file);
         cloud_ = write_cloud(cloud_artifact, map.cloud->octree());
         link_or_copy(cloud_artifact, cloud_file);
-        save_cloud_figures(stage_file("cloud"), key_, cloud_);
+        save_cloud_figures(stage_file("cloud"), keys_.fuse, cloud_);
+        cache_.store(
+            entry, request_.scratch, {volume_name() + ".stage", "cloud.stage", "cloud.ply"});
     }
     voxel_m_ = volume_->voxel_m();
     volume_memory_bytes_ = volume_->memory_bytes();
@@ -217,11 +248,13 @@ CloudFigures DiveRun::write_cloud(const std::filesystem::path& file,
 void DiveRun::mesh() {
     const Stopwatch watch;
     const auto progress = begin("mesh", 0.08);
-    auto stored = load_surface(stage_file("mesh"), key_);
+    const std::string entry = "mesh-" + keys_.mesh;
+    auto stored = found(entry, [&] { return load_surface(stage_file("mesh"), keys_.mesh); });
     const bool reused = stored.has_value();
     if (!stored) {
         stored = simplified(worker::mesh(*volume_, request_.options, progress), request_.options);
-        save_surface(stage_file("mesh"), key_, *stored);
+        save_surface(stage_file("mesh"), keys_.mesh, *stored);
+        cache_.store(entry, request_.scratch, {"mesh.stage"});
     }
     volume_.reset();
     surface_ = std::move(*stored);
@@ -232,20 +265,37 @@ void DiveRun::mesh() {
 void DiveRun::texture() {
     const Stopwatch watch;
     const auto progress = begin("texture", 0.05);
-    write_glb(request_.out / "mesh.glb", surface_.mesh);
+    const std::string entry = "texture-" + keys_.texture;
+    const auto folder = request_.scratch / entry;
+    const auto picture = folder / "thumbnail.png";
+    const bool reused = cache_.fetch(entry, request_.scratch);
+    if (!reused) {
+        std::filesystem::create_directories(folder);
+        write_pictures(folder, picture, progress);
+        cache_.store(entry, request_.scratch, {entry});
+    }
+    if (std::filesystem::exists(picture)) picture_png_ = read_text(picture);
+    for (const auto& made : std::filesystem::recursive_directory_iterator(folder))
+        if (made.is_regular_file() && made.path() != picture)
+            link_or_copy(made.path(), request_.out / made.path().lexically_relative(folder));
+    stage_done(watch, "texture", reused);
+}
+
+void DiveRun::write_pictures(const std::filesystem::path& folder,
+                             const std::filesystem::path& picture,
+                             const ProgressCallback& progress) const {
+    write_glb(folder / "mesh.glb", surface_.mesh);
     progress({});
-    write_keyframe_pictures(request_.out,
+    write_keyframe_pictures(folder,
                             optimised_.rig,
                             optimised_.keyframes,
                             keyframe_store_,
                             request_.options.num_threads,
                             progress);
-    if (request_.options.texture) {
-        const Mosaic mosaic = render_mosaic(surface_.mesh);
-        write_mosaic(request_.out, mosaic);
-        picture_png_ = thumbnail_png(mosaic);
-    }
-    stage_done(watch, "texture", false);
+    if (!request_.options.texture) return;
+    const Mosaic mosaic = render_mosaic(surface_.mesh);
+    write_mosaic(folder, mosaic);
+    write_file(picture, thumbnail_png(mosaic));
 }
 
 nlohmann::json DiveRun::evaluate() {

@@ -43,6 +43,8 @@ protected:
         const auto metrics = reconstruct_dive({.dive = folder_ / "dive",
                                                .out = folder_ / name,
                                                .scratch = folder_ / (name + "-scratch"),
+                                               .cache = cache_,
+                                               .cache_bytes = std::int64_t{1} << 30,
                                                .options = make_options("standard", overrides)},
                                               [&](const Progress& progress) {
                                                   EXPECT_GE(progress.fraction, last_fraction);
@@ -52,7 +54,23 @@ protected:
         return metrics;
     }
 
+    std::set<std::string> reused(const nlohmann::json& metrics) {
+        std::set<std::string> names;
+        for (const auto& stage : metrics["speed"]["stages"])
+            if (stage["reused"]) names.insert(stage["stage"]);
+        return names;
+    }
+    void expect_same_files(const std::string& one, const std::string& other) {
+        for (const auto& entry : fs::recursive_directory_iterator(folder_ / one)) {
+            const auto name = entry.path().lexically_relative(folder_ / one);
+            if (!entry.is_regular_file() || name == "metrics.json" || name == "report.html")
+                continue;  // these say how long it took
+            EXPECT_EQ(content(entry.path()), content(folder_ / other / name)) << name;
+        }
+    }
+
     TemporaryFolder folder_;
+    fs::path cache_;  // empty: none
 };
 
 TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingElseIsMade) {
@@ -70,6 +88,33 @@ TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingEl
     EXPECT_EQ(alone["trajectory"], whole["trajectory"]);
     EXPECT_TRUE(whole.contains("mesh"));
     EXPECT_FALSE(alone.contains("mesh"));
+}
+
+// What is left out and what is made anew by the options that differ; the bytes are those of a run
+// from nothing.
+TEST_F(ReconstructDiveTest, ARunStartsWhereItDiffersFromAnEarlierOne) {
+    const nlohmann::json plain = {{"voxel_m", 0.02}};
+    const nlohmann::json coarse = {{"voxel_m", 0.03}};
+    const nlohmann::json meshed = {
+        {"voxel_m", 0.03}, {"mesher", "marching_cubes"}, {"simplify", 0.5}};
+    const nlohmann::json stated = {{"voxel_m", 0.03}, {"refine_lenses", false}};
+    reconstruct("fresh-coarse", coarse);
+    reconstruct("fresh-meshed", meshed);
+    reconstruct("fresh-stated", stated);
+    cache_ = folder_ / "cache";
+    EXPECT_TRUE(reused(reconstruct("first", plain)).empty());
+
+    using Names = std::set<std::string>;
+    EXPECT_EQ(reused(reconstruct("again", plain)),
+              (Names{"track", "optimise", "fuse", "mesh", "texture"}));
+    EXPECT_EQ(reused(reconstruct("coarse", coarse)), (Names{"track", "optimise"}));
+    EXPECT_EQ(reused(reconstruct("meshed", meshed)), (Names{"track", "optimise", "fuse"}));
+    EXPECT_EQ(reused(reconstruct("stated", stated)), (Names{"track"}));
+
+    expect_same_files("first", "again");
+    expect_same_files("fresh-coarse", "coarse");
+    expect_same_files("fresh-meshed", "meshed");
+    expect_same_files("fresh-stated", "stated");
 }
 
 }  // namespace
