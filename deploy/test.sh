@@ -45,6 +45,7 @@ if $full; then
     step "build, thread sanitizer" build tsan --target unit_tests
     step "unit tests, thread sanitizer" ctest --preset tsan
     step "linter" lint
+    step "10,000 jobs, 8 workers, 100 kills" build/release/tests/bench/divemesh_queue_storm
     step "every dive of the shared data" tests/bench/run.sh
     step "demo" deploy/demo.sh
 fi

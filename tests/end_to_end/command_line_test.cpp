@@ -37,6 +37,8 @@ TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
                                       "download",
                                       "cancel",
                                       "retry",
+                                      "queue",
+                                      "workers",
                                       "reconstruct",
                                       "evaluate",
                                       "simulate",
