@@ -13,7 +13,10 @@
 namespace divemesh::storage {
 namespace {
 
+// Of what an attempt says about itself: its recording may have taken it over.
 constexpr std::size_t kMaxLogBytes = 256 * 1024;
+constexpr std::size_t kMaxStages = 32;
+constexpr std::size_t kMaxStageNameBytes = 64;
 constexpr const char* kLogCut = "\n[the log was cut off here]\n";
 
 // What keeps queues back: names of those that are paused, and of those that run as many jobs as
@@ -206,6 +209,7 @@ bool JobStore::report_progress(const Lease& lease, const Progress& progress) {
 bool JobStore::report_stage(const Lease& lease, const StageRun& stage) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         std::vector<StageRun> stages = job.stages;
+        if (stages.size() >= kMaxStages || stage.name.size() > kMaxStageNameBytes) return;
         stages.push_back(stage);
         const std::string text = to_text(stages);
         execute(session,

@@ -279,6 +279,16 @@ TEST_F(QueueTest, KeepsTheLogOfEveryAttempt) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { jobs_.log(job.id, 3); }));
 }
 
+TEST_F(QueueTest, KeepsNoMoreStagesThanThereCanBe) {
+    const Job job = enqueue(ready_dive());
+    const Lease lease = claim().lease;
+
+    for (int i = 0; i < 40; ++i) EXPECT_TRUE(jobs_.report_stage(lease, {"track", 0.1, false}));
+    EXPECT_TRUE(jobs_.report_stage(lease, {std::string(65, 'x'), 0.1, false}));
+
+    EXPECT_EQ(jobs_.get(job.id).stages.size(), 32u);
+}
+
 TEST_F(QueueTest, TellsTheStagesOfTheNewestAttempt) {
     const Job job = enqueue(ready_dive());
     const Lease first = claim().lease;

@@ -1,0 +1,220 @@
+// SIGKILL at every statement boundary of commit, claim, publish, complete: after each, catalog and
+// blobs are consistent, and doing it again ends as if nothing had happened.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "storage/blob_store.hpp"
+#include "storage/fault_point.hpp"
+#include "tests/storage/child.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// One step of the service on a catalog and a blob store of its own.
+struct Site : Stores {
+    explicit Site(const fs::path& place)
+        : Stores("sqlite://" + (place / "catalog.db").string()),
+          folder(place),
+          blobs(open_blob_store((place / "blobs").string())) {}
+
+    void stage_upload() {
+        const Upload upload = finished_upload();
+        const auto staged = blobs->open_staged(upload.blob);
+        staged->write(std::string_view("0123456789"));
+        staged->flush();
+    }
+    // What makes a dive of a finished upload, and what a restarted server does again.
+    void commit() {
+        for (const Upload& upload : uploads_.list_older_than(std::int64_t{1} << 60)) {
+            const NewDive dive = request(upload, "wreck", "standard");
+            blobs->commit_staged(upload.blob, dive.blob);
+            dives_.create(dive);
+        }
+    }
+
+    // A reconstruction of a dive that is really there.
+    void queue_job() {
+        stage_upload();
+        commit();
+        finish_intake(dives_.list({}, {}).items.at(0));
+    }
+
+    Lease take() { return claim(std::chrono::minutes(5)).lease; }
+    void publish(const Lease& lease) {
+        std::vector<Artifact> artifacts;
+        for (const char* name : {"mesh.ply", "trajectory.tum"}) {
+            std::ofstream(folder / name) << name;
+            const std::string key = "jobs/" + lease.job_id + "/" + lease.lease_id + "/" + name;
+            blobs->put_file(key, folder / name);
+            artifacts.push_back({.name = name, .media_type = "x", .sha256 = "y", .blob = key});
+        }
+        EXPECT_TRUE(jobs_.succeed(lease, artifacts));
+    }
+
+    std::vector<Job> all_jobs() { return jobs_.list({}, {.limit = 200}).items; }
+    void lose_leases() {
+        catalog_.transaction([](soci::session& session) {
+            session << "UPDATE jobs SET lease_expires_at_ms = 0 WHERE state = 'running'";
+        });
+    }
+
+    fs::path folder;
+    std::unique_ptr<BlobStore> blobs;
+};
+
+void expect_consistent(Site& site) {
+    for (const Dive& dive : site.dives_.list({}, {}).items)
+        EXPECT_TRUE(site.blobs->exists(dive.blob)) << dive.id;
+    std::map<std::string, std::string> told;
+    std::int64_t last = 0;
+    for (const Event& event : site.events_.since(0, "", 1000)) {
+        EXPECT_EQ(event.sequence, ++last);
+        if (event.type == "job.state") told[event.subject] = event.data.at("state");
+    }
+    for (const Job& job : site.all_jobs()) {
+        EXPECT_EQ(told[job.id], to_string(job.state)) << "what was told is not what is";
+        const auto attempts = site.jobs_.attempts(job.id);
+        const auto num_running = std::count_if(attempts.begin(), attempts.end(), [](auto& attempt) {
+            return attempt.state == AttemptState::Running;
+        });
+        EXPECT_EQ(num_running, job.state == JobState::Running ? 1 : 0);
+        const auto artifacts = site.jobs_.artifacts(job.id);
+        EXPECT_TRUE(artifacts.empty() || job.state == JobState::Succeeded);
+        for (const Artifact& artifact : artifacts) EXPECT_TRUE(site.blobs->exists(artifact.blob));
+    }
+}
+
+class CrashPointsTest : public testing::Test {
+protected:
+    using Step = std::function<void(Site&)>;
+
+    // Runs `step` on a copy of what `prepare` makes, once for every fault point it passes, killed
+    // there; `verify` looks at each copy. Returns how many there were.
+    int kill_everywhere(const Step& prepare, const Step& step, const Step& verify) {
+        const fs::path prepared = folder_ / "prepared";
+        {
+            Site site(prepared);
+            prepare(site);
+        }
+        for (int number = 1;; ++number) {
+            const fs::path place = folder_ / std::to_string(number);
+            fs::copy(prepared, place, fs::copy_options::recursive);
+            const bool killed = is_killed_at(number, place, step);
+            {
+                SCOPED_TRACE("killed at " + std::to_string(number));
+                Site site(place);
+                expect_consistent(site);
+                verify(site);
+                expect_consistent(site);
+            }
+            if (!killed || HasFailure()) return number - 1;
+            fs::remove_all(place);
+        }
+    }
+
+    static bool is_killed_at(int number, const fs::path& place, const Step& step) {
+        const pid_t child = fork();
+        if (child == 0) {
+            Site site(place);
+            kill_at_fault_point(number);
+            step(site);
+            _exit(HasFailure() ? 1 : 0);
+        }
+        int status = 0;
+        waitpid(child, &status, 0);
+        const bool killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+        EXPECT_TRUE(killed || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) << status;
+        return killed;
+    }
+
+    static JobState state_of_reconstruction(Site& site) {
+        for (const Job& job : site.all_jobs())
+            if (job.kind == JobKind::Reconstruct) return job.state;
+        throw std::runtime_error("the job is lost");
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(CrashPointsTest, CommitOfAnUpload) {
+    const int num_points = kill_everywhere(
+        [](Site& site) { site.stage_upload(); },
+        [](Site& site) { site.commit(); },
+        [](Site& site) {
+            site.commit();
+            ASSERT_EQ(site.dives_.list({}, {}).items.size(), 1U);
+            EXPECT_EQ(site.all_jobs().size(), 2U);  // its intake and its reconstruction
+            const auto reader = site.blobs->open(site.dives_.list({}, {}).items[0].blob);
+            EXPECT_EQ(reader->size_bytes(), 10);
+        });
+    EXPECT_GT(num_points, 15);
+}
+
+TEST_F(CrashPointsTest, Claim) {
+    const int num_points =
+        kill_everywhere([](Site& site) { site.queue_job(); },
+                        [](Site& site) { site.take(); },
+                        [](Site& site) {
+                            site.lose_leases();
+                            const Lease lease = site.take();
+                            site.publish(lease);
+                            EXPECT_EQ(state_of_reconstruction(site), JobState::Succeeded);
+                        });
+    EXPECT_GT(num_points, 8);
+}
+
+TEST_F(CrashPointsTest, PublishAndComplete) {
+    const int num_points =
+        kill_everywhere([](Site& site) { site.queue_job(); },
+                        [](Site& site) { site.publish(site.take()); },
+                        [](Site& site) {
+                            if (state_of_reconstruction(site) != JobState::Succeeded) {
+                                site.lose_leases();
+                                site.publish(site.take());
+                            }
+                            for (const Job& job : site.all_jobs())
+                                EXPECT_EQ(site.jobs_.artifacts(job.id).size(),
+                                          job.kind == JobKind::Reconstruct ? 2U : 0U);
+                            EXPECT_FALSE(site.jobs_.claim("worker", Stores::kLong));
+                        });
+    EXPECT_GT(num_points, 25);
+}
+
+TEST_F(CrashPointsTest, CompletionOfAnIntakeThatOthersWaitFor) {
+    const auto finish = [](Site& site) {
+        const Claim intake = site.claim();
+        ASSERT_EQ(intake.job.kind, JobKind::Intake);
+        EXPECT_TRUE(site.jobs_.finish_intake(intake.lease, {}));
+    };
+    kill_everywhere([](Site& site) { site.stage_upload(), site.commit(); },
+                    finish,
+                    [&](Site& site) {
+                        site.lose_leases();
+                        const bool checking =
+                            site.dives_.list({}, {}).items.at(0).state == DiveState::Checking;
+                        EXPECT_EQ(state_of_reconstruction(site) == JobState::Held, checking);
+                        if (checking) finish(site);
+                        EXPECT_EQ(state_of_reconstruction(site), JobState::Queued);
+                    });
+}
+
+TEST_F(CrashPointsTest, FailureThatIsTriedAgain) {
+    kill_everywhere([](Site& site) { site.queue_job(); },
+                    [](Site& site) {
+                        site.jobs_.fail(site.take(), {ErrorCode::Unavailable, "no network"});
+                    },
+                    [](Site& site) {
+                        site.lose_leases();
+                        site.publish(site.take());
+                        EXPECT_EQ(state_of_reconstruction(site), JobState::Succeeded);
+                    });
+}
+
+}  // namespace
+}  // namespace divemesh::storage
