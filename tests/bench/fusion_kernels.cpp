@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/bench/measured.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "worker/volume/marching_cubes.hpp"
 #include "worker/volume/octree_volume.hpp"
 #include "worker/volume/surface_nets.hpp"
@@ -20,16 +21,7 @@ namespace {
 constexpr int kNumKeyframes = 16;
 constexpr double kVoxel_m = 0.01;
 
-RectifiedRig vga_rig() {
-    RectifiedRig rig;
-    rig.width_px = 640;
-    rig.height_px = 480;
-    rig.focal_px = 498.0;
-    rig.cx_px = 319.5;
-    rig.cy_px = 239.5;
-    rig.baseline_m = 0.12;
-    return rig;
-}
+RectifiedRig vga_rig() { return synthetic::ideal_rig(640, 480, 498.0); }
 
 struct DeepKeyframe {
     Keyframe keyframe;

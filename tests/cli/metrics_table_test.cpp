@@ -27,5 +27,18 @@ TEST(MetricsSummaryTest, TellsWhatIsThereInUnitsForPeople) {
               "trajectory error, RMSE        2.0 mm\n");
 }
 
+TEST(MetricsSummaryTest, TellsWhatSimplifyingLost) {
+    const nlohmann::json metrics = {
+        {"mesh",
+         {{"num_triangles", 500},
+          {"simplification",
+           {{"num_triangles_before", 2000}, {"rms_m", 0.0004}, {"max_m", 0.0031}}}}}};
+    EXPECT_EQ(metrics_summary(metrics),
+              "triangles                       500\n"
+              "  before simplifying            2000\n"
+              "  lost by simplifying, RMS      0.4 mm\n"
+              "  lost by simplifying, largest  3.1 mm\n");
+}
+
 }  // namespace
 }  // namespace divemesh::cli

@@ -13,13 +13,9 @@ namespace divemesh::synthetic {
 
 // A camera of 320x240 over a flat floor, which is read exactly anywhere.
 inline worker::RectifiedRig small_rig() {
-    worker::RectifiedRig result = rig();
-    result.width_px = 320;
-    result.height_px = 240;
-    result.focal_px = 250.0;
-    result.cx_px = 159.5;
-    result.cy_px = 119.5;
-    return result;
+    worker::RectifiedRig small = ideal_rig(320, 240, 250.0);
+    small.T_imu_cam = rig().T_imu_cam;
+    return small;
 }
 
 // Speckles of three sizes. With a period along x the floor looks the same again after it.

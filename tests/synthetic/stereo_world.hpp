@@ -5,21 +5,16 @@
 #include <random>
 #include <vector>
 
-#include "worker/geometry/rectified_rig.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "worker/geometry/rotation_vector.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
 
 namespace divemesh::synthetic {
 
+// With the camera a hand's breadth from the unit, turned by a quarter.
 inline worker::RectifiedRig rig() {
-    worker::RectifiedRig rig;
-    rig.width_px = 640;
-    rig.height_px = 480;
-    rig.focal_px = 500.0;
-    rig.cx_px = 319.5;
-    rig.cy_px = 239.5;
-    rig.baseline_m = 0.12;
+    worker::RectifiedRig rig = ideal_rig(640, 480, 500.0);
     rig.T_imu_cam.linear() = worker::rotation_from_vector({0.02, -0.03, 1.56}).toRotationMatrix();
     rig.T_imu_cam.translation() = Eigen::Vector3d(-0.03, -0.06, 0.04);
     return rig;

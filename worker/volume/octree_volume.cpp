@@ -16,11 +16,12 @@ constexpr int kLeastViews = 2;  // of a leaf before it counts: what one view saw
 OctreeVolume::OctreeVolume(VolumeSettings settings)
     : Volume(std::move(settings)), octree_(settings_.voxel_m, settings_.spill) {}
 
-// Where the view has one pixel for four of the keyframe's, it is one point if their own would fall
-// into one leaf, else four on its plane.
+// Where the view has one pixel for four of the keyframe's, it is one point if all four would fall
+// into one leaf, else four on its plane: leaves between them would stay empty.
 void OctreeVolume::add(const Keyframe& keyframe, const DepthView& depth) {
     const double sigma_scale = 1.0 / (depth.rig().focal_px * depth.rig().baseline_m);
-    const double finest_m = settings_.voxel_m * settings_.rig.focal_px;
+    // Where a pixel of the keyframe is as wide as a leaf.
+    const double pixel_is_leaf_m = settings_.voxel_m * settings_.rig.focal_px;
     PointObservation point;
     point.view = static_cast<std::uint8_t>(num_views_);
     for (int v = 0; v < depth.rig().height_px; ++v)
@@ -32,7 +33,7 @@ void OctreeVolume::add(const Keyframe& keyframe, const DepthView& depth) {
             const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);
             point.normal = -(keyframe.T_world_cam.linear().cast<float>() * normal);
             point.weight = static_cast<float>(pixel.weight / (sigma_z * sigma_z));
-            if (depth.step_px() == 1 || z <= finest_m) {
+            if (depth.step_px() == 1 || depth.step_px() * z <= pixel_is_leaf_m) {
                 point.p_world = keyframe.T_world_cam * depth.rig().point_cam(u, v, z);
                 for (int i = 0; i < 3; ++i)
                     point.color[i] = static_cast<std::uint8_t>(pixel.color >> (16 - 8 * i));

@@ -6,21 +6,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-RectifiedRig small_rig() {
-    RectifiedRig rig;
-    rig.width_px = 160;
-    rig.height_px = 120;
-    rig.focal_px = 120.0;
-    rig.cx_px = 80.0;
-    rig.cy_px = 60.0;
-    rig.baseline_m = 0.1;
-    return rig;
-}
+RectifiedRig small_rig() { return synthetic::ideal_rig(160, 120, 120.0); }
 
 // A wall of noise at a disparity of 12 px.
 RectifiedFrame wall(int index) {

@@ -9,14 +9,7 @@
 namespace divemesh::worker {
 namespace {
 
-RectifiedRig small_rig() {
-    RectifiedRig rig = synthetic::rig();
-    rig.width_px = 320;
-    rig.height_px = 240;
-    rig.cx_px = 159.5;
-    rig.cy_px = 119.5;
-    return rig;
-}
+RectifiedRig small_rig() { return synthetic::ideal_rig(320, 240, 500.0); }
 
 TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
     const cv::Mat before = synthetic::picture(0.0, 0.0);

@@ -6,23 +6,14 @@
 #include <random>
 #include <vector>
 
-#include "worker/geometry/rectified_rig.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "worker/keyframe.hpp"
 
 namespace divemesh::worker {
 
 using SceneDistance = std::function<double(const Eigen::Vector3d& p_world)>;
 
-inline RectifiedRig small_rig() {
-    RectifiedRig rig;
-    rig.width_px = 240;
-    rig.height_px = 180;
-    rig.focal_px = 180.0;
-    rig.cx_px = 119.5;
-    rig.cy_px = 89.5;
-    rig.baseline_m = 0.12;
-    return rig;
-}
+inline RectifiedRig small_rig() { return synthetic::ideal_rig(240, 180, 180.0); }
 
 // A camera at `eye` that looks at `target`; image up is world y, or x when it looks along y.
 inline Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {

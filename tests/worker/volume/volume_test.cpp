@@ -13,6 +13,7 @@
 #include "tests/worker/volume/synthetic_views.hpp"
 #include "worker/steps/add_points.hpp"
 #include "worker/steps/extract_surface.hpp"
+#include "worker/volume/mesh_borders.hpp"
 #include "worker/volume/mesh_components.hpp"
 
 namespace divemesh::worker {
@@ -165,6 +166,33 @@ TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
     }
     for (const auto& vertex : extract_surface(*volume, options).vertices)
         EXPECT_LT(vertex.z(), 0.1F);
+}
+
+// A floor that runs away from the cameras: half of what a view sees is farther off than where it
+// was chosen how finely to sample.
+TEST_P(BothVolumes, HalfSamplingLeavesNoHolesFarAway) {
+    const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
+    auto options = options_for(GetParam());
+    options.voxel_m = 0.025;
+    std::vector<double> areas_m2;
+    for (const Sampling sampling : {Sampling::Full, Sampling::Half}) {
+        auto volume = make_volume(small_rig(), options, 1.6);
+        for (int i = 0; i < 4; ++i) {
+            const Eigen::Vector3d eye(0.013 * i, 0.007 * i, 1.0);
+            const auto view = render_view(
+                floor, small_rig(), look_at(eye, eye + Eigen::Vector3d(0.0, 1.3, -1.0)));
+            if (i == 0) {
+                ASSERT_EQ(choose_sampling(small_rig(), view.images.depth, options.voxel_m),
+                          Sampling::Half);
+            }
+            volume->add(view.keyframe, DepthView(small_rig(), view.images, sampling));
+        }
+        const Mesh mesh = extract_surface(*volume, options);
+        EXPECT_EQ(find_borders(mesh).num_holes, 0)
+            << (sampling == Sampling::Half ? "half" : "full");
+        areas_m2.push_back(check_topology(mesh).area_m2);
+    }
+    EXPECT_GT(areas_m2[1], 0.9 * areas_m2[0]);  // the rim is wider
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes,
@@ -329,9 +357,7 @@ TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
 }
 
 TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {
-    RectifiedRig rig;
-    rig.focal_px = 495.0;
-    rig.baseline_m = 0.12;
+    const RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
     EXPECT_NEAR(choose_voxel_m(rig, 2.0), 0.009, 0.002);
     EXPECT_LT(choose_voxel_m(rig, 1.0), choose_voxel_m(rig, 2.0));
     EXPECT_GT(choose_max_depth_m(rig, 0.01), 3.0);

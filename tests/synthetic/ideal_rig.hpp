@@ -1,0 +1,19 @@
+#pragma once
+
+#include "worker/geometry/rectified_rig.hpp"
+
+namespace divemesh::synthetic {
+
+// An ideal pair 12 cm apart, its principal point in the middle of the picture.
+inline worker::RectifiedRig ideal_rig(int width_px, int height_px, double focal_px) {
+    worker::RectifiedRig rig;
+    rig.width_px = width_px;
+    rig.height_px = height_px;
+    rig.focal_px = focal_px;
+    rig.cx_px = 0.5 * (width_px - 1);
+    rig.cy_px = 0.5 * (height_px - 1);
+    rig.baseline_m = 0.12;
+    return rig;
+}
+
+}  // namespace divemesh::synthetic

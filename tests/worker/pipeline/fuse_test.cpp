@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "schemas/error.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/worker/volume/synthetic_views.hpp"
+#include "worker/reconstruct.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Four views of a bump, in the store.
+class FuseOnThreads : public testing::TestWithParam<int> {
+protected:
+    FuseOnThreads() {
+        for (const auto& pose : views_from_above(4, 1.2)) {
+            auto view = render_view(bump_on_floor, small_rig(), pose);
+            view.keyframe.frame_index = static_cast<int>(frames_.size());
+            store_.write(view.keyframe.frame_index, view.images);
+            frames_.push_back(view.keyframe);
+        }
+        options_.voxel_m = 0.02;
+        options_.num_threads = GetParam();
+    }
+
+    FusedMap fuse(const ProgressCallback& progress) const {
+        return worker::fuse(small_rig(), frames_, 1.2, options_, store_, folder_ / "", progress);
+    }
+
+    TemporaryFolder folder_;
+    KeyframeStore store_{folder_ / "keyframes"};
+    std::vector<Keyframe> frames_;
+    ReconstructionOptions options_;
+};
+
+// The next keyframe is being read when the callback throws: what it is read into must outlive that.
+TEST_P(FuseOnThreads, IsCancelledAtAnyFrame) {
+    for (std::int64_t last = 0; last <= std::ssize(frames_); ++last) {
+        std::int64_t frames_done = -1;
+        try {
+            fuse([&](const Progress& progress) {
+                frames_done = progress.frames_done;
+                if (frames_done == last) throw Error(ErrorCode::Cancelled, "enough");
+            });
+            ADD_FAILURE() << "went on after frame " << last;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+        }
+        EXPECT_EQ(frames_done, last);
+    }
+}
+
+TEST_P(FuseOnThreads, AKeyframeThatIsNotInTheStoreIsATypedError) {
+    frames_.back().frame_index = 77;
+    try {
+        fuse(ignore_progress);
+        ADD_FAILURE() << "fused a frame that is not there";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::NotFound);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, FuseOnThreads, testing::Values(1, 2));
+
+}  // namespace
+}  // namespace divemesh::worker
