@@ -27,7 +27,7 @@ class Pool {
 public:
     explicit Pool(const Engine& engine) : engine_(engine) {}
 
-    std::unique_ptr<soci::session> take() {
+    std::unique_ptr<Session> take() {
         std::unique_lock lock(mutex_);
         returned_.wait(lock, [this] { return !idle_.empty() || num_open_ < kMaxConnections; });
         if (!idle_.empty()) {
@@ -46,7 +46,7 @@ public:
     }
 
     // Null: the connection is of no more use.
-    void give_back(std::unique_ptr<soci::session> session) {
+    void give_back(std::unique_ptr<Session> session) {
         const std::lock_guard lock(mutex_);
         if (session)
             idle_.push_back(std::move(session));
@@ -59,7 +59,7 @@ private:
     const Engine& engine_;
     std::mutex mutex_;
     std::condition_variable returned_;
-    std::vector<std::unique_ptr<soci::session>> idle_;
+    std::vector<std::unique_ptr<Session>> idle_;
     std::size_t num_open_ = 0;
 };
 
@@ -91,7 +91,7 @@ public:
 
 private:
     Pool& pool_;
-    std::unique_ptr<soci::session> session_;
+    std::unique_ptr<Session> session_;
     bool open_ = false;
 };
 

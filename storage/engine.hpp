@@ -6,6 +6,8 @@
 #include <soci/soci.h>
 #include <string>
 
+#include "storage/session.hpp"
+
 namespace divemesh::storage {
 
 // Where databases differ, and nothing else: the stores' SQL is the same for all.
@@ -13,7 +15,7 @@ class Engine {
 public:
     virtual ~Engine() = default;
 
-    virtual std::unique_ptr<soci::session> connect() const = 0;
+    virtual std::unique_ptr<Session> connect() const = 0;
     // Held for the length of a write transaction by engines that have one writer at a time.
     virtual std::unique_lock<std::mutex> wait_for_turn_to_write() = 0;
     virtual void begin_write(soci::session& session) const = 0;

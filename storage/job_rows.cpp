@@ -84,10 +84,9 @@ Attempt AttemptRow::value() const {
 }
 
 Job read_job(soci::session& session, const std::string& id) {
-    auto job =
-        select_one<JobRow>(session,
-                           "SELECT " + std::string(kJobColumns) + " FROM jobs WHERE id = :id",
-                           soci::use(id, "id"));
+    static const std::string kById =
+        "SELECT " + std::string(kJobColumns) + " FROM jobs WHERE id = :id";
+    auto job = select_prepared<JobRow>(session, kById, id);
     if (!job) throw Error(ErrorCode::NotFound, "no job " + id);
     return std::move(*job);
 }

@@ -22,8 +22,8 @@ class SqliteEngine : public Engine {
 public:
     explicit SqliteEngine(std::string file) : file_(std::move(file)) { make_file(); }
 
-    std::unique_ptr<soci::session> connect() const override {
-        auto session = std::make_unique<soci::session>(
+    std::unique_ptr<Session> connect() const override {
+        auto session = std::make_unique<Session>(
             soci::sqlite3,
             "dbname=\"" + file_ + "\" timeout=" + std::to_string(kBusyTimeoutSeconds));
         switch_to_wal(*session);
