@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     const auto report = divemesh::run_queue_storm(storm);
     std::cout << report.num_succeeded << " of " << storm.num_jobs << " jobs succeeded in "
               << report.num_attempts << " attempts, " << report.num_kills << " kills, "
-              << report.seconds << " s\n";
+              << report.num_redriven << " redriven, " << report.seconds << " s\n";
     for (const auto& complaint : report.complaints) std::cout << complaint << '\n';
     return report.complaints.empty() && report.num_succeeded == storm.num_jobs ? 0 : 1;
 }

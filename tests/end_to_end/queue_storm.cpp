@@ -129,11 +129,16 @@ private:
         }
     }
 
+    // Jobs that were hit three times in a row are dead: a person puts them back.
     int num_finished() {
-        int finished = 0;
-        for (const auto& [state, count] : jobs_.count_by_state())
-            if (is_finished(state)) finished += static_cast<int>(count);
-        return finished - 1;  // the intake
+        int finished = -1;  // less the intake
+        for (const auto& [state, count] : jobs_.count_by_state()) {
+            if (state == JobState::Dead)
+                report_.num_redriven += static_cast<int>(jobs_.redrive("", 1000).size());
+            else if (is_finished(state))
+                finished += static_cast<int>(count);
+        }
+        return finished;
     }
 
     // Evenly spread over the jobs as they get done.

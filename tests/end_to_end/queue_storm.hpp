@@ -19,6 +19,7 @@ struct QueueStorm {
 struct StormReport {
     int num_succeeded = 0;
     int num_kills = 0;
+    int num_redriven = 0;  // hit three times in a row
     int num_attempts = 0;  // of all jobs, those of the killed workers too
     double seconds = 0.0;
     std::vector<std::string> complaints;  // what was lost, or was done twice to effect

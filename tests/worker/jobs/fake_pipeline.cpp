@@ -82,14 +82,15 @@ std::string tcp_to_nowhere() {
     return failure == ECONNREFUSED || failure == 0 ? "network" : "no network";
 }
 
-void write_limits(const fs::path& out) {
-    std::ofstream file(out / "limits.txt");
+void write_limits(const ReconstructionRequest& request) {
+    std::ofstream file(request.out / "limits.txt");
     for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CPU}) {
         rlimit limit{};
         getrlimit(resource, &limit);
         file << limit.rlim_cur << ' ';
     }
-    file << tcp_to_nowhere() << '\n';
+    file << request.cache_bytes << ' ' << request.cache.filename().string() << ' '
+         << tcp_to_nowhere() << '\n';
 }
 
 // The first attempt waits for the file MARKER.go; the next ones, which find the marker, do not.
@@ -126,7 +127,7 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     if (script.word == "greedy")
         write_settings(script.marker, request.options), throw std::bad_alloc();
     if (script.word == "fill") fill_scratch(request.scratch, progress);
-    if (script.word == "limits") write_limits(request.out);
+    if (script.word == "limits") write_limits(request);
     if (script.word == "deaf") {
         write_pid(script.marker);
         std::this_thread::sleep_for(10min);

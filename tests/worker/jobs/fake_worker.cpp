@@ -15,15 +15,18 @@ using std::chrono::milliseconds;
 
 int run_worker(char** arguments) {
     const milliseconds lease(std::stol(arguments[5]));
-    const divemesh::worker::WorkerConfig config{.catalog_url = arguments[2],
-                                                .blobs_url = arguments[3],
-                                                .work_folder = arguments[4],
-                                                .lease = lease,
-                                                .renew_every = lease / 5,
-                                                .poll_every = milliseconds(100),
-                                                .deadline = milliseconds(std::stol(arguments[6])),
-                                                .cancel_grace = milliseconds(1000),
-                                                .scratch_bytes = std::stol(arguments[8])};
+    const divemesh::worker::WorkerConfig config{
+        .catalog_url = arguments[2],
+        .blobs_url = arguments[3],
+        .work_folder = arguments[4],
+        .cache_folder = std::string(arguments[4]) + "-cache",
+        .cache_bytes = 12345,
+        .lease = lease,
+        .renew_every = lease / 5,
+        .poll_every = milliseconds(100),
+        .deadline = milliseconds(std::stol(arguments[6])),
+        .cancel_grace = milliseconds(1000),
+        .scratch_bytes = std::stol(arguments[8])};
     rlimit limit{};
     getrlimit(RLIMIT_FSIZE, &limit);
     limit.rlim_cur = std::stoul(arguments[7]);

@@ -294,9 +294,10 @@ TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetwork) {
 
     std::istringstream limits(
         read_text(blobs_->local_copy(jobs_.artifact(job.id, "limits.txt").blob, folder_.path())));
-    std::int64_t memory = 0, file = 0, open_files = 0, cpu_s = 0;
+    std::int64_t memory = 0, file = 0, open_files = 0, cpu_s = 0, cache = 0;
+    std::string cache_name;
     std::string network;
-    limits >> memory >> file >> open_files >> cpu_s;
+    limits >> memory >> file >> open_files >> cpu_s >> cache >> cache_name;
     std::getline(limits >> std::ws, network);
 
     EXPECT_GT(memory, 0);
@@ -304,6 +305,8 @@ TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetwork) {
     EXPECT_EQ(file, 123456789);
     EXPECT_EQ(open_files, 1024);
     EXPECT_GE(cpu_s, 600);
+    EXPECT_EQ(cache, 12345);
+    EXPECT_EQ(cache_name, "work-cache");
     const bool cut = worker.stderr_text().find("keep the network") == std::string::npos &&
                      worker.stdout_text().find("keep the network") == std::string::npos;
     EXPECT_EQ(network, cut ? "no network" : "network");
