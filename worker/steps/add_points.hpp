@@ -64,7 +64,8 @@ std::unique_ptr<Volume> load_volume(const std::filesystem::path& file,
 // Two and a half pixels at the median depth, or the depth's own standard deviation there where that
 // is more, to the millimetre: about 1 cm at 2 m for a rig of 500 px and 12 cm.
 double choose_voxel_m(const RectifiedRig& rig, double median_depth_m);
-// Where the depth's standard deviation reaches four voxels: beyond, a view says too little.
+// Where the depth's standard deviation reaches six voxels: beyond, a view says too little. With
+// four a sixth of the tank within 10 mm is lost, with nine nothing is won.
 double choose_max_depth_m(const RectifiedRig& rig, double voxel_m);
 
 }  // namespace divemesh::worker

@@ -11,9 +11,11 @@ namespace divemesh::worker {
 namespace {
 
 constexpr float kLeastSigma_voxels = 0.5F;
-constexpr float kRoughness_voxels = 0.2F;  // of a surface from the mean of a vertex's neighbours
-constexpr float kLongestReach = 12.0F;     // voxels over which noise is evened out
-constexpr int kNumIterations = 45;         // leave 1 % of the way at that reach
+// Of a surface from the mean of a vertex's neighbours. Half of it gains 1.5 points of F1 at 10 mm
+// on the tank and none on the barge; a quarter, with a reach of 20, takes as much from the barge.
+constexpr float kRoughness_voxels = 0.2F;
+constexpr float kLongestReach = 12.0F;  // voxels over which noise is evened out
+constexpr int kNumIterations = 45;      // leave 1 % of the way at that reach
 constexpr float kFarthest_sigmas = 3.0F;
 constexpr std::size_t kSlice = 2048;  // vertices that a thread takes at once
 

@@ -206,7 +206,7 @@ TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
     auto volume = make_volume(small_rig(), options, 1.0);
     const auto poses = views_from_above(12, 1.2);
     for (int i = 0; i < 12; ++i) {
-        const double along = 0.02 * i;  // slow: three views or more agree on a part of it
+        const double along = 0.02 * i;  // slow: several views agree on a part of it
         const SceneDistance scene = [&](const Eigen::Vector3d& p) {
             const double fish = (p - Eigen::Vector3d(along, 0.0, 0.45)).norm() - 0.12;
             return i % 12 < 4 ? std::min(p.z(), fish) : p.z();
