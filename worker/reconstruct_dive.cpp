@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/error.hpp"
+#include "worker/build_id.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/metrics/evaluation.hpp"
@@ -49,15 +50,6 @@ std::string read_text(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Neither file is ever changed in place.
-void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to) {
-    std::filesystem::create_directories(to.parent_path());
-    std::filesystem::remove(to);
-    std::error_code failure;
-    std::filesystem::create_hard_link(from, to, failure);
-    if (failure) std::filesystem::copy_file(from, to);
-}
-
 constexpr double kShareWithoutSurface = 0.72;  // of track, optimise and evaluate
 
 Surface simplified(Mesh mesh, const ReconstructionOptions& options) {
@@ -74,7 +66,8 @@ public:
         : request_(request),
           stages_(progress),
           dive_(open_dive(request)),
-          keys_(stage_keys(DIVEMESH_VERSION, dive_->content_sha256(), request.options)),
+          keys_(
+              stage_keys(DIVEMESH_VERSION + build_id(), dive_->content_sha256(), request.options)),
           cache_(request.cache, request.cache_bytes),
           keyframe_store_(request.scratch / "keyframes") {
         std::filesystem::create_directories(request.out);

@@ -53,14 +53,6 @@ std::string hash_of(const fs::path& file) {
     return hash.hex();
 }
 
-void link_or_copy(const fs::path& from, const fs::path& to) {
-    fs::create_directories(to.parent_path());
-    std::error_code failure;
-    fs::remove(to, failure);
-    fs::create_hard_link(from, to, failure);
-    if (failure) fs::copy_file(from, to);
-}
-
 std::vector<std::string> files_below(const fs::path& folder, const std::string& name) {
     if (fs::is_regular_file(fs::symlink_status(folder / name))) return {name};
     std::vector<std::string> names;
@@ -150,6 +142,14 @@ private:
 };
 
 }  // namespace
+
+void link_or_copy(const fs::path& from, const fs::path& to) {
+    fs::create_directories(to.parent_path());
+    std::error_code failure;
+    fs::remove(to, failure);
+    fs::create_hard_link(from, to, failure);
+    if (failure) fs::copy_file(from, to);
+}
 
 struct StageCache::Entry {
     fs::path path;

@@ -42,4 +42,7 @@ private:
     std::int64_t max_bytes_ = 0;
 };
 
+// `to` is what `from` is, its folder made when missing; neither may be changed in place after that.
+void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to);
+
 }  // namespace divemesh::worker

@@ -34,7 +34,7 @@ std::string chained(const std::string& before, const nlohmann::json& options) {
 
 }  // namespace
 
-StageKeys stage_keys(const std::string& version,
+StageKeys stage_keys(const std::string& program,
                      const std::string& content_sha256,
                      const ReconstructionOptions& options) {
     nlohmann::json rest = options_to_json(options);
@@ -44,7 +44,7 @@ StageKeys stage_keys(const std::string& version,
     const auto mesh = take_out(rest, kMeshReads);
     const auto texture = take_out(rest, kTextureReads);
     StageKeys keys;
-    keys.track = chained(version + "\n" + content_sha256, rest);
+    keys.track = chained(program + "\n" + content_sha256, rest);
     keys.optimise = chained(keys.track, optimise);
     keys.fuse = chained(keys.optimise, fuse);
     keys.mesh = chained(keys.fuse, mesh);

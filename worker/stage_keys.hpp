@@ -6,7 +6,7 @@
 
 namespace divemesh::worker {
 
-// What the result of each stage depends on: the dive, the version, and the options that this stage
+// What the result of each stage depends on: the dive, the program, and the options that this stage
 // or one before it reads. Two runs whose keys are equal make the same bytes; a run that differs in
 // a later option starts where that is read first.
 struct StageKeys {
@@ -17,7 +17,7 @@ struct StageKeys {
     std::string texture;
 };
 
-StageKeys stage_keys(const std::string& version,
+StageKeys stage_keys(const std::string& program,
                      const std::string& content_sha256,
                      const ReconstructionOptions& options);
 
