@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <gmock/gmock.h>
 
+#include "api/client/rest_client.hpp"
 #include "tests/end_to_end/service.hpp"
 #include "tests/paths.hpp"
 
@@ -50,6 +51,29 @@ TEST_F(ReconstructionTest, TurnsAnUploadedDiveIntoAMeasuredMesh) {
     const auto metrics = nlohmann::json::parse(read_text(result / "metrics.json"));
     EXPECT_LT(metrics.at("trajectory").at("final").at("ate_rmse_m").get<double>(), 0.05);
     EXPECT_NE(outcome.err.find("trajectory error, RMSE"), std::string::npos) << outcome.err;
+}
+
+TEST_F(ReconstructionTest, DoesNotTrackAgainForAnotherVoxelSize) {
+    service.start_server(1);
+    upload();
+    const auto first = service.wait_for_reconstruction("succeeded", 180s);
+    api::client::RestClient rest(
+        {api::client::parse_server_url(service.address()), service.token()});
+
+    const std::string second =
+        rest.post("/api/v1/dives/" + first.at("dive_id").get<std::string>() + "/jobs",
+                  {{"options", {{"voxel_m", 0.03}}}})
+            .at("id");
+    ASSERT_TRUE(wait_until(180s, [&] { return service.job(second).at("state") == "succeeded"; }));
+
+    const auto cached = [&](const nlohmann::json& job) {
+        std::vector<std::string> names;
+        for (const auto& stage : job.at("stages"))
+            if (stage.at("from_cache")) names.push_back(stage.at("name"));
+        return names;
+    };
+    EXPECT_THAT(cached(first), testing::IsEmpty());
+    EXPECT_THAT(cached(service.job(second)), testing::ElementsAre("track", "optimise"));
 }
 
 TEST_F(ReconstructionTest, GivesFilesThatForeignValidatorsAccept) {
