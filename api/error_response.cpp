@@ -13,8 +13,11 @@ http::status status_of(ErrorCode code) {
         case ErrorCode::InvalidArgument: return http::status::bad_request;
         case ErrorCode::BadData: return http::status::unprocessable_entity;
         case ErrorCode::NotFound: return http::status::not_found;
+        case ErrorCode::Gone: return http::status::gone;
         case ErrorCode::Conflict: return http::status::conflict;
+        case ErrorCode::Locked: return http::status::locked;
         case ErrorCode::TooLarge: return http::status::payload_too_large;
+        case ErrorCode::TooMany: return http::status::too_many_requests;
         case ErrorCode::Unauthorized: return http::status::unauthorized;
         case ErrorCode::Forbidden: return http::status::forbidden;
         case ErrorCode::Unsupported: return http::status::unsupported_media_type;
@@ -53,7 +56,9 @@ Response error_response(const Request& request, const std::exception_ptr& failur
                                     "urn:divemesh:error:" + std::string(to_string(error.code())),
                                     error.what());
         if (error.code() == ErrorCode::Unauthorized) response.set("WWW-Authenticate", "Bearer");
-        if (error.code() == ErrorCode::Unavailable) response.set("Retry-After", "2");
+        if (error.code() == ErrorCode::Unavailable || error.code() == ErrorCode::Locked)
+            response.set("Retry-After", "2");
+        if (error.code() == ErrorCode::TooMany) response.set("Retry-After", "60");
         return response;
     } catch (const std::exception& error) {
         spdlog::error(nlohmann::json{{"event", "internal_error"},

@@ -1,5 +1,6 @@
 #include "api/http.hpp"
 
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "schemas/error.hpp"
@@ -35,5 +36,14 @@ Response json_response(http::status status, const nlohmann::json& body) {
 }
 
 Response empty_response(http::status status) { return {status, {}, {}}; }
+
+std::string http_date(std::int64_t unix_s) {
+    const std::time_t time = unix_s;
+    std::tm parts{};
+    gmtime_r(&time, &parts);
+    char text[40];
+    const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &parts);
+    return std::string(text, size);
+}
 
 }  // namespace divemesh::api

@@ -67,4 +67,7 @@ struct Response {
 Response json_response(http::status status, const nlohmann::json& body);
 Response empty_response(http::status status);
 
+// "Sun, 06 Nov 1994 08:49:37 GMT" (RFC 9110, section 5.6.7).
+std::string http_date(std::int64_t unix_s);
+
 }  // namespace divemesh::api

@@ -1,6 +1,5 @@
 #include "api/make_dive.hpp"
 
-#include <limits>
 #include <spdlog/spdlog.h>
 #include <vector>
 
@@ -26,7 +25,7 @@ std::string hash_of(storage::BlobReader& reader, const std::atomic<bool>& stoppi
 }
 
 std::string archive_sha256(const Services& services, const Upload& upload) {
-    if (const auto hash = services.hashes.take(upload.id, upload.length_bytes)) return hash->hex();
+    if (const auto hash = services.hashes.take(upload.id, upload.offset_bytes)) return hash->hex();
     const std::string key = archive_key(upload);
     // A server killed before the catalog knew has left the bytes where the dive's blob is.
     const auto reader = services.blobs.exists(key) ? services.blobs.open(key)
@@ -46,7 +45,11 @@ MadeDive make_dive(const Services& services, const Upload& upload, const UploadP
     if (!upload.complete())
         throw Error(ErrorCode::Conflict,
                     "upload " + upload.id + " has " + std::to_string(upload.offset_bytes) + " of " +
-                        std::to_string(upload.length_bytes) + " bytes: send the rest first");
+                        (upload.length_bytes ? std::to_string(*upload.length_bytes) : "unknown") +
+                        " bytes: send the rest first");
+    if (upload.is_partial())
+        throw Error(ErrorCode::Conflict,
+                    "upload " + upload.id + " is a part: make the final upload of it first");
     if (upload.length_bytes == 0)
         throw Error(ErrorCode::BadData, "upload " + upload.id + " is empty: it holds no dive");
     storage::NewDive dive{upload.id,
@@ -55,7 +58,7 @@ MadeDive make_dive(const Services& services, const Upload& upload, const UploadP
                           plan.archive_sha256,
                           plan.content_sha256,
                           archive_key(upload),
-                          upload.length_bytes,
+                          upload.offset_bytes,
                           plan.preset};
     if (upload.dive_id.empty()) {
         dive.archive_sha256 = archive_sha256(services, upload);
@@ -71,11 +74,11 @@ MadeDive make_dive(const Services& services, const Upload& upload, const UploadP
 }
 
 void make_owed_dives(const Services& services) {
-    constexpr auto kEver = std::numeric_limits<std::int64_t>::max();
-    for (const Upload& upload : storage::UploadStore(services.catalog).list_older_than(kEver)) {
+    for (const Upload& upload : storage::UploadStore(services.catalog).list_open()) {
         try {
             const UploadPlan plan = plan_of(upload.metadata);
-            if (plan.commit && upload.complete()) make_dive(services, upload, plan);
+            if (plan.commit && upload.complete() && !upload.is_partial())
+                make_dive(services, upload, plan);
         } catch (const std::exception& error) {
             spdlog::warn(nlohmann::json{
                 {"event", "dive_owed"}, {"upload", upload.id}, {"what", error.what()}}

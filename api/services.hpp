@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <boost/asio/thread_pool.hpp>
+#include <chrono>
 #include <cstdint>
 
 #include "api/hash_cache.hpp"
@@ -12,9 +13,14 @@
 
 namespace divemesh::api {
 
+class KeysInFlight;
+
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // new uploads leave so much free
+    std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
+    std::int64_t max_open_uploads = 1000;                                 // of one project
+    std::int64_t min_upload_bytes_per_s = 64;  // a minute long; slower is no client
 };
 
 // What handlers may use. All of it outlives every connection and is thread-safe.
@@ -25,6 +31,7 @@ struct Services {
     UploadTurns& turns;
     HashCache& hashes;
     storage::QueueForecast& forecast;
+    KeysInFlight& keys;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     ServiceLimits limits;
     bool no_auth = false;

@@ -1,8 +1,8 @@
 #include "api/upload_metadata.hpp"
 
 #include <algorithm>
-#include <openssl/evp.h>
 
+#include "api/base64.hpp"
 #include "schemas/error.hpp"
 #include "schemas/reconstruction_options.hpp"
 
@@ -16,19 +16,9 @@ constexpr std::size_t kMaxNameBytes = 200;
 }
 
 std::string from_base64(std::string_view text) {
-    constexpr std::string_view kAlphabet =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const std::size_t length = std::min(text.find_first_not_of(kAlphabet), text.size());
-    const std::size_t padding = text.size() - length;
-    if (text.size() % 4 != 0 || padding > 2 || text.substr(length) != std::string(padding, '='))
-        refuse("a value is not base64");
-    std::string bytes(text.size() / 4 * 3, '\0');
-    const int size = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
-                                     reinterpret_cast<const unsigned char*>(text.data()),
-                                     static_cast<int>(text.size()));
-    if (size < 0) refuse("a value is not base64");
-    bytes.resize(static_cast<std::size_t>(size) - padding);
-    return bytes;
+    auto bytes = decode_base64(text);
+    if (!bytes) refuse("a value is not base64");
+    return std::move(*bytes);
 }
 
 std::string_view trimmed(std::string_view text) {

@@ -36,6 +36,21 @@ asio::awaitable<UploadTurns::Turn> UploadTurns::take(std::string upload_id,
     co_return Turn(std::move(holder));
 }
 
+asio::awaitable<std::optional<UploadTurns::Turn>> UploadTurns::take_if_free(std::string upload_id) {
+    auto holder =
+        co_await asio::co_spawn(strand_, hold_if_free(std::move(upload_id)), asio::use_awaitable);
+    if (!holder) co_return std::nullopt;
+    co_return Turn(std::move(holder));
+}
+
+asio::awaitable<std::shared_ptr<UploadTurns::Holder>> UploadTurns::hold_if_free(
+    std::string upload_id) {
+    if (holders_.contains(upload_id)) co_return nullptr;
+    auto holder = std::make_shared<Holder>(Holder{this, upload_id, [] {}, {}});
+    holders_.emplace(std::move(upload_id), holder);
+    co_return holder;
+}
+
 asio::awaitable<std::shared_ptr<UploadTurns::Holder>> UploadTurns::wait(
     std::string upload_id, std::function<void()> stop) {
     const auto end = std::chrono::steady_clock::now() + patience_;
@@ -48,8 +63,7 @@ asio::awaitable<std::shared_ptr<UploadTurns::Holder>> UploadTurns::wait(
         older->waiting.push_back(timer);
         co_await timer->async_wait(asio::as_tuple(asio::use_awaitable));
         if (std::chrono::steady_clock::now() >= end)
-            throw Error(ErrorCode::Unavailable,
-                        "another request still works on this upload: try again");
+            throw Error(ErrorCode::Locked, "another request still works on this upload: try again");
     }
     auto holder = std::make_shared<Holder>(Holder{this, upload_id, std::move(stop), {}});
     holders_.emplace(std::move(upload_id), holder);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace divemesh::api {
@@ -36,10 +37,13 @@ public:
         : strand_(boost::asio::make_strand(executor)), patience_(patience) {}
 
     // `stop` is called, on any thread, when a newer request wants the upload; it must not block.
-    // Throws Error{Unavailable} when the older request has not ended in time.
+    // Throws Error{Locked} when the older request has not ended in time.
     boost::asio::awaitable<Turn> take(std::string upload_id, std::function<void()> stop);
+    // Nothing while a request has it or waits for it.
+    boost::asio::awaitable<std::optional<Turn>> take_if_free(std::string upload_id);
 
 private:
+    boost::asio::awaitable<std::shared_ptr<Holder>> hold_if_free(std::string upload_id);
     boost::asio::awaitable<std::shared_ptr<Holder>> wait(std::string upload_id,
                                                          std::function<void()> stop);
 

@@ -1,12 +1,16 @@
 #include "api/upload_writer.hpp"
 
+#include "api/chunk_writer.hpp"
+#include "api/make_dive.hpp"
 #include "schemas/error.hpp"
 #include "storage/upload_store.hpp"
 
 namespace divemesh::api {
 namespace {
 
-constexpr std::int64_t kFlushEveryBytes = std::int64_t{64} << 20;
+// What a power cut takes: bytes that no answer has told of.
+constexpr std::int64_t kFlushEveryBytes = std::int64_t{256} << 20;
+constexpr std::chrono::seconds kFlushEvery{5};
 
 }  // namespace
 
@@ -22,11 +26,18 @@ UploadWriter::UploadWriter(Services services, Upload upload)
     hash_ = services_.hashes.take(upload_.id, written_);
 }
 
+std::int64_t UploadWriter::room_bytes() const {
+    return upload_.length_bytes.value_or(services_.limits.max_upload_bytes) - written_;
+}
+
 void UploadWriter::write(std::span<const char> bytes) {
     staged_->write(bytes);
     written_ += static_cast<std::int64_t>(bytes.size());
     if (hash_) hash_->update(bytes);
-    if (written_ - upload_.offset_bytes >= kFlushEveryBytes) advance();
+    const bool is_time = std::chrono::steady_clock::now() - flushed_ >= kFlushEvery;
+    if (!is_time && written_ - upload_.offset_bytes < kFlushEveryBytes) return;
+    advance();
+    require_space();
 }
 
 const Upload& UploadWriter::finish() {
@@ -41,12 +52,30 @@ void UploadWriter::advance() {
     const std::int64_t durable = staged_->flush();
     if (durable > upload_.offset_bytes)
         upload_ = storage::UploadStore(services_.catalog).advance(upload_.id, durable);
+    flushed_ = std::chrono::steady_clock::now();
+}
+
+// The catalog needs room too: a disk that is full to the last byte lets nobody delete.
+void UploadWriter::require_space() const {
+    if (services_.blobs.free_bytes() < services_.limits.min_free_bytes)
+        throw Error(ErrorCode::OutOfSpace,
+                    "the server's disk is nearly full: what came is kept, go on when there is "
+                    "room again");
 }
 
 Upload reconciled(const Services& services, const Upload& upload) {
     if (upload.complete() || services.blobs.staged_size_bytes(upload.blob) <= upload.offset_bytes)
         return upload;
     return UploadWriter(services, upload).upload();
+}
+
+void free_bytes(const Services& services, const Upload& upload) {
+    services.blobs.remove_staged(upload.blob);
+    services.blobs.remove_staged(chunk_key(upload));
+    services.hashes.forget(upload.id);
+    // A server killed before the catalog knew has left the bytes where the dive's blob is.
+    if (upload.dive_id.empty()) services.blobs.remove(archive_key(upload));
+    storage::UploadStore(services.catalog).set_freed(upload.id);
 }
 
 }  // namespace divemesh::api

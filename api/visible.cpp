@@ -11,6 +11,7 @@ Upload visible_upload(const Request& request, const Services& services) {
     const std::string& id = request.parameter("upload_id");
     Upload upload = storage::UploadStore(services.catalog).get(id);
     require_visible(request.token, upload.project, "upload " + id);
+    storage::require_open(upload);
     return upload;
 }
 

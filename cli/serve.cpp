@@ -3,6 +3,7 @@
 #include "cli/command.hpp"
 #include "cli/data_options.hpp"
 #include "cli/exit_code.hpp"
+#include "schemas/reconstruction_options.hpp"
 #include "server/server.hpp"
 
 namespace divemesh::cli {
@@ -11,6 +12,7 @@ void add_serve(CLI::App& app, Context& context) {
     struct Options {
         DataOptions data;
         server::ServerConfig config;
+        double upload_lifetime_h = 168.0;
     };
     auto* command = app.add_subcommand("serve", "the server: uploads, dives, jobs, events");
     auto options = std::make_shared<Options>();
@@ -22,6 +24,10 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--io-threads", options->config.num_io_threads, "for connections")->capture_default_str()->check(CLI::Range(1, 256));
     command->add_option("--max-upload", options->config.max_upload_bytes, "largest archive (500G)")->transform(CLI::AsSizeValue(true));
     command->add_option("--min-free", options->config.min_free_bytes, "room on the disk that is never used (10G)")->transform(CLI::AsSizeValue(true));
+    command->add_option("--upload-lifetime", options->upload_lifetime_h, "hours after which an upload that no byte comes for is removed")->capture_default_str()->check(CLI::Range(1.0, 8760.0));
+    command->add_option("--import", options->config.import_folder, "take the dives of this folder (archives, dive folders), then serve")->check(CLI::ExistingDirectory);
+    command->add_option("--import-project", options->config.import_project, "the project that they go to")->capture_default_str();
+    command->add_option("--import-job", options->config.import_preset, "preset to reconstruct them with; without: they are only stored")->check(CLI::IsMember(std::vector<std::string>(std::begin(kPresets), std::end(kPresets))));
     command->add_flag("--no-auth", options->config.no_auth, "everybody may do everything: on loopback only");
     // clang-format on
     command->callback([options, &context] {
@@ -30,6 +36,8 @@ void add_serve(CLI::App& app, Context& context) {
             config.data = options->data.data;
             config.catalog_url = catalog_url(options->data);
             config.blobs_url = blobs_url(options->data);
+            config.upload_lifetime = std::chrono::milliseconds(
+                static_cast<std::int64_t>(options->upload_lifetime_h * 3600000.0));
             server::run_server(config);
             return kExitDone;
         };

@@ -28,7 +28,9 @@ struct UploadOptions {
     bool wait = false;
     fs::path download;
     double limit_rate_bytes_per_s = 0.0;
-    double give_up_after_s = 600.0;
+    double give_up_after_s = 0.0;
+    double stall_timeout_s = 30.0;
+    int parallel = 1;
 };
 
 struct HashedSource {
@@ -62,16 +64,25 @@ HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
 }
 
 // The dive when the server has it already, by what it holds or by the very bytes.
-std::optional<Dive> find_dive(client::RestClient& rest, const client::DiveHashes& hashes) {
+std::optional<Dive> find_dive(client::RestClient& rest,
+                              const client::DiveHashes& hashes,
+                              client::Backoff& backoff) {
     for (const auto& [key, value] : {std::pair{"content_sha256", hashes.content_sha256},
                                      std::pair{"archive_sha256", hashes.archive_sha256}}) {
         if (value.empty()) continue;
-        for (const auto& item : rest.list("/api/v1/dives", {{key, value}})) {
+        const auto items = backoff.until_done([&] {
+            return rest.list("/api/v1/dives", {{key, value}});
+        });
+        for (const auto& item : items) {
             const Dive dive = item.get<Dive>();
             if (dive.state != DiveState::Refused) return dive;
         }
     }
     return std::nullopt;
+}
+
+std::chrono::milliseconds milliseconds_of(double seconds) {
+    return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
 }
 
 std::string send(const client::Account& account,
@@ -90,8 +101,9 @@ std::string send(const client::Account& account,
     observer.on_wait = say_waiting(bar);
     client::TusSettings settings;
     settings.max_bytes_per_s = options.limit_rate_bytes_per_s;
-    settings.give_up_after =
-        std::chrono::milliseconds(static_cast<std::int64_t>(options.give_up_after_s * 1000.0));
+    settings.give_up_after = milliseconds_of(options.give_up_after_s);
+    settings.stall = milliseconds_of(options.stall_timeout_s);
+    settings.num_parts = options.parallel;
     const client::UploadState state(
         client::default_state_folder(), account.server.url(), source.hashes.archive_sha256);
     const auto upload_path =
@@ -99,38 +111,44 @@ std::string send(const client::Account& account,
     return upload_path.substr(upload_path.rfind('/') + 1);
 }
 
-// Safe to repeat: the server answers the same dive for the same upload.
 Dive make_dive(client::RestClient& rest,
                const std::string& upload_id,
                std::int64_t archive_bytes,
-               ProgressBar& bar) {
-    client::Backoff backoff(std::chrono::minutes(10), say_waiting(bar));
-    while (true) {
-        try {
-            return rest
-                .post("/api/v1/dives",
-                      {{"upload_id", upload_id}},
-                      client::hashing_patience(archive_bytes))
-                .get<Dive>();
-        } catch (const Error& error) {
-            if (error.code() != ErrorCode::Unavailable) throw;
-            backoff.wait(error);
-        }
-    }
+               client::Backoff& backoff) {
+    return rest
+        .post_once("/api/v1/dives",
+                   {{"upload_id", upload_id}},
+                   backoff,
+                   client::hashing_patience(archive_bytes))
+        .get<Dive>();
+}
+
+// Whether the server holds what is here: the very bytes, or the same recording packed otherwise,
+// which it has opened and hashed file by file.
+bool is_verified(const Dive& dive, const client::DiveHashes& hashes) {
+    if (dive.archive_sha256 == hashes.archive_sha256) return true;
+    return dive.state == DiveState::Ready && !hashes.content_sha256.empty() &&
+           dive.content_sha256 == hashes.content_sha256;
 }
 
 // The reconstruction that was asked for: one that is there already, else a new one.
-Job ensure_job(client::RestClient& rest, const Dive& dive, const PresetOptions& preset) {
+Job ensure_job(client::RestClient& rest,
+               const Dive& dive,
+               const PresetOptions& preset,
+               client::Backoff& backoff) {
     const auto overrides = overrides_of(preset.set);
-    for (const auto& item :
-         rest.list("/api/v1/jobs", {{"dive_id", dive.id}, {"kind", "reconstruct"}})) {
+    const auto jobs = backoff.until_done([&] {
+        return rest.list("/api/v1/jobs", {{"dive_id", dive.id}, {"kind", "reconstruct"}});
+    });
+    for (const auto& item : jobs) {
         const Job job = item.get<Job>();
         const bool usable = !is_finished(job.state) || job.state == JobState::Succeeded;
         if (usable && job.preset == preset.preset && job.options == overrides) return job;
     }
     return rest
-        .post("/api/v1/dives/" + client::percent_encode(dive.id) + "/jobs",
-              {{"kind", "reconstruct"}, {"preset", preset.preset}, {"options", overrides}})
+        .post_once("/api/v1/dives/" + client::percent_encode(dive.id) + "/jobs",
+                   {{"kind", "reconstruct"}, {"preset", preset.preset}, {"options", overrides}},
+                   backoff)
         .get<Job>();
 }
 
@@ -145,32 +163,51 @@ int wait_for(client::RestClient& rest, const std::string& job_id, const UploadOp
     return kExitDone;
 }
 
-int upload(const UploadOptions& options, const Context& context) {
-    const auto account = account_of(options.server);
-    client::RestClient rest(account);
-    if (!options.no_job) make_options(options.preset.preset, overrides_of(options.preset.set));
-    std::optional<Dive> dive;
-    {
-        ProgressBar bar;
-        HashedSource source = open_source(options.dive, bar);
-        dive = find_dive(rest, source.hashes);
-        if (dive) {
-            bar.say("the server has this dive already");
-        } else {
-            const auto upload_id = send(account, source, options, bar);
-            dive = make_dive(rest, upload_id, source.bytes->size_bytes(), bar);
-        }
+struct Sent {
+    Dive dive;
+    bool verified = false;
+    std::string job_id;  // "": none was asked for
+};
+
+Sent send_dive(client::RestClient& rest, const UploadOptions& options) {
+    ProgressBar bar;
+    client::Backoff backoff(milliseconds_of(options.give_up_after_s), say_waiting(bar));
+    HashedSource source = open_source(options.dive, bar);
+    Sent sent;
+    if (auto known = find_dive(rest, source.hashes, backoff)) {
+        bar.say("the server has this dive already");
+        sent.dive = std::move(*known);
+    } else {
+        const auto upload_id = send(rest.account(), source, options, bar);
+        backoff.moved();
+        sent.dive = make_dive(rest, upload_id, source.bytes->size_bytes(), backoff);
     }
-    nlohmann::json result = {{"dive", dive->id}};
-    if (!options.no_job) result["job"] = ensure_job(rest, *dive, options.preset).id;
-    if (context.json)
+    sent.verified = is_verified(sent.dive, source.hashes);
+    bar.say(sent.verified ? "verified: the server holds what is here"
+                          : "not verified yet: keep the recording until the dive is ready");
+    if (!options.no_job) sent.job_id = ensure_job(rest, sent.dive, options.preset, backoff).id;
+    return sent;
+}
+
+void print(const Sent& sent, bool as_json) {
+    nlohmann::json result = {{"dive", sent.dive.id}, {"verified", sent.verified}};
+    if (!sent.job_id.empty()) result["job"] = sent.job_id;
+    if (as_json) {
         std::cout << result.dump(2) << std::endl;
-    else
-        for (const auto& [key, value] : result.items())
-            std::cout << key << ' ' << value.get<std::string>() << std::endl;
+        return;
+    }
+    std::cout << "dive " << sent.dive.id << std::endl;
+    if (!sent.job_id.empty()) std::cout << "job " << sent.job_id << std::endl;
+}
+
+int upload(const UploadOptions& options, const Context& context) {
+    client::RestClient rest(account_of(options.server));
+    if (!options.no_job) make_options(options.preset.preset, overrides_of(options.preset.set));
+    const Sent sent = send_dive(rest, options);
+    print(sent, context.json);
     if (!options.wait && options.download.empty()) return kExitDone;
-    if (!options.no_job) return wait_for(rest, result["job"], options);
-    return wait_for_dive(rest, dive->id).state == DiveState::Ready ? kExitDone : kExitFailed;
+    if (!options.no_job) return wait_for(rest, sent.job_id, options);
+    return wait_for_dive(rest, sent.dive.id).state == DiveState::Ready ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -195,9 +232,24 @@ void add_upload(CLI::App& app, Context& context) {
     command
         ->add_option("--give-up-after",
                      options->give_up_after_s,
-                     "seconds without a byte getting through after which the upload fails")
+                     "seconds without a byte getting through after which it fails; 0: never")
         ->capture_default_str();
-    command->footer("Killed or cut off, the same command goes on where the upload stopped.");
+    command
+        ->add_option("--stall-timeout",
+                     options->stall_timeout_s,
+                     "seconds without a byte moving after which the link is taken for broken")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str();
+    command
+        ->add_option("--parallel",
+                     options->parallel,
+                     "parts sent beside each other, for fast links with a long delay")
+        ->check(CLI::Range(1, 16))
+        ->capture_default_str();
+    command->footer(
+        "Killed or cut off, also with the machine, the same command goes on where the upload\n"
+        "stopped. The recording is only read; it may be deleted after exit code 0 and the word\n"
+        "\"verified\". Exit codes: 0 done, 1 refused or failed, 2 bad usage.");
     command->callback([options, &context] {
         context.command = [options, &context] { return upload(*options, context); };
     });

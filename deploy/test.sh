@@ -47,5 +47,6 @@ if $full; then
     step "linter" lint
     step "10,000 jobs, 8 workers, 100 kills" build/release/tests/bench/divemesh_queue_storm
     step "every dive of the shared data" tests/bench/run.sh
+    step "uploads, with a dive of 10 GB over a link that breaks" tests/bench/run.sh --only upload --large --repeat 3
     step "demo" deploy/demo.sh
 fi

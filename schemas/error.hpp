@@ -13,8 +13,11 @@ enum class ErrorCode {
     InvalidArgument,  // the request or an option is wrong
     BadData,          // a recording is wrong; trying again cannot help
     NotFound,
+    Gone,      // it was here and does not come back
     Conflict,  // not in this state, or somebody else was first
+    Locked,    // another request holds it and has not let go in time
     TooLarge,
+    TooMany,       // too many at once, or too often: wait
     Unauthorized,  // no token, or an unknown one
     Forbidden,     // the token's scope or project does not allow it
     Unsupported,   // a media type, protocol version or format we do not speak

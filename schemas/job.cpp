@@ -27,10 +27,13 @@ std::string_view usual_remedy(ErrorCode code) {
             return "see the findings of the dive, mend the recording and upload it again";
         case ErrorCode::TooLarge: return "split the recording into shorter dives";
         case ErrorCode::Unsupported: return "convert the recording: `divemesh validate` checks it";
-        case ErrorCode::NotFound: return "look whether its dive and the blobs are still there";
+        case ErrorCode::NotFound:
+        case ErrorCode::Gone: return "look whether its dive and the blobs are still there";
         case ErrorCode::Conflict: return "retry the job that it waited for, then this one";
         case ErrorCode::Unauthorized:
         case ErrorCode::Forbidden: return "give the worker the rights to its folders";
+        case ErrorCode::Locked:
+        case ErrorCode::TooMany:
         case ErrorCode::Cancelled: return "`divemesh retry` puts it back into the queue";
         case ErrorCode::OutOfSpace:
             return "free space where workers have their scratch folder and where the blobs are";

@@ -53,11 +53,14 @@ void from_json(const nlohmann::json& json, Dive& dive) {
 void to_json(nlohmann::json& json, const Upload& upload) {
     json = {{"id", upload.id},
             {"project", upload.project},
-            {"length_bytes", upload.length_bytes},
+            {"length_bytes", nullptr},
             {"offset_bytes", upload.offset_bytes},
             {"metadata", upload.metadata},
+            {"concat", upload.concat},
             {"dive_id", upload.dive_id},
-            {"created_at_ms", upload.created_at_ms}};
+            {"created_at_ms", upload.created_at_ms},
+            {"expires_at_ms", upload.expires_at_ms}};
+    if (upload.length_bytes) json["length_bytes"] = *upload.length_bytes;
 }
 
 void to_json(nlohmann::json& json, const Artifact& artifact) {

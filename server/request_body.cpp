@@ -15,6 +15,7 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
+constexpr std::size_t kMaxDrainedBytes = std::size_t{16} << 20;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 }  // namespace
@@ -62,7 +63,7 @@ asio::awaitable<beast::error_code> RequestBody::read_some() {
 
 asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     using State = api::BodyRead::State;
-    if (stopped_) co_return api::BodyRead{0, State::Stopped};
+    if (stopped_ && !has_more_at_hand()) co_return api::BodyRead{0, State::Stopped};
     if (parser_.is_done()) co_return api::BodyRead{0, State::End};
     beast::error_code error = co_await continue_if_expected();
     auto& body = parser_.get().body();
@@ -78,9 +79,20 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
                (body.size == buffer.size() || connection_->stream.socket().available(ignored) > 0);
     }
     const std::size_t num_bytes = buffer.size() - body.size;
-    if (stopped_) co_return api::BodyRead{num_bytes, State::Stopped};
+    if (stopped_) {
+        num_drained_ += num_bytes;
+        co_return api::BodyRead{num_bytes, has_more_at_hand() ? State::More : State::Stopped};
+    }
     if (error) co_return api::BodyRead{num_bytes, State::Lost};
     co_return api::BodyRead{num_bytes, parser_.is_done() ? State::End : State::More};
+}
+
+// What the client had sent before it was stopped is kept: of a link that broke it need not come
+// again.
+bool RequestBody::has_more_at_hand() {
+    beast::error_code ignored;
+    return !parser_.is_done() && num_drained_ < kMaxDrainedBytes &&
+           connection_->stream.socket().available(ignored) > 0;
 }
 
 void RequestBody::must_end_within(std::chrono::seconds time) {

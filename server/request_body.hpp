@@ -28,12 +28,14 @@ public:
 private:
     boost::asio::awaitable<boost::beast::error_code> read_some();
     boost::asio::awaitable<boost::beast::error_code> continue_if_expected();
+    bool has_more_at_hand();
 
     std::shared_ptr<Connection> connection_;
     Timeouts timeouts_;
     boost::beast::http::request_parser<boost::beast::http::buffer_body> parser_;
     std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
     bool stopped_ = false;
+    std::size_t num_drained_ = 0;  // since it was stopped
     bool reading_ = false;
     bool continued_ = false;
 };

@@ -21,20 +21,11 @@ namespace http = boost::beast::http;
 constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
-std::string http_date() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    gmtime_r(&now, &parts);
-    char text[40];
-    const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &parts);
-    return std::string(text, size);
-}
-
 template <typename Body>
 http::response<Body> header_of(const api::Response& response, bool keep_alive) {
     http::response<Body> message(response.status, 11);
     message.set(http::field::server, "divemesh");
-    message.set(http::field::date, http_date());
+    message.set(http::field::date, api::http_date(std::time(nullptr)));
     for (const auto& [name, value] : response.headers) message.set(name, value);
     message.keep_alive(keep_alive);
     return message;

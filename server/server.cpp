@@ -12,7 +12,10 @@
 #include <thread>
 #include <vector>
 
+#include "api/idempotency.hpp"
+#include "api/import_dives.hpp"
 #include "api/make_dive.hpp"
+#include "api/upload_sweeper.hpp"
 #include "schemas/error.hpp"
 #include "server/connection.hpp"
 #include "server/event_hub.hpp"
@@ -55,6 +58,15 @@ tcp::acceptor open_acceptor(asio::io_context& io, const tcp::endpoint& endpoint)
     }
 }
 
+api::ServiceLimits limits_of(const ServerConfig& config) {
+    api::ServiceLimits limits;
+    limits.max_upload_bytes = config.max_upload_bytes;
+    limits.min_free_bytes = config.min_free_bytes;
+    limits.upload_lifetime = config.upload_lifetime;
+    limits.max_open_uploads = config.max_open_uploads;
+    return limits;
+}
+
 // Everybody on the network could do everything: only this machine may be served without tokens.
 std::string admit(const ServerConfig& config, bool loopback, storage::Catalog& catalog) {
     if (config.no_auth && !loopback)
@@ -93,14 +105,17 @@ struct Server::Implementation {
                                turns,
                                hashes,
                                forecast,
+                               keys,
                                stopping,
-                               {config.max_upload_bytes, config.min_free_bytes},
+                               limits_of(config),
                                config.no_auth};
         return {services, events, config.timeouts};
     }
 
     asio::awaitable<void> accept();
     asio::awaitable<void> drain();
+    asio::awaitable<void> sweep();
+    asio::awaitable<void> import();
     void spawn_session(tcp::socket socket);
 
     ServerConfig config;
@@ -110,6 +125,7 @@ struct Server::Implementation {
     std::string first_token;
     api::HashCache hashes;
     storage::QueueForecast forecast{catalog};
+    api::KeysInFlight keys;
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
@@ -150,6 +166,35 @@ asio::awaitable<void> Server::Implementation::accept() {
     }
 }
 
+asio::awaitable<void> Server::Implementation::sweep() {
+    asio::steady_timer pause(io);
+    while (!stopping) {
+        std::string failure;
+        try {
+            co_await api::sweep_uploads(context().services);
+        } catch (const std::exception& error) {
+            failure = error.what();
+        }
+        if (!failure.empty()) log_warning({{"event", "sweep_failed"}, {"what", failure}});
+        pause.expires_after(config.timeouts.sweep);
+        co_await pause.async_wait(kAwaitErrors);
+    }
+}
+
+asio::awaitable<void> Server::Implementation::import() {
+    if (config.import_folder.empty()) co_return;
+    // Named: g++ 12 destroys a braced argument of a coroutine twice.
+    const api::ImportRequest request{
+        config.import_folder, config.import_project, config.import_preset};
+    std::string failure;
+    try {
+        co_await api::import_dives(context().services, request);
+    } catch (const std::exception& error) {
+        failure = error.what();
+    }
+    if (!failure.empty()) log_warning({{"event", "import_failed"}, {"what", failure}});
+}
+
 // Uploads make durable what they have, WebSockets say goodbye; who takes too long is cut off.
 asio::awaitable<void> Server::Implementation::drain() {
     connections.stop_all();
@@ -179,6 +224,8 @@ void Server::run() {
     Implementation& self = *implementation_;
     asio::post(self.pool, [services = self.context().services] { api::make_owed_dives(services); });
     asio::co_spawn(self.io, self.accept(), asio::detached);
+    asio::co_spawn(self.io, self.sweep(), asio::detached);
+    asio::co_spawn(self.io, self.import(), asio::detached);
     asio::co_spawn(self.io, self.events.run(), asio::detached);
     {
         std::vector<std::jthread> threads;

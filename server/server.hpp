@@ -15,6 +15,7 @@ struct Timeouts {
     std::chrono::milliseconds write = std::chrono::seconds(60);   // of one piece of an answer
     std::chrono::milliseconds web_socket = std::chrono::seconds(30);  // without a sign of life
     std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
+    std::chrono::milliseconds sweep = std::chrono::seconds(60);       // between two sweeps
 };
 
 struct ServerConfig {
@@ -28,7 +29,12 @@ struct ServerConfig {
     bool no_auth = false;          // loopback only
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // room on the disk that is never used
+    std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
+    std::int64_t max_open_uploads = 1000;                                 // of one project
     int max_connections = 2000;
+    std::filesystem::path import_folder;  // whose dives are taken at the start; "": none
+    std::string import_project = "default";
+    std::string import_preset;  // of their reconstructions; "": none
     Timeouts timeouts = {};
 };
 

@@ -20,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kCopyBytes = 1 << 20;
+constexpr std::int64_t kWriteBackBytes = 8 << 20;
 constexpr std::chrono::hours kTemporaryFilesLive{24};
 
 class DirectoryReader : public BlobReader {
@@ -47,7 +48,13 @@ public:
         if (lseek(file_.get(), 0, SEEK_END) < 0) throw_errno("opening staged data");
     }
 
-    void write(std::span<const char> bytes) override { write_all(file_, bytes, "an upload"); }
+    void write(std::span<const char> bytes) override {
+        write_all(file_, bytes, "an upload");
+        num_new_bytes_ += static_cast<std::int64_t>(bytes.size());
+        if (num_new_bytes_ < kWriteBackBytes) return;
+        start_write_back(file_);
+        num_new_bytes_ = 0;
+    }
     std::int64_t flush() override {
         sync(file_);
         return size_bytes();
@@ -56,6 +63,7 @@ public:
 
 private:
     FileDescriptor file_;
+    std::int64_t num_new_bytes_ = 0;  // that the disk has not been asked to write
 };
 
 class DirectoryBlobStore : public BlobStore {

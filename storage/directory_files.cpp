@@ -87,4 +87,9 @@ void sync(const FileDescriptor& file_or_folder) {
     if (fsync(file_or_folder.get()) != 0) throw_errno("making stored data durable");
 }
 
+// Only speed depends on it: where the kernel cannot, sync() does it all.
+void start_write_back(const FileDescriptor& file) {
+    sync_file_range(file.get(), 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
 }  // namespace divemesh::storage

@@ -46,4 +46,7 @@ void write_all(const FileDescriptor& file, std::span<const char> bytes, const st
 std::int64_t size_of(const FileDescriptor& file);
 void sync(const FileDescriptor& file_or_folder);
 
+// Has the disk begin to write what is in memory, so that a later sync() finds little left.
+void start_write_back(const FileDescriptor& file);
+
 }  // namespace divemesh::storage

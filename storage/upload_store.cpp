@@ -1,5 +1,6 @@
 #include "storage/upload_store.hpp"
 
+#include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/event_store.hpp"
@@ -9,31 +10,62 @@
 namespace divemesh::storage {
 namespace {
 
-#define UPLOAD_COLUMNS                                                                 \
-    "id, project, length_bytes, offset_bytes, metadata, blob, COALESCE(dive_id, ''), " \
-    "created_at_ms"
+constexpr EnumText<UploadEnd> kEndTexts[] = {
+    {UploadEnd::Terminated, "terminated"},
+    {UploadEnd::Expired, "expired"},
+    {UploadEnd::Concatenated, "concatenated"},
+};
+
+const std::string kSelect =
+    "SELECT id, project, COALESCE(length_bytes, -1), offset_bytes, metadata, concat, blob,"
+    " COALESCE(dive_id, ''), created_at_ms, lifetime_ms,"
+    " CASE WHEN dive_id IS NULL THEN touched_at_ms + lifetime_ms ELSE 0 END, ended FROM uploads";
 
 struct UploadRow {
     Upload upload;
+    std::string ended;
+    std::int64_t length_bytes = 0;  // -1: not known
 
     void define(soci::statement& statement) {
         statement.exchange(soci::into(upload.id));
         statement.exchange(soci::into(upload.project));
-        statement.exchange(soci::into(upload.length_bytes));
+        statement.exchange(soci::into(length_bytes));
         statement.exchange(soci::into(upload.offset_bytes));
         statement.exchange(soci::into(upload.metadata));
+        statement.exchange(soci::into(upload.concat));
         statement.exchange(soci::into(upload.blob));
         statement.exchange(soci::into(upload.dive_id));
         statement.exchange(soci::into(upload.created_at_ms));
+        statement.exchange(soci::into(upload.lifetime_ms));
+        statement.exchange(soci::into(upload.expires_at_ms));
+        statement.exchange(soci::into(ended));
     }
-    Upload value() const { return upload; }
+    Upload value() const {
+        Upload result = upload;
+        if (length_bytes >= 0) result.length_bytes = length_bytes;
+        if (!ended.empty())
+            result.end = enum_from_text<UploadEnd>(kEndTexts, ended, "end of an upload");
+        return result;
+    }
 };
 
+template <typename... Uses>
+std::vector<Upload> select_uploads(soci::session& session,
+                                   const std::string& where,
+                                   const Uses&... uses) {
+    return select_all<UploadRow>(session, kSelect + " WHERE " + where, uses...);
+}
+
 Upload read_upload(soci::session& session, const std::string& id) {
-    auto upload = select_one<UploadRow>(
-        session, "SELECT " UPLOAD_COLUMNS " FROM uploads WHERE id = :id", soci::use(id, "id"));
+    auto upload = select_one<UploadRow>(session, kSelect + " WHERE id = :id", soci::use(id, "id"));
     if (!upload) throw Error(ErrorCode::NotFound, "no upload " + id);
     return std::move(*upload);
+}
+
+Upload read_open_upload(soci::session& session, const std::string& id) {
+    Upload upload = read_upload(session, id);
+    require_open(upload);
+    return upload;
 }
 
 void append_event(soci::session& session, const Upload& upload, const std::string& type) {
@@ -45,10 +77,22 @@ void append_event(soci::session& session, const Upload& upload, const std::strin
                         .data = upload});
 }
 
+void write_end(soci::session& session, const Upload& upload, UploadEnd end) {
+    const std::string text(enum_to_text(kEndTexts, end));
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    execute(session,
+            "UPDATE uploads SET ended = :ended, touched_at_ms = :now WHERE id = :id",
+            soci::use(text, "ended"),
+            soci::use(now_ms, "now"),
+            soci::use(upload.id, "id"));
+    append_event(session, upload, end == UploadEnd::Expired ? "upload.expired" : "upload.removed");
+}
+
 }  // namespace
 
 Upload UploadStore::create(Upload upload) {
-    if (upload.length_bytes < 0)
+    const std::int64_t length_bytes = upload.length_bytes.value_or(-1);
+    if (upload.length_bytes && length_bytes < 0)
         throw Error(ErrorCode::InvalidArgument, "an upload cannot be shorter than nothing");
     upload.id = new_id("upload");
     upload.blob = "uploads/" + upload.id;
@@ -56,16 +100,20 @@ Upload UploadStore::create(Upload upload) {
     upload.dive_id.clear();
     catalog_.transaction([&](soci::session& session) {
         upload.created_at_ms = Catalog::now_ms(session);
+        upload.expires_at_ms = upload.created_at_ms + upload.lifetime_ms;
         execute(session,
-                "INSERT INTO uploads"
-                " (id, project, length_bytes, metadata, blob, created_at_ms, touched_at_ms)"
-                " VALUES (:id, :project, :length, :metadata, :blob, :now, :now)",
+                "INSERT INTO uploads (id, project, length_bytes, metadata, concat, blob,"
+                " created_at_ms, touched_at_ms, lifetime_ms)"
+                " VALUES (:id, :project, NULLIF(:length, -1), :metadata, :concat, :blob, :now,"
+                " :now, :lifetime)",
                 soci::use(upload.id, "id"),
                 soci::use(upload.project, "project"),
-                soci::use(upload.length_bytes, "length"),
+                soci::use(length_bytes, "length"),
                 soci::use(upload.metadata, "metadata"),
+                soci::use(upload.concat, "concat"),
                 soci::use(upload.blob, "blob"),
-                soci::use(upload.created_at_ms, "now"));
+                soci::use(upload.created_at_ms, "now"),
+                soci::use(upload.lifetime_ms, "lifetime"));
         append_event(session, upload, "upload.created");
         if (upload.complete()) append_event(session, upload, "upload.completed");
     });
@@ -78,15 +126,39 @@ Upload UploadStore::get(const std::string& id) {
     return upload;
 }
 
+Upload UploadStore::set_length(const std::string& id, std::int64_t length_bytes) {
+    Upload upload;
+    catalog_.transaction([&](soci::session& session) {
+        upload = read_open_upload(session, id);
+        if (upload.length_bytes == length_bytes) return;
+        if (upload.length_bytes)
+            throw Error(ErrorCode::InvalidArgument,
+                        "Upload-Length cannot change: it is " +
+                            std::to_string(*upload.length_bytes) + " already");
+        if (length_bytes < upload.offset_bytes)
+            throw Error(ErrorCode::InvalidArgument,
+                        "Upload-Length is below the " + std::to_string(upload.offset_bytes) +
+                            " bytes that are there");
+        upload.length_bytes = length_bytes;
+        execute(session,
+                "UPDATE uploads SET length_bytes = :length WHERE id = :id",
+                soci::use(length_bytes, "length"),
+                soci::use(id, "id"));
+        if (upload.complete()) append_event(session, upload, "upload.completed");
+    });
+    return upload;
+}
+
 Upload UploadStore::advance(const std::string& id, std::int64_t offset_bytes) {
     Upload upload;
     catalog_.transaction([&](soci::session& session) {
-        upload = read_upload(session, id);
-        if (offset_bytes > upload.length_bytes)
+        upload = read_open_upload(session, id);
+        if (upload.length_bytes && offset_bytes > *upload.length_bytes)
             throw Error(ErrorCode::TooLarge, "more bytes than upload " + id + " announced");
         if (offset_bytes <= upload.offset_bytes) return;
         upload.offset_bytes = offset_bytes;
         const std::int64_t now_ms = Catalog::now_ms(session);
+        if (upload.dive_id.empty()) upload.expires_at_ms = now_ms + upload.lifetime_ms;
         execute(session,
                 "UPDATE uploads SET offset_bytes = :offset, touched_at_ms = :now WHERE id = :id",
                 soci::use(offset_bytes, "offset"),
@@ -97,25 +169,106 @@ Upload UploadStore::advance(const std::string& id, std::int64_t offset_bytes) {
     return upload;
 }
 
-void UploadStore::remove(const std::string& id) {
+std::optional<Upload> UploadStore::find_final(const Upload& wanted) {
+    std::vector<Upload> found;
+    catalog_.read([&](soci::session& session) {
+        found = select_uploads(session,
+                               "project = :project AND concat = :concat AND metadata = :metadata"
+                               " AND ended = '' ORDER BY created_at_ms LIMIT 1",
+                               soci::use(wanted.project, "project"),
+                               soci::use(wanted.concat, "concat"),
+                               soci::use(wanted.metadata, "metadata"));
+    });
+    return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
+}
+
+void UploadStore::end(const std::string& id, UploadEnd end) {
+    catalog_.transaction(
+        [&](soci::session& session) { write_end(session, read_open_upload(session, id), end); });
+}
+
+bool UploadStore::expire(const std::string& id) {
+    bool expired = false;
     catalog_.transaction([&](soci::session& session) {
-        const Upload upload = read_upload(session, id);
-        execute(session, "DELETE FROM uploads WHERE id = :id", soci::use(id, "id"));
-        append_event(session, upload, "upload.removed");
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        const auto due = select_uploads(session,
+                                        "id = :id AND ended = '' AND dive_id IS NULL"
+                                        " AND touched_at_ms + lifetime_ms <= :now",
+                                        soci::use(id, "id"),
+                                        soci::use(now_ms, "now"));
+        expired = !due.empty();
+        if (expired) write_end(session, due.front(), UploadEnd::Expired);
+    });
+    return expired;
+}
+
+std::vector<std::string> UploadStore::list_expired() {
+    std::vector<std::string> ids;
+    catalog_.read([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        ids = select_all<TextRow>(session,
+                                  "SELECT id FROM uploads WHERE ended = '' AND dive_id IS NULL"
+                                  " AND touched_at_ms + lifetime_ms <= :now ORDER BY touched_at_ms",
+                                  soci::use(now_ms, "now"));
+    });
+    return ids;
+}
+
+std::vector<Upload> UploadStore::list_unfreed() {
+    std::vector<Upload> uploads;
+    catalog_.read([&](soci::session& session) {
+        uploads = select_uploads(session, "ended <> '' AND bytes_freed = 0 ORDER BY touched_at_ms");
+    });
+    return uploads;
+}
+
+void UploadStore::set_freed(const std::string& id) {
+    catalog_.transaction([&](soci::session& session) {
+        execute(session,
+                "UPDATE uploads SET bytes_freed = 1 WHERE id = :id AND ended <> ''",
+                soci::use(id, "id"));
     });
 }
 
-std::vector<Upload> UploadStore::list_older_than(std::int64_t touched_before_ms) {
+void UploadStore::forget_ended(std::int64_t older_than_ms) {
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t before_ms = Catalog::now_ms(session) - older_than_ms;
+        execute(session,
+                "DELETE FROM uploads WHERE ended <> '' AND bytes_freed = 1"
+                " AND touched_at_ms < :before",
+                soci::use(before_ms, "before"));
+    });
+}
+
+std::vector<Upload> UploadStore::list_open() {
     std::vector<Upload> uploads;
     catalog_.read([&](soci::session& session) {
-        uploads = select_all<UploadRow>(session,
-                                        "SELECT " UPLOAD_COLUMNS
-                                        " FROM uploads"
-                                        " WHERE dive_id IS NULL AND touched_at_ms < :before"
-                                        " ORDER BY touched_at_ms",
-                                        soci::use(touched_before_ms, "before"));
+        uploads = select_uploads(session, "dive_id IS NULL AND ended = '' ORDER BY touched_at_ms");
     });
     return uploads;
+}
+
+std::int64_t UploadStore::num_open(const std::string& project) {
+    std::int64_t count = 0;
+    catalog_.read([&](soci::session& session) {
+        session << "SELECT COUNT(*) FROM uploads WHERE project = :project AND dive_id IS NULL"
+                   " AND ended = ''",
+            soci::into(count), soci::use(project, "project");
+    });
+    return count;
+}
+
+void require_open(const Upload& upload) {
+    if (!upload.end) return;
+    switch (*upload.end) {
+        case UploadEnd::Terminated:
+            throw Error(ErrorCode::Gone, "upload " + upload.id + " was terminated");
+        case UploadEnd::Expired:
+            throw Error(ErrorCode::Gone, "upload " + upload.id + " has expired: begin it anew");
+        case UploadEnd::Concatenated:
+            throw Error(ErrorCode::Gone,
+                        "upload " + upload.id + " is part of its final upload now");
+    }
 }
 
 }  // namespace divemesh::storage

@@ -10,23 +10,40 @@
 namespace divemesh::storage {
 
 // The uploads table. The bytes are in the blob store's staging area; a row's offset is what the
-// server has made durable there.
+// server has made durable there. An upload that ended is remembered for a while, so that its client
+// learns so.
 class UploadStore {
 public:
     explicit UploadStore(Catalog& catalog) : catalog_(catalog) {}
 
     // `upload.id`, `blob` and the times are set here. Event upload.created.
     Upload create(Upload upload);
-    Upload get(const std::string& id);  // throws Error{NotFound}
+    Upload get(const std::string& id);  // throws Error{NotFound}; one that ended is told too
+    // Tells the length that was left open at creation. The same again changes nothing. Throws
+    // Error{InvalidArgument} for another one, or one below the offset. Event upload.completed when
+    // the offset is there already.
+    Upload set_length(const std::string& id, std::int64_t length_bytes);
     // Moves the offset forward, never back: a lower or equal value changes nothing.
     // Event upload.completed when it reaches the length.
     Upload advance(const std::string& id, std::int64_t offset_bytes);
-    void remove(const std::string& id);  // throws Error{NotFound}
-    // For sweeping: no dive came of them, and they were neither created nor advanced since then.
-    std::vector<Upload> list_older_than(std::int64_t touched_before_ms);
+    // The final upload of these very parts and metadata, when it was made before.
+    std::optional<Upload> find_final(const Upload& wanted);
+
+    void end(const std::string& id, UploadEnd end);  // throws Error{NotFound}, Error{Gone}
+    bool expire(const std::string& id);  // false: it is not due, moved meanwhile, or is no more
+    std::vector<std::string> list_expired();
+    std::vector<Upload> list_unfreed();  // ended, and their bytes are still on disk
+    void set_freed(const std::string& id);
+    void forget_ended(std::int64_t older_than_ms);
+
+    std::vector<Upload> list_open();  // neither ended nor a dive
+    std::int64_t num_open(const std::string& project);
 
 private:
     Catalog& catalog_;
 };
+
+// Throws Error{Gone} that says how the upload ended.
+void require_open(const Upload& upload);
 
 }  // namespace divemesh::storage

@@ -1,19 +1,32 @@
 #include "api/client/backoff.hpp"
 
 #include <algorithm>
-#include <thread>
+#include <condition_variable>
+#include <mutex>
 
 namespace divemesh::api::client {
 namespace {
 
-constexpr std::chrono::milliseconds kFirstPause{500};
-constexpr std::chrono::milliseconds kLongestPause{30'000};
+using std::chrono::milliseconds;
+
+constexpr milliseconds kFirstPause{100};
+constexpr milliseconds kLongestPause{30'000};
+constexpr int kMostDoublings = 9;
+
+void sleep_for(milliseconds pause, const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any never;
+    never.wait_for(lock, stop, pause, [] { return false; });
+    if (stop.stop_requested()) throw Error(ErrorCode::Cancelled, "stopped while it waited");
+}
 
 }  // namespace
 
-Backoff::Backoff(std::chrono::milliseconds give_up_after, OnWait on_wait)
+Backoff::Backoff(milliseconds give_up_after, OnWait on_wait, std::stop_token stop)
     : give_up_after_(give_up_after),
       on_wait_(std::move(on_wait)),
+      stop_(std::move(stop)),
       last_moved_(std::chrono::steady_clock::now()) {}
 
 void Backoff::moved() {
@@ -23,14 +36,17 @@ void Backoff::moved() {
 
 void Backoff::wait(const Error& reason) {
     const auto idle = std::chrono::steady_clock::now() - last_moved_;
-    if (idle >= give_up_after_) throw reason;
-    const auto longest = std::min(kLongestPause, kFirstPause * (1 << std::min(num_tries_, 6)));
+    const bool gives_up = give_up_after_ > milliseconds(0);
+    if (gives_up && idle >= give_up_after_) throw reason;
+    const auto longest =
+        std::min(kLongestPause, kFirstPause * (1 << std::min(num_tries_, kMostDoublings)));
     ++num_tries_;
     std::uniform_int_distribution<std::int64_t> jitter(longest.count() / 2, longest.count());
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(give_up_after_ - idle);
-    const auto pause = std::min(std::chrono::milliseconds(jitter(random_)), left);
+    milliseconds pause(jitter(random_));
+    if (gives_up)
+        pause = std::min(pause, std::chrono::duration_cast<milliseconds>(give_up_after_ - idle));
     if (on_wait_) on_wait_(reason, pause);
-    std::this_thread::sleep_for(pause);
+    sleep_for(pause, stop_);
 }
 
 }  // namespace divemesh::api::client

@@ -3,26 +3,43 @@
 #include <chrono>
 #include <functional>
 #include <random>
+#include <stop_token>
 #include <string>
 
 #include "schemas/error.hpp"
 
 namespace divemesh::api::client {
 
-// Waits between tries: doubling from half a second to half a minute, shortened at random so that
-// many clients do not come back together. Gives up when nothing has moved for `give_up_after`.
+// Waits between tries: doubling from a tenth of a second to half a minute, shortened at random so
+// that many clients do not come back together. Gives up when nothing has moved for `give_up_after`;
+// zero: never.
 class Backoff {
 public:
     using OnWait = std::function<void(const Error& reason, std::chrono::milliseconds pause)>;
 
-    Backoff(std::chrono::milliseconds give_up_after, OnWait on_wait);
+    Backoff(std::chrono::milliseconds give_up_after, OnWait on_wait, std::stop_token stop = {});
 
-    void moved();                    // something got through: start over
-    void wait(const Error& reason);  // sleeps; throws `reason` when the time is up
+    void moved();  // something got through: start over
+    // Sleeps. Throws `reason` when the time is up, Error{Cancelled} when stop is asked for.
+    void wait(const Error& reason);
+
+    // What `work` returns, tried again as long as it throws Error{Unavailable}.
+    template <typename Work>
+    auto until_done(const Work& work) {
+        while (true) {
+            try {
+                return work();
+            } catch (const Error& error) {
+                if (error.code() != ErrorCode::Unavailable) throw;
+                wait(error);
+            }
+        }
+    }
 
 private:
     std::chrono::milliseconds give_up_after_;
     OnWait on_wait_;
+    std::stop_token stop_;
     std::chrono::steady_clock::time_point last_moved_;
     int num_tries_ = 0;
     std::mt19937 random_{std::random_device{}()};

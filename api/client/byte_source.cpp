@@ -16,6 +16,20 @@ FileStamp stamp_from(const struct stat& status) {
             std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
+// -1 and errno when it cannot be opened.
+int open_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
+    int parent = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (auto part = path.begin(); part != path.end() && parent >= 0; ++part) {
+        const int kind = std::next(part) == path.end() ? O_NONBLOCK : O_DIRECTORY;
+        const int next = ::openat(parent, part->c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | kind);
+        const int failure = errno;
+        ::close(parent);
+        errno = failure;
+        parent = next;
+    }
+    return parent;
+}
+
 }  // namespace
 
 FileStamp stamp_of(const std::filesystem::path& path) {
@@ -26,13 +40,23 @@ FileStamp stamp_of(const std::filesystem::path& path) {
 }
 
 OpenFile::OpenFile(const std::filesystem::path& path)
-    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {
+    : path_(path),
+      descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {
+    check_kind();
+}
+
+OpenFile::OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path)
+    : path_(folder / path), descriptor_(open_below(folder, path)) {
+    check_kind();
+}
+
+void OpenFile::check_kind() {
     if (descriptor_ < 0)
-        throw Error(ErrorCode::NotFound, "cannot open " + path.string() + ": " + strerror(errno));
+        throw Error(ErrorCode::NotFound, "cannot open " + path_.string() + ": " + strerror(errno));
     struct stat status {};
     if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
         ::close(descriptor_);
-        throw Error(ErrorCode::InvalidArgument, path.string() + " is not a regular file");
+        throw Error(ErrorCode::InvalidArgument, path_.string() + " is not a regular file");
     }
     stamp_ = stamp_from(status);
 }

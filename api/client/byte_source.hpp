@@ -32,6 +32,8 @@ class OpenFile {
 public:
     // Throws Error{NotFound} with the system's reason. Does not follow a link at the last name.
     explicit OpenFile(const std::filesystem::path& path);
+    // `path` below `folder`: no link is followed on the way, so nothing outside is reached.
+    OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path);
     ~OpenFile();
     OpenFile(const OpenFile&) = delete;
     OpenFile& operator=(const OpenFile&) = delete;
@@ -40,6 +42,8 @@ public:
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) const;  // 0 at the end
 
 private:
+    void check_kind();
+
     std::filesystem::path path_;
     int descriptor_ = -1;
     FileStamp stamp_;

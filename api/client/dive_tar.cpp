@@ -22,8 +22,8 @@ std::span<char> first_bytes(std::span<char> buffer, std::int64_t left) {
 
 }  // namespace
 
-DiveTar::DiveTar(const fs::path& folder) {
-    list_files(fs::canonical(folder));
+DiveTar::DiveTar(const fs::path& folder) : folder_(fs::canonical(folder)) {
+    list_files(folder_);
     lay_out();
 }
 
@@ -43,8 +43,8 @@ void DiveTar::list_files(const fs::path& folder) {
         throw Error(ErrorCode::NotFound,
                     folder.string() + " holds neither mav0 nor cam0: give the folder of the dive");
     for (const auto& name : names) {
-        const fs::path source = folder / fs::path(name);
-        files_.push_back({root->prefix + name, source, stamp_of(source)});
+        const fs::path source(name);
+        files_.push_back({root->prefix + name, source, stamp_of(folder / source)});
     }
 }
 
@@ -95,7 +95,7 @@ std::size_t DiveTar::read_content(const File& file, std::int64_t offset, std::sp
 const OpenFile& DiveTar::open(const File& file) {
     if (open_of_ != &file) {
         open_of_ = nullptr;
-        open_ = std::make_unique<OpenFile>(file.source);
+        open_ = std::make_unique<OpenFile>(folder_, file.source);
         if (open_->stamp() != file.stamp)
             throw Error(ErrorCode::Conflict,
                         file.source.string() + " changed since the upload began; start again");

@@ -40,7 +40,7 @@ public:
 private:
     struct File {
         std::string name;              // in the tar
-        std::filesystem::path source;  // on disk
+        std::filesystem::path source;  // below the folder
         FileStamp stamp;
         std::int64_t offset = 0;  // of its header in the tar
     };
@@ -50,6 +50,7 @@ private:
     const OpenFile& open(const File& file);
     std::size_t read_content(const File& file, std::int64_t offset, std::span<char> buffer);
 
+    std::filesystem::path folder_;
     std::vector<File> files_;
     std::vector<std::string> left_out_;
     std::int64_t size_bytes_ = 0;

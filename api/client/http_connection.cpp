@@ -136,14 +136,14 @@ struct HttpConnection::Implementation {
         message.content_length(static_cast<std::uint64_t>(body.length));
         http::request_serializer<http::empty_body> header(message);
         run([&] { return http::async_write_header(*stream, header, asio::use_future); });
-        std::vector<char> piece(kPieceBytes);
+        std::vector<char> piece(body.piece_bytes);
         for (std::int64_t sent = 0; sent < body.length;) {
             if (stream->socket().available() > 0) {  // refused before all of it was sent
                 body_cut = true;
                 return;
             }
-            const auto wanted = static_cast<std::size_t>(
-                std::min<std::int64_t>(body.length - sent, static_cast<std::int64_t>(kPieceBytes)));
+            const auto wanted = static_cast<std::size_t>(std::min<std::int64_t>(
+                body.length - sent, static_cast<std::int64_t>(piece.size())));
             std::size_t filled = 0;
             while (filled < wanted)
                 filled +=
@@ -215,15 +215,20 @@ struct HttpConnection::Implementation {
 
     // A kept-alive connection may have been closed meanwhile; that is no failure of the request as
     // long as nothing of an answer came. A POST is never sent twice: it always gets a fresh one.
+    // Nor is a stretch of a source, some of which may have arrived: whoever sends it asks first.
     template <typename Write>
-    HttpResponse exchange(const HttpRequest& request, Write&& write_request, const BodySink* sink) {
+    HttpResponse exchange(const HttpRequest& request,
+                          Write&& write_request,
+                          const BodySink* sink,
+                          bool repeatable = true) {
         try {
             const bool reused = stream.has_value() && request.method != "POST";
             if (!reused) connect();
             try {
                 return attempt(request, write_request, sink);
             } catch (const beast::system_error& error) {
-                if (!reused || answer_began || error.code() == beast::error::timeout) throw;
+                if (!reused || !repeatable || answer_began || error.code() == beast::error::timeout)
+                    throw;
             }
             connect();
             return attempt(request, write_request, sink);
@@ -254,7 +259,7 @@ HttpResponse HttpConnection::send(const HttpRequest& request) {
 
 HttpResponse HttpConnection::send(const HttpRequest& request, const BodyRange& body) {
     return implementation_->exchange(
-        request, [&] { implementation_->write(request, body); }, nullptr);
+        request, [&] { implementation_->write(request, body); }, nullptr, false);
 }
 
 HttpResponse HttpConnection::receive(const HttpRequest& request, const BodySink& sink) {

@@ -45,6 +45,7 @@ struct BodyRange {
     ByteSource* source = nullptr;
     std::int64_t offset = 0;
     std::int64_t length = 0;
+    std::size_t piece_bytes = std::size_t{128} << 10;  // handed to the network at a time
     std::function<void(std::int64_t bytes_sent)> on_sent;
 };
 

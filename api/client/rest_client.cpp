@@ -1,6 +1,7 @@
 #include "api/client/rest_client.hpp"
 
 #include <cctype>
+#include <random>
 
 #include "schemas/error.hpp"
 
@@ -40,6 +41,13 @@ std::string query_text(const QueryParameters& query) {
     for (const auto& [name, value] : query)
         text += (text.empty() ? "?" : "&") + name + "=" + percent_encode(value);
     return text;
+}
+
+std::string random_key() {
+    std::random_device random;
+    std::string key;
+    for (int i = 0; i < 4; ++i) key += std::to_string(random()) + (i < 3 ? "-" : "");
+    return key;
 }
 
 }  // namespace
@@ -95,14 +103,31 @@ nlohmann::json RestClient::get(const std::string& path, const QueryParameters& q
 nlohmann::json RestClient::post(const std::string& path,
                                 const nlohmann::json& body,
                                 std::chrono::milliseconds patience) {
-    const auto response =
-        send({"POST", path, {{"Content-Type", "application/json"}}, body.dump(), patience});
+    return post(path, body, patience, "");
+}
+
+nlohmann::json RestClient::post(const std::string& path,
+                                const nlohmann::json& body,
+                                std::chrono::milliseconds patience,
+                                const std::string& idempotency_key) {
+    HttpRequest request{
+        "POST", path, {{"Content-Type", "application/json"}}, body.dump(), patience};
+    if (!idempotency_key.empty()) request.headers.emplace_back("Idempotency-Key", idempotency_key);
+    const auto response = send(std::move(request));
     return response.body.empty() ? nlohmann::json() : nlohmann::json::parse(response.body);
 }
 
 nlohmann::json RestClient::patch(const std::string& path, const nlohmann::json& body) {
     return nlohmann::json::parse(
         send({"PATCH", path, {{"Content-Type", "application/json"}}, body.dump()}).body);
+}
+
+nlohmann::json RestClient::post_once(const std::string& path,
+                                     const nlohmann::json& body,
+                                     Backoff& backoff,
+                                     std::chrono::milliseconds patience) {
+    const std::string key = random_key();
+    return backoff.until_done([&] { return post(path, body, patience, key); });
 }
 
 std::string RestClient::get_text(const std::string& path) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/client/backoff.hpp"
 #include "api/client/http_connection.hpp"
 #include "schemas/error.hpp"
 
@@ -42,6 +43,12 @@ public:
                         const nlohmann::json& body,
                         std::chrono::milliseconds patience = {});
     nlohmann::json patch(const std::string& path, const nlohmann::json& body);
+    // The same with an Idempotency-Key, again until there is an answer: done once, however often
+    // it is sent.
+    nlohmann::json post_once(const std::string& path,
+                             const nlohmann::json& body,
+                             Backoff& backoff,
+                             std::chrono::milliseconds patience = {});
     std::string get_text(const std::string& path);
     void remove(const std::string& path);
 
@@ -54,6 +61,10 @@ public:
 
 private:
     HttpResponse send(HttpRequest request);
+    nlohmann::json post(const std::string& path,
+                        const nlohmann::json& body,
+                        std::chrono::milliseconds patience,
+                        const std::string& idempotency_key);
 
     Account account_;
     HttpConnection connection_;

@@ -1,16 +1,14 @@
 #include "api/client/tus_upload.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
+#include <mutex>
 #include <thread>
 
+#include "api/client/tus_transfer.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api::client {
 namespace {
-
-const std::string kUploadsPath = "/api/v1/uploads";
 
 std::string base64(std::string_view bytes) {
     constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -26,138 +24,155 @@ std::string base64(std::string_view bytes) {
     return text;
 }
 
-class TusUpload {
+// A stretch of a source that others read from, too.
+class Slice : public ByteSource {
 public:
-    TusUpload(const Account& account,
-              ByteSource& source,
-              const UploadState& state,
-              const TusObserver& observer,
-              const TusSettings& settings)
-        : account_(account),
-          source_(source),
-          state_(state),
-          observer_(observer),
-          settings_(settings),
-          connection_(account.server, settings.stall),
-          backoff_(settings.give_up_after, observer.on_wait) {}
+    Slice(ByteSource& whole, std::mutex& mutex, std::int64_t start, std::int64_t end)
+        : whole_(whole), mutex_(mutex), start_(start), end_(end) {}
 
-    std::string run(const std::map<std::string, std::string>& metadata) {
-        path_ = state_.upload_path();
-        while (true) {
-            try {
-                if (!path_) create(metadata);
-                if (!offset_) ask_offset();
-                if (!offset_) continue;  // the server has forgotten it: create it anew
-                if (*offset_ == source_.size_bytes()) return *path_;
-                send_chunk();
-            } catch (const Error& error) {
-                if (error.code() != ErrorCode::Unavailable) throw;
-                offset_.reset();
-                backoff_.wait(error);
-            }
-        }
+    std::int64_t size_bytes() const override { return end_ - start_; }
+    std::size_t read_at(std::int64_t offset, std::span<char> buffer) override {
+        const auto left =
+            static_cast<std::size_t>(std::max<std::int64_t>(size_bytes() - offset, 0));
+        const std::lock_guard lock(mutex_);
+        return whole_.read_at(start_ + offset, buffer.first(std::min(buffer.size(), left)));
     }
 
 private:
-    HttpRequest request(const std::string& method, const std::string& target) const {
-        HttpRequest result{method, target, authorization(account_), ""};
-        result.headers.emplace_back("Tus-Resumable", "1.0.0");
+    ByteSource& whole_;
+    std::mutex& mutex_;
+    std::int64_t start_;
+    std::int64_t end_;
+};
+
+class Upload {
+public:
+    Upload(const Account& account,
+           ByteSource& source,
+           const std::map<std::string, std::string>& metadata,
+           const UploadState& state,
+           const TusObserver& observer,
+           const TusSettings& settings)
+        : source_(source),
+          state_(state),
+          observer_(observer),
+          rate_(settings.max_bytes_per_s),
+          context_{account, settings, rate_, stop_.get_token()},
+          creation_{{"Upload-Metadata", tus_metadata(metadata)}},
+          remembered_(state.load()) {}
+
+    std::string run() {
+        if (remembered_.upload.empty() && remembered_.parts.empty() && wanted_parts() > 1)
+            remembered_.parts.resize(wanted_parts());
+        if (remembered_.parts.empty()) return send_whole();
+        try {
+            return send_parts();
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::NotFound) throw;
+        }
+        remembered_ = {};  // the server has forgotten a part that was there
+        state_.forget();
+        remembered_.parts.resize(wanted_parts());
+        return send_parts();
+    }
+
+private:
+    std::size_t wanted_parts() const {
+        const std::int64_t most = std::max<std::int64_t>(source_.size_bytes(), 1);
+        return static_cast<std::size_t>(
+            std::clamp<std::int64_t>(context_.settings.num_parts, 1, most));
+    }
+
+    std::string send_whole() {
+        const auto set_path = [this](const std::string& path) { remembered_.upload = path; };
+        return send_by_tus(
+            context_, source_, creation_, remembered_.upload, observer_of(0, set_path));
+    }
+
+    std::string send_parts() {
+        if (!remembered_.joining) {
+            send_all_parts();
+            remembered_.joining = true;
+            state_.save(remembered_);
+        }
+        const auto on_wait = observer_of(0, {}).on_wait;
+        return join_by_tus(context_, remembered_.parts, source_.size_bytes(), creation_, on_wait);
+    }
+
+    void send_all_parts() {
+        bytes_done_.assign(remembered_.parts.size(), 0);
+        std::vector<std::jthread> threads;
+        for (std::size_t i = 0; i < remembered_.parts.size(); ++i)
+            threads.emplace_back([this, i] { send_part(i); });
+        threads.clear();  // joins
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+    // The first part that fails for good stops the others.
+    void send_part(std::size_t number) {
+        try {
+            const auto count = static_cast<std::int64_t>(remembered_.parts.size());
+            const auto bound = [&](std::size_t i) {
+                const std::int64_t each = source_.size_bytes() / count;
+                const std::int64_t rest = source_.size_bytes() % count;
+                const auto index = static_cast<std::int64_t>(i);
+                return each * index + std::min(rest, index);
+            };
+            Slice slice(source_, reading_, bound(number), bound(number + 1));
+            const auto set_path = [this, number](const std::string& path) {
+                remembered_.parts[number] = path;
+            };
+            send_by_tus(context_,
+                        slice,
+                        {{"Upload-Concat", "partial"}},
+                        remembered_.parts[number],
+                        observer_of(number, set_path));
+        } catch (...) {
+            const std::lock_guard lock(telling_);
+            if (!failure_) failure_ = std::current_exception();
+            stop_.request_stop();
+        }
+    }
+
+    TransferObserver observer_of(std::size_t part,
+                                 std::function<void(const std::string&)> set_path) {
+        TransferObserver result;
+        result.on_path = [this, set_path](const std::string& path) {
+            const std::lock_guard lock(telling_);
+            set_path(path);
+            state_.save(remembered_);
+        };
+        result.on_progress = [this, part](std::int64_t bytes_done) {
+            const std::lock_guard lock(telling_);
+            bytes_done_[part] = bytes_done;
+            std::int64_t sum = 0;
+            for (const std::int64_t done : bytes_done_) sum += done;
+            if (observer_.on_progress) observer_.on_progress(sum);
+        };
+        result.on_resumed = [this, part](std::int64_t offset) {
+            const std::lock_guard lock(telling_);
+            bytes_done_[part] = offset;
+            if (observer_.on_resumed) observer_.on_resumed(offset);
+        };
+        result.on_wait = [this](const Error& reason, std::chrono::milliseconds pause) {
+            const std::lock_guard lock(telling_);
+            if (observer_.on_wait) observer_.on_wait(reason, pause);
+        };
         return result;
     }
 
-    void create(const std::map<std::string, std::string>& metadata) {
-        HttpRequest post = request("POST", kUploadsPath);
-        post.headers.emplace_back("Upload-Length", std::to_string(source_.size_bytes()));
-        post.headers.emplace_back("Upload-Metadata", tus_metadata(metadata));
-        const HttpResponse response = connection_.send(post);
-        if (response.status != 201) refuse(response);
-        path_ = path_of_location(response.header("location"));
-        state_.remember(*path_);
-        offset_ = 0;
-    }
-
-    // Location may be relative, or absolute by any name the server has behind a proxy.
-    std::string path_of_location(const std::string& location) const {
-        const std::size_t start = location.find(kUploadsPath + "/");
-        if (start == std::string::npos)
-            throw Error(ErrorCode::Unsupported,
-                        "the server put the upload at \"" + location + "\": not a divemesh server");
-        return location.substr(start);
-    }
-
-    void ask_offset() {
-        const HttpResponse response = connection_.send(request("HEAD", *path_));
-        const bool known = response.status != 404 && response.status != 410;
-        if (known && response.status != 200 && response.status != 204) refuse(response);
-        if (!known || response.header("upload-length") != std::to_string(source_.size_bytes())) {
-            state_.forget();
-            path_.reset();
-            return;
-        }
-        moved_to(offset_in(response));
-        if (*offset_ > 0 && observer_.on_resumed) observer_.on_resumed(*offset_);
-    }
-
-    void send_chunk() {
-        const std::int64_t start = *offset_;
-        HttpRequest patch = request("PATCH", *path_);
-        patch.headers.emplace_back("Content-Type", "application/offset+octet-stream");
-        patch.headers.emplace_back("Upload-Offset", std::to_string(start));
-        BodyRange body;
-        body.source = &source_;
-        body.offset = start;
-        body.length = std::min(settings_.chunk_bytes, source_.size_bytes() - start);
-        const auto began = std::chrono::steady_clock::now();
-        if (start + body.length == source_.size_bytes())
-            patch.patience = hashing_patience(source_.size_bytes());
-        body.on_sent = [&](std::int64_t sent) {
-            if (observer_.on_progress) observer_.on_progress(start + sent);
-            if (settings_.max_bytes_per_s > 0.0)
-                std::this_thread::sleep_until(
-                    began + std::chrono::microseconds(static_cast<std::int64_t>(
-                                static_cast<double>(sent) / settings_.max_bytes_per_s * 1e6)));
-        };
-        const HttpResponse response = connection_.send(patch, body);
-        if (response.status != 204) refuse(response);
-        moved_to(offset_in(response));
-        if (*offset_ <= start)
-            throw Error(ErrorCode::Unavailable, "the server took no byte of the upload");
-    }
-
-    void moved_to(std::int64_t offset) {
-        offset_ = offset;
-        if (offset > highest_offset_) backoff_.moved();
-        highest_offset_ = std::max(highest_offset_, offset);
-    }
-
-    std::int64_t offset_in(const HttpResponse& response) const {
-        const std::string text = response.header("upload-offset");
-        std::int64_t offset = -1;
-        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), offset);
-        if (failure != std::errc{} || end != text.data() + text.size() || offset < 0 ||
-            offset > source_.size_bytes())
-            throw Error(ErrorCode::Unsupported,
-                        "the server answered Upload-Offset \"" + text + "\"");
-        return offset;
-    }
-
-    // 409: another offset than we thought; 423: an older request still holds the upload.
-    [[noreturn]] static void refuse(const HttpResponse& response) {
-        if (response.status == 409 || response.status == 423)
-            throw Error(ErrorCode::Unavailable, error_of(response).what());
-        throw error_of(response);
-    }
-
-    const Account& account_;
     ByteSource& source_;
     const UploadState& state_;
     const TusObserver& observer_;
-    const TusSettings& settings_;
-    HttpConnection connection_;
-    Backoff backoff_;
-    std::optional<std::string> path_;
-    std::int64_t highest_offset_ = 0;
-    std::optional<std::int64_t> offset_;  // nothing: the server has to be asked
+    RateLimiter rate_;
+    std::stop_source stop_;
+    TusContext context_;
+    TusHeaders creation_;
+    std::mutex reading_;
+    std::mutex telling_;  // over everything below
+    RememberedUpload remembered_;
+    std::vector<std::int64_t> bytes_done_ = {0};  // of each part
+    std::exception_ptr failure_;
 };
 
 }  // namespace
@@ -175,7 +190,7 @@ std::string upload_by_tus(const Account& account,
                           const UploadState& state,
                           const TusObserver& observer,
                           const TusSettings& settings) {
-    return TusUpload(account, source, state, observer, settings).run(metadata);
+    return Upload(account, source, metadata, state, observer, settings).run();
 }
 
 }  // namespace divemesh::api::client

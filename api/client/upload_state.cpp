@@ -1,6 +1,9 @@
 #include "api/client/upload_state.hpp"
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -9,30 +12,59 @@
 #include "schemas/error.hpp"
 
 namespace divemesh::api::client {
+namespace {
+
+[[noreturn]] void throw_errno(const std::string& path) {
+    throw Error(ErrorCode::OutOfSpace,
+                "cannot write " + path + ": " + std::strerror(errno) + "; free some space");
+}
+
+// Also makes the name of a new file durable, when given its folder.
+void sync(const std::string& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) throw_errno(path);
+    const int failed = ::fsync(file);
+    ::close(file);
+    if (failed != 0) throw_errno(path);
+}
+
+void write_durably(const std::filesystem::path& path, const std::string& text) {
+    std::filesystem::create_directories(path.parent_path());
+    const auto temporary = path.string() + "." + std::to_string(::getpid());
+    std::ofstream stream(temporary, std::ios::trunc);
+    stream << text << '\n';
+    stream.close();
+    if (!stream) throw_errno(temporary);
+    sync(temporary);
+    std::filesystem::rename(temporary, path);
+    sync(path.parent_path().string());
+}
+
+}  // namespace
 
 UploadState::UploadState(const std::filesystem::path& folder,
                          const std::string& server_url,
                          const std::string& archive_sha256)
     : file_(folder / ("upload-" + sha256_hex(server_url + "\n" + archive_sha256) + ".json")) {}
 
-std::optional<std::string> UploadState::upload_path() const {
+RememberedUpload UploadState::load() const {
     std::ifstream stream(file_);
-    if (!stream) return std::nullopt;
-    const auto json = nlohmann::json::parse(stream, nullptr, false);
-    if (!json.is_object() || !json.contains("upload") || !json["upload"].is_string())
-        return std::nullopt;
-    return json["upload"].get<std::string>();
+    if (!stream) return {};
+    try {
+        const auto json = nlohmann::json::parse(stream);
+        return {json.value("upload", ""),
+                json.value("parts", std::vector<std::string>()),
+                json.value("joining", false)};
+    } catch (const nlohmann::json::exception&) {
+        return {};
+    }
 }
 
-void UploadState::remember(const std::string& upload_path) const {
-    std::filesystem::create_directories(file_.parent_path());
-    const auto temporary = file_.string() + "." + std::to_string(::getpid());
-    std::ofstream stream(temporary, std::ios::trunc);
-    stream << nlohmann::json{{"upload", upload_path}}.dump() << '\n';
-    stream.close();
-    if (!stream)
-        throw Error(ErrorCode::OutOfSpace, "cannot write " + temporary + "; free some space");
-    std::filesystem::rename(temporary, file_);
+void UploadState::save(const RememberedUpload& remembered) const {
+    const nlohmann::json json = {{"upload", remembered.upload},
+                                 {"parts", remembered.parts},
+                                 {"joining", remembered.joining}};
+    write_durably(file_, json.dump());
 }
 
 void UploadState::forget() const {

@@ -2,6 +2,7 @@
 
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
 #include "api/upload_metadata.hpp"
@@ -67,19 +68,7 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
     return job;
 }
 
-}  // namespace
-
-Awaitable<Response> list_dives(Request request, Services services) {
-    const auto filter = filter_of(request);
-    const auto page = page_request(request);
-    auto work = [&catalog = services.catalog, filter, page] {
-        return storage::DiveStore(catalog).list(filter, page);
-    };
-    const auto dives = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, dives.items, dives.next_cursor);
-}
-
-Awaitable<Response> create_dive(Request request, Services services) {
+Awaitable<Response> dive_of_upload(Request request, Services services) {
     const DiveRequest wanted = dive_request(request);
     request.parameters.emplace("upload_id", wanted.upload_id);
     auto look = [services, request] { visible_upload(request, services); };
@@ -100,6 +89,34 @@ Awaitable<Response> create_dive(Request request, Services services) {
     co_return response;
 }
 
+Awaitable<Response> new_job(Request request, Services services) {
+    auto work = [services, request] {
+        const Dive dive = visible_dive(request, services);
+        return storage::JobStore(services.catalog).enqueue(job_request(request, dive));
+    };
+    const auto made = co_await in_pool(services.pool, std::move(work));
+    Response response =
+        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
+    response.set("Location", "/api/v1/jobs/" + made.job.id);
+    co_return response;
+}
+
+}  // namespace
+
+Awaitable<Response> list_dives(Request request, Services services) {
+    const auto filter = filter_of(request);
+    const auto page = page_request(request);
+    auto work = [&catalog = services.catalog, filter, page] {
+        return storage::DiveStore(catalog).list(filter, page);
+    };
+    const auto dives = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, dives.items, dives.next_cursor);
+}
+
+Awaitable<Response> create_dive(Request request, Services services) {
+    co_return co_await answer_once(std::move(request), services, dive_of_upload);
+}
+
 Awaitable<Response> get_dive(Request request, Services services) {
     auto work = [services, request] { return visible_dive(request, services); };
     const Dive dive = co_await in_pool(services.pool, std::move(work));
@@ -115,15 +132,7 @@ Awaitable<Response> list_findings(Request request, Services services) {
 }
 
 Awaitable<Response> create_job(Request request, Services services) {
-    auto work = [services, request] {
-        const Dive dive = visible_dive(request, services);
-        return storage::JobStore(services.catalog).enqueue(job_request(request, dive));
-    };
-    const auto made = co_await in_pool(services.pool, std::move(work));
-    Response response =
-        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
-    response.set("Location", "/api/v1/jobs/" + made.job.id);
-    co_return response;
+    co_return co_await answer_once(std::move(request), services, new_job);
 }
 
 }  // namespace divemesh::api

@@ -4,8 +4,18 @@
 #                      [--ablation NAME,...] [--repeat N] [--require] [--keep DIR] [--cache DIR]
 # Dives: those of the shared data (DIVEMESH_SHARED, default ../shared) and simulated ones, which are
 # rendered once into build/bench, anew when the simulator has changed. Builds what it needs first.
+#   tests/bench/run.sh --only upload [--repeat N] [--require] [--large]
+# Uploads instead of reconstructing; --large: a dive of 10 GB too.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+if [[ ${1:-} == --only && ${2:-} == upload ]]; then
+    shift 2
+    {
+        cmake --preset release --log-level=WARNING
+        cmake --build --preset release --target divemesh divemesh_upload_bench
+    } >&2
+    exec build/release/tests/bench/divemesh_upload_bench --program "$PWD/build/release/divemesh" "$@"
+fi
 {
     cmake --preset release --log-level=WARNING
     cmake --build --preset release --target divemesh divemesh_bench

@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "schemas/content_hash.hpp"
 #include "tests/end_to_end/service.hpp"
+#include "tests/flaky_proxy.hpp"
 #include "tests/paths.hpp"
 
 namespace divemesh {
@@ -12,6 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+
+int port_of(const std::string& address) {
+    return std::stoi(address.substr(address.rfind(':') + 1));
+}
 
 constexpr auto kSlow = "200k";  // bytes per second: the small dive takes long enough to be cut
 
@@ -91,6 +97,55 @@ TEST_F(UploadTest, WorksWithAStockTusClientInTwoSittings) {
     EXPECT_EQ(node.wait(120s), 0) << node.stderr_text();
     EXPECT_TRUE(wait_until(60s, [&] { return service.dives().at(0).at("state") == "ready"; }));
     EXPECT_EQ(node.stdout_text(), service.dives().at(0).at("id").get<std::string>() + "\n");
+}
+
+TEST_F(UploadTest, U22ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
+    service.start_server(0);
+    FlakyProxy proxy(port_of(service.address()),
+                     {.cut = Cut::Stall, .cut_after_bytes = 300'000, .num_cuts = 3});
+    const Outcome outcome = service.run({"upload",
+                                         small_dive().string(),
+                                         "--no-job",
+                                         "--json",
+                                         "--stall-timeout",
+                                         "0.5",
+                                         "--parallel",
+                                         "2",
+                                         "--server",
+                                         "http://127.0.0.1:" + std::to_string(proxy.port())},
+                                        120s);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(proxy.num_cuts(), 3);
+    EXPECT_EQ(nlohmann::json::parse(outcome.out).at("verified"), true);
+    EXPECT_EQ(service.dives().at(0).at("state"), "checking");
+}
+
+TEST_F(UploadTest, U14AStockTusClientArrivesOverEveryKindOfBadLink) {
+    const fs::path scripts = source_directory() / "tests/end_to_end/js";
+    if (!fs::exists(scripts / "node_modules/tus-js-client"))
+        GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
+    service.start_server(0);
+    for (const Cut cut : {Cut::Reset, Cut::HalfOpen, Cut::Stall}) {
+        const int number = static_cast<int>(cut);
+        const fs::path file = service / ("dive" + std::to_string(number) + ".tar");
+        const std::string content(3'000'000, static_cast<char>('a' + number));
+        std::ofstream(file, std::ios::binary) << content;
+        FlakyProxy proxy(port_of(service.address()),
+                         {.cut = cut, .cut_after_bytes = 1'200'000, .num_cuts = 4});
+        Process node({"/usr/bin/env",
+                      "node",
+                      (scripts / "tus_bad_link.mjs").string(),
+                      file.string(),
+                      "http://127.0.0.1:" + std::to_string(proxy.port()) + "/api/v1/uploads"},
+                     service / ".",
+                     {{"DIVEMESH_TOKEN", service.token()}});
+        EXPECT_EQ(node.wait(120s), 0) << number << ": " << node.stderr_text();
+        EXPECT_GE(proxy.num_cuts(), 2) << number;
+        ASSERT_EQ(service.dives().size(), static_cast<std::size_t>(number) + 1);
+        const auto dive = service.dives().back();
+        EXPECT_EQ(node.stdout_text(), dive.at("id").get<std::string>() + "\n");
+        EXPECT_EQ(dive.at("archive_sha256"), sha256_hex(content));
+    }
 }
 
 TEST_F(UploadTest, TellsTheFindingsOfADiveThatIsRefused) {

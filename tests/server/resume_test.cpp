@@ -78,7 +78,7 @@ std::int64_t offset_reaches(int port,
     return offset;
 }
 
-TEST(ResumeTest, EverythingThatCameBeforeACutIsKept) {
+TEST(ResumeTest, U5EverythingThatCameBeforeACutIsKept) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
     const std::string bytes = random_bytes(1'000'000);
@@ -102,7 +102,7 @@ TEST(ResumeTest, EverythingThatCameBeforeACutIsKept) {
     EXPECT_EQ(dive.json()["archive_sha256"], sha256_hex(bytes));
 }
 
-TEST(ResumeTest, ANewRequestEndsAnOlderOneThatHangs) {
+TEST(ResumeTest, U14ANewRequestEndsAnOlderOneThatHangs) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
     RawClient half_open(server.port());
@@ -120,7 +120,7 @@ TEST(ResumeTest, ANewRequestEndsAnOlderOneThatHangs) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 1'000'000);
 }
 
-TEST(ResumeTest, ATerminationEndsAnUploadThatIsUnderWay) {
+TEST(ResumeTest, U12S12ATerminationEndsAnUploadThatIsUnderWay) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
     RawClient sending(server.port());
@@ -131,7 +131,7 @@ TEST(ResumeTest, ATerminationEndsAnUploadThatIsUnderWay) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), -1);
 }
 
-TEST(ResumeTest, ASilentClientIsLeftAndItsBytesAreKept) {
+TEST(ResumeTest, U15ASilentClientIsLeftAndItsBytesAreKept) {
     server::ServerConfig config;
     config.timeouts.body = 300ms;
     TestServer server(config);
@@ -144,7 +144,7 @@ TEST(ResumeTest, ASilentClientIsLeftAndItsBytesAreKept) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 10);
 }
 
-TEST(ResumeTest, AStoppedServerKeepsWhatCame) {
+TEST(ResumeTest, U5AStoppedServerKeepsWhatCame) {
     const TemporaryFolder data;
     auto first = std::make_unique<ServerProcess>(data.path());
     const std::string token = read_token(data.path());
@@ -158,7 +158,7 @@ TEST(ResumeTest, AStoppedServerKeepsWhatCame) {
     EXPECT_EQ(upload_offset(second.port(), token, path), 123'456);
 }
 
-TEST(ResumeTest, AKilledServerGoesOnWhereTheBytesEnd) {
+TEST(ResumeTest, U5AKilledServerGoesOnWhereTheBytesEnd) {
     const TemporaryFolder data;
     const std::string bytes = random_bytes(3'000'000);
     std::string path;
@@ -195,6 +195,66 @@ TEST(ResumeTest, AKilledServerGoesOnWhereTheBytesEnd) {
     const auto dives = RawClient(server.port()).request("GET", "/api/v1/dives", headers).json();
     ASSERT_EQ(dives["items"].size(), 1U);
     EXPECT_EQ(dives["items"][0]["archive_sha256"], sha256_hex(bytes));
+}
+
+TEST(ResumeTest, U11AServerKilledWithinACheckedChunkKeepsNoneOfIt) {
+    const TemporaryFolder data;
+    std::string path;
+    std::string token;
+    {
+        ServerProcess server(data.path());
+        token = read_token(data.path());
+        path = create_upload(server.port(), token, 1'000'000);
+        RawClient(server.port())
+            .request("PATCH", path, patch_headers(token, 0), std::string(1'000, 'x'));
+        RawClient client(server.port());
+        Headers headers = patch_headers(token, 1'000);
+        headers.emplace_back("Upload-Checksum", "crc32c AAAAAA==");
+        client.send(request_head("PATCH", path, headers, 999'000));
+        client.send(std::string(500'000, 'y'));
+        std::this_thread::sleep_for(200ms);
+        server.end(SIGKILL);
+    }
+    const ServerProcess server(data.path());
+    EXPECT_EQ(upload_offset(server.port(), token, path), 1'000);
+}
+
+TEST(ResumeTest, U13AServerKilledWhileItJoinsPartsGoesOn) {
+    const TemporaryFolder data;
+    const std::string bytes = random_bytes(8'000'000);
+    std::string token;
+    Headers wanted;
+    for (int life = 0; life < 4; ++life) {
+        ServerProcess server(data.path());
+        if (life == 0) {
+            token = read_token(data.path());
+            const Headers part = tus_headers(token,
+                                             {{"Upload-Length", "8000000"},
+                                              {"Upload-Concat", "partial"},
+                                              {"Content-Type", "application/offset+octet-stream"}});
+            const auto made =
+                RawClient(server.port()).request("POST", "/api/v1/uploads", part, bytes);
+            const std::string place = made.header("location");
+            wanted = tus_headers(token,
+                                 {{"Upload-Concat", "final;" + place + " " + place + " " + place}});
+        }
+        RawClient client(server.port());
+        client.send(request_head("POST", "/api/v1/uploads", wanted, 0));
+        std::this_thread::sleep_for(10ms * life);
+        server.end(SIGKILL);
+    }
+    const ServerProcess server(data.path());
+    const auto whole = RawClient(server.port()).request("POST", "/api/v1/uploads", wanted);
+    ASSERT_EQ(whole.status, 201) << whole.body;
+    EXPECT_EQ(whole.header("upload-offset"), "24000000");
+    const std::string path = whole.header("location");
+    const auto made =
+        RawClient(server.port())
+            .request("POST",
+                     "/api/v1/dives",
+                     {{"Authorization", "Bearer " + token}, {"Content-Type", "application/json"}},
+                     nlohmann::json{{"upload_id", path.substr(path.rfind('/') + 1)}}.dump());
+    EXPECT_EQ(made.json()["archive_sha256"], sha256_hex(bytes + bytes + bytes));
 }
 
 TEST(ResumeTest, AFullDiskIsToldAndWhatFittedIsKept) {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -106,7 +105,7 @@ TEST_F(CrashTest, TheSameRecordingFromManyProcessesAtOnceIsOneDive) {
 
     EXPECT_EQ(stores.dives_.list({}, {}).items.size(), 1u);
     EXPECT_EQ(stores.jobs_.list({}, {}).items.size(), 2u);  // one intake, one reconstruction
-    EXPECT_TRUE(stores.uploads_.list_older_than(std::numeric_limits<std::int64_t>::max()).empty());
+    EXPECT_TRUE(stores.uploads_.list_open().empty());
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ struct Stores {
                 .archive_sha256 = sha256_hex("archive of " + content),
                 .content_sha256 = sha256_hex(content),
                 .blob = "dives/" + upload.id + "/archive",
-                .archive_bytes = upload.length_bytes,
+                .archive_bytes = *upload.length_bytes,
                 .preset = preset};
     }
 

@@ -50,26 +50,89 @@ TEST_F(UploadStoreTest, TakesLengthsUpTo63BitsAndNoNegativeOnes) {
                             [&] { uploads_.create({.project = "p", .length_bytes = -1}); }));
 }
 
-TEST_F(UploadStoreTest, RemovedUploadsAreGone) {
-    const Upload upload = uploads_.create({.project = "p", .length_bytes = 10});
+TEST_F(UploadStoreTest, ALengthIsToldOnce) {
+    const Upload upload = uploads_.create({.project = "p"});
+    EXPECT_FALSE(uploads_.get(upload.id).length_bytes);
+    uploads_.advance(upload.id, 7);
 
-    uploads_.remove(upload.id);
+    EXPECT_TRUE(
+        throws_code(ErrorCode::InvalidArgument, [&] { uploads_.set_length(upload.id, 6); }));
+    EXPECT_TRUE(uploads_.set_length(upload.id, 7).complete());
+    EXPECT_TRUE(uploads_.set_length(upload.id, 7).complete());
+    EXPECT_TRUE(
+        throws_code(ErrorCode::InvalidArgument, [&] { uploads_.set_length(upload.id, 8); }));
 
-    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { uploads_.get(upload.id); }));
-    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { uploads_.remove(upload.id); }));
-    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { uploads_.advance(upload.id, 1); }));
+    EXPECT_THAT(event_types(upload.id), ElementsAre("upload.created", "upload.completed"));
 }
 
-TEST_F(UploadStoreTest, SweepsOnlyWhatBecameNoDive) {
-    const Upload forgotten = uploads_.create({.project = "default", .length_bytes = 10});
+TEST_F(UploadStoreTest, WhatEndedStaysEndedAndIsToldSo) {
+    const Upload upload = uploads_.create({.project = "p", .length_bytes = 10});
+
+    uploads_.end(upload.id, UploadEnd::Terminated);
+
+    EXPECT_EQ(uploads_.get(upload.id).end, UploadEnd::Terminated);
+    EXPECT_TRUE(throws_code(ErrorCode::Gone, [&] { require_open(uploads_.get(upload.id)); }));
+    EXPECT_TRUE(throws_code(ErrorCode::Gone, [&] { uploads_.end(upload.id, UploadEnd::Expired); }));
+    EXPECT_TRUE(throws_code(ErrorCode::Gone, [&] { uploads_.advance(upload.id, 1); }));
+    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { uploads_.get("upload_none"); }));
+    EXPECT_FALSE(uploads_.expire(upload.id));
+    EXPECT_THAT(event_types(upload.id), ElementsAre("upload.created", "upload.removed"));
+}
+
+TEST_F(UploadStoreTest, IsForgottenWhenItsBytesAreFreedAndNotBefore) {
+    const Upload upload = uploads_.create({.project = "p", .length_bytes = 10});
+    uploads_.end(upload.id, UploadEnd::Terminated);
+
+    uploads_.forget_ended(-1);
+    ASSERT_EQ(uploads_.list_unfreed().size(), 1u);
+    uploads_.set_freed(upload.id);
+    EXPECT_TRUE(uploads_.list_unfreed().empty());
+    uploads_.forget_ended(60'000);
+    EXPECT_TRUE(uploads_.get(upload.id).end);
+    uploads_.forget_ended(-1);
+
+    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { uploads_.get(upload.id); }));
+}
+
+TEST_F(UploadStoreTest, ExpiresWhatIsDueAndNoDive) {
+    constexpr std::int64_t kNone = 1;
+    const Upload due = uploads_.create({.project = "p", .length_bytes = 10, .lifetime_ms = kNone});
+    const Upload other = uploads_.create({.project = "p", .length_bytes = 10});
     create_dive("wreck");
-    constexpr auto kEver = std::numeric_limits<std::int64_t>::max();
+    while (uploads_.list_expired().empty()) {
+    }
 
-    const auto old = uploads_.list_older_than(kEver);
+    EXPECT_THAT(uploads_.list_expired(), ElementsAre(due.id));
+    EXPECT_FALSE(uploads_.expire(other.id));
+    EXPECT_TRUE(uploads_.expire(due.id));
+    EXPECT_FALSE(uploads_.expire(due.id));
+    EXPECT_TRUE(uploads_.list_expired().empty());
+    EXPECT_THAT(event_types(due.id), ElementsAre("upload.created", "upload.expired"));
+}
 
-    ASSERT_EQ(old.size(), 1u);
-    EXPECT_EQ(old[0].id, forgotten.id);
-    EXPECT_TRUE(uploads_.list_older_than(forgotten.created_at_ms).empty());
+TEST_F(UploadStoreTest, CountsWhatIsNeitherEndedNorADive) {
+    uploads_.create({.project = "p", .length_bytes = 10});
+    uploads_.create({.project = "q", .length_bytes = 10});
+    const Upload ended = uploads_.create({.project = "p", .length_bytes = 10});
+    uploads_.end(ended.id, UploadEnd::Terminated);
+    create_dive("wreck");
+
+    EXPECT_EQ(uploads_.num_open("p"), 1);
+    EXPECT_EQ(uploads_.list_open().size(), 2u);
+}
+
+TEST_F(UploadStoreTest, FindsTheFinalUploadOfTheSameParts) {
+    const Upload made = uploads_.create(
+        {.project = "p", .length_bytes = 10, .metadata = "commit", .concat = "final;/a /b"});
+    const auto find = [&](const char* project, const char* metadata, const char* concat) {
+        return uploads_.find_final({.project = project, .metadata = metadata, .concat = concat});
+    };
+    EXPECT_EQ(find("p", "commit", "final;/a /b")->id, made.id);
+    EXPECT_FALSE(find("q", "commit", "final;/a /b"));
+    EXPECT_FALSE(find("p", "", "final;/a /b"));
+    EXPECT_FALSE(find("p", "commit", "final;/b /a"));
+    uploads_.end(made.id, UploadEnd::Terminated);
+    EXPECT_FALSE(find("p", "commit", "final;/a /b"));
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST_F(TusUploadTest, DoesNotRepeatWhatTheServerRefuses) {
 }
 
 TEST_F(TusUploadTest, GivesUpWhenNothingGetsThrough) {
-    settings.give_up_after = std::chrono::milliseconds(0);
+    settings.give_up_after = std::chrono::milliseconds(1);
     server.script_patches({{503, -1, false}});
     EXPECT_THROW(upload(), Error);
 }

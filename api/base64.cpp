@@ -1,0 +1,24 @@
+#include "api/base64.hpp"
+
+#include <algorithm>
+#include <openssl/evp.h>
+
+namespace divemesh::api {
+
+std::optional<std::string> decode_base64(std::string_view text) {
+    constexpr std::string_view kAlphabet =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const std::size_t length = std::min(text.find_first_not_of(kAlphabet), text.size());
+    const std::size_t padding = text.size() - length;
+    if (text.size() % 4 != 0 || padding > 2 || text.substr(length) != std::string(padding, '='))
+        return std::nullopt;
+    std::string bytes(text.size() / 4 * 3, '\0');
+    const int size = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
+                                     reinterpret_cast<const unsigned char*>(text.data()),
+                                     static_cast<int>(text.size()));
+    if (size < 0) return std::nullopt;
+    bytes.resize(static_cast<std::size_t>(size) - padding);
+    return bytes;
+}
+
+}  // namespace divemesh::api

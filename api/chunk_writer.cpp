@@ -1,0 +1,53 @@
+#include "api/chunk_writer.hpp"
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+#include <vector>
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
+
+}  // namespace
+
+std::string chunk_key(const Upload& upload) { return upload.blob + ".chunk"; }
+
+ChunkWriter::ChunkWriter(Services services, const Upload& upload, UploadChecksum checksum)
+    : services_(services),
+      key_(chunk_key(upload)),
+      checksum_(std::move(checksum)),
+      room_bytes_(upload.length_bytes.value_or(services.limits.max_upload_bytes) -
+                  upload.offset_bytes) {
+    services_.blobs.remove_staged(key_);  // of a server that was killed
+    staged_ = services_.blobs.open_staged(key_);
+}
+
+ChunkWriter::~ChunkWriter() {
+    try {
+        services_.blobs.remove_staged(key_);
+    } catch (const std::exception& error) {
+        spdlog::warn(
+            nlohmann::json{{"event", "chunk_left"}, {"blob", key_}, {"what", error.what()}}.dump(
+                -1, ' ', true, nlohmann::json::error_handler_t::replace));
+    }
+}
+
+void ChunkWriter::write(std::span<const char> bytes) {
+    staged_->write(bytes);
+    checksum_.update(bytes);
+    room_bytes_ -= static_cast<std::int64_t>(bytes.size());
+}
+
+void ChunkWriter::append_to(UploadWriter& writer) {
+    staged_->flush();
+    const auto reader = services_.blobs.read_staged(key_);
+    std::vector<char> buffer(kCopyBytes);
+    std::int64_t offset = 0;
+    while (const std::size_t n = reader->read_at(offset, buffer)) {
+        writer.write({buffer.data(), n});
+        offset += static_cast<std::int64_t>(n);
+    }
+}
+
+}  // namespace divemesh::api

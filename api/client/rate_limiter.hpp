@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+
+namespace divemesh::api::client {
+
+// Holds senders back to so many bytes per second together; zero: not at all. What a pause left
+// unsent is not made up for by a burst. Thread-safe.
+class RateLimiter {
+public:
+    explicit RateLimiter(double max_bytes_per_s) : max_bytes_per_s_(max_bytes_per_s) {}
+
+    void sent(std::int64_t num_bytes);  // sleeps until they may have been
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    double max_bytes_per_s_;
+    std::mutex mutex_;
+    Clock::time_point free_at_ = Clock::now();
+};
+
+}  // namespace divemesh::api::client

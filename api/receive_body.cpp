@@ -1,0 +1,159 @@
+#include "api/receive_body.hpp"
+
+#include <boost/asio/experimental/awaitable_operators.hpp>
+#include <chrono>
+#include <vector>
+
+#include "api/chunk_writer.hpp"
+#include "api/in_pool.hpp"
+#include "api/upload_writer.hpp"
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+using namespace boost::asio::experimental::awaitable_operators;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kPieceBytes = std::size_t{256} << 10;  // two of them a request
+constexpr std::chrono::seconds kRateWindow{60};
+
+enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
+
+// Whether a client holds its connection by a byte now and then.
+class RateGuard {
+public:
+    explicit RateGuard(std::int64_t min_bytes_per_s)
+        : min_bytes_(min_bytes_per_s * kRateWindow.count()) {}
+
+    bool too_slow(std::size_t num_bytes) {
+        num_bytes_ += static_cast<std::int64_t>(num_bytes);
+        const auto now = Clock::now();
+        if (now - began_ < kRateWindow) return false;
+        const bool slow = num_bytes_ < min_bytes_;
+        began_ = now;
+        num_bytes_ = 0;
+        return slow;
+    }
+
+private:
+    std::int64_t min_bytes_;
+    std::int64_t num_bytes_ = 0;
+    Clock::time_point began_ = Clock::now();
+};
+
+// A write that fails ends the read beside it, which could last a minute.
+Awaitable<void> write_piece(std::shared_ptr<BodyStream> stream,
+                            Services services,
+                            std::shared_ptr<ByteSink> sink,
+                            std::span<const char> bytes) {
+    auto write = [stream, sink, bytes] {
+        try {
+            sink->write(bytes);
+        } catch (...) {
+            stream->stop();
+            throw;
+        }
+    };
+    co_await in_pool(services.pool, std::move(write));
+}
+
+std::optional<Ending> ending_of(BodyRead::State state) {
+    switch (state) {
+        case BodyRead::State::More: return std::nullopt;
+        case BodyRead::State::End: return Ending::Whole;
+        case BodyRead::State::Stopped: return Ending::Stopped;
+        case BodyRead::State::Lost: break;
+    }
+    return Ending::Lost;
+}
+
+// While one piece is written the next one is read.
+Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
+                              std::shared_ptr<BodyStream> stream,
+                              Services services) {
+    std::vector<char> reading(kPieceBytes);
+    std::vector<char> writing(kPieceBytes);
+    RateGuard rate(services.limits.min_upload_bytes_per_s);
+    BodyRead read = co_await stream->read(reading);
+    for (;;) {
+        const auto room = static_cast<std::size_t>(sink->room_bytes());
+        std::optional<Ending> ending = ending_of(read.state);
+        if (!ending && rate.too_slow(read.num_bytes)) ending = Ending::TooSlow;
+        if (read.num_bytes > room) ending = Ending::TooLong;
+        std::swap(reading, writing);
+        const std::span<const char> bytes(writing.data(), std::min(read.num_bytes, room));
+        if (ending) {
+            co_await write_piece(stream, services, sink, bytes);
+            co_return *ending;
+        }
+        read = co_await (write_piece(stream, services, sink, bytes) && stream->read(reading));
+    }
+}
+
+void throw_unless_whole(Ending ending) {
+    switch (ending) {
+        case Ending::Whole: return;
+        case Ending::TooLong:
+            throw Error(ErrorCode::TooLarge,
+                        "the body went past Upload-Length: the rest is not kept");
+        case Ending::TooSlow:
+            throw Error(ErrorCode::Unavailable,
+                        "the body comes too slowly to be waited for: HEAD tells what did");
+        case Ending::Stopped:
+            throw Error(ErrorCode::Conflict,
+                        "a newer request took this upload over, or the server stops");
+        case Ending::Lost:
+            throw Error(ErrorCode::Unavailable, "the body did not arrive: HEAD tells what did");
+    }
+}
+
+Awaitable<Upload> receive_plain(std::shared_ptr<BodyStream> stream,
+                                Services services,
+                                Upload upload) {
+    auto open = [services, upload] { return std::make_shared<UploadWriter>(services, upload); };
+    auto writer = co_await in_pool(services.pool, std::move(open));
+    std::exception_ptr failure;
+    Ending ending = Ending::Lost;
+    try {
+        ending = co_await stream_into(writer, stream, services);
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    auto finish = [writer] { return writer->finish(); };
+    const Upload received = co_await in_pool(services.pool, std::move(finish));
+    if (failure) std::rethrow_exception(failure);
+    throw_unless_whole(ending);
+    co_return received;
+}
+
+Awaitable<std::optional<Upload>> receive_checked(std::shared_ptr<BodyStream> stream,
+                                                 Services services,
+                                                 Upload upload,
+                                                 std::shared_ptr<UploadChecksum> checksum) {
+    auto open = [services, upload, checksum] {
+        return std::make_shared<ChunkWriter>(services, upload, std::move(*checksum));
+    };
+    auto chunk = co_await in_pool(services.pool, std::move(open));
+    throw_unless_whole(co_await stream_into(chunk, stream, services));
+    auto append = [services, upload, chunk]() -> std::optional<Upload> {
+        if (!chunk->is_right()) return std::nullopt;
+        UploadWriter writer(services, upload);
+        chunk->append_to(writer);
+        return writer.finish();
+    };
+    co_return co_await in_pool(services.pool, std::move(append));
+}
+
+}  // namespace
+
+Awaitable<std::optional<Upload>> receive_body(std::shared_ptr<BodyStream> stream,
+                                              Services services,
+                                              Upload upload,
+                                              std::optional<UploadChecksum> checksum) {
+    if (!checksum) co_return co_await receive_plain(stream, services, std::move(upload));
+    auto shared = std::make_shared<UploadChecksum>(std::move(*checksum));
+    co_return co_await receive_checked(stream, services, std::move(upload), std::move(shared));
+}
+
+}  // namespace divemesh::api

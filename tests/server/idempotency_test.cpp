@@ -1,0 +1,84 @@
+#include "storage/job_store.hpp"
+#include "tests/server/tus_fixture.hpp"
+
+namespace divemesh {
+namespace {
+
+class IdempotencyTest : public TusTest {
+protected:
+    RawResponse ask(const std::string& key,
+                    const nlohmann::json& body,
+                    const std::string& secret = "") {
+        return server.request("POST",
+                              "/api/v1/dives/" + dive + "/jobs",
+                              secret.empty() ? token : secret,
+                              {{"Content-Type", "application/json"}, {"Idempotency-Key", key}},
+                              body.dump());
+    }
+    std::size_t num_jobs() {
+        return server.request("GET", "/api/v1/jobs?kind=reconstruct", token).json()["items"].size();
+    }
+
+    const std::string dive = server.make_dive("default", std::string(64, 'a'));
+};
+
+// draft-ietf-httpapi-idempotency-key-header-07, section 2.6
+TEST_F(IdempotencyTest, ARepeatedRequestIsAnsweredAgainAndNotDoneAgain) {
+    const auto first = ask("\"8e03978e-40d5\"", {{"preset", "fast"}});
+    EXPECT_EQ(first.status, 201) << first.body;
+    EXPECT_EQ(first.header("idempotency-replayed"), "");
+    for (const char* key : {"\"8e03978e-40d5\"", "8e03978e-40d5"}) {
+        const auto again = ask(key, {{"preset", "fast"}});
+        EXPECT_EQ(again.status, 201);
+        EXPECT_EQ(again.body, first.body);
+        EXPECT_EQ(again.header("location"), first.header("location"));
+        EXPECT_EQ(again.header("idempotency-replayed"), "true");
+    }
+    EXPECT_EQ(num_jobs(), 1U);
+}
+
+TEST_F(IdempotencyTest, S30AKeyIsNoExcuseForAnotherBody) {
+    EXPECT_EQ(ask("key", {{"preset", "fast"}}).status, 201);
+    EXPECT_EQ(ask("key", {{"preset", "paper"}}).status, 422);
+    EXPECT_EQ(num_jobs(), 1U);
+}
+
+TEST_F(IdempotencyTest, S30AKeyBelongsToTheTokenThatUsedIt) {
+    const auto first = ask("key", {{"preset", "fast"}});
+    const auto stranger = server.make_token("elsewhere", {"dives:read", "jobs:write"});
+    EXPECT_EQ(ask("key", {{"preset", "fast"}}, stranger).status, 404);
+    const auto colleague = server.make_token("default", {"dives:read", "jobs:write"});
+    EXPECT_EQ(ask("key", {{"preset", "paper"}}, colleague).status, 201);
+}
+
+TEST_F(IdempotencyTest, S30HugeAndUnprintableKeysAreRefused) {
+    for (const std::string& key : {std::string(),
+                                   std::string("\"\""),
+                                   std::string(256, 'k'),
+                                   std::string("k\xc3\xa9y"),
+                                   std::string("a\\b")})
+        EXPECT_EQ(ask(key, {{"preset", "fast"}}).status, 400) << key;
+    EXPECT_EQ(num_jobs(), 0U);
+}
+
+TEST_F(IdempotencyTest, ARefusalIsNotKept) {
+    const auto path = create_upload(server.port(), token, 300'000);
+    const auto commit = [&] {
+        const auto id = path.substr(path.rfind('/') + 1);
+        return server.request("POST",
+                              "/api/v1/dives",
+                              token,
+                              {{"Content-Type", "application/json"}, {"Idempotency-Key", "commit"}},
+                              nlohmann::json{{"upload_id", id}}.dump());
+    };
+    EXPECT_EQ(commit().status, 409);
+    patch(path, 0, bytes);
+    const auto made = commit();
+    EXPECT_EQ(made.status, 201) << made.body;
+    const auto again = commit();
+    EXPECT_EQ(again.status, 201);
+    EXPECT_EQ(again.body, made.body);
+}
+
+}  // namespace
+}  // namespace divemesh
