@@ -72,13 +72,14 @@ void census_sgm(benchmark::State& state) {
 }
 
 void census_sgm_refined(benchmark::State& state) {
-    worker::CensusSgm matcher(static_cast<int>(state.range(0)),
-                              static_cast<Instructions>(state.range(1)));
+    const auto set = static_cast<Instructions>(state.range(1));
+    worker::CensusSgm matcher(static_cast<int>(state.range(0)), set);
+    worker::DisparityRefiner refiner(set);
     measure_range(state, [&] {
         cv::Mat disparity = matcher.compute(slanted_bed().left, slanted_bed().right);
-        worker::remove_speckles(disparity, 120, 1.5F);
+        worker::doubt_speckles(disparity, 120, 1.5F);
         benchmark::DoNotOptimize(
-            worker::refine_disparity(slanted_bed().left, slanted_bed().right, disparity));
+            refiner.refine(slanted_bed().left, slanted_bed().right, disparity));
         worker::remove_speckles(disparity, 120, 1.5F);
     });
 }
@@ -100,7 +101,7 @@ void every_set(benchmark::internal::Benchmark* benchmark) {
 }
 
 cv::Mat matched_bed() {
-    return worker::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right);
+    return cv::max(worker::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right), 0.0);
 }
 
 void speckles(benchmark::State& state) {

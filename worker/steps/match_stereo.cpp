@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <opencv2/calib3d.hpp>
+#include <optional>
 
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
@@ -21,11 +22,12 @@ void remove_islands(DepthMap& depth) {
     remove_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
 }
 
-// Once more after the refinement, which takes out what has no texture and leaves islands.
-void refine(const RectifiedFrame& frame, DepthMap& depth) {
-    remove_islands(depth);
-    const cv::Mat sigma = refine_disparity(frame.left, frame.right, depth.disparity_px);
-    depth.sigma_disparity_px = cv::max(sigma, kLeastSigma_px);
+// What is left of an island after the refinement goes; so do those that it made, where it took out
+// what has no texture.
+void refine(const RectifiedFrame& frame, DisparityRefiner& refiner, DepthMap& depth) {
+    doubt_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
+    depth.sigma_disparity_px =
+        cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kLeastSigma_px);
     remove_islands(depth);
 }
 
@@ -59,7 +61,7 @@ private:
 
 struct StereoMatcher::Implementation {
     std::function<cv::Mat(const cv::Mat& left, const cv::Mat& right)> compute;
-    bool refine = false;
+    std::optional<DisparityRefiner> refiner;
 };
 
 StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& options)
@@ -76,7 +78,7 @@ StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& o
         use(OpenCvSgbm(num_disparities));
     else
         use(CensusSgm(num_disparities));
-    implementation_->refine = options.stereo == "sgm";
+    if (options.stereo == "sgm") implementation_->refiner.emplace();
 }
 
 StereoMatcher::~StereoMatcher() = default;
@@ -84,8 +86,8 @@ StereoMatcher::~StereoMatcher() = default;
 DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
     DepthMap depth;
     depth.disparity_px = implementation_->compute(frame.left, frame.right);
-    if (implementation_->refine)
-        refine(frame, depth);
+    if (implementation_->refiner)
+        refine(frame, *implementation_->refiner, depth);
     else
         rate_by_texture(frame, depth);
     depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <opencv2/core.hpp>
 
 #include "worker/stereo/sgm_kernels.hpp"
 
@@ -29,19 +30,22 @@ std::vector<Offset> census_pattern() {
     return pattern;
 }
 
+// Beyond the border the picture goes on as its own mirror image.
 void census(const cv::Mat& image, CensusKernel kernel, std::vector<std::uint8_t>* planes) {
     static const std::vector<Offset> pattern = census_pattern();
-    const int num = image.cols - 2 * kRadiusX_px;
+    cv::Mat wide;
+    cv::copyMakeBorder(
+        image, wide, kRadiusY_px, kRadiusY_px, kRadiusX_px, kRadiusX_px, cv::BORDER_REFLECT_101);
+    const auto at = [&](int y, Offset offset) {
+        return wide.ptr<std::uint8_t>(y + kRadiusY_px + offset.y) + kRadiusX_px + offset.x;
+    };
     for (int p = 0; p < 4; ++p) {
-        planes[p].assign(image.total(), 0);
-        for (int y = kRadiusY_px; y < image.rows - kRadiusY_px; ++y) {
+        planes[p].resize(image.total());
+        for (int y = 0; y < image.rows; ++y) {
             const std::uint8_t* neighbours[8];
-            for (int k = 0; k < 8; ++k) {
-                const Offset& offset = pattern[p * 8 + k];
-                neighbours[k] = image.ptr<std::uint8_t>(y + offset.y) + kRadiusX_px + offset.x;
-            }
+            for (int k = 0; k < 8; ++k) neighbours[k] = at(y, pattern[p * 8 + k]);
             std::uint8_t* row = planes[p].data() + static_cast<std::size_t>(y) * image.cols;
-            kernel(image.ptr<std::uint8_t>(y) + kRadiusX_px, neighbours, num, row + kRadiusX_px);
+            kernel(at(y, {0, 0}), neighbours, image.cols, row);
         }
     }
 }
@@ -76,7 +80,7 @@ CensusSgm::CensusSgm(int num_disparities, Instructions instructions)
 
 cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right) {
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
-    if (left.cols <= 2 * kRadiusX_px || left.rows <= 2 * kRadiusY_px) return disparity;
+    if (left.cols <= kRadiusX_px || left.rows <= kRadiusY_px) return disparity;
     prepare(left);
     const CensusKernel kernel = sgm_kernels(instructions_, num_disparities_).census;
     census(left, kernel, left_census_);
@@ -198,10 +202,11 @@ void CensusSgm::write_row(const Row& row, float* disparity_px) {
     }
     for (int x = 0; x < width_; ++x) {
         const int d = row.least_at[x];
-        if (row.unique[x] == 0 || d >= x ||
-            std::abs(right_best_disparity_[x - d] - d) > kLeftRightTolerance_px)
-            continue;
-        disparity_px[x] = interpolate(row.around.data() + 3 * static_cast<std::size_t>(x), d);
+        if (d >= x) continue;
+        const bool confirmed = row.unique[x] != 0 &&
+                               std::abs(right_best_disparity_[x - d] - d) <= kLeftRightTolerance_px;
+        const std::uint8_t* around = row.around.data() + 3 * static_cast<std::size_t>(x);
+        disparity_px[x] = confirmed ? interpolate(around, d) : -static_cast<float>(d);
     }
 }
 

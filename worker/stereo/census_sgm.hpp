@@ -12,13 +12,14 @@ namespace divemesh::worker {
 // Semi-global matching (Hirschmueller 2008) of 32-bit census signatures (Zabih and Woodfill 1994)
 // along five paths: from the left, from the right and from the three pixels above. All five end in
 // the row at hand, so one sweep down the image needs one row of costs per path and no cost volume.
-// P2 falls where the grey value steps. Winners pass a uniqueness and a left-right check.
+// P2 falls where the grey value steps. Winners are put to a uniqueness and a left-right check.
 class CensusSgm {
 public:
     // At most 512; rounded up to a multiple of 32.
     explicit CensusSgm(int num_disparities, Instructions instructions = best_instructions());
 
-    // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown.
+    // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown; negative: of a
+    // winner that a check did not confirm, to the pixel.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
 
 private:

@@ -11,7 +11,9 @@
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/fill_holes.hpp"
 #include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/smooth_on_plane.hpp"
 #include "worker/stereo/speckles.hpp"
 
 namespace divemesh::worker {
@@ -89,9 +91,11 @@ TEST(RefineDisparity, EveryInstructionSetGivesTheSameBytes) {
     const auto pair = make_warped_pair(slanted);
     cv::Mat a = CensusSgm(64).compute(pair.left, pair.right);
     cv::Mat b = a.clone();
-    refine_disparity(pair.left, pair.right, a, Instructions::Baseline);
-    refine_disparity(pair.left, pair.right, b);
+    const cv::Mat sigma_a =
+        DisparityRefiner(Instructions::Baseline).refine(pair.left, pair.right, a);
+    const cv::Mat sigma_b = DisparityRefiner().refine(pair.left, pair.right, b);
     EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(sigma_a, sigma_b, cv::NORM_INF), 0.0);
 }
 
 // Raw winners crowd at whole pixels, which makes steps of a ramp; the ramp's slope is 1/20 px per
@@ -100,7 +104,7 @@ TEST(RefineDisparity, FreesTheDisparityFromPixelLocking) {
     const auto pair = make_warped_pair(slanted);
     const cv::Mat raw = CensusSgm(64).compute(pair.left, pair.right);
     cv::Mat refined = raw.clone();
-    refine_disparity(pair.left, pair.right, refined);
+    DisparityRefiner().refine(pair.left, pair.right, refined);
     const auto before = compare_disparity(raw, pair.disparity_px, 63.0);
     const auto after = compare_disparity(refined, pair.disparity_px, 63.0);
     EXPECT_LT(after.median_px, 0.5 * before.median_px);
@@ -113,8 +117,28 @@ TEST(SmoothOnPlane, LeavesAnyPlaneAndEveryStepAsItIs) {
         for (int x = 0; x < 60; ++x)
             disparity.at<float>(y, x) = 20.0F + 0.25F * static_cast<float>(x) -
                                         0.5F * static_cast<float>(y) + (x < 30 ? 0.0F : 9.0F);
-    const cv::Mat smooth = smooth_on_plane(disparity, 0.5F);
-    EXPECT_LT(cv::norm(smooth, disparity, cv::NORM_INF), 1e-4);
+    DisparityPlane plane, smooth;
+    plane.copy_from(disparity);
+    smooth_on_plane(plane, 0.5F, smooth);
+    EXPECT_LT(cv::norm(smooth.to_mat(), disparity, cv::NORM_INF), 1e-4);
+}
+
+TEST(FillHoles, BelievesWinnersThatTheSurfaceAroundThemSupports) {
+    cv::Mat disparity(60, 80, CV_32F);
+    for (int y = 0; y < 60; ++y)
+        for (int x = 0; x < 80; ++x)
+            disparity.at<float>(y, x) = 20.0F + 0.25F * static_cast<float>(x);
+    disparity.at<float>(30, 20) = -26.0F;              // within a pixel of the plane
+    disparity.at<float>(30, 40) = -40.0F;              // far from it
+    disparity.at<float>(30, 60) = 0.0F;                // no winner
+    disparity(cv::Rect(0, 40, 80, 20)).setTo(-30.0F);  // open water beside the surface
+    DisparityPlane filled, spare;
+    filled.copy_from(disparity);
+    fill_holes(filled, spare);
+    EXPECT_NEAR(filled.row(30)[20], 25.0F, 1e-3F);
+    EXPECT_EQ(filled.row(30)[40], 0.0F);
+    EXPECT_EQ(filled.row(30)[60], 0.0F);
+    for (int x = 0; x < 80; ++x) EXPECT_EQ(filled.row(44)[x], 0.0F) << x;
 }
 
 TEST(RemoveSpeckles, KeepsLargeIslandsAndRemovesSmallOnes) {
@@ -124,6 +148,15 @@ TEST(RemoveSpeckles, KeepsLargeIslandsAndRemovesSmallOnes) {
     disparity(cv::Rect(10, 10, 5, 5)).setTo(50.0);  // 25 in the middle of the large one
     remove_speckles(disparity, 100, 1.0F);
     EXPECT_EQ(cv::countNonZero(disparity), 400 - 25);
+}
+
+TEST(DoubtSpeckles, LeavesSmallIslandsAsUnconfirmedWinners) {
+    cv::Mat disparity(60, 60, CV_32F, cv::Scalar(0.0));
+    disparity(cv::Rect(5, 5, 20, 20)).setTo(30.0);
+    disparity(cv::Rect(40, 40, 5, 5)).setTo(20.0);
+    doubt_speckles(disparity, 100, 1.0F);
+    EXPECT_EQ(disparity.at<float>(10, 10), 30.0F);
+    EXPECT_EQ(disparity.at<float>(42, 42), -20.0F);
 }
 
 TEST(ImageNoise, IsThatOfTheSensorNotOfTheTexture) {

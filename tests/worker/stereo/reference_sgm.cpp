@@ -31,11 +31,12 @@ struct CostVolume {
     std::vector<int> values;
 };
 
+int mirrored(int i, int num) { return i < 0 ? -i : i >= num ? 2 * (num - 1) - i : i; }
+
 // Bit by bit: a neighbour on the chess board of the 9 x 7 window, or in its upper right or lower
-// left corner, is at least as bright as the centre. Nothing within half a window of the border.
+// left corner, is at least as bright as the centre. Beyond the border lies the mirror image.
 std::bitset<kBits> signature(const cv::Mat& image, int x, int y) {
     std::bitset<kBits> bits;
-    if (x < 4 || y < 3 || x >= image.cols - 4 || y >= image.rows - 3) return bits;
     const int center = image.at<std::uint8_t>(y, x);
     std::size_t bit = 0;
     for (int dy = -3; dy <= 3; ++dy)
@@ -43,7 +44,8 @@ std::bitset<kBits> signature(const cv::Mat& image, int x, int y) {
             const bool on_board = (dx + dy) % 2 == 0 && (dx != 0 || dy != 0);
             const bool in_corner = (dx == 4 && dy == -3) || (dx == -4 && dy == 3);
             if (on_board || in_corner)
-                bits[bit++] = image.at<std::uint8_t>(y + dy, x + dx) >= center;
+                bits[bit++] = image.at<std::uint8_t>(mirrored(y + dy, image.rows),
+                                                     mirrored(x + dx, image.cols)) >= center;
         }
     return bits;
 }
@@ -143,11 +145,12 @@ cv::Mat reference_sgm(const cv::Mat& left, const cv::Mat& right, int num_dispari
         for (int x = 0; x < left.cols; ++x) winners.push_back(winner(sums, x, y));
         for (int x = 0; x < left.cols; ++x) {
             const int d = winners[x];
-            if (d >= x || !is_unique(sums, x, y, d) ||
-                std::abs(right_winner(sums, winners, x - d, y) - d) > 1)
-                continue;
+            if (d >= x) continue;
+            const bool confirmed = is_unique(sums, x, y, d) &&
+                                   std::abs(right_winner(sums, winners, x - d, y) - d) <= 1;
             disparity.at<float>(y, x) =
-                between(sums.at(x, y, d - 1), sums.at(x, y, d), sums.at(x, y, d + 1), d);
+                confirmed ? between(sums.at(x, y, d - 1), sums.at(x, y, d), sums.at(x, y, d + 1), d)
+                          : static_cast<float>(-d);
         }
     }
     return disparity;

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "worker/instructions.hpp"
+#include "worker/stereo/disparity_plane.hpp"
+
+namespace divemesh::worker {
+
+// A winner of the matcher that its checks did not confirm (a negative disparity) is believed where
+// at least three pairs of confirmed disparities on opposite sides within 8 px say the same: it then
+// gets their mean. In two rounds, the second from what the first gave. What no winner supports, or
+// lies beside a surface and not within, stays a hole (0). `spare` is written to.
+void fill_holes(DisparityPlane& disparity_px,
+                DisparityPlane& spare,
+                Instructions instructions = best_instructions());
+
+}  // namespace divemesh::worker

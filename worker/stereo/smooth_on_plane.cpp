@@ -1,0 +1,137 @@
+#include "worker/stereo/smooth_on_plane.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "worker/lanes.hpp"
+#include "worker/stereo/disparity_step.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kRadius = 2;  // in strides
+constexpr int kNumRows = 2 * kRadius + 1;
+constexpr int kWideStride_px = 3;
+constexpr float kLargestSlope = 1.0F;  // disparity per pixel; steeper is an edge
+constexpr float kWidestGate_px = 0.8F;
+constexpr float kCertain_px = 0.15F;  // a disparity this well known is left as it is
+constexpr float kReach_px = 2 * kRadius * kWideStride_px + kWindow_px;
+constexpr float kMostWindows = kReach_px * kReach_px / (1.0F * kWindow_px * kWindow_px);
+constexpr float kMostOthers = kNumRows * kNumRows - 1;
+
+static_assert(kRadius * kWideStride_px + kLanes <= DisparityPlane::kMargin_px);
+
+struct Mean {
+    Floats value;
+    Floats num_others;
+};
+
+// Mirror pairs of the neighbours, `stride` apart, that lie on one plane with the centre, within its
+// gate, are averaged with it.
+DIVEMESH_INLINE_BODY Mean
+mean_on_plane(const float* const* rows, int x, int stride, Floats center, Floats gate) {
+    Floats sum = {};
+    Floats count = {};
+    for (int dy = 0; dy <= kRadius; ++dy) {
+        for (int dx = -kRadius; dx <= kRadius; ++dx) {
+            if (dy == 0 && dx <= 0) continue;
+            const Floats ahead = load(rows[kRadius + dy] + x + dx * stride);
+            const Floats behind = load(rows[kRadius - dy] + x - dx * stride);
+            const Floats largest =
+                gate + kLargestSlope * static_cast<float>(stride * std::max(dy, std::abs(dx)));
+            const Floats up = ahead - center;
+            const Floats down = behind - center;
+            const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) & (size_of(up) < largest) &
+                                   (size_of(down) < largest) & (size_of(up + down) < 2.0F * gate);
+            sum += where(on_plane, up + down);
+            count += where(on_plane, splat(2.0F));
+        }
+    }
+    return {center + where(center > 0.0F, sum / (1.0F + count)), count};
+}
+
+DIVEMESH_INLINE_BODY void smooth_row_body(const float* const* rows,
+                                          float gate,
+                                          int width,
+                                          float* out) {
+    for (int x = 0; x < width; x += kLanes) {
+        const Floats center = load(rows[kRadius] + x);
+        store(out + x,
+              any(center > 0.0F) ? mean_on_plane(rows, x, 1, center, splat(gate)).value : center);
+    }
+}
+
+DIVEMESH_INLINE_BODY void smooth_uncertain_body(
+    const float* const* rows, const float* sigmas, int width, float* out, float* out_sigmas) {
+    for (int x = 0; x < width; x += kLanes) {
+        const Floats center = load(rows[kRadius] + x);
+        const Floats sigma = load(sigmas + x);
+        const Masks uncertain = (center > 0.0F) & (sigma > kCertain_px);
+        store(out + x, center);
+        store(out_sigmas + x, sigma);
+        if (!any(uncertain)) continue;
+        const Floats gate = where(uncertain, least_of(2.0F * sigma, splat(kWidestGate_px)));
+        const Mean mean = mean_on_plane(rows, x, kWideStride_px, center, gate);
+        const Floats windows = 1.0F + (kMostWindows - 1.0F) / kMostOthers * mean.num_others;
+        store(out + x, mean.value);
+        const Masks apart = sigma < kWideSigma_px;
+        store(out_sigmas + x,
+              where(apart, sigma / square_root(square_root(windows))) + where(~apart, sigma));
+    }
+}
+
+void smooth_row(const float* const* rows, float gate, int width, float* out) {
+    smooth_row_body(rows, gate, width, out);
+}
+DIVEMESH_FOR_AVX2 void smooth_row_avx2(const float* const* rows,
+                                       float gate,
+                                       int width,
+                                       float* out) {
+    smooth_row_body(rows, gate, width, out);
+}
+void smooth_uncertain_row(
+    const float* const* rows, const float* sigmas, int width, float* out, float* out_sigmas) {
+    smooth_uncertain_body(rows, sigmas, width, out, out_sigmas);
+}
+DIVEMESH_FOR_AVX2 void smooth_uncertain_row_avx2(
+    const float* const* rows, const float* sigmas, int width, float* out, float* out_sigmas) {
+    smooth_uncertain_body(rows, sigmas, width, out, out_sigmas);
+}
+
+struct Rows {
+    Rows(const DisparityPlane& plane, int y, int stride) {
+        for (int i = 0; i < kNumRows; ++i) begin[i] = plane.row(y + (i - kRadius) * stride);
+    }
+    const float* begin[kNumRows];
+};
+
+}  // namespace
+
+void smooth_on_plane(const DisparityPlane& disparity_px,
+                     float gate_px,
+                     DisparityPlane& smooth_px,
+                     Instructions instructions) {
+    const auto smooth = instructions == Instructions::Baseline ? smooth_row : smooth_row_avx2;
+    smooth_px.resize(disparity_px.size());
+    for (int y = 0; y < disparity_px.height(); ++y)
+        smooth(Rows(disparity_px, y, 1).begin, gate_px, disparity_px.width(), smooth_px.row(y));
+}
+
+void smooth_uncertain(const DisparityPlane& disparity_px,
+                      const DisparityPlane& sigma_px,
+                      DisparityPlane& smooth_px,
+                      DisparityPlane& smooth_sigma_px,
+                      Instructions instructions) {
+    const auto smooth =
+        instructions == Instructions::Baseline ? smooth_uncertain_row : smooth_uncertain_row_avx2;
+    smooth_px.resize(disparity_px.size());
+    smooth_sigma_px.resize(disparity_px.size());
+    for (int y = 0; y < disparity_px.height(); ++y)
+        smooth(Rows(disparity_px, y, kWideStride_px).begin,
+               sigma_px.row(y),
+               disparity_px.width(),
+               smooth_px.row(y),
+               smooth_sigma_px.row(y));
+}
+
+}  // namespace divemesh::worker
