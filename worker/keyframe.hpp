@@ -5,12 +5,15 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "worker/stereo/search_outcome.hpp"
+
 namespace divemesh::worker {
 
 // What a stereo pair says about depth, in the rectified left image.
 struct DepthMap {
     cv::Mat disparity_px;        // CV_32F, height x width; <= 0: unknown
     cv::Mat sigma_disparity_px;  // CV_32F, standard deviation; where disparity_px > 0
+    SearchOutcome search;        // not kept in the store
 };
 
 // A rectified pair.

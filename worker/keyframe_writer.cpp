@@ -32,7 +32,7 @@ void KeyframeWriter::go_on(const Features& moving) {
     Lane& lane = *lanes_[next_lane_];
     next_lane_ = (next_lane_ + 1) % kNumLanes;
     lane.background.run([this, &lane, waiting = *std::exchange(waiting_, std::nullopt)]() mutable {
-        store(waiting, lane.stereo);
+        store(waiting, lane);
     });
 }
 
@@ -41,11 +41,20 @@ void KeyframeWriter::finish() {
     for (auto& lane : lanes_) lane->background.wait();
 }
 
-void KeyframeWriter::store(Waiting& waiting, StereoMatcher& stereo) const {
+SearchStatistics KeyframeWriter::statistics() const {
+    SearchStatistics all;
+    for (const auto& lane : lanes_) all.add(lane->matched);
+    return all;
+}
+
+void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
     const RectifiedFrame& frame = waiting.frame;
     if (loops_ && waiting.seen.is_keyframe) store_.write_left(frame.index, frame.left);
     if (!surface_) return;
-    if (waiting.depth.disparity_px.empty()) waiting.depth = stereo.match(frame);
+    if (waiting.depth.disparity_px.empty())
+        waiting.depth = waiting.seen.range ? lane.stereo.match(frame, *waiting.seen.range)
+                                           : lane.stereo.match(frame);
+    lane.matched.add(waiting.depth.search);
     leave_out_moving(waiting.seen.moving, waiting.seen.scene, waiting.depth);
     store_.write(frame.index, {left_in_color_(frame.index), waiting.depth});
 }

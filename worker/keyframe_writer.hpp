@@ -8,6 +8,7 @@
 #include "worker/keyframe_store.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/steps/match_stereo.hpp"
+#include "worker/stereo/search_outcome.hpp"
 
 namespace divemesh::worker {
 
@@ -28,8 +29,9 @@ public:
     // What the tracking saw in a frame.
     struct Seen {
         bool is_keyframe = false;
-        Features moving;  // by themselves: the surface is kept free of them
-        Features scene;   // that went with the camera's motion
+        Features moving;                      // by themselves: the surface is kept free of them
+        Features scene;                       // that went with the camera's motion
+        std::optional<DisparityRange> range;  // nothing: the whole one
     };
 
     // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked
@@ -40,6 +42,8 @@ public:
     void go_on(const Features& moving);
     // Every frame is in the store then.
     void finish();
+    // Of all frames that were matched; after finish().
+    SearchStatistics statistics() const;
 
 private:
     struct Waiting {
@@ -54,9 +58,10 @@ private:
         Lane(const RectifiedRig& rig, const ReconstructionOptions& options, Workers& workers)
             : stereo(rig, options), background(workers) {}
         StereoMatcher stereo;
+        SearchStatistics matched;
         Background background;  // ends before the matcher goes
     };
-    void store(Waiting& waiting, StereoMatcher& stereo) const;
+    void store(Waiting& waiting, Lane& lane) const;
 
     bool loops_;
     bool surface_;

@@ -23,6 +23,7 @@
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_writer.hpp"
 #include "worker/parallel.hpp"
+#include "worker/steps/choose_range.hpp"
 #include "worker/steps/extract_surface.hpp"
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/match_stereo.hpp"
@@ -135,7 +136,8 @@ Track track(Recording& recording,
         }
         if (keep || (vision.found && mapping.due(features))) {
             mapping.taken(features);
-            writer.write(frame, depth, {keep, moving.now(), gone_along(vision)});
+            const DisparityRange range = choose_range(features, options.num_disparities_px);  // 1
+            writer.write(frame, depth, {keep, moving.now(), gone_along(vision), range});
             result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});
@@ -147,6 +149,7 @@ Track track(Recording& recording,
     result.imu_alignment = aligner.alignment();
     result.views = memory.take_views();
     result.statistics = summary.statistics(recording.num_skipped_frames());
+    result.statistics.dense = writer.statistics();
     return result;
 }
 

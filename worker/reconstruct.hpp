@@ -51,6 +51,7 @@ struct TrackStatistics {
     double horn_scale_median = 1.0;            // Horn's s, estimated and reported, never applied
     double median_depth_m = 0.0;               // of the features
     double median_track_life_frames = 0.0;
+    SearchStatistics dense;  // of the frames whose depth is in the store
 };
 
 // Steps 1 to 6 over all frames.

@@ -136,6 +136,15 @@ json tracking(const MetricsInput& input) {
     return result;
 }
 
+json stereo(const SearchStatistics& dense) {
+    const auto num_frames = static_cast<double>(dense.num_frames);
+    json result = {{"num_frames", dense.num_frames},
+                   {"mean_range_px", static_cast<double>(dense.sum_ranges_px) / num_frames}};
+    if (dense.num_clear > 0)
+        result["clipped_share"] = rate(dense.num_clipped, static_cast<double>(dense.num_clear));
+    return result;
+}
+
 json pieces(const std::vector<Piece>& pieces) {
     json result = json::array();
     for (const Piece& piece : pieces) {
@@ -237,6 +246,7 @@ json metrics_document(const MetricsInput& input) {
                      {"loops", loops(input.optimise.loops)},
                      {"pieces", pieces(input.pieces)},
                      {"speed", speed(input)}};
+    if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
     if (input.end_covariance_m2)
         document["trajectory"]["covariance"]["end_sigma_m"] =

@@ -60,32 +60,51 @@ private:
 }  // namespace
 
 struct StereoMatcher::Implementation {
-    std::function<cv::Mat(const cv::Mat& left, const cv::Mat& right)> compute;
+    int num_disparities_px;
+    std::function<void(const RectifiedFrame& frame, const DisparityRange& range, DepthMap& depth)>
+        compute;
     std::optional<DisparityRefiner> refiner;
+
+    void use_sgm() {
+        compute = [matcher = CensusSgm(num_disparities_px)](const RectifiedFrame& frame,
+                                                            const DisparityRange& range,
+                                                            DepthMap& depth) mutable {
+            depth.disparity_px = matcher.compute(frame.left, frame.right, range);
+            depth.search = matcher.outcome();
+        };
+        refiner.emplace();
+    }
 };
 
 StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& options)
     : implementation_(std::make_unique<Implementation>()) {
+    const int num_disparities = options.num_disparities_px;
+    implementation_->num_disparities_px = num_disparities;
     const auto use = [&](auto matcher) {
-        implementation_->compute = [matcher](const cv::Mat& left, const cv::Mat& right) mutable {
-            return matcher.compute(left, right);
+        implementation_->compute = [matcher, num_disparities](const RectifiedFrame& frame,
+                                                              const DisparityRange&,
+                                                              DepthMap& depth) mutable {
+            depth.disparity_px = matcher.compute(frame.left, frame.right);
+            depth.search.range = {0, num_disparities};
         };
     };
-    const int num_disparities = options.num_disparities_px;
     if (options.stereo == "block")
         use(BlockMatcher(num_disparities));
     else if (options.stereo == "opencv_sgbm")
         use(OpenCvSgbm(num_disparities));
     else
-        use(CensusSgm(num_disparities));
-    if (options.stereo == "sgm") implementation_->refiner.emplace();
+        implementation_->use_sgm();
 }
 
 StereoMatcher::~StereoMatcher() = default;
 
 DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
+    return match(frame, {0, implementation_->num_disparities_px});
+}
+
+DepthMap StereoMatcher::match(const RectifiedFrame& frame, const DisparityRange& range) {
     DepthMap depth;
-    depth.disparity_px = implementation_->compute(frame.left, frame.right);
+    implementation_->compute(frame, range, depth);
     if (implementation_->refiner)
         refine(frame, *implementation_->refiner, depth);
     else

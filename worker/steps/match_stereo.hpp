@@ -18,6 +18,8 @@ public:
     StereoMatcher& operator=(const StereoMatcher&) = delete;
 
     DepthMap match(const RectifiedFrame& frame);
+    // sgm looks within `range` alone.
+    DepthMap match(const RectifiedFrame& frame, const DisparityRange& range);
 
 private:
     struct Implementation;

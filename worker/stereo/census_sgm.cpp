@@ -76,9 +76,18 @@ float interpolate(const std::uint8_t* around, int d) {
 }  // namespace
 
 CensusSgm::CensusSgm(int num_disparities, Instructions instructions)
-    : num_disparities_((num_disparities + 31) / 32 * 32), instructions_(instructions) {}
+    : num_disparities_(num_disparities),
+      whole_num_disparities_(num_disparities),
+      instructions_(instructions) {}
 
 cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right) {
+    return compute(left, right, {0, whole_num_disparities_});
+}
+
+cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range) {
+    first_disparity_ = range.first_px;
+    num_disparities_ = (range.num_px + 31) / 32 * 32;
+    outcome_ = {{first_disparity_, num_disparities_}};
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
     if (left.cols <= kRadiusX_px || left.rows <= kRadiusY_px) return disparity;
     prepare(left);
@@ -103,11 +112,11 @@ void CensusSgm::prepare(const cv::Mat& left) {
         row.sum.resize(row.cost.size());
         row.least.resize(width);
         row.least_at.resize(width);
-        row.unique.resize(width);
+        row.clarity.resize(width);
         row.around.resize(3 * width);
         for (auto& penalty : row.penalty) penalty.resize(width);
         for (auto& plane : row.right_reversed)
-            plane.assign(width + num_disparities_ + kWidestVector, 0);
+            plane.assign(width + first_disparity_ + num_disparities_ + kWidestVector, 0);
     }
     right_best_cost_.resize(width);
     right_best_disparity_.resize(width);
@@ -140,11 +149,12 @@ void CensusSgm::aggregate(int y, int num_rows) {
     for (int i = 0; i < num_rows; ++i) {
         Row& row = rows_[i];
         forward[i].width = width_;
+        forward[i].first_disparity = first_disparity_;
         forward[i].num_disparities = num_disparities_;
         for (int p = 0; p < 4; ++p) {
             forward[i].left[p] =
                 left_census_[p].data() + static_cast<std::ptrdiff_t>(y + i) * width_;
-            forward[i].right_reversed[p] = row.right_reversed[p].data();
+            forward[i].right_reversed[p] = row.right_reversed[p].data() + first_disparity_;
             forward[i].penalty[p] = row.penalty[p].data();
         }
         for (int p = 0; p < 3; ++p) forward[i].above[p] = vertical_path(p, y + i);
@@ -185,7 +195,7 @@ void CensusSgm::select_winners(int num_rows) {
         backward[i].from_right = row.from_right.data();
         backward[i].least = row.least.data();
         backward[i].least_at = row.least_at.data();
-        backward[i].unique = row.unique.data();
+        backward[i].clarity = row.clarity.data();
         backward[i].around = row.around.data();
     }
     sgm_kernels(instructions_, num_disparities_).backward(backward, num_rows);
@@ -195,15 +205,18 @@ void CensusSgm::select_winners(int num_rows) {
 void CensusSgm::write_row(const Row& row, float* disparity_px) {
     std::fill(right_best_cost_.begin(), right_best_cost_.end(), std::uint8_t{255});
     for (int x = width_ - 1; x >= 0; --x) {
-        const int d = row.least_at[x];
+        const int d = first_disparity_ + row.least_at[x];
         if (d > x || row.least[x] >= right_best_cost_[x - d]) continue;
         right_best_cost_[x - d] = row.least[x];
         right_best_disparity_[x - d] = static_cast<std::int16_t>(d);
     }
     for (int x = 0; x < width_; ++x) {
-        const int d = row.least_at[x];
+        const int d = first_disparity_ + row.least_at[x];
         if (d >= x) continue;
-        const bool confirmed = row.unique[x] != 0 &&
+        if (row.clarity[x] != Clarity::None) ++outcome_.num_clear;
+        // Nothing is farther than a disparity of 0.
+        if (row.clarity[x] == Clarity::AtEnd && d > 0) ++outcome_.num_clipped;
+        const bool confirmed = row.clarity[x] == Clarity::Unique &&
                                std::abs(right_best_disparity_[x - d] - d) <= kLeftRightTolerance_px;
         const std::uint8_t* around = row.around.data() + 3 * static_cast<std::size_t>(x);
         disparity_px[x] = confirmed ? interpolate(around, d) : -static_cast<float>(d);

@@ -29,11 +29,17 @@ struct VerticalPath {
     int first_slot = 0;  // of x = 0
 };
 
+// Of a winner: something comes near it, nothing does, or nothing does but it lies at an end of the
+// range.
+enum class Clarity : std::uint8_t { None, Unique, AtEnd };
+
 struct ForwardRow {
     int width = 0;
-    int num_disparities = 0;                     // multiple of 32
-    const std::uint8_t* left[4] = {};            // byte planes of the census
-    const std::uint8_t* right_reversed[4] = {};  // [width - 1 - x]; readable past the end
+    int first_disparity = 0;
+    int num_disparities = 0;           // multiple of 32
+    const std::uint8_t* left[4] = {};  // byte planes of the census
+    // [width - 1 - x], from the first disparity on; readable past the end
+    const std::uint8_t* right_reversed[4] = {};
     const std::uint8_t* penalty[4] = {};  // P2 by x: from above left, above, above right, left
     VerticalPath above[3];
     std::uint8_t* from_left = nullptr;  // costs of two pixels, both as at the start of a path
@@ -51,8 +57,8 @@ struct BackwardRow {
     // Out, by x:
     std::uint8_t* least = nullptr;     // of the sums
     std::int16_t* least_at = nullptr;  // the first d that has it
-    std::uint8_t* unique = nullptr;    // 1: it is inside the range, and nothing else comes near it
-    std::uint8_t* around = nullptr;    // three each: the sums at d - 1, d, d + 1 where unique
+    Clarity* clarity = nullptr;
+    std::uint8_t* around = nullptr;  // three each: the sums at d - 1, d, d + 1 where Unique
 };
 
 // Census distance of one row, or of two that follow each other, at all disparities, then four path

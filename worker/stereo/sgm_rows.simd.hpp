@@ -59,7 +59,7 @@ DIVEMESH_INLINE_BODY void forward_pixel(const ForwardRow& row,
                                         V& left_least) {
     const int num = row.num_disparities;
     const int stride = num + kPathMargin;
-    const int num_in_image = x + 1;
+    const int num_in_image = x + 1 - row.first_disparity;
     const std::ptrdiff_t reversed = row.width - 1 - x;
     const std::uint8_t* right[4];
     V left[4];
@@ -120,7 +120,7 @@ struct Sweep {
 
 DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x) {
     const ForwardRow& row = *sweep.row;
-    if (x + 1 < row.num_disparities)
+    if (x + 1 - row.first_disparity < row.num_disparities)
         forward_pixel<true>(row, x, sweep.slots, sweep.left_least);
     else
         forward_pixel<false>(row, x, sweep.slots, sweep.left_least);
@@ -152,7 +152,7 @@ void forward(const ForwardRow* rows, int num_rows) {
 
 struct Winner {
     int d;
-    bool unique;
+    Clarity clarity;
 };
 
 // The first place of `best` in sums[0, num), and whether anything but its neighbours comes near it.
@@ -170,13 +170,15 @@ DIVEMESH_INLINE_BODY Winner find_winner(const std::uint8_t* sums, int num, int b
     int winner = 0;
     for (int i = (num - 1) / 64; i >= 0; --i)
         winner = equal[i] != 0 ? 64 * i + __builtin_ctzll(equal[i]) : winner;
-    if (best == 255 || winner == 0 || winner >= num - 1) return {winner, false};
-    const int first = winner - 1;
-    near[first / 64] &= ~(std::uint64_t{7} << (first % 64));
-    near[first / 64 + 1] &= ~(std::uint64_t{7} >> 1 >> (63 - first % 64));
+    if (best == 255) return {winner, Clarity::None};
+    const int first = std::max(0, winner - 1);
+    const std::uint64_t neighbours = winner == 0 ? 3 : 7;
+    near[first / 64] &= ~(neighbours << (first % 64));
+    near[first / 64 + 1] &= ~(neighbours >> 1 >> (63 - first % 64));
     std::uint64_t any = 0;
     for (int i = 0; i <= (num - 1) / 64; ++i) any |= near[i];
-    return {winner, any == 0};
+    if (any != 0) return {winner, Clarity::None};
+    return {winner, winner == 0 || winner == num - 1 ? Clarity::AtEnd : Clarity::Unique};
 }
 
 // One row on its way from right to left.
@@ -217,7 +219,7 @@ DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x) {
     const Winner winner = find_winner(sums, num, lowest);
     row.least[x] = static_cast<std::uint8_t>(lowest);
     row.least_at[x] = static_cast<std::int16_t>(winner.d);
-    row.unique[x] = winner.unique ? 1 : 0;
+    row.clarity[x] = winner.clarity;
     std::memcpy(row.around + 3 * x, sums + winner.d - 1, 3);
 }
 

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace divemesh::worker {
+
+// Where a disparity is looked for: first_px, first_px + 1, ..., `num_px` of them.
+struct DisparityRange {
+    int first_px = 0;
+    int num_px = 0;
+};
+
+}  // namespace divemesh::worker
