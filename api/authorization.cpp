@@ -3,11 +3,14 @@
 #include <boost/beast/core/string.hpp>
 
 #include "api/in_pool.hpp"
+#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::api {
 namespace {
+
+constexpr const char* kOneShot = "one_shot";
 
 Token administrator() {
     Token token;
@@ -25,22 +28,49 @@ std::string bearer_secret(const Request& request) {
     return header.substr(kScheme.size());
 }
 
-}  // namespace
-
-Awaitable<Token> authenticate(Request request, Services services) {
+void refuse_token_in_address(const Request& request) {
     for (const char* name : {"token", "access_token"})
         if (request.query.contains(name))
             throw Error(
                 ErrorCode::InvalidArgument,
                 "a token does not belong into an address: send it as Authorization: Bearer");
-    if (services.no_auth) co_return administrator();
-    std::string secret = bearer_secret(request);
+}
+
+Awaitable<Token> redeem(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request = std::move(request)] {
+        return storage::TokenStore(catalog).redeem_one_shot(request.query.at(kOneShot),
+                                                            request.path);
+    };
+    auto token = co_await in_pool(services.pool, std::move(work));
+    if (!token)
+        throw Error(ErrorCode::Unauthorized,
+                    "this one-shot token was used, is too old or is for another path");
+    co_return std::move(*token);
+}
+
+Awaitable<Token> find_token(std::string secret, Services services) {
+    if (auto known = services.tokens.find(sha256_hex(secret))) co_return std::move(*known);
     auto find = [&catalog = services.catalog, secret = std::move(secret)] {
         return storage::TokenStore(catalog).find(secret);
     };
     auto token = co_await in_pool(services.pool, std::move(find));
-    if (!token) throw Error(ErrorCode::Unauthorized, "this token is not known, or was revoked");
+    if (!token)
+        throw Error(ErrorCode::Unauthorized, "this token is not known, was revoked or has ended");
+    services.tokens.put(*token);
     co_return std::move(*token);
+}
+
+}  // namespace
+
+Awaitable<Token> authenticate(Request request, Services services, bool takes_one_shot) {
+    refuse_token_in_address(request);
+    if (services.no_auth) co_return administrator();
+    if (!request.query.contains(kOneShot))
+        co_return co_await find_token(bearer_secret(request), services);
+    if (!takes_one_shot || request.method != verb::get)
+        throw Error(ErrorCode::InvalidArgument,
+                    "a one-shot token opens GET of files and event streams alone");
+    co_return co_await redeem(std::move(request), services);
 }
 
 void require_scope(const Token& token, const std::string& scope) {
@@ -55,6 +85,11 @@ std::string visible_project(const Token& token) {
 void require_visible(const Token& token, const std::string& project, const std::string& what) {
     const std::string visible = visible_project(token);
     if (!visible.empty() && visible != project) throw Error(ErrorCode::NotFound, "no " + what);
+}
+
+void require_sensor(const Token& token, const std::string& sensor) {
+    if (!token.allows("admin") && token.sensor != sensor)
+        throw Error(ErrorCode::NotFound, "no sensor " + sensor);
 }
 
 }  // namespace divemesh::api

@@ -1,7 +1,10 @@
 #include "api/byte_range.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
+#include <openssl/evp.h>
 
 #include "api/target.hpp"
 
@@ -28,17 +31,13 @@ RangeAnswer parse_range(std::string_view header, std::int64_t size) {
     return {ByteRange{*first, end - *first + 1}, true};
 }
 
-bool matches_etag(std::string_view list, std::string_view etag) {
-    for (std::size_t start = 0; start < list.size();) {
-        const auto end = std::min(list.find(',', start), list.size());
-        auto tag = list.substr(start, end - start);
-        start = end + 1;
-        while (!tag.empty() && tag.front() == ' ') tag.remove_prefix(1);
-        while (!tag.empty() && tag.back() == ' ') tag.remove_suffix(1);
-        if (tag.starts_with("W/")) tag.remove_prefix(2);
-        if (tag == etag || tag == "*") return true;
-    }
-    return false;
+std::string digest_field(std::string_view sha256_hex) {
+    std::array<unsigned char, 32> bytes{};
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        std::from_chars(sha256_hex.data() + 2 * i, sha256_hex.data() + 2 * i + 2, bytes[i], 16);
+    std::array<unsigned char, 45> text{};
+    EVP_EncodeBlock(text.data(), bytes.data(), static_cast<int>(bytes.size()));
+    return "sha-256=:" + std::string(reinterpret_cast<const char*>(text.data())) + ":";
 }
 
 std::string content_disposition(std::string_view type, std::string_view filename) {

@@ -20,8 +20,8 @@ struct RangeAnswer {
 };
 RangeAnswer parse_range(std::string_view header, std::int64_t size);
 
-// Whether a list of tags (If-None-Match) names `etag`, compared weakly; "*" names every one.
-bool matches_etag(std::string_view list, std::string_view etag);
+// The value of Repr-Digest and Content-Digest (RFC 9530) for a SHA-256 in hex.
+std::string digest_field(std::string_view sha256_hex);
 
 // Content-Disposition whose file name no client can misread (RFC 6266, 8187).
 std::string content_disposition(std::string_view type, std::string_view filename);

@@ -16,6 +16,8 @@ http::status status_of(ErrorCode code) {
         case ErrorCode::Gone: return http::status::gone;
         case ErrorCode::Conflict: return http::status::conflict;
         case ErrorCode::Locked: return http::status::locked;
+        case ErrorCode::PreconditionFailed: return http::status::precondition_failed;
+        case ErrorCode::PreconditionRequired: return http::status::precondition_required;
         case ErrorCode::TooLarge: return http::status::payload_too_large;
         case ErrorCode::TooMany: return http::status::too_many_requests;
         case ErrorCode::Unauthorized: return http::status::unauthorized;

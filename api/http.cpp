@@ -27,15 +27,19 @@ void Response::set(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));
 }
 
+// Names of a dive may hold any bytes: what is not UTF-8 is replaced instead of thrown at.
+std::string json_text(const nlohmann::json& value) {
+    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 Response json_response(http::status status, const nlohmann::json& body) {
-    Response response{status, {}, {}};
+    Response response{.status = status};
     response.set("Content-Type", "application/json");
-    // Names of a dive may hold any bytes: what is not UTF-8 is replaced instead of thrown at.
-    response.body = body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    response.body = json_text(body);
     return response;
 }
 
-Response empty_response(http::status status) { return {status, {}, {}}; }
+Response empty_response(http::status status) { return {.status = status}; }
 
 std::string http_date(std::int64_t unix_s) {
     const std::time_t time = unix_s;

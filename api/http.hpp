@@ -29,6 +29,7 @@ using Awaitable = boost::asio::awaitable<T>;
 
 struct Request {
     verb method = verb::get;
+    std::string target;                                          // as it came: path and query
     std::string path;                                            // still escaped, without query
     std::map<std::string, std::string, std::less<>> query;       // unescaped
     std::map<std::string, std::string, std::less<>> headers;     // names in lower case
@@ -37,6 +38,8 @@ struct Request {
     std::string body;
     Token token;  // who asks; without a scope on routes that need none
     std::string id;
+    std::string trace_id;  // of a valid traceparent (W3C Trace Context); "" without one
+    std::string peer;      // address of who is at the other end of the connection
 
     std::string header(std::string_view lower_case_name) const;  // "" when it is missing
     bool has_header(std::string_view lower_case_name) const;
@@ -50,20 +53,30 @@ struct FilePart {
     std::int64_t length = 0;
 };
 
-// The connection becomes a WebSocket that carries events after `since` of `project` ("": all).
+// The connection becomes a WebSocket that carries events after `since` of `project` ("": all), as
+// long as the token is valid ("": nobody asked for one).
 struct EventFeed {
     std::int64_t since = 0;
     std::string project;
+    std::string token_id;
 };
+
+struct Route;
 
 struct Response {
     http::status status = http::status::ok;
     std::vector<std::pair<std::string, std::string>> headers;
-    std::variant<std::string, FilePart, EventFeed> body;
+    std::variant<std::string, FilePart, EventFeed> body = {};
+
+    // For log and metrics, set by dispatch: null and "": none.
+    const Route* route = nullptr;
+    std::string token_id;
 
     void set(std::string name, std::string value);
 };
 
+// What json_response puts into the body.
+std::string json_text(const nlohmann::json& value);
 Response json_response(http::status status, const nlohmann::json& body);
 Response empty_response(http::status status);
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <optional>
 
+#include "api/audit.hpp"
 #include "api/authorization.hpp"
-#include "api/byte_range.hpp"
+#include "api/cors.hpp"
 #include "api/error_response.hpp"
+#include "api/etag.hpp"
+#include "api/in_pool.hpp"
 #include "api/target.hpp"
-#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
@@ -98,29 +100,53 @@ Response no_route(const Request& request, const RouteMatch& match) {
     return response;
 }
 
-Awaitable<Response> answer(Request request, Services services) {
-    RouteMatch match = find_route(request.method, request.path);
-    if (match.route == nullptr) co_return no_route(request, match);
-    const Route& route = *match.route;
-    request.parameters = std::move(match.parameters);
-    if (!route.scope.empty()) {
-        request.token = co_await authenticate(request, services);
-        require_scope(request.token, std::string(route.scope));
+// Who asks; of an address that keeps guessing, nobody.
+Awaitable<Token> identify(Request request, Services services, RouteKind kind) {
+    const bool takes_one_shot = kind == RouteKind::File || kind == RouteKind::WebSocket;
+    const std::string peer = request.peer;
+    try {
+        co_return co_await authenticate(std::move(request), services, takes_one_shot);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::Unauthorized || services.failed_logins.allow(peer)) throw;
     }
-    if (route.kind == RouteKind::Plain) request.body = co_await read_body(request.stream);
-    co_return co_await route.handler(std::move(request), services);
+    throw Error(ErrorCode::TooMany, "too many requests without a valid token: wait a while");
 }
 
-// Lets a client that asks again learn that nothing has changed.
-void add_etag(const Request& request, Response& response) {
-    const auto* body = std::get_if<std::string>(&response.body);
-    if (response.status != http::status::ok || body == nullptr || request.method != verb::get)
-        return;
-    const std::string etag = '"' + sha256_hex(*body).substr(0, 32) + '"';
-    if (matches_etag(request.header("if-none-match"), etag))
-        response = empty_response(http::status::not_modified);
-    response.set("ETag", etag);
-    response.set("Cache-Control", "no-cache");
+void split_target(Request& request) {
+    auto [path, query] = parse_target(request.target);
+    request.path = std::move(path);
+    request.query = std::move(query);
+    request.method = effective_method(request);
+    if (request.header("host").find(',') != std::string::npos)  // RFC 9112, 3.2
+        throw Error(ErrorCode::InvalidArgument, "a request has one Host");
+}
+
+// What is answered without a handler: preflights, and addresses and origins that are not served.
+std::optional<Response> answer_at_the_door(const Request& request,
+                                           const RouteMatch& match,
+                                           const ServiceLimits& limits) {
+    if (auto preflight = answer_preflight(request, match.methods, limits)) return preflight;
+    if (match.route == nullptr) return no_route(request, match);
+    if (match.route->kind == RouteKind::WebSocket && !is_allowed_origin(request, limits))
+        throw Error(ErrorCode::Forbidden, "pages of this origin may not listen here");
+    return std::nullopt;
+}
+
+Awaitable<Token> admit(Request request, Services services, const Route* route) {
+    Token token = co_await identify(std::move(request), services, route->kind);
+    if (!services.rates.allow(token.id))
+        throw Error(ErrorCode::TooMany, "too many requests with this token: wait a while");
+    require_scope(token, std::string(route->scope));
+    co_return token;
+}
+
+void add_common_headers(const Request& request, const Services& services, Response& response) {
+    if (request.path.starts_with(kUploadsPath)) response.set("Tus-Resumable", "1.0.0");
+    response.set("X-Request-Id", request.id);
+    if (!request.trace_id.empty()) response.set("traceparent", request.header("traceparent"));
+    response.set("X-Content-Type-Options", "nosniff");
+    add_cors(request, services.limits, response);
+    add_etag(request, response);
 }
 
 }  // namespace
@@ -141,19 +167,33 @@ RouteMatch find_route(verb method, std::string_view path) {
 }
 
 Awaitable<Response> dispatch(Request request, Services services) {
-    request.method = effective_method(request);
     std::exception_ptr failure;
+    const Route* route = nullptr;
     Response response;
     try {
-        response = co_await answer(request, services);
+        split_target(request);
+        RouteMatch match = find_route(request.method, request.path);
+        route = match.route;
+        auto answered = answer_at_the_door(request, match, services.limits);
+        if (answered) {
+            response = std::move(*answered);
+        } else {
+            request.parameters = std::move(match.parameters);
+            if (!route->scope.empty()) request.token = co_await admit(request, services, route);
+            if (route->kind == RouteKind::Plain) request.body = co_await read_body(request.stream);
+            response = co_await route->handler(request, services);
+        }
     } catch (...) {
         failure = std::current_exception();
     }
     if (failure) response = error_response(request, failure);
-    if (request.path.starts_with(kUploadsPath)) response.set("Tus-Resumable", "1.0.0");
-    response.set("X-Request-Id", request.id);
-    response.set("X-Content-Type-Options", "nosniff");
-    add_etag(request, response);
+    response.route = route;
+    response.token_id = request.token.id;
+    if (is_audited(request, response)) {
+        auto audit = [services, request, response] { write_audit(services, request, response); };
+        co_await in_pool(services.pool, std::move(audit));
+    }
+    add_common_headers(request, services, response);
     co_return response;
 }
 

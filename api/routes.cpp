@@ -1,13 +1,16 @@
 #include "api/routes.hpp"
 
 #include "api/handlers/artifacts.hpp"
+#include "api/handlers/dive_removal.hpp"
 #include "api/handlers/dives.hpp"
 #include "api/handlers/events.hpp"
 #include "api/handlers/health.hpp"
 #include "api/handlers/jobs.hpp"
+#include "api/handlers/metrics.hpp"
 #include "api/handlers/queue.hpp"
 #include "api/handlers/tokens.hpp"
 #include "api/handlers/uploads.hpp"
+#include "api/handlers/webhooks.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -28,6 +31,8 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/dives",                  "dives:read",  list_dives},
     {Plain,      verb::post,    "/api/v1/dives",                  "dives:write", create_dive},
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}",        "dives:read",  get_dive},
+    {Plain,      verb::delete_, "/api/v1/dives/{dive_id}",        "dives:write", delete_dive},
+    {Plain,      verb::post,    "/api/v1/dives/{dive_id}/restore",       "dives:write", restore_dive},
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}/findings",      "dives:read", list_findings},
     {File,       verb::get,     "/api/v1/dives/{dive_id}/thumbnail.jpg", "dives:read", get_thumbnail},
     {Plain,      verb::post,    "/api/v1/dives/{dive_id}/jobs",   "jobs:write",  create_job},
@@ -56,9 +61,19 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/tokens",                 "admin",       list_tokens},
     {Plain,      verb::post,    "/api/v1/tokens",                 "admin",       create_token},
     {Plain,      verb::delete_, "/api/v1/tokens/{token_id}",      "admin",       revoke_token},
+    {Plain,      verb::post,    "/api/v1/one_shot_tokens",        "dives:read",  create_one_shot_token},
+
+    {Plain,      verb::get,     "/api/v1/webhooks",               "admin",       list_webhooks},
+    {Plain,      verb::post,    "/api/v1/webhooks",               "admin",       create_webhook},
+    {Plain,      verb::delete_, "/api/v1/webhooks/{webhook_id}",  "admin",       delete_webhook},
+    {Plain,      verb::post,    "/api/v1/webhooks/{webhook_id}/enable",     "admin", enable_webhook},
+    {Plain,      verb::get,     "/api/v1/webhooks/{webhook_id}/deliveries", "admin", list_webhook_deliveries},
+    {Plain,      verb::post,    "/api/v1/webhooks/{webhook_id}/deliveries/{delivery_id}/redeliver",
+                                                                  "admin",       redeliver_webhook},
 
     {Plain,      verb::get,     "/healthz/live",                  "",            get_liveness},
     {Plain,      verb::get,     "/healthz/ready",                 "",            get_readiness},
+    {Plain,      verb::get,     "/metrics",                       "metrics:read", get_metrics},
     {Plain,      verb::get,     "/openapi.json",                  "",            get_openapi},
     // clang-format on
 };

@@ -4,9 +4,14 @@
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "api/hash_cache.hpp"
+#include "api/rate_limiter.hpp"
+#include "api/token_cache.hpp"
 #include "api/upload_turns.hpp"
+#include "api/webhook_target.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
 #include "storage/queue_forecast.hpp"
@@ -14,6 +19,7 @@
 namespace divemesh::api {
 
 class KeysInFlight;
+class Metrics;
 
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
@@ -21,6 +27,9 @@ struct ServiceLimits {
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
     std::int64_t min_upload_bytes_per_s = 64;  // a minute long; slower is no client
+    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // dives, till removed
+    std::vector<std::string> allowed_origins;  // of pages elsewhere that may talk to us
+    AllowedNetworks webhook_networks;          // of ours that webhooks may reach
 };
 
 // What handlers may use. All of it outlives every connection and is thread-safe.
@@ -32,8 +41,12 @@ struct Services {
     HashCache& hashes;
     storage::QueueForecast& forecast;
     KeysInFlight& keys;
+    TokenCache& tokens;
+    RateLimiter& rates;          // by token
+    RateLimiter& failed_logins;  // by address
+    Metrics& metrics;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
-    ServiceLimits limits;
+    const ServiceLimits& limits;
     bool no_auth = false;
 };
 

@@ -18,6 +18,8 @@ void add_serve(CLI::App& app, Context& context);
 void add_worker(CLI::App& app, Context& context);
 void add_attempt(CLI::App& app, Context& context);
 void add_token(CLI::App& app, Context& context);
+void add_backup(CLI::App& app, Context& context);
+void add_restore(CLI::App& app, Context& context);
 void add_upload(CLI::App& app, Context& context);
 void add_dives(CLI::App& app, Context& context);
 void add_jobs(CLI::App& app, Context& context);

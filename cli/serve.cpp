@@ -13,6 +13,8 @@ void add_serve(CLI::App& app, Context& context) {
         DataOptions data;
         server::ServerConfig config;
         double upload_lifetime_h = 168.0;
+        int keep_deleted_days = 30;
+        bool check_only = false;
     };
     auto* command = app.add_subcommand("serve", "the server: uploads, dives, jobs, events");
     auto options = std::make_shared<Options>();
@@ -28,12 +30,24 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--import", options->config.import_folder, "take the dives of this folder (archives, dive folders), then serve")->check(CLI::ExistingDirectory);
     command->add_option("--import-project", options->config.import_project, "the project that they go to")->capture_default_str();
     command->add_option("--import-job", options->config.import_preset, "preset to reconstruct them with; without: they are only stored")->check(CLI::IsMember(std::vector<std::string>(std::begin(kPresets), std::end(kPresets))));
+    command->add_option("--tls-cert", options->config.tls_certificate, "certificate chain in PEM; read again on SIGHUP");
+    command->add_option("--tls-key", options->config.tls_key, "its key in PEM");
+    command->add_flag("--check-config", options->check_only, "look at the options and end");
+    command->add_option("--allow-origin", options->config.allowed_origins, "pages of this origin may use the API: https://lab.example (repeat for more)");
+    command->add_option("--webhook-network", options->config.webhook_networks, "private network that webhooks may reach: 10.1.0.0/16 (repeat for more)");
+    command->add_option("--max-rate", options->config.max_requests_per_s, "requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--keep-deleted-days", options->keep_deleted_days, "deleted dives can be restored for so long")->capture_default_str()->check(CLI::Range(0, 3650));
     command->add_flag("--no-auth", options->config.no_auth, "everybody may do everything: on loopback only");
     // clang-format on
     command->callback([options, &context] {
         context.command = [options] {
             auto& config = options->config;
             config.data = options->data.data;
+            config.keep_deleted = std::chrono::hours(24) * options->keep_deleted_days;
+            if (options->check_only) {
+                server::check_config(config);
+                return kExitDone;
+            }
             config.catalog_url = catalog_url(options->data);
             config.blobs_url = blobs_url(options->data);
             config.upload_lifetime = std::chrono::milliseconds(

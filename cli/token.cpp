@@ -16,13 +16,19 @@ struct TokenOptions {
     std::string name;
     std::string project = "default";
     std::vector<std::string> scopes = {"dives:read", "dives:write", "jobs:write"};
+    std::string sensor;
+    int lifetime_days = 0;
     std::string id;
 };
 
 int create_token(const TokenOptions& options, const Context& context) {
     storage::Catalog catalog(catalog_url(options.data));
-    const auto created =
-        storage::TokenStore(catalog).create(options.name, options.project, options.scopes);
+    const auto created = storage::TokenStore(catalog).create(
+        {.name = options.name,
+         .project = options.project,
+         .scopes = options.scopes,
+         .sensor = options.sensor,
+         .lifetime = options.lifetime_days * std::chrono::hours(24)});
     if (context.json) {
         nlohmann::json json = created.token;
         json["secret"] = created.secret;
@@ -52,7 +58,9 @@ int list_tokens(const TokenOptions& options, const Context& context) {
                         scopes,
                         time_text(token.created_at_ms),
                         time_text(token.last_used_at_ms),
-                        token.revoked ? "revoked" : "valid"});
+                        token.revoked             ? "revoked"
+                        : token.expires_at_ms > 0 ? "until " + time_text(token.expires_at_ms)
+                                                  : "valid"});
     }
     std::cout << table_text(rows);
     return kExitDone;
@@ -76,9 +84,14 @@ void add_token(CLI::App& app, Context& context) {
     create->add_option("--name", options->name, "what it is for")->required();
     create->add_option("--project", options->project, "it sees only this one's dives")
         ->capture_default_str();
-    create->add_option("--scope", options->scopes, "dives:read, dives:write, jobs:write, admin")
+    create->add_option("--scope", options->scopes, "what it may do; sensor:push comes alone")
         ->delimiter(',')
         ->capture_default_str();
+    create->add_option(
+        "--sensor", options->sensor, "with the scope sensor:push: for this one only");
+    create->add_option("--expires-days", options->lifetime_days, "0: valid until it is revoked")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 3660));
     create->callback([options, &context] {
         context.command = [options, &context] { return create_token(*options, context); };
     });

@@ -32,6 +32,11 @@ build() {
     cmake --preset "$preset" --log-level=WARNING >/dev/null && cmake --build --preset "$preset" "$@"
 }
 lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang-tidy -p build/release --quiet; }
+lint_contract() {
+    npm ci --prefix tests/api/lint --no-audit --no-fund --loglevel=error
+    tests/api/lint/node_modules/.bin/spectral lint --fail-severity=warn \
+        --ruleset tests/api/lint/spectral.yaml api/openapi.yaml
+}
 
 step "install packages" deploy/install.sh
 step "install validators and clients (npm)" install_npm_packages
@@ -46,6 +51,7 @@ if $full; then
     step "unit tests, thread sanitizer" ctest --preset tsan
     step "linter" lint
     step "10,000 jobs, 8 workers, 100 kills" build/release/tests/bench/divemesh_queue_storm
+    step "the contract by spectral" lint_contract
     step "every dive of the shared data" tests/bench/run.sh
     step "uploads, with a dive of 10 GB over a link that breaks" tests/bench/run.sh --only upload --large --repeat 3
     step "demo" deploy/demo.sh

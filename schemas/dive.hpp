@@ -30,6 +30,8 @@ struct Dive {
     double duration_s = 0.0;      // 0 until intake
     bool has_thumbnail = false;
     std::int64_t created_at_ms = 0;
+    std::int64_t deleted_at_ms = 0;  // 0: it is not
+    std::int64_t expires_at_ms = 0;  // of a deleted one: removed for good from then on
 };
 
 }  // namespace divemesh

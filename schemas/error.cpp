@@ -12,6 +12,8 @@ constexpr EnumText<ErrorCode> kTexts[] = {
     {ErrorCode::Gone, "gone"},
     {ErrorCode::Conflict, "conflict"},
     {ErrorCode::Locked, "locked"},
+    {ErrorCode::PreconditionFailed, "precondition_failed"},
+    {ErrorCode::PreconditionRequired, "precondition_required"},
     {ErrorCode::TooLarge, "too_large"},
     {ErrorCode::TooMany, "too_many"},
     {ErrorCode::Unauthorized, "unauthorized"},

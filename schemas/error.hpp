@@ -13,9 +13,11 @@ enum class ErrorCode {
     InvalidArgument,  // the request or an option is wrong
     BadData,          // a recording is wrong; trying again cannot help
     NotFound,
-    Gone,      // it was here and does not come back
-    Conflict,  // not in this state, or somebody else was first
-    Locked,    // another request holds it and has not let go in time
+    Gone,                  // it was here and does not come back
+    Conflict,              // not in this state, or somebody else was first
+    Locked,                // another request holds it and has not let go in time
+    PreconditionFailed,    // If-Match: it has changed since it was read
+    PreconditionRequired,  // without If-Match nobody knows what would be changed
     TooLarge,
     TooMany,       // too many at once, or too often: wait
     Unauthorized,  // no token, or an unknown one

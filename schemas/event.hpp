@@ -12,7 +12,7 @@ struct Event {
     std::int64_t sequence = 0;
     std::int64_t time_ms = 0;  // unix
     std::string project;
-    std::string topic;    // upload, dive, job
+    std::string topic;    // upload, dive, job, audit
     std::string subject;  // id of what it is about
     std::string type;     // upload.completed, dive.ready, job.state, job.progress
     nlohmann::json data = nlohmann::json::object();

@@ -39,6 +39,8 @@ std::string_view usual_remedy(ErrorCode code) {
             return "free space where workers have their scratch folder and where the blobs are";
         case ErrorCode::OutOfMemory:
             return "run it on a worker with more memory, or with a larger voxel_m";
+        case ErrorCode::PreconditionFailed:  // these are of requests, not of jobs
+        case ErrorCode::PreconditionRequired:
         case ErrorCode::Unavailable:
             return "see the logs of its attempts; `divemesh retry` when it is not tried by itself";
     }

@@ -31,7 +31,9 @@ void to_json(nlohmann::json& json, const Dive& dive) {
             {"num_frames", dive.num_frames},
             {"duration_s", dive.duration_s},
             {"has_thumbnail", dive.has_thumbnail},
-            {"created_at_ms", dive.created_at_ms}};
+            {"created_at_ms", dive.created_at_ms},
+            {"deleted_at_ms", dive.deleted_at_ms},
+            {"expires_at_ms", dive.expires_at_ms}};
 }
 
 void from_json(const nlohmann::json& json, Dive& dive) {
@@ -48,6 +50,8 @@ void from_json(const nlohmann::json& json, Dive& dive) {
     json.at("duration_s").get_to(dive.duration_s);
     json.at("has_thumbnail").get_to(dive.has_thumbnail);
     json.at("created_at_ms").get_to(dive.created_at_ms);
+    json.at("deleted_at_ms").get_to(dive.deleted_at_ms);
+    json.at("expires_at_ms").get_to(dive.expires_at_ms);
 }
 
 void to_json(nlohmann::json& json, const Upload& upload) {
@@ -104,9 +108,33 @@ void to_json(nlohmann::json& json, const Token& token) {
             {"name", token.name},
             {"project", token.project},
             {"scopes", token.scopes},
+            {"sensor", token.sensor},
             {"created_at_ms", token.created_at_ms},
             {"last_used_at_ms", token.last_used_at_ms},
+            {"expires_at_ms", token.expires_at_ms},
             {"revoked", token.revoked}};
+}
+
+void to_json(nlohmann::json& json, const Webhook& webhook) {
+    json = {{"id", webhook.id},
+            {"project", webhook.project},
+            {"url", webhook.url},
+            {"topics", webhook.topics},
+            {"enabled", webhook.enabled},
+            {"created_at_ms", webhook.created_at_ms}};
+}
+
+void to_json(nlohmann::json& json, const WebhookDelivery& delivery) {
+    json = {{"id", delivery.id},
+            {"webhook_id", delivery.webhook_id},
+            {"type", delivery.type},
+            {"state", delivery.state},
+            {"num_attempts", delivery.num_attempts},
+            {"next_at_ms", delivery.next_at_ms},
+            {"last_status", delivery.last_status},
+            {"last_error", delivery.last_error},
+            {"created_at_ms", delivery.created_at_ms},
+            {"finished_at_ms", delivery.finished_at_ms}};
 }
 
 }  // namespace divemesh

@@ -10,6 +10,7 @@
 #include "schemas/queue.hpp"
 #include "schemas/token.hpp"
 #include "schemas/upload.hpp"
+#include "schemas/webhook.hpp"
 #include "schemas/worker.hpp"
 
 // What crosses a process boundary. JSON keys are the field names, so there is nothing to look up;
@@ -42,6 +43,8 @@ void to_json(nlohmann::json& json, const Artifact& artifact);
 void from_json(const nlohmann::json& json, Artifact& artifact);
 void to_json(nlohmann::json& json, const Event& event);
 void from_json(const nlohmann::json& json, Event& event);
-void to_json(nlohmann::json& json, const Token& token);  // never the hash
+void to_json(nlohmann::json& json, const Token& token);      // never the hash
+void to_json(nlohmann::json& json, const Webhook& webhook);  // never the secret
+void to_json(nlohmann::json& json, const WebhookDelivery& delivery);
 
 }  // namespace divemesh

@@ -4,7 +4,7 @@
 
 namespace divemesh {
 
-bool Token::allows(const std::string& scope) const {
+bool Token::allows(std::string_view scope) const {
     return !revoked && std::any_of(scopes.begin(), scopes.end(), [&](const std::string& held) {
         return held == scope || held == "admin";
     });

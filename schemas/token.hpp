@@ -1,24 +1,38 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace divemesh {
+
+// What a token may do. admin allows everything; sensor:push belongs to the tokens of one sensor.
+inline constexpr std::array<std::string_view, 8> kScopes = {"dives:read",
+                                                            "dives:write",
+                                                            "jobs:write",
+                                                            "sensor:push",
+                                                            "sensor:command",
+                                                            "reports:write",
+                                                            "metrics:read",
+                                                            "admin"};
 
 // A bearer token as the catalog knows it: only its hash is stored.
 struct Token {
     std::string id;
     std::string name;
     std::string project;
-    std::vector<std::string> scopes;  // dives:read, dives:write, jobs:write, admin
+    std::vector<std::string> scopes;  // of kScopes
+    std::string sensor;               // the only one it may push for; "" without sensor:push
     std::string secret_sha256;
     std::int64_t created_at_ms = 0;
     std::int64_t last_used_at_ms = 0;  // 0: never
+    std::int64_t expires_at_ms = 0;    // 0: never
     bool revoked = false;
 
     // admin allows everything.
-    bool allows(const std::string& scope) const;
+    bool allows(std::string_view scope) const;
 };
 
 }  // namespace divemesh

@@ -2,20 +2,23 @@
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
+
+#include "server/stream.hpp"
 
 namespace divemesh::server {
 
 // One client's socket. Everything here is for its strand alone, except stop() and abort().
 class Connection : public std::enable_shared_from_this<Connection> {
 public:
-    explicit Connection(boost::asio::ip::tcp::socket socket) : stream(std::move(socket)) {}
+    // `tls` null: plain.
+    Connection(boost::asio::ip::tcp::socket socket, std::shared_ptr<boost::asio::ssl::context> tls)
+        : stream(std::move(socket), tls.get()), tls_(std::move(tls)) {}
 
-    boost::beast::tcp_stream stream;
+    Stream stream;
     boost::beast::flat_buffer buffer;  // bytes that came but are not parsed yet
     bool stopping = false;             // no further request is taken
 
@@ -25,6 +28,9 @@ public:
 
     void stop();   // from any thread
     void abort();  // from any thread
+
+private:
+    std::shared_ptr<boost::asio::ssl::context> tls_;  // lives as long as what was made with it
 };
 
 // The connections that are open. Thread-safe.

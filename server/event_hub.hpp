@@ -4,14 +4,34 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "schemas/event.hpp"
 #include "storage/catalog.hpp"
 
 namespace divemesh::server {
 
-// Knows how far the events of the catalog go, for all watchers at once: whatever process wrote
-// them, one short query a tenth of a second while anybody watches. The watchers read the events
-// themselves, each at the pace of its client, so nothing is queued for a slow one.
+// An event as it is told: one text for all watchers.
+struct ToldEvent {
+    std::int64_t sequence = 0;
+    std::string project;
+    std::string text;
+};
+using ToldEvents = std::vector<std::shared_ptr<const ToldEvent>>;
+
+ToldEvents told(const std::vector<Event>& events);
+
+// Reads the events of the catalog once for all watchers, whatever process wrote them: one short
+// query a tenth of a second while anybody watches. Keeps the newest few, bounded in bytes, so that
+// whoever keeps up reads memory alone; who has fallen behind reads the catalog at its own pace.
+// Nothing is queued for anybody. Thread-safe.
 class EventHub {
 public:
     EventHub(storage::Catalog& catalog, boost::asio::thread_pool& pool)
@@ -21,15 +41,31 @@ public:
     void stop() { stopping_ = true; }
 
     std::int64_t newest_sequence() const { return newest_; }
-    void watch() { ++num_watchers_; }
-    void unwatch() { --num_watchers_; }
+
+    // The next events after `sequence`, from memory, 64 KiB of them or a single larger one; nothing
+    // when some may be missing there.
+    std::optional<ToldEvents> recent(std::int64_t sequence, const std::string& project) const;
+
+    // Calls `on_news`, on any thread, whenever there is something new, until unwatch().
+    std::uint64_t watch(std::function<void()> on_news);
+    void unwatch(std::uint64_t watcher);
+    std::size_t num_watchers() const;
 
 private:
+    boost::asio::awaitable<void> look();
+    void keep(const ToldEvents& events);
+
     storage::Catalog& catalog_;
     boost::asio::thread_pool& pool_;
     std::atomic<std::int64_t> newest_ = 0;
-    std::atomic<int> num_watchers_ = 0;
     std::atomic<bool> stopping_ = false;
+
+    mutable std::mutex mutex_;
+    std::map<std::uint64_t, std::function<void()>> watchers_;
+    std::uint64_t next_watcher_ = 1;
+    std::deque<std::shared_ptr<const ToldEvent>> recent_;
+    std::size_t recent_bytes_ = 0;
+    std::int64_t complete_after_ = -1;  // everything later is in recent_; -1: not looked yet
 };
 
 }  // namespace divemesh::server

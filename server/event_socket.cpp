@@ -3,14 +3,16 @@
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/websocket.hpp>
 
 #include "api/in_pool.hpp"
-#include "schemas/json.hpp"
+#include "api/metrics.hpp"
 #include "server/log.hpp"
 #include "storage/event_store.hpp"
+#include "storage/token_store.hpp"
 
 namespace divemesh::server {
 namespace {
@@ -18,35 +20,47 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
+using Clock = std::chrono::steady_clock;
 
-constexpr int kPageEvents = 100;
+constexpr int kPageEvents = 50;
 constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have nothing to say
-constexpr std::chrono::milliseconds kLookEvery{50};
+constexpr std::chrono::seconds kTokenTrusted{1};
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 struct EventSocket {
-    explicit EventSocket(beast::tcp_stream stream)
-        : socket(std::move(stream)), pause(socket.get_executor()) {}
+    explicit EventSocket(Stream stream) : socket(std::move(stream)), pause(socket.get_executor()) {
+        pause.expires_at(Clock::time_point::max());  // only ever cancelled
+    }
 
     void close() {
         closing = true;
         pause.cancel();
     }
 
-    websocket::stream<beast::tcp_stream> socket;
+    websocket::stream<Stream> socket;
     asio::steady_timer pause;
     bool closing = false;
+    bool news = true;  // there may be something that it has not been told
 };
 
+// Woken by the hub, on the socket's strand, for as long as this lives.
 class Watching {
 public:
-    explicit Watching(EventHub& hub) : hub_(hub) { hub_.watch(); }
-    ~Watching() { hub_.unwatch(); }
+    Watching(EventHub& hub, const std::shared_ptr<EventSocket>& events) : hub_(hub) {
+        const auto wake = [events] {
+            events->news = true;
+            events->pause.cancel();
+        };
+        const auto executor = events->socket.get_executor();
+        watcher_ = hub_.watch([executor, wake] { asio::post(executor, wake); });
+    }
+    ~Watching() { hub_.unwatch(watcher_); }
     Watching(const Watching&) = delete;
     Watching& operator=(const Watching&) = delete;
 
 private:
     EventHub& hub_;
+    std::uint64_t watcher_;
 };
 
 // Answers pings and notices that the client has gone; what it says is dropped.
@@ -59,38 +73,64 @@ asio::awaitable<void> read_until_closed(std::shared_ptr<EventSocket> events) {
     events->close();
 }
 
-asio::awaitable<std::vector<Event>> next_events(api::EventFeed feed, api::Services services) {
+// What the catalog has after `feed.since`, for who has fallen behind.
+asio::awaitable<ToldEvents> stored_events(api::EventFeed feed, api::Services services) {
     auto ask = [&catalog = services.catalog, feed] {
-        return storage::EventStore(catalog).since(feed.since, feed.project, kPageEvents);
+        return told(storage::EventStore(catalog).since(feed.since, feed.project, kPageEvents));
     };
     co_return co_await api::in_pool(services.pool, std::move(ask));
 }
 
-asio::awaitable<void> write_events(std::shared_ptr<EventSocket> events,
-                                   api::EventFeed feed,
-                                   SessionContext context) {
-    while (!events->closing) {
-        const std::int64_t newest = context.events.newest_sequence();
-        if (newest > feed.since) {
-            const auto page = co_await next_events(feed, context.services);
-            for (const Event& event : page) {
-                const std::string text = nlohmann::json(event).dump(
-                    -1, ' ', false, nlohmann::json::error_handler_t::replace);
-                const auto [error, n] =
-                    co_await events->socket.async_write(asio::buffer(text), kAwaitErrors);
-                if (error || events->closing) co_return;
-                feed.since = event.sequence;
-            }
-            if (page.size() == kPageEvents) continue;
-            feed.since = std::max(feed.since, newest);  // the rest is of other projects
-        }
-        if (events->closing) co_return;
-        events->pause.expires_after(kLookEvery);
-        co_await events->pause.async_wait(kAwaitErrors);
-    }
+// Whether the token of the stream still opens it.
+asio::awaitable<bool> is_entitled(api::EventFeed feed, api::Services services) {
+    if (feed.token_id.empty()) co_return true;
+    auto ask = [&catalog = services.catalog, id = feed.token_id] {
+        return storage::TokenStore(catalog).is_valid(id);
+    };
+    co_return co_await api::in_pool(services.pool, std::move(ask));
 }
 
-void set_options(websocket::stream<beast::tcp_stream>& socket, const Timeouts& timeouts) {
+// False: the client is gone, or the socket closes.
+asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
+                           ToldEvents page,
+                           api::Metrics* metrics) {
+    for (const auto& event : page) {
+        const auto [error, n] =
+            co_await events->socket.async_write(asio::buffer(event->text), kAwaitErrors);
+        if (error || events->closing) co_return false;
+        ++metrics->told_events;
+    }
+    co_return true;
+}
+
+// Until the client goes or the connection is stopped; returns why it is closed.
+asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket> events,
+                                                    api::EventFeed feed,
+                                                    SessionContext context) {
+    Clock::time_point trusted_until = Clock::now() + kTokenTrusted;
+    while (!events->closing) {
+        const std::int64_t newest = context.events.newest_sequence();
+        if (newest <= feed.since) {
+            if (!std::exchange(events->news, false))
+                co_await events->pause.async_wait(kAwaitErrors);
+            continue;
+        }
+        if (Clock::now() >= trusted_until) {
+            const bool entitled = co_await is_entitled(feed, context.services);
+            if (!entitled) co_return websocket::close_code::policy_error;
+            trusted_until = Clock::now() + kTokenTrusted;
+        }
+        auto page = context.events.recent(feed.since, feed.project);
+        if (!page) page = co_await stored_events(feed, context.services);
+        const bool told_all = co_await tell(events, *page, &context.services.metrics);
+        if (!told_all) break;
+        // An empty page: the rest is of other projects.
+        feed.since = page->empty() ? newest : page->back()->sequence;
+    }
+    co_return websocket::close_code::going_away;
+}
+
+void set_options(websocket::stream<Stream>& socket, const Timeouts& timeouts) {
     websocket::stream_base::timeout timeout;
     timeout.handshake_timeout = timeouts.header;
     timeout.idle_timeout = timeouts.web_socket;
@@ -113,15 +153,19 @@ asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
     connection->on_abort = [events] { beast::get_lowest_layer(events->socket).close(); };
     const auto [refused] = co_await events->socket.async_accept(request->message(), kAwaitErrors);
     if (!refused) {
-        const Watching watching(context.events);
+        const Watching watching(context.events, events);
+        auto& metrics = context.services.metrics;
+        ++metrics.watchers;
+        auto reason = websocket::close_code::internal_error;
         asio::co_spawn(events->socket.get_executor(), read_until_closed(events), asio::detached);
         try {
-            co_await write_events(events, feed, context);
+            reason = co_await write_events(events, feed, context);
         } catch (const std::exception& error) {
             log_warning({{"event", "events_unavailable"}, {"what", error.what()}});
         }
-        const auto reason = websocket::close_code::going_away;
-        co_await events->socket.async_close(reason, kAwaitErrors);
+        const auto [unclosed] = co_await events->socket.async_close(reason, kAwaitErrors);
+        if (unclosed == beast::error::timeout) ++metrics.dropped_watchers;
+        --metrics.watchers;
     }
     beast::get_lowest_layer(events->socket).close();
     connection->on_stop = nullptr;

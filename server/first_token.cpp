@@ -32,7 +32,7 @@ void write_secret(const std::filesystem::path& file, const std::string& secret) 
 std::string make_first_token(storage::Catalog& catalog, const std::filesystem::path& file) {
     storage::TokenStore tokens(catalog);
     if (!tokens.empty()) return "";
-    const auto created = tokens.create("first", "default", {"admin"});
+    const auto created = tokens.create({.name = "first", .scopes = {"admin"}});
     try {
         write_secret(file, created.secret);
     } catch (const Error&) {

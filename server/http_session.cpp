@@ -5,9 +5,8 @@
 #include <boost/beast/http/error.hpp>
 
 #include "api/error_response.hpp"
+#include "api/metrics.hpp"
 #include "api/router.hpp"
-#include "api/target.hpp"
-#include "schemas/error.hpp"
 #include "server/event_socket.hpp"
 #include "server/log.hpp"
 #include "server/request_body.hpp"
@@ -36,10 +35,23 @@ std::string request_id(const std::string& wanted) {
     return plain ? wanted : storage::random_hex(kRequestIdBytes);
 }
 
+// Of "00-<32 hex>-<16 hex>-<2 hex>" (W3C Trace Context); "" for anything else.
+std::string trace_id(const std::string& traceparent) {
+    constexpr std::string_view kForm = "00-xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx-xxxxxxxxxxxxxxxx-xx";
+    if (traceparent.size() != kForm.size()) return "";
+    for (std::size_t i = 0; i < kForm.size(); ++i) {
+        const char c = traceparent[i];
+        const bool hex = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+        if (kForm[i] == 'x' ? !hex : c != kForm[i]) return "";
+    }
+    return traceparent.substr(3, 32);
+}
+
 api::Request to_request(const std::shared_ptr<RequestBody>& body) {
     api::Request request;
     request.stream = body;
     request.method = body->message().method();
+    request.target = body->message().target();
     for (const auto& field : body->message()) {
         std::string name(field.name_string());
         std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
@@ -49,35 +61,30 @@ api::Request to_request(const std::shared_ptr<RequestBody>& body) {
         if (!is_new) entry->second += ", " + std::string(field.value());
     }
     request.id = request_id(request.header("x-request-id"));
+    request.trace_id = trace_id(request.header("traceparent"));
+    request.peer = body->peer();
     return request;
 }
 
-asio::awaitable<api::Response> answer(api::Request request,
-                                      std::string target,
-                                      api::Services services) {
-    std::exception_ptr failure;
-    try {
-        auto [path, query] = api::parse_target(target);
-        request.path = std::move(path);
-        request.query = std::move(query);
-    } catch (...) {
-        failure = std::current_exception();
-    }
-    if (failure) co_return api::error_response(request, failure);
-    co_return co_await api::dispatch(std::move(request), services);
+void log_request(const api::Request& request, const api::Response& response, Clock::duration took) {
+    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(took);
+    nlohmann::json line = {{"event", "request"},
+                           {"request_id", request.id},
+                           {"method", std::string(http::to_string(request.method))},
+                           {"path", request.target.substr(0, request.target.find('?'))},
+                           {"status", static_cast<int>(response.status)},
+                           {"ms", ms.count()}};
+    if (!request.trace_id.empty()) line["trace_id"] = request.trace_id;
+    if (!response.token_id.empty()) line["token"] = response.token_id;
+    log_info(line);
 }
 
-void log_request(const api::Request& request,
-                 const std::string& target,
-                 const api::Response& response,
-                 Clock::time_point began) {
-    const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - began);
-    log_info({{"event", "request"},
-              {"request_id", request.id},
-              {"method", std::string(http::to_string(request.method))},
-              {"path", target.substr(0, target.find('?'))},
-              {"status", static_cast<int>(response.status)},
-              {"ms", took.count()}});
+void count_bytes(const RequestBody& body, const api::Response& response, api::Metrics& metrics) {
+    metrics.received_bytes += body.received_bytes();
+    if (const auto* text = std::get_if<std::string>(&response.body))
+        metrics.sent_bytes += static_cast<std::int64_t>(text->size());
+    if (const auto* file = std::get_if<api::FilePart>(&response.body))
+        metrics.sent_bytes += file->length;
 }
 
 // What did not parse as HTTP. Nothing for a client that just went away or fell silent.
@@ -88,12 +95,15 @@ std::optional<api::Response> refusal(const beast::error_code& error) {
         return std::nullopt;
     api::Request request;
     request.id = request_id("");
-    if (error == http::error::header_limit)
-        return api::problem_response(request,
-                                     http::status::request_header_fields_too_large,
-                                     "the header is larger than 16 KiB");
-    return api::problem_response(
-        request, http::status::bad_request, "this is not HTTP/1.1: " + error.message());
+    auto response =
+        error == http::error::header_limit
+            ? api::problem_response(request,
+                                    http::status::request_header_fields_too_large,
+                                    "the header is larger than 16 KiB")
+            : api::problem_response(
+                  request, http::status::bad_request, "this is not HTTP/1.1: " + error.message());
+    response.set("X-Request-Id", request.id);
+    return response;
 }
 
 // Answers one request; false: the connection is of no more use.
@@ -113,9 +123,11 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     const auto began = Clock::now();
     connection->on_stop = [body] { body->stop(); };
     const api::Request request = to_request(body);
-    const std::string target(body->message().target());
-    api::Response response = co_await answer(request, target, context.services);
-    log_request(request, target, response, began);
+    api::Response response = co_await api::dispatch(request, context.services);
+    const auto took = Clock::now() - began;
+    context.services.metrics.count_request(response.route, response.status, took);
+    count_bytes(*body, response, context.services.metrics);
+    log_request(request, response, took);
     if (const auto* feed = std::get_if<api::EventFeed>(&response.body)) {
         co_await send_events(connection, body, *feed, context);
         co_return false;
@@ -128,6 +140,21 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     const bool written =
         co_await write_response(connection, std::move(response), context.services, options);
     co_return written&& keep_alive;
+}
+
+// False: the client speaks no TLS that we do, or takes too long.
+asio::awaitable<bool> shake_hands(std::shared_ptr<Connection> connection,
+                                  std::chrono::milliseconds patience) {
+    connection->stream.expires_after(patience);
+    const auto [error] = co_await connection->stream.tls()->async_handshake(
+        asio::ssl::stream_base::server, asio::as_tuple(asio::use_awaitable));
+    co_return !error;
+}
+
+// Says goodbye in TLS; whether the client answers does not matter.
+asio::awaitable<void> end_tls(std::shared_ptr<Connection> connection) {
+    connection->stream.expires_after(kLinger);
+    co_await connection->stream.tls()->async_shutdown(asio::as_tuple(asio::use_awaitable));
 }
 
 // A client that still sends would lose our answer if we just closed: what it sends is read and
@@ -150,10 +177,16 @@ asio::awaitable<void> close_gently(std::shared_ptr<Connection> connection) {
 
 asio::awaitable<void> run_session(std::shared_ptr<Connection> connection, SessionContext context) {
     bool goes_on = true;  // g++ 12 miscompiles a co_await in the condition of a loop
+    if (connection->stream.tls() != nullptr) {
+        connection->on_stop = [raw = connection.get()] { raw->stream.cancel(); };
+        goes_on = co_await shake_hands(connection, context.timeouts.header);
+    }
     while (goes_on) goes_on = co_await serve_request(connection, context);
     connection->on_stop = nullptr;
     connection->on_abort = nullptr;
-    if (connection->stream.socket().is_open()) co_await close_gently(connection);
+    if (!connection->stream.socket().is_open()) co_return;
+    if (connection->stream.tls() != nullptr) co_await end_tls(connection);
+    co_await close_gently(connection);
 }
 
 }  // namespace divemesh::server

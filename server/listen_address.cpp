@@ -26,10 +26,10 @@ tcp::endpoint parse_listen_address(const std::string& text) {
     return {address, port};
 }
 
-std::string url_of(const tcp::endpoint& endpoint) {
+std::string url_of(const tcp::endpoint& endpoint, bool tls) {
     const std::string host = endpoint.address().to_string();
-    return "http://" + (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
-           std::to_string(endpoint.port());
+    return (tls ? "https://" : "http://") + (endpoint.address().is_v6() ? "[" + host + "]" : host) +
+           ":" + std::to_string(endpoint.port());
 }
 
 }  // namespace divemesh::server

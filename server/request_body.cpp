@@ -36,6 +36,12 @@ asio::awaitable<beast::error_code> RequestBody::read_header() {
     co_return error;
 }
 
+std::string RequestBody::peer() const {
+    beast::error_code gone;
+    const auto endpoint = connection_->stream.socket().remote_endpoint(gone);
+    return gone ? std::string() : endpoint.address().to_string();
+}
+
 std::optional<std::int64_t> RequestBody::length_bytes() const {
     if (parser_.chunked()) return std::nullopt;
     const auto length = parser_.content_length();
@@ -74,11 +80,11 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     bool more = true;
     while (!error && more) {
         error = co_await read_some();
-        beast::error_code ignored;
         more = body.size > 0 && !parser_.is_done() && !stopped_ &&
-               (body.size == buffer.size() || connection_->stream.socket().available(ignored) > 0);
+               (body.size == buffer.size() || connection_->stream.available() > 0);
     }
     const std::size_t num_bytes = buffer.size() - body.size;
+    received_bytes_ += static_cast<std::int64_t>(num_bytes);
     if (stopped_) {
         num_drained_ += num_bytes;
         co_return api::BodyRead{num_bytes, has_more_at_hand() ? State::More : State::Stopped};
@@ -90,9 +96,8 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
 // What the client had sent before it was stopped is kept: of a link that broke it need not come
 // again.
 bool RequestBody::has_more_at_hand() {
-    beast::error_code ignored;
     return !parser_.is_done() && num_drained_ < kMaxDrainedBytes &&
-           connection_->stream.socket().available(ignored) > 0;
+           connection_->stream.available() > 0;
 }
 
 void RequestBody::must_end_within(std::chrono::seconds time) {

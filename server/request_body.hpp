@@ -19,6 +19,8 @@ public:
     boost::asio::awaitable<boost::beast::error_code> read_header();
     const Message& message() const { return parser_.get(); }
     bool is_done() const { return parser_.is_done(); }  // the next request may follow
+    std::string peer() const;                           // the client's address
+    std::int64_t received_bytes() const { return received_bytes_; }
 
     std::optional<std::int64_t> length_bytes() const override;
     boost::asio::awaitable<api::BodyRead> read(std::span<char> buffer) override;
@@ -34,6 +36,7 @@ private:
     Timeouts timeouts_;
     boost::beast::http::request_parser<boost::beast::http::buffer_body> parser_;
     std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
+    std::int64_t received_bytes_ = 0;
     bool stopped_ = false;
     std::size_t num_drained_ = 0;  // since it was stopped
     bool reading_ = false;

@@ -18,13 +18,12 @@ std::vector<std::string> worker_command(const ServerConfig& config) {
         "/proc/self/exe", "worker", "--catalog", config.catalog_url, "--blobs", config.blobs_url};
 }
 
-// Calls `stop` on a thread of its own at the first SIGTERM or SIGINT.
+// Calls `stop` on a thread of its own at the first SIGTERM or SIGINT, `reload` at each SIGHUP.
 class OnSignal {
 public:
-    explicit OnSignal(std::function<void()> stop) : stop_(std::move(stop)) {
-        signals_.async_wait([this](const boost::system::error_code& error, int) {
-            if (!error) stop_();
-        });
+    OnSignal(std::function<void()> stop, std::function<void()> reload)
+        : stop_(std::move(stop)), reload_(std::move(reload)) {
+        wait();
         thread_ = std::jthread([this] { context_.run(); });
     }
     ~OnSignal() { context_.stop(); }
@@ -32,9 +31,19 @@ public:
     OnSignal& operator=(const OnSignal&) = delete;
 
 private:
+    void wait() {
+        signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+            if (error) return;
+            if (signal != SIGHUP) return stop_();
+            reload_();
+            wait();
+        });
+    }
+
     std::function<void()> stop_;
+    std::function<void()> reload_;
     boost::asio::io_context context_;
-    boost::asio::signal_set signals_{context_, SIGTERM, SIGINT};
+    boost::asio::signal_set signals_{context_, SIGTERM, SIGINT, SIGHUP};
     std::jthread thread_;
 };
 
@@ -55,10 +64,12 @@ void run_server(const ServerConfig& config) {
     std::optional<WorkerSupervisor> workers;
     if (config.num_workers > 0)
         workers.emplace(worker_command(server.config()), config.num_workers);
-    const OnSignal on_signal([&] {
-        if (workers) workers->stop();
-        server.stop();
-    });
+    const OnSignal on_signal(
+        [&] {
+            if (workers) workers->stop();
+            server.stop();
+        },
+        [&] { server.reload_certificate(); });
     say_token(server);
     std::cout << "listening on " << server.url() << std::endl;
     server.run();

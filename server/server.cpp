@@ -12,9 +12,12 @@
 #include <thread>
 #include <vector>
 
+#include "api/housekeeping.hpp"
 #include "api/idempotency.hpp"
 #include "api/import_dives.hpp"
+#include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
+#include "api/metrics.hpp"
 #include "api/upload_sweeper.hpp"
 #include "schemas/error.hpp"
 #include "server/connection.hpp"
@@ -23,6 +26,8 @@
 #include "server/http_session.hpp"
 #include "server/listen_address.hpp"
 #include "server/log.hpp"
+#include "server/tls.hpp"
+#include "server/webhook_sender.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::server {
@@ -64,6 +69,9 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.min_free_bytes = config.min_free_bytes;
     limits.upload_lifetime = config.upload_lifetime;
     limits.max_open_uploads = config.max_open_uploads;
+    limits.keep_deleted = config.keep_deleted;
+    limits.allowed_origins = config.allowed_origins;
+    limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
     return limits;
 }
 
@@ -106,8 +114,12 @@ struct Server::Implementation {
                                hashes,
                                forecast,
                                keys,
+                               tokens,
+                               rates,
+                               failed_logins,
+                               metrics,
                                stopping,
-                               limits_of(config),
+                               limits,
                                config.no_auth};
         return {services, events, config.timeouts};
     }
@@ -116,9 +128,12 @@ struct Server::Implementation {
     asio::awaitable<void> drain();
     asio::awaitable<void> sweep();
     asio::awaitable<void> import();
+    asio::awaitable<void> clean_up();
     void spawn_session(tcp::socket socket);
 
     ServerConfig config;
+    api::ServiceLimits limits = limits_of(config);
+    TlsCertificate certificate{config.tls_certificate, config.tls_key};
     tcp::endpoint endpoint;
     storage::Catalog catalog;
     std::unique_ptr<storage::BlobStore> blobs;
@@ -126,11 +141,17 @@ struct Server::Implementation {
     api::HashCache hashes;
     storage::QueueForecast forecast{catalog};
     api::KeysInFlight keys;
+    api::TokenCache tokens;
+    api::RateLimiter rates{config.max_requests_per_s, 2.0 * config.max_requests_per_s};
+    api::RateLimiter failed_logins{config.max_failed_logins_per_s,
+                                   100.0 * config.max_failed_logins_per_s};
+    api::Metrics metrics;
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
     EventHub events;
     api::UploadTurns turns;
+    WebhookSender webhooks{context().services};
     Connections connections;
     tcp::acceptor acceptor;
 };
@@ -138,12 +159,17 @@ struct Server::Implementation {
 void Server::Implementation::spawn_session(tcp::socket socket) {
     boost::system::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
-    const auto connection = std::make_shared<Connection>(std::move(socket));
-    if (!connections.add(connection, static_cast<std::size_t>(config.max_connections))) return;
+    const auto connection = std::make_shared<Connection>(std::move(socket), certificate.current());
+    if (!connections.add(connection, static_cast<std::size_t>(config.max_connections))) {
+        ++metrics.refused_connections;
+        return;
+    }
+    ++metrics.connections;
     asio::co_spawn(connection->stream.get_executor(),
                    run_session(connection, context()),
                    [this, connection](const std::exception_ptr& failure) {
                        connections.remove(connection);
+                       --metrics.connections;
                        try {
                            if (failure) std::rethrow_exception(failure);
                        } catch (const std::exception& error) {
@@ -177,6 +203,16 @@ asio::awaitable<void> Server::Implementation::sweep() {
         }
         if (!failure.empty()) log_warning({{"event", "sweep_failed"}, {"what", failure}});
         pause.expires_after(config.timeouts.sweep);
+        co_await pause.async_wait(kAwaitErrors);
+    }
+}
+
+asio::awaitable<void> Server::Implementation::clean_up() {
+    asio::steady_timer pause(io);
+    while (!stopping) {
+        auto round = [services = context().services] { api::clean_up(services); };
+        co_await api::in_pool(pool, std::move(round));
+        pause.expires_after(10min);
         co_await pause.async_wait(kAwaitErrors);
     }
 }
@@ -216,7 +252,9 @@ Server::Server(ServerConfig config)
 
 Server::~Server() = default;
 
-std::string Server::url() const { return url_of(implementation_->endpoint); }
+std::string Server::url() const {
+    return url_of(implementation_->endpoint, !implementation_->config.tls_certificate.empty());
+}
 const std::string& Server::first_token() const { return implementation_->first_token; }
 const ServerConfig& Server::config() const { return implementation_->config; }
 
@@ -227,6 +265,8 @@ void Server::run() {
     asio::co_spawn(self.io, self.sweep(), asio::detached);
     asio::co_spawn(self.io, self.import(), asio::detached);
     asio::co_spawn(self.io, self.events.run(), asio::detached);
+    asio::co_spawn(self.io, self.clean_up(), asio::detached);
+    asio::co_spawn(self.io, self.webhooks.run(), asio::detached);
     {
         std::vector<std::jthread> threads;
         for (int i = 1; i < self.config.num_io_threads; ++i)
@@ -236,12 +276,22 @@ void Server::run() {
     self.pool.join();
 }
 
+void Server::reload_certificate() {
+    try {
+        implementation_->certificate.reload();
+        log_info({{"event", "certificate_read"}});
+    } catch (const Error& error) {
+        log_warning({{"event", "certificate_kept"}, {"what", error.what()}});
+    }
+}
+
 void Server::stop() {
     Implementation& self = *implementation_;
     if (self.stopping.exchange(true)) return;
     asio::post(self.acceptor.get_executor(), [&self] {
         self.acceptor.close();
         self.events.stop();
+        self.webhooks.stop();
         asio::co_spawn(self.io, self.drain(), asio::detached);
     });
 }

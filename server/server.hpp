@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace divemesh::server {
 
@@ -24,9 +25,11 @@ struct ServerConfig {
     std::string catalog_url;                // "": sqlite in `data`
     std::string blobs_url;                  // "": blobs/ in `data`
     int num_io_threads = 2;
-    int num_blocking_threads = 8;  // for SQL, disk and hashing
-    int num_workers = 0;           // processes to start and watch over
-    bool no_auth = false;          // loopback only
+    int num_blocking_threads = 8;           // for SQL, disk and hashing
+    int num_workers = 0;                    // processes to start and watch over
+    bool no_auth = false;                   // loopback only
+    std::filesystem::path tls_certificate;  // chain in PEM; with tls_key, or neither: no TLS
+    std::filesystem::path tls_key;
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // room on the disk that is never used
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
@@ -34,7 +37,12 @@ struct ServerConfig {
     int max_connections = 2000;
     std::filesystem::path import_folder;  // whose dives are taken at the start; "": none
     std::string import_project = "default";
-    std::string import_preset;  // of their reconstructions; "": none
+    std::string import_preset;                  // of their reconstructions; "": none
+    std::vector<std::string> allowed_origins;   // of pages elsewhere that may talk to us (CORS)
+    std::vector<std::string> webhook_networks;  // private ones that webhooks may reach
+    double max_requests_per_s = 0.0;            // of one token, twice that at once; 0: no limit
+    double max_failed_logins_per_s = 5.0;       // of one address, a hundredfold at once
+    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // dives
     Timeouts timeouts = {};
 };
 
@@ -54,6 +62,8 @@ public:
 
     void run();   // until stop(); returns when every upload is flushed and every connection closed
     void stop();  // from any thread
+    // Reads the certificate anew for connections from now on, or logs why not. From any thread.
+    void reload_certificate();
 
 private:
     struct Implementation;
@@ -63,5 +73,9 @@ private:
 // `divemesh serve`: a Server with its workers until SIGTERM or SIGINT. Prints one line on stdout
 // once it is ready: "listening on http://127.0.0.1:8080". Same errors as Server's constructor.
 void run_server(const ServerConfig& config);
+
+// Whether a server could be started with it, as far as that shows without touching anything. Same
+// errors as Server's constructor.
+void check_config(const ServerConfig& config);
 
 }  // namespace divemesh::server

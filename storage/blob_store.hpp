@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace divemesh::storage {
 
@@ -51,6 +52,8 @@ public:
     virtual bool exists(const std::string& key) = 0;
     virtual void remove(const std::string& key) = 0;  // gone already: fine
     virtual void remove_prefix(const std::string& prefix) = 0;
+    // Names directly below a prefix that ends with a slash.
+    virtual std::vector<std::string> children(const std::string& prefix) = 0;
     virtual std::int64_t free_bytes() = 0;
 };
 

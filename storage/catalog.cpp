@@ -185,4 +185,15 @@ int Catalog::schema_version() {
     return version;
 }
 
+void Catalog::copy_to(const std::string& file) {
+    Implementation& self = *implementation_;
+    const auto session = self.engine->connect();  // one of its own: no transaction may be open
+    try {
+        self.engine->copy_to(*session, file);
+    } catch (const soci::soci_error& error) {
+        self.engine->translate(error);
+        throw;
+    }
+}
+
 }  // namespace divemesh::storage

@@ -33,6 +33,8 @@ public:
     // The catalog's own clock, unix milliseconds; leases are compared with nothing else.
     static std::int64_t now_ms(soci::session& session);
     int schema_version();
+    // A consistent copy as it is now, for a file that does not exist; others go on writing.
+    void copy_to(const std::string& file);
 
 private:
     struct Implementation;

@@ -1,5 +1,6 @@
 #include "storage/directory_blob_store.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <fcntl.h>
@@ -106,6 +107,7 @@ public:
     bool exists(const std::string& key) override { return find(blobs_, key).is_open(); }
     void remove(const std::string& key) override { unlink(blobs_, key); }
     void remove_prefix(const std::string& prefix) override;
+    std::vector<std::string> children(const std::string& prefix) override;
     std::int64_t free_bytes() override;
 
 private:
@@ -206,10 +208,25 @@ void DirectoryBlobStore::publish(const FileDescriptor& from,
     sync(parent);
 }
 
-void DirectoryBlobStore::remove_prefix(const std::string& prefix) {
+std::string folder_of(const std::string& prefix) {
     if (!prefix.ends_with('/'))
         throw Error(ErrorCode::InvalidArgument, "a prefix of blobs ends with a slash: " + prefix);
-    const std::string folder = prefix.substr(0, prefix.size() - 1);
+    return prefix.substr(0, prefix.size() - 1);
+}
+
+std::vector<std::string> DirectoryBlobStore::children(const std::string& prefix) {
+    const std::string folder = folder_of(prefix);
+    split_key(folder);
+    std::vector<std::string> names;
+    std::error_code missing;
+    for (const auto& entry : fs::directory_iterator(folder_ / "blobs" / folder, missing))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+void DirectoryBlobStore::remove_prefix(const std::string& prefix) {
+    const std::string folder = folder_of(prefix);
     const auto parts = split_key(folder);
     const FileDescriptor parent = open_parent(blobs_, parts, false);
     if (!parent.is_open()) return;

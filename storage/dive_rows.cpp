@@ -1,6 +1,7 @@
 #include "storage/dive_rows.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
@@ -66,6 +67,16 @@ void write_intake(soci::session& session, const Dive& dive, const IntakeResult& 
             soci::use(dive.id, "id"));
 }
 
+void write_tags(soci::session& session, const Dive& dive) {
+    execute(session, "DELETE FROM dive_tags WHERE dive_id = :id", soci::use(dive.id, "id"));
+    const std::set<std::string> tags(dive.tags.begin(), dive.tags.end());
+    for (const std::string& tag : tags)
+        execute(session,
+                "INSERT INTO dive_tags (dive_id, tag) VALUES (:id, :tag)",
+                soci::use(dive.id, "id"),
+                soci::use(tag, "tag"));
+}
+
 }  // namespace
 
 void DiveRow::define(soci::statement& statement) {
@@ -83,6 +94,8 @@ void DiveRow::define(soci::statement& statement) {
     statement.exchange(soci::into(dive.duration_s));
     statement.exchange(soci::into(has_thumbnail));
     statement.exchange(soci::into(dive.created_at_ms));
+    statement.exchange(soci::into(dive.deleted_at_ms));
+    statement.exchange(soci::into(dive.expires_at_ms));
 }
 
 Dive DiveRow::value() const {
@@ -99,10 +112,12 @@ Dive read_dive(soci::session& session, const std::string& id) {
     return std::move(*dive);
 }
 
-void require_not_refused(const Dive& dive) {
+void require_usable(const Dive& dive) {
     if (dive.state == DiveState::Refused)
         throw Error(ErrorCode::Conflict,
                     "dive " + dive.id + " was refused: see its findings and upload it anew");
+    if (dive.deleted_at_ms > 0)
+        throw Error(ErrorCode::Conflict, "dive " + dive.id + " is deleted: restore it first");
 }
 
 std::optional<Dive> find_recording(soci::session& session,
@@ -111,7 +126,7 @@ std::optional<Dive> find_recording(soci::session& session,
                                    const std::string& content_sha256) {
     return select_one<DiveRow>(
         session,
-        select_dive("project = :project AND state <> 'refused' AND"
+        select_dive("project = :project AND state <> 'refused' AND deleted_at_ms = 0 AND"
                     " ((content_sha256 <> '' AND content_sha256 = :content)"
                     " OR (archive_sha256 <> '' AND archive_sha256 = :archive))"
                     " ORDER BY created_at_ms, id LIMIT 1"),
@@ -145,6 +160,7 @@ IntakeVerdict apply_intake(soci::session& session,
     dive.duration_s = result.duration_s;
     dive.has_thumbnail = !result.thumbnail_blob.empty();
     write_intake(session, dive, judged);
+    write_tags(session, dive);
     append_dive_event(session, dive, verdict.refusal ? "dive.refused" : "dive.ready");
     return verdict;
 }

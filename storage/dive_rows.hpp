@@ -23,12 +23,13 @@ struct DiveRow {
 
 inline constexpr const char* kDiveColumns =
     "id, project, state, name, site, tags, archive_sha256, content_sha256, archive_bytes, blob,"
-    " num_frames, duration_s, CASE WHEN thumbnail_blob = '' THEN 0 ELSE 1 END, created_at_ms";
+    " num_frames, duration_s, CASE WHEN thumbnail_blob = '' THEN 0 ELSE 1 END, created_at_ms,"
+    " deleted_at_ms, expires_at_ms";
 
 Dive read_dive(soci::session& session, const std::string& id);  // throws Error{NotFound}
 
 // Throws Error{Conflict} when no job can be done on it.
-void require_not_refused(const Dive& dive);
+void require_usable(const Dive& dive);
 
 // The project's dive with this recording, unless it was refused. Empty hashes match nothing.
 std::optional<Dive> find_recording(soci::session& session,

@@ -103,6 +103,7 @@ Dive DiveStore::get(const std::string& id) {
 Page<Dive> DiveStore::list(const DiveFilter& filter, const PageRequest& page) {
     const PageStart start = page_start(page);
     const std::string state = filter.state ? std::string(to_string(*filter.state)) : "";
+    const int deleted = filter.deleted ? 1 : 0;
     std::vector<Dive> rows;
     catalog_.read([&](soci::session& session) {
         rows = select_all<DiveRow>(
@@ -113,6 +114,9 @@ Page<Dive> DiveStore::list(const DiveFilter& filter, const PageRequest& page) {
                 " AND (:content = '' OR content_sha256 = :content)"
                 " AND (:archive = '' OR archive_sha256 = :archive)"
                 " AND (:site = '' OR site = :site) AND (:state = '' OR state = :state)"
+                " AND created_at_ms > :after AND created_at_ms < :before"
+                " AND (:tag = '' OR id IN (SELECT dive_id FROM dive_tags WHERE tag = :tag))"
+                " AND (deleted_at_ms > 0) = (:deleted = 1)"
                 " ORDER BY created_at_ms, id LIMIT :limit",
             soci::use(start.created_at_ms, "age"),
             soci::use(start.id, "id"),
@@ -121,6 +125,10 @@ Page<Dive> DiveStore::list(const DiveFilter& filter, const PageRequest& page) {
             soci::use(filter.archive_sha256, "archive"),
             soci::use(filter.site, "site"),
             soci::use(state, "state"),
+            soci::use(filter.created_after_ms, "after"),
+            soci::use(filter.created_before_ms, "before"),
+            soci::use(filter.tag, "tag"),
+            soci::use(deleted, "deleted"),
             soci::use(start.limit_plus_one, "limit"));
     });
     return make_page(std::move(rows), page);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ struct DiveFilter {
     std::string archive_sha256;  // "": any
     std::string site;            // "": any
     std::optional<DiveState> state;
+    std::string tag;                     // "": any
+    std::int64_t created_after_ms = -1;  // neither of the two included
+    std::int64_t created_before_ms = std::numeric_limits<std::int64_t>::max();
+    bool deleted = false;  // the deleted ones, else the others
 };
 
 // What a finished upload becomes a dive with.

@@ -21,6 +21,7 @@ public:
     virtual void begin_write(soci::session& session) const = 0;
     virtual void begin_read(soci::session& session) const = 0;
     virtual void run_script(soci::session& session, const std::string& sql) const = 0;
+    virtual void copy_to(soci::session& session, const std::string& file) const = 0;
     // Throws Error{Unavailable} or Error{OutOfSpace} for what is no bug of ours; else returns.
     virtual void translate(const soci::soci_error& error) const = 0;
 };

@@ -1,6 +1,7 @@
 #include "storage/event_store.hpp"
 
 #include "storage/sql.hpp"
+#include "storage/webhook_store.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -25,16 +26,16 @@ struct EventRow {
     }
 };
 
-}  // namespace
-
-void EventStore::append(soci::session& session, const Event& event) {
-    const std::int64_t now_ms = Catalog::now_ms(session);
+void insert(soci::session& session, Event& event) {
+    event.time_ms = Catalog::now_ms(session);
     const std::string data = to_text(event.data);
     execute(session, "UPDATE event_sequence SET newest = newest + 1");
+    session << "SELECT newest FROM event_sequence", soci::into(event.sequence);
     execute(session,
             "INSERT INTO events (sequence, time_ms, project, topic, subject, type, data)"
-            " SELECT newest, :now, :project, :topic, :subject, :type, :data FROM event_sequence",
-            soci::use(now_ms, "now"),
+            " VALUES (:sequence, :now, :project, :topic, :subject, :type, :data)",
+            soci::use(event.sequence, "sequence"),
+            soci::use(event.time_ms, "now"),
             soci::use(event.project, "project"),
             soci::use(event.topic, "topic"),
             soci::use(event.subject, "subject"),
@@ -42,12 +43,19 @@ void EventStore::append(soci::session& session, const Event& event) {
             soci::use(data, "data"));
 }
 
-void EventStore::replace(soci::session& session, const Event& event) {
+}  // namespace
+
+void EventStore::append(soci::session& session, Event event) {
+    insert(session, event);
+    WebhookStore::enqueue(session, event);
+}
+
+void EventStore::replace(soci::session& session, Event event) {
     execute(session,
             "DELETE FROM events WHERE subject = :subject AND type = :type",
             soci::use(event.subject, "subject"),
             soci::use(event.type, "type"));
-    append(session, event);
+    insert(session, event);
 }
 
 std::vector<Event> EventStore::since(std::int64_t sequence, const std::string& project, int limit) {

@@ -15,10 +15,11 @@ class EventStore {
 public:
     explicit EventStore(Catalog& catalog) : catalog_(catalog) {}
 
-    static void append(soci::session& session, const Event& event);  // sequence, time set here
+    // Sequence and time are set here; the event goes into the outbox of the webhooks that want it.
+    static void append(soci::session& session, Event event);
     // The same for news that make older ones of this type and subject worthless (progress): those
-    // are removed, so a watcher may miss them but never the newest.
-    static void replace(soci::session& session, const Event& event);
+    // are removed, so a watcher may miss them but never the newest, and webhooks are not told.
+    static void replace(soci::session& session, Event event);
 
     // In order of sequence; project "" sees all. At most `limit`.
     std::vector<Event> since(std::int64_t sequence, const std::string& project, int limit);

@@ -93,7 +93,7 @@ Job JobStore::retry(const std::string& id) {
         job = read_job(session, id);
         if (!is_finished(job.state) || job.state == JobState::Succeeded)
             throw_wrong_state(job, "be tried again");
-        require_not_refused(read_dive(session, job.dive_id));
+        require_usable(read_dive(session, job.dive_id));
         check_parents_succeeded(session, id);
         if (const auto twin = find_twin_of(session, id))
             throw Error(ErrorCode::Conflict, "job " + twin->id + " does the same already");

@@ -75,7 +75,7 @@ EnqueuedJob JobStore::enqueue(const NewJob& request) {
     EnqueuedJob enqueued;
     catalog_.transaction([&](soci::session& session) {
         const Dive dive = read_dive(session, request.dive_id);
-        require_not_refused(dive);
+        require_usable(dive);
         NewJob owned = request;
         owned.project = dive.project;
         check_parents(session, owned);

@@ -51,6 +51,11 @@ public:
         if (result != SQLITE_OK) throw soci::sqlite3_soci_error(text, result);
     }
 
+    // Reads one snapshot; the copy has no free pages and no write-ahead log.
+    void copy_to(soci::session& session, const std::string& file) const override {
+        session << "VACUUM INTO :file", soci::use(file);
+    }
+
     void translate(const soci::soci_error& error) const override {
         const auto* failure = dynamic_cast<const soci::sqlite3_soci_error*>(&error);
         if (!failure) return;

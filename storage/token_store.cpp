@@ -1,7 +1,6 @@
 #include "storage/token_store.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
 #include "schemas/content_hash.hpp"
@@ -12,12 +11,16 @@
 namespace divemesh::storage {
 namespace {
 
-constexpr std::array<std::string_view, 4> kScopes = {
-    "dives:read", "dives:write", "jobs:write", "admin"};
 constexpr std::int64_t kUseRecordedEveryMs = 60'000;
+constexpr std::size_t kMaxNameBytes = 100;
+constexpr std::size_t kMaxWordBytes = 63;
+constexpr std::size_t kMaxPathBytes = 2048;
+constexpr std::chrono::hours kLongestLifetime{24 * 3660};
 
-#define TOKEN_COLUMNS \
-    "id, name, project, scopes, secret_sha256, created_at_ms, last_used_at_ms, revoked"
+#define TOKEN_COLUMNS                                                                   \
+    "id, name, project, scopes, sensor, secret_sha256, created_at_ms, last_used_at_ms," \
+    " expires_at_ms, revoked"
+#define IS_VALID "revoked = 0 AND (expires_at_ms = 0 OR expires_at_ms > :now)"
 
 struct TokenRow {
     Token token;
@@ -29,9 +32,11 @@ struct TokenRow {
         statement.exchange(soci::into(token.name));
         statement.exchange(soci::into(token.project));
         statement.exchange(soci::into(scopes));
+        statement.exchange(soci::into(token.sensor));
         statement.exchange(soci::into(token.secret_sha256));
         statement.exchange(soci::into(token.created_at_ms));
         statement.exchange(soci::into(token.last_used_at_ms));
+        statement.exchange(soci::into(token.expires_at_ms));
         statement.exchange(soci::into(revoked));
     }
     Token value() const {
@@ -51,40 +56,80 @@ bool equal_in_constant_time(std::string_view a, std::string_view b) {
     return difference == 0;
 }
 
+// Projects and sensors: words that are safe in addresses, files and logs.
+void check_word(const std::string& what, const std::string& text) {
+    const auto letter_or_digit = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    };
+    const bool plain = !text.empty() && text.size() <= kMaxWordBytes &&
+                       letter_or_digit(text.front()) &&
+                       std::all_of(text.begin(), text.end(), [&](char c) {
+                           return letter_or_digit(c) || c == '-' || c == '_';
+                       });
+    if (!plain)
+        throw Error(ErrorCode::InvalidArgument,
+                    "\"" + what + "\" has to be a-z 0-9 _ -, beginning with a letter or digit");
+}
+
 void check_scopes(const std::vector<std::string>& scopes) {
     if (scopes.empty()) throw Error(ErrorCode::InvalidArgument, "a token needs a scope");
+    std::string known;
+    for (const auto scope : kScopes) known += (known.empty() ? "" : ", ") + std::string(scope);
     for (const std::string& scope : scopes)
         if (std::find(kScopes.begin(), kScopes.end(), scope) == kScopes.end())
-            throw Error(
-                ErrorCode::InvalidArgument,
-                "unknown scope: " + scope + " (known: dives:read, dives:write, jobs:write, admin)");
+            throw Error(ErrorCode::InvalidArgument,
+                        "unknown scope: " + scope + " (known: " + known + ")");
 }
+
+void check(const NewToken& wanted) {
+    if (wanted.name.empty() || wanted.name.size() > kMaxNameBytes)
+        throw Error(ErrorCode::InvalidArgument, "\"name\" has to be 1 to 100 bytes long");
+    check_word("project", wanted.project);
+    check_scopes(wanted.scopes);
+    if (!wanted.sensor.empty()) check_word("sensor", wanted.sensor);
+    const auto pushes = std::count(wanted.scopes.begin(), wanted.scopes.end(), "sensor:push");
+    if ((pushes > 0) == wanted.sensor.empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "a token with the scope sensor:push, and no other, names its \"sensor\"");
+    if (pushes > 0 && wanted.scopes.size() > 1)
+        throw Error(ErrorCode::InvalidArgument,
+                    "a sensor's token has the scope sensor:push alone: make another for the rest");
+    if (wanted.lifetime.count() < 0 || wanted.lifetime > kLongestLifetime)
+        throw Error(ErrorCode::InvalidArgument, "a token lives for ten years at most");
+}
+
+std::int64_t milliseconds(std::chrono::seconds time) { return time.count() * 1000; }
 
 }  // namespace
 
-CreatedToken TokenStore::create(const std::string& name,
-                                const std::string& project,
-                                const std::vector<std::string>& scopes) {
-    check_scopes(scopes);
+CreatedToken TokenStore::create(const NewToken& wanted) {
+    check(wanted);
     CreatedToken created;
     created.secret = "dm_" + random_hex(32);
     created.token = {.id = new_id("token"),
-                     .name = name,
-                     .project = project,
-                     .scopes = scopes,
+                     .name = wanted.name,
+                     .project = wanted.project,
+                     .scopes = wanted.scopes,
+                     .sensor = wanted.sensor,
                      .secret_sha256 = sha256_hex(created.secret)};
-    const std::string scopes_text = to_text(scopes);
+    Token& token = created.token;
+    const std::string scopes = to_text(wanted.scopes);
     catalog_.transaction([&](soci::session& session) {
-        created.token.created_at_ms = Catalog::now_ms(session);
+        token.created_at_ms = Catalog::now_ms(session);
+        if (wanted.lifetime.count() > 0)
+            token.expires_at_ms = token.created_at_ms + milliseconds(wanted.lifetime);
         execute(session,
-                "INSERT INTO tokens (id, name, project, scopes, secret_sha256, created_at_ms)"
-                " VALUES (:id, :name, :project, :scopes, :hash, :now)",
-                soci::use(created.token.id, "id"),
-                soci::use(name, "name"),
-                soci::use(project, "project"),
-                soci::use(scopes_text, "scopes"),
-                soci::use(created.token.secret_sha256, "hash"),
-                soci::use(created.token.created_at_ms, "now"));
+                "INSERT INTO tokens (id, name, project, scopes, sensor, secret_sha256,"
+                " created_at_ms, expires_at_ms)"
+                " VALUES (:id, :name, :project, :scopes, :sensor, :hash, :now, :expires)",
+                soci::use(token.id, "id"),
+                soci::use(token.name, "name"),
+                soci::use(token.project, "project"),
+                soci::use(scopes, "scopes"),
+                soci::use(token.sensor, "sensor"),
+                soci::use(token.secret_sha256, "hash"),
+                soci::use(token.created_at_ms, "now"),
+                soci::use(token.expires_at_ms, "expires"));
     });
     return created;
 }
@@ -97,12 +142,26 @@ std::optional<Token> TokenStore::find(const std::string& secret) {
         now_ms = Catalog::now_ms(session);
         token = select_one<TokenRow>(session,
                                      "SELECT " TOKEN_COLUMNS
-                                     " FROM tokens WHERE secret_sha256 = :hash AND revoked = 0",
-                                     soci::use(hash, "hash"));
+                                     " FROM tokens WHERE secret_sha256 = :hash AND " IS_VALID,
+                                     soci::use(hash, "hash"),
+                                     soci::use(now_ms, "now"));
     });
     if (!token || !equal_in_constant_time(token->secret_sha256, hash)) return std::nullopt;
     if (now_ms - token->last_used_at_ms >= kUseRecordedEveryMs) record_use(token->id, now_ms);
     return token;
+}
+
+bool TokenStore::is_valid(const std::string& id) {
+    bool valid = false;
+    catalog_.read([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        valid = select_one<TextRow>(session,
+                                    "SELECT id FROM tokens WHERE id = :id AND " IS_VALID,
+                                    soci::use(id, "id"),
+                                    soci::use(now_ms, "now"))
+                    .has_value();
+    });
+    return valid;
 }
 
 // A full disk or a busy catalog must not keep anybody out who may come in.
@@ -139,9 +198,59 @@ void TokenStore::revoke(const std::string& id) {
 bool TokenStore::empty() {
     int usable = 0;
     catalog_.read([&](soci::session& session) {
-        session << "SELECT COUNT(*) FROM tokens WHERE revoked = 0", soci::into(usable);
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        session << "SELECT COUNT(*) FROM tokens WHERE " IS_VALID, soci::use(now_ms, "now"),
+            soci::into(usable);
     });
     return usable == 0;
+}
+
+OneShotToken TokenStore::create_one_shot(const Token& owner,
+                                         const std::string& path,
+                                         std::chrono::seconds lifetime) {
+    if (path.size() > kMaxPathBytes)
+        throw Error(ErrorCode::InvalidArgument, "\"path\" is longer than 2048 bytes");
+    OneShotToken made{"dm1_" + random_hex(32), path};
+    const std::string hash = sha256_hex(made.secret);
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        made.expires_at_ms = now_ms + milliseconds(lifetime);
+        execute(session,
+                "DELETE FROM one_shot_tokens WHERE expires_at_ms <= :now",
+                soci::use(now_ms, "now"));
+        execute(session,
+                "INSERT INTO one_shot_tokens (secret_sha256, token_id, path, expires_at_ms)"
+                " VALUES (:hash, :token, :path, :expires)",
+                soci::use(hash, "hash"),
+                soci::use(owner.id, "token"),
+                soci::use(path, "path"),
+                soci::use(made.expires_at_ms, "expires"));
+    });
+    return made;
+}
+
+std::optional<Token> TokenStore::redeem_one_shot(const std::string& secret,
+                                                 const std::string& path) {
+    const std::string hash = sha256_hex(secret);
+    std::optional<Token> token;
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        const auto owner = select_one<TextRow>(
+            session,
+            "DELETE FROM one_shot_tokens"
+            " WHERE secret_sha256 = :hash AND path = :path AND expires_at_ms > :now"
+            " RETURNING token_id",
+            soci::use(hash, "hash"),
+            soci::use(path, "path"),
+            soci::use(now_ms, "now"));
+        if (!owner) return;
+        token = select_one<TokenRow>(session,
+                                     "SELECT " TOKEN_COLUMNS
+                                     " FROM tokens WHERE id = :id AND " IS_VALID,
+                                     soci::use(*owner, "id"),
+                                     soci::use(now_ms, "now"));
+    });
+    return token;
 }
 
 }  // namespace divemesh::storage

@@ -2,6 +2,7 @@
 
 #include "api/byte_range.hpp"
 #include "api/error_response.hpp"
+#include "api/etag.hpp"
 #include "api/in_pool.hpp"
 #include "api/visible.hpp"
 #include "schemas/artifact.hpp"
@@ -15,6 +16,7 @@ struct StoredFile {
     std::string name;
     std::string media_type;
     std::string etag;
+    std::string sha256;  // "": not known
     std::shared_ptr<storage::BlobReader> reader;
 };
 
@@ -28,6 +30,7 @@ void describe(Response& response, const StoredFile& file) {
     response.set("ETag", file.etag);
     response.set("Accept-Ranges", "bytes");
     response.set("Cache-Control", "private, no-cache");
+    if (!file.sha256.empty()) response.set("Repr-Digest", digest_field(file.sha256));
     response.set("Content-Type", file.media_type);
     const bool active = is_active(file.media_type);
     response.set("Content-Disposition",
@@ -56,6 +59,8 @@ Response file_response(const Request& request, const StoredFile& file) {
     Response response =
         empty_response(answer.partial ? http::status::partial_content : http::status::ok);
     describe(response, file);
+    if (!answer.partial && !file.sha256.empty())
+        response.set("Content-Digest", digest_field(file.sha256));
     if (answer.partial)
         response.set("Content-Range",
                      "bytes " + std::to_string(offset) + "-" + std::to_string(offset + length - 1) +
@@ -74,6 +79,7 @@ Awaitable<Response> get_artifact(Request request, Services services) {
         return StoredFile{artifact.name,
                           artifact.media_type,
                           '"' + artifact.sha256 + '"',
+                          artifact.sha256,
                           services.blobs.open(artifact.blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));
@@ -88,6 +94,7 @@ Awaitable<Response> get_thumbnail(Request request, Services services) {
         return StoredFile{"thumbnail.jpg",
                           "image/jpeg",
                           '"' + sha256_hex(blob).substr(0, 32) + '"',
+                          "",
                           services.blobs.open(blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));

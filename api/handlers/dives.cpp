@@ -1,10 +1,12 @@
 #include "api/handlers/dives.hpp"
 
 #include "api/authorization.hpp"
+#include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
+#include "api/target.hpp"
 #include "api/upload_metadata.hpp"
 #include "api/upload_writer.hpp"
 #include "api/visible.hpp"
@@ -18,11 +20,30 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 200;
 
+std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise) {
+    if (!request.query.contains(name)) return otherwise;
+    const auto value = parse_count(query_value(request, name));
+    if (!value)
+        throw Error(ErrorCode::InvalidArgument, name + " has to be a time in unix milliseconds");
+    return *value;
+}
+
+bool flag_value(const Request& request, const std::string& name) {
+    const std::string value = query_value(request, name);
+    if (value != "true" && value != "false" && request.query.contains(name))
+        throw Error(ErrorCode::InvalidArgument, name + " has to be true or false");
+    return value == "true";
+}
+
 storage::DiveFilter filter_of(const Request& request) {
     storage::DiveFilter filter{visible_project(request.token),
                                query_value(request, "content_sha256"),
                                query_value(request, "archive_sha256"),
                                query_value(request, "site")};
+    filter.tag = query_value(request, "tag");
+    filter.deleted = flag_value(request, "deleted");
+    filter.created_after_ms = time_value(request, "created_after_ms", filter.created_after_ms);
+    filter.created_before_ms = time_value(request, "created_before_ms", filter.created_before_ms);
     if (!filter.content_sha256.empty()) check_sha256(filter.content_sha256, "content_sha256");
     if (!filter.archive_sha256.empty()) check_sha256(filter.archive_sha256, "archive_sha256");
     const std::string state = query_value(request, "state");
@@ -91,6 +112,7 @@ Awaitable<Response> dive_of_upload(Request request, Services services) {
 
 Awaitable<Response> new_job(Request request, Services services) {
     auto work = [services, request] {
+        require_room(services);
         const Dive dive = visible_dive(request, services);
         return storage::JobStore(services.catalog).enqueue(job_request(request, dive));
     };

@@ -18,7 +18,7 @@ Awaitable<Response> watch_events(Request request, Services services) {
         response.set("Upgrade", "websocket");
         co_return response;
     }
-    EventFeed feed{0, visible_project(request.token)};
+    EventFeed feed{0, visible_project(request.token), request.token.id};
     if (request.query.contains("since")) {
         const auto since = parse_count(query_value(request, "since"));
         if (!since)

@@ -1,45 +1,39 @@
 #include "api/handlers/tokens.hpp"
 
-#include <algorithm>
-
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/router.hpp"
+#include "api/target.hpp"
 #include "schemas/json.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::api {
 namespace {
 
-constexpr std::size_t kMaxNameBytes = 100;
-constexpr std::size_t kMaxProjectBytes = 63;
-
-bool is_project(const std::string& text) {
-    const auto letter_or_digit = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-    };
-    return !text.empty() && text.size() <= kMaxProjectBytes && letter_or_digit(text.front()) &&
-           std::all_of(text.begin(), text.end(), [&](char c) {
-               return letter_or_digit(c) || c == '-' || c == '_';
-           });
+storage::NewToken token_request(const Request& request) {
+    const auto body = json_body(request, {"name", "project", "scopes", "sensor", "expires_in_s"});
+    return {.name = value_or<std::string>(body, "name", ""),
+            .project = value_or<std::string>(body, "project", "default"),
+            .scopes = value_or<std::vector<std::string>>(body, "scopes", {}),
+            .sensor = value_or<std::string>(body, "sensor", ""),
+            .lifetime = std::chrono::seconds(value_or<std::int64_t>(body, "expires_in_s", 0))};
 }
 
-struct TokenRequest {
-    std::string name;
-    std::string project;
-    std::vector<std::string> scopes;
-};
-
-TokenRequest token_request(const Request& request) {
-    const auto body = json_body(request, {"name", "project", "scopes"});
-    TokenRequest wanted{value_or<std::string>(body, "name", ""),
-                        value_or<std::string>(body, "project", "default"),
-                        value_or<std::vector<std::string>>(body, "scopes", {})};
-    if (wanted.name.empty() || wanted.name.size() > kMaxNameBytes)
-        throw Error(ErrorCode::InvalidArgument, "\"name\" has to be 1 to 100 bytes long");
-    if (!is_project(wanted.project))
+// Only what a browser opens by itself, without a header of ours: downloads and event streams.
+std::string one_shot_path(const Request& request) {
+    const auto body = json_body(request, {"path"});
+    const auto path = value_or<std::string>(body, "path", "");
+    const Route* route = path.starts_with('/') ? find_route(verb::get, path).route : nullptr;
+    if (route == nullptr || (route->kind != RouteKind::File && route->kind != RouteKind::WebSocket))
         throw Error(ErrorCode::InvalidArgument,
-                    "\"project\" has to be a-z 0-9 _ -, beginning with a letter or digit");
-    return wanted;
+                    "\"path\" has to be that of a file or an event stream, without its query");
+    return path;
+}
+
+Response secret_response(const nlohmann::json& body) {
+    Response response = json_response(http::status::created, body);
+    response.set("Cache-Control", "no-store");
+    return response;
 }
 
 }  // namespace
@@ -52,14 +46,12 @@ Awaitable<Response> list_tokens(Request request, Services services) {
 
 Awaitable<Response> create_token(Request request, Services services) {
     auto work = [&catalog = services.catalog, wanted = token_request(request)] {
-        return storage::TokenStore(catalog).create(wanted.name, wanted.project, wanted.scopes);
+        return storage::TokenStore(catalog).create(wanted);
     };
     const auto created = co_await in_pool(services.pool, std::move(work));
     nlohmann::json body = created.token;
     body["secret"] = created.secret;
-    Response response = json_response(http::status::created, body);
-    response.set("Cache-Control", "no-store");
-    co_return response;
+    co_return secret_response(body);
 }
 
 Awaitable<Response> revoke_token(Request request, Services services) {
@@ -67,7 +59,18 @@ Awaitable<Response> revoke_token(Request request, Services services) {
         storage::TokenStore(catalog).revoke(id);
     };
     co_await in_pool(services.pool, std::move(work));
+    services.tokens.clear();
     co_return empty_response(http::status::no_content);
+}
+
+Awaitable<Response> create_one_shot_token(Request request, Services services) {
+    auto work =
+        [&catalog = services.catalog, token = request.token, path = one_shot_path(request)] {
+            return storage::TokenStore(catalog).create_one_shot(token, path);
+        };
+    const auto made = co_await in_pool(services.pool, std::move(work));
+    co_return secret_response(
+        {{"secret", made.secret}, {"path", made.path}, {"expires_at_ms", made.expires_at_ms}});
 }
 
 }  // namespace divemesh::api

@@ -45,7 +45,7 @@ Awaitable<Response> with_dive(Response response,
                               Services services,
                               Upload upload) {
     const UploadPlan plan = plan_of(upload.metadata);
-    const Token token = co_await authenticate(request, services);
+    const Token token = co_await authenticate(request, services, false);
     require_scope(token, "dives:write");
     if (!plan.preset.empty()) require_scope(token, "jobs:write");
     auto work = [services, upload, plan] { return make_dive(services, upload, plan); };

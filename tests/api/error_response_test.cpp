@@ -25,7 +25,10 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
                                                   {ErrorCode::BadData, 422},
                                                   {ErrorCode::NotFound, 404},
                                                   {ErrorCode::Conflict, 409},
+                                                  {ErrorCode::PreconditionFailed, 412},
+                                                  {ErrorCode::PreconditionRequired, 428},
                                                   {ErrorCode::TooLarge, 413},
+                                                  {ErrorCode::TooMany, 429},
                                                   {ErrorCode::Unauthorized, 401},
                                                   {ErrorCode::Forbidden, 403},
                                                   {ErrorCode::Unsupported, 415},
@@ -44,6 +47,7 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
     }
 }
 
+// S27
 TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
     const auto response =
         response_to(std::make_exception_ptr(std::runtime_error("/secret/catalog.db: SELECT")));
@@ -52,6 +56,7 @@ TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
     EXPECT_EQ(std::get<std::string>(response.body).find("secret"), std::string::npos);
 }
 
+// S29
 TEST(ErrorResponseTest, ShowsHostileBytesAsJson) {
     const auto response = response_to(
         std::make_exception_ptr(Error(ErrorCode::NotFound, "no dive \xff\"\r\n<script>")));

@@ -42,7 +42,9 @@ TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
                                       "reconstruct",
                                       "evaluate",
                                       "simulate",
-                                      "validate"}) {
+                                      "validate",
+                                      "backup",
+                                      "restore"}) {
         const Outcome outcome = run({command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0) << command;
         EXPECT_NE(outcome.out.find("Usage: divemesh " + command), std::string::npos) << outcome.out;

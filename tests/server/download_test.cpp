@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "api/byte_range.hpp"
 #include "schemas/content_hash.hpp"
 #include "tests/server/test_server.hpp"
 
@@ -27,6 +28,9 @@ TEST_F(DownloadTest, GivesTheWholeFileWithItsHashAsTag) {
     EXPECT_EQ(response.header("accept-ranges"), "bytes");
     EXPECT_EQ(response.header("content-type"), "model/gltf-binary");
     EXPECT_EQ(response.header("x-content-type-options"), "nosniff");
+    const std::string digest = api::digest_field(sha256_hex(bytes));
+    EXPECT_EQ(response.header("repr-digest"), digest);
+    EXPECT_EQ(response.header("content-digest"), digest);
 }
 
 TEST_F(DownloadTest, GivesTheRangeThatIsAskedFor) {
@@ -56,6 +60,7 @@ TEST_F(DownloadTest, SaysHowLongTheFileIsWhenTheRangeLiesOutside) {
     EXPECT_EQ(response.header("content-type"), "application/problem+json");
 }
 
+// S22
 TEST_F(DownloadTest, AnswersSeveralRangesWithTheWhole) {
     std::string many = "bytes=0-0";
     for (int i = 0; i < 1000; ++i) many += ",5-6";
@@ -88,6 +93,7 @@ TEST_F(DownloadTest, KeepsTheConnectionForTheNextRequest) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(client.request("GET", path, headers).body, bytes);
 }
 
+// S1
 TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
     TestServer server;
     const std::string artifacts = "/api/v1/jobs/" +
@@ -109,6 +115,7 @@ TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
         EXPECT_EQ(server.request("GET", artifacts + name, server.admin()).status, 404) << name;
 }
 
+// S9, S20
 TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
     TestServer server;
     const auto response =

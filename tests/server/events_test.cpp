@@ -30,7 +30,7 @@ public:
                    &patience,
                    sizeof patience);
         socket_.set_option(websocket::stream_base::decorator([token](websocket::request_type& r) {
-            r.set(beast::http::field::authorization, "Bearer " + token);
+            if (!token.empty()) r.set(beast::http::field::authorization, "Bearer " + token);
         }));
         socket_.handshake("127.0.0.1", "/api/v1/events" + query);
     }
@@ -53,6 +53,17 @@ private:
     asio::io_context context_;
     websocket::stream<asio::ip::tcp::socket> socket_{context_};
 };
+
+RawResponse open_socket(RawClient& client, const std::string& token) {
+    const Headers headers = {{"Upgrade", "websocket"},
+                             {"Connection", "Upgrade"},
+                             {"Sec-WebSocket-Version", "13"},
+                             {"Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ=="},
+                             {"Sec-WebSocket-Extensions", "permessage-deflate"},
+                             {"Authorization", "Bearer " + token}};
+    client.send(request_head("GET", "/api/v1/events", headers, std::nullopt));
+    return client.receive().value_or(RawResponse{});
+}
 
 TEST(EventsTest, TellsWhatHappensInOrderAndResumesAfterTheLastSeen) {
     TestServer server;
@@ -126,6 +137,64 @@ TEST(EventsTest, DropsAClientThatGivesNoSignOfLife) {
         },
         beast::system_error);
     EXPECT_LT(std::chrono::steady_clock::now() - began, 15s);
+}
+
+// S24
+TEST(EventsTest, AStreamEndsWhenItsTokenIsRevoked) {
+    TestServer server;
+    const auto made = server.post_json(
+        "/api/v1/tokens", server.admin(), {{"name", "x"}, {"scopes", {"dives:read"}}});
+    EventClient client(server.port(), made.json()["secret"], "?since=0");
+    server.make_dive("default", sha256_hex("1"));
+    client.next();
+    const std::string id = made.json()["id"];
+    EXPECT_EQ(server.request("DELETE", "/api/v1/tokens/" + id, server.admin()).status, 204);
+    std::this_thread::sleep_for(1100ms);  // for as long a token that was good is trusted
+    server.make_dive("default", sha256_hex("2"));
+    EXPECT_EQ(client.close_code(), static_cast<unsigned>(websocket::close_code::policy_error));
+}
+
+TEST(EventsTest, AOneShotTokenOpensAStream) {
+    TestServer server;
+    const auto made =
+        server.post_json("/api/v1/one_shot_tokens", server.admin(), {{"path", "/api/v1/events"}});
+    const std::string query = "?since=0&one_shot=" + made.json()["secret"].get<std::string>();
+    server.make_dive("default", sha256_hex("1"));
+    EventClient client(server.port(), "", query);
+    EXPECT_EQ(client.next().sequence, 1);
+    EXPECT_THROW(EventClient(server.port(), "", query), beast::system_error);
+}
+
+// S23
+TEST(EventsTest, SurvivesWhatAHostileClientSends) {
+    TestServer server;
+    const auto frame = [](unsigned char first, std::string_view payload) {
+        std::string bytes = {static_cast<char>(first), static_cast<char>(0x80 | payload.size())};
+        return bytes + std::string(4, '\0') + std::string(payload);  // a mask of zeros
+    };
+    std::string empty_fragments = frame(0x01, "");
+    for (int i = 0; i < 20'000; ++i) empty_fragments += frame(0x00, "");
+    std::string pings;
+    for (int i = 0; i < 20'000; ++i) pings += frame(0x89, "x");
+    const std::string huge = {'\x82', '\xff', 0, 0, 0, 0, 0x40, 0, 0, 0, 0, 0, 0, 0};  // 1 GiB
+    for (const std::string& bytes : {empty_fragments,
+                                     pings,
+                                     huge + std::string(1000, 'x'),
+                                     frame(0x81, "\xff\xfe"),   // text that is no UTF-8
+                                     frame(0xc1, "deflated?"),  // compression nobody agreed to
+                                     frame(0x83, "reserved"),
+                                     std::string("\x81\x01x", 3),  // not masked
+                                     frame(0x88, "\x03")}) {       // half a close code
+        RawClient client(server.port());
+        const auto opened = open_socket(client, server.admin());
+        ASSERT_EQ(opened.status, 101);
+        EXPECT_EQ(opened.header("sec-websocket-extensions"), "");
+        client.send(bytes);
+        client.reset();
+    }
+    EventClient client(server.port(), server.admin(), "");
+    server.make_dive("default", sha256_hex("1"));
+    EXPECT_GT(client.next().sequence, 0);
 }
 
 TEST(EventsTest, SaysGoodbyeWhenTheServerStops) {

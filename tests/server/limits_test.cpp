@@ -51,6 +51,7 @@ TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
     EXPECT_EQ(response->status, 413);
 }
 
+// S21
 TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
     TestServer server;
     for (const char* bytes :
@@ -59,6 +60,11 @@ TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
           "GET /healthz/live HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
           "GET /healthz/live HTTP/1.1\r\nContent-Length: x\r\n\r\n",
           "GET /healthz/live HTTP/1.1\r\nBad Name: x\r\n\r\n",
+          "GET /healthz/live HTTP/1.1\r\nContent-Length : 1\r\n\r\nx",
+          "GET /healthz/live HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n",
+          "GET http://127.0.0.1/healthz/live HTTP/1.1\r\nHost: a\r\n\r\n",
+          "GET /healthz/live HTTP/1.1\nHost: a\n\n",
+          "POST /api/v1/dives HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nxyz\r\n\r\n",
           "POST /api/v1/dives HTTP/1.1\r\nContent-Length: 5\r\n"
           "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
           "\x16\x03\x01\x02"}) {
@@ -71,6 +77,7 @@ TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
     EXPECT_EQ(server.request("GET", "/healthz/live", "").status, 200);
 }
 
+// S22
 TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
     server::ServerConfig config;
     config.timeouts.header = 300ms;
@@ -80,6 +87,7 @@ TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
     EXPECT_TRUE(client.at_end());
 }
 
+// S22
 TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
     server::ServerConfig config;
     config.timeouts.write = 300ms;
@@ -95,6 +103,28 @@ TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
     for (std::string more = client.read_available(); !more.empty(); more = client.read_available())
         received += more.size();
     EXPECT_LT(received, 20'000'000U);
+}
+
+// S28: what a proxy would say is believed of nobody.
+TEST(LimitsTest, HeadersOfProxiesChangeNothing) {
+    server::ServerConfig config;
+    config.max_failed_logins_per_s = 0.01;  // one at once
+    TestServer server(config);
+    const auto guess = [&](const std::string& address) {
+        return server.request("GET", "/api/v1/dives", "dm_guess", {{"X-Forwarded-For", address}})
+            .status;
+    };
+    EXPECT_EQ(guess("10.0.0.1"), 401);
+    EXPECT_EQ(guess("10.0.0.2"), 429);
+    const auto made = server.request("POST",
+                                     "/api/v1/uploads",
+                                     server.admin(),
+                                     {{"Tus-Resumable", "1.0.0"},
+                                      {"Upload-Length", "1"},
+                                      {"X-Forwarded-Host", "evil.example"},
+                                      {"Forwarded", "host=evil.example"}});
+    EXPECT_EQ(made.status, 201);
+    EXPECT_EQ(made.header("location").find("evil"), std::string::npos);
 }
 
 TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {

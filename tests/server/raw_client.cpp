@@ -1,5 +1,7 @@
 #include "tests/server/raw_client.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
@@ -7,6 +9,8 @@
 #include <stdexcept>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include "tests/server/contract.hpp"
 
 namespace divemesh {
 
@@ -95,6 +99,13 @@ std::optional<RawResponse> RawClient::receive_one(bool head) {
     return response;
 }
 
+// What the server takes it for (tus 1.0).
+std::string effective_method(const std::string& method, const Headers& headers) {
+    for (const auto& [name, value] : headers)
+        if (name == "X-HTTP-Method-Override" && method == "POST") return value;
+    return method;
+}
+
 RawResponse RawClient::request(const std::string& method,
                                const std::string& target,
                                const Headers& headers,
@@ -105,6 +116,10 @@ RawResponse RawClient::request(const std::string& method,
     send(body);  // may fail when the answer came first: that is then read
     auto response = receive(method == "HEAD");
     if (!response) throw std::runtime_error("no answer to " + method + " " + target);
+    const std::string breach =
+        contract_breach(effective_method(method, headers), target, *response);
+    EXPECT_EQ(breach, "") << method << ' ' << target << " -> " << response->status << ' '
+                          << response->body.substr(0, 1000);
     return std::move(*response);
 }
 

@@ -38,6 +38,7 @@ public:
     bool at_end();                 // the server closes without another byte
     void reset();                  // vanishes at once (RST)
 
+    // Fails the test when the answer is not as api/openapi.yaml has it.
     RawResponse request(const std::string& method,
                         const std::string& target,
                         const Headers& headers = {},

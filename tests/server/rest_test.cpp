@@ -44,6 +44,7 @@ TEST_F(RestTest, FindsADiveByItsHash) {
               0U);
 }
 
+// S29
 TEST_F(RestTest, RefusesListsThatMakeNoSense) {
     for (const char* query : {"limit=0",
                               "limit=201",
@@ -133,6 +134,7 @@ TEST_F(RestTest, NamesTheMethodsOfAnAddress) {
     EXPECT_EQ(get("/nothing").status, 404);
 }
 
+// S29
 TEST_F(RestTest, RepeatsTheRequestsIdUnlessItIsHostile) {
     const auto id_of = [&](const std::string& sent) {
         return server.request("GET", "/healthz/live", "", {{"X-Request-Id", sent}})

@@ -1,5 +1,6 @@
 #include "tests/server/test_server.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <random>
 
@@ -53,10 +54,16 @@ RawResponse TestServer::post_json(const std::string& target,
 
 std::string TestServer::make_token(const std::string& project,
                                    const std::vector<std::string>& scopes) {
-    return storage::TokenStore(*catalog_).create("test", project, scopes).secret;
+    const bool pushes = std::find(scopes.begin(), scopes.end(), "sensor:push") != scopes.end();
+    return storage::TokenStore(*catalog_)
+        .create(
+            {.name = "test", .project = project, .scopes = scopes, .sensor = pushes ? "rig" : ""})
+        .secret;
 }
 
-std::string TestServer::make_dive(const std::string& project, const std::string& archive_sha256) {
+std::string TestServer::make_dive(const std::string& project,
+                                  const std::string& archive_sha256,
+                                  const storage::IntakeResult& result) {
     Upload upload;
     upload.project = project;
     upload.length_bytes = 1;
@@ -72,7 +79,7 @@ std::string TestServer::make_dive(const std::string& project, const std::string&
     const auto id = storage::DiveStore(*catalog_).create(dive).dive.id;
     storage::JobStore jobs(*catalog_);
     const auto intake = jobs.claim("test:1", 60s);
-    jobs.finish_intake(intake->lease, storage::IntakeResult{});
+    jobs.finish_intake(intake->lease, result);
     return id;
 }
 

@@ -7,6 +7,7 @@
 #include "server/server.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
+#include "storage/dive_store.hpp"
 #include "tests/server/raw_client.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -24,6 +25,7 @@ public:
     const std::string& admin() const { return server_->first_token(); }
     std::filesystem::path data() const { return folder_.path(); }
     void stop();  // returns when it has
+    void reload_certificate() { server_->reload_certificate(); }
 
     // One request over a connection of its own; a token "" is not sent.
     RawResponse request(const std::string& method,
@@ -37,7 +39,9 @@ public:
 
     std::string make_token(const std::string& project, const std::vector<std::string>& scopes);
     // A dive that is ready, without the way through upload and worker.
-    std::string make_dive(const std::string& project, const std::string& archive_sha256);
+    std::string make_dive(const std::string& project,
+                          const std::string& archive_sha256,
+                          const storage::IntakeResult& intake = {});
     // A succeeded reconstruction of a new dive with one artifact.
     std::string make_job(const std::string& project,
                          const std::string& artifact_name,

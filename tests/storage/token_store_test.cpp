@@ -14,7 +14,8 @@ protected:
 
 TEST_F(TokenStoreTest, FindsATokenByItsSecretAndStoresOnlyTheHash) {
     EXPECT_TRUE(tokens_.empty());
-    const CreatedToken created = tokens_.create("laptop", "north", {"dives:write", "dives:read"});
+    const CreatedToken created = tokens_.create(
+        {.name = "laptop", .project = "north", .scopes = {"dives:write", "dives:read"}});
 
     EXPECT_THAT(created.secret, testing::MatchesRegex("dm_[0-9a-f]+"));
     EXPECT_EQ(created.secret.size(), 67u);
@@ -30,7 +31,8 @@ TEST_F(TokenStoreTest, FindsATokenByItsSecretAndStoresOnlyTheHash) {
 }
 
 TEST_F(TokenStoreTest, KnowsNoOtherSecret) {
-    const std::string secret = tokens_.create("laptop", "north", {"admin"}).secret;
+    const std::string secret =
+        tokens_.create({.name = "laptop", .project = "north", .scopes = {"admin"}}).secret;
 
     for (const std::string& wrong :
          {std::string(), secret.substr(1), secret + "0", std::string("' OR '1'='1")})
@@ -38,7 +40,8 @@ TEST_F(TokenStoreTest, KnowsNoOtherSecret) {
 }
 
 TEST_F(TokenStoreTest, ARevokedTokenOpensNothing) {
-    const CreatedToken created = tokens_.create("laptop", "north", {"admin"});
+    const CreatedToken created =
+        tokens_.create({.name = "laptop", .project = "north", .scopes = {"admin"}});
 
     tokens_.revoke(created.token.id);
 
@@ -48,10 +51,26 @@ TEST_F(TokenStoreTest, ARevokedTokenOpensNothing) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { tokens_.revoke("token_x"); }));
 }
 
+// S24
+TEST_F(TokenStoreTest, AnExpiredTokenOpensNothing) {
+    const CreatedToken created =
+        tokens_.create({.name = "day", .scopes = {"admin"}, .lifetime = std::chrono::hours(24)});
+    EXPECT_TRUE(tokens_.is_valid(created.token.id));
+
+    catalog_.transaction(
+        [](soci::session& session) { session << "UPDATE tokens SET expires_at_ms = 1"; });
+
+    EXPECT_FALSE(tokens_.find(created.secret));
+    EXPECT_FALSE(tokens_.is_valid(created.token.id));
+    EXPECT_TRUE(tokens_.empty());
+}
+
 TEST_F(TokenStoreTest, RefusesScopesItDoesNotKnow) {
-    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { tokens_.create("x", "p", {}); }));
-    EXPECT_TRUE(
-        throws_code(ErrorCode::InvalidArgument, [&] { tokens_.create("x", "p", {"root"}); }));
+    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument,
+                            [&] { tokens_.create({.name = "x", .project = "p", .scopes = {}}); }));
+    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] {
+        tokens_.create({.name = "x", .project = "p", .scopes = {"root"}});
+    }));
 }
 
 }  // namespace

@@ -1,0 +1,62 @@
+#include "api/etag.hpp"
+
+#include <algorithm>
+
+#include "schemas/content_hash.hpp"
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+bool lists(std::string_view list, std::string_view etag, bool weakly) {
+    for (std::size_t start = 0; start <= list.size();) {
+        const auto end = std::min(list.find(',', start), list.size());
+        auto tag = list.substr(start, end - start);
+        start = end + 1;
+        while (!tag.empty() && tag.front() == ' ') tag.remove_prefix(1);
+        while (!tag.empty() && tag.back() == ' ') tag.remove_suffix(1);
+        if (weakly && tag.starts_with("W/")) tag.remove_prefix(2);
+        if (tag == etag || tag == "*") return true;
+    }
+    return false;
+}
+
+bool has_header(const Response& response, std::string_view name) {
+    return std::any_of(response.headers.begin(), response.headers.end(), [&](const auto& header) {
+        return header.first == name;
+    });
+}
+
+}  // namespace
+
+std::string etag_of(std::string_view body) { return '"' + sha256_hex(body).substr(0, 32) + '"'; }
+
+bool matches_etag(std::string_view list, std::string_view etag) { return lists(list, etag, true); }
+
+void require_match(const Request& request, std::string_view body) {
+    if (!request.has_header("if-match"))
+        throw Error(ErrorCode::PreconditionRequired,
+                    "read it first and send its ETag as If-Match, or If-Match: *");
+    if (!lists(request.header("if-match"), etag_of(body), false))
+        throw Error(ErrorCode::PreconditionFailed,
+                    "it has changed since you read it: read it again");
+}
+
+void add_etag(const Request& request, Response& response) {
+    const auto* body = std::get_if<std::string>(&response.body);
+    const bool reads = request.method == verb::get || request.method == verb::head;
+    if (response.status != http::status::ok || body == nullptr || body->empty() || !reads ||
+        has_header(response, "Cache-Control"))
+        return;
+    const std::string etag = etag_of(*body);
+    if (matches_etag(request.header("if-none-match"), etag)) {
+        std::erase_if(response.headers,
+                      [](const auto& header) { return header.first == "Content-Type"; });
+        response.status = http::status::not_modified;
+        response.body = std::string();
+    }
+    response.set("ETag", etag);
+    response.set("Cache-Control", "no-cache");
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,30 @@
+#include "api/handlers/dive_removal.hpp"
+
+#include "api/etag.hpp"
+#include "api/in_pool.hpp"
+#include "api/visible.hpp"
+#include "schemas/json.hpp"
+#include "storage/dive_removal.hpp"
+
+namespace divemesh::api {
+
+Awaitable<Response> delete_dive(Request request, Services services) {
+    auto work = [services, request] {
+        const Dive seen = visible_dive(request, services);
+        const auto unchanged = [&](const Dive& dive) { require_match(request, json_text(dive)); };
+        return storage::DiveRemoval(services.catalog)
+            .remove(seen.id, services.limits.keep_deleted, unchanged);
+    };
+    const Dive dive = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, dive);
+}
+
+Awaitable<Response> restore_dive(Request request, Services services) {
+    auto work = [services, request] {
+        return storage::DiveRemoval(services.catalog).restore(visible_dive(request, services).id);
+    };
+    const Dive dive = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, dive);
+}
+
+}  // namespace divemesh::api

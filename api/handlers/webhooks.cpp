@@ -1,0 +1,106 @@
+#include "api/handlers/webhooks.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/webhook_signature.hpp"
+#include "api/webhook_target.hpp"
+#include "schemas/json.hpp"
+#include "storage/ids.hpp"
+#include "storage/webhook_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::size_t kSecretBytes = 32;
+
+// What can be said against an address before anybody looks its name up; the rest is checked each
+// time that something is sent.
+void check_target(const std::string& url, const AllowedNetworks& allowed) {
+    const WebhookTarget target = parse_webhook_url(url);
+    boost::system::error_code is_name;
+    const auto address = boost::asio::ip::make_address(target.host, is_name);
+    const bool ours = !is_name && allowed.contains(address);
+    if (!is_name && !ours && !is_public(address))
+        throw Error(ErrorCode::InvalidArgument,
+                    "\"url\" leads to an address that webhooks may not reach"
+                    " (the server's --webhook-network allows it)");
+    if (!target.tls && !ours)
+        throw Error(ErrorCode::InvalidArgument, "\"url\" has to begin with https://");
+}
+
+Webhook webhook_request(const Request& request, const ServiceLimits& limits) {
+    const auto body = json_body(request, {"url", "project", "topics"});
+    Webhook wanted;
+    wanted.url = value_or<std::string>(body, "url", "");
+    wanted.project = value_or<std::string>(body, "project", "default");
+    const auto topics = value_or<std::set<std::string>>(
+        body, "topics", std::set<std::string>(kWebhookTopics.begin(), kWebhookTopics.end()));
+    for (const std::string& topic : topics)
+        if (std::find(kWebhookTopics.begin(), kWebhookTopics.end(), topic) == kWebhookTopics.end())
+            throw Error(ErrorCode::InvalidArgument,
+                        "unknown topic \"" + topic + "\" (known: upload, dive, job)");
+    if (topics.empty()) throw Error(ErrorCode::InvalidArgument, "a webhook needs a topic");
+    wanted.topics.assign(topics.begin(), topics.end());
+    check_target(wanted.url, limits.webhook_networks);
+    return wanted;
+}
+
+}  // namespace
+
+Awaitable<Response> list_webhooks(Request request, Services services) {
+    auto work = [&catalog = services.catalog] { return storage::WebhookStore(catalog).list(); };
+    const auto webhooks = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, webhooks);
+}
+
+Awaitable<Response> create_webhook(Request request, Services services) {
+    const std::string secret = webhook_secret(storage::random_hex(kSecretBytes));
+    auto work = [&catalog = services.catalog,
+                 wanted = webhook_request(request, services.limits),
+                 secret] { return storage::WebhookStore(catalog).create(wanted, secret); };
+    nlohmann::json body = co_await in_pool(services.pool, std::move(work));
+    body["secret"] = secret;
+    Response response = json_response(http::status::created, body);
+    response.set("Cache-Control", "no-store");
+    co_return response;
+}
+
+Awaitable<Response> delete_webhook(Request request, Services services) {
+    auto work = [&catalog = services.catalog, id = request.parameter("webhook_id")] {
+        storage::WebhookStore(catalog).remove(id);
+    };
+    co_await in_pool(services.pool, std::move(work));
+    co_return empty_response(http::status::no_content);
+}
+
+Awaitable<Response> enable_webhook(Request request, Services services) {
+    auto work = [&catalog = services.catalog, id = request.parameter("webhook_id")] {
+        return storage::WebhookStore(catalog).enable(id);
+    };
+    const Webhook webhook = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, webhook);
+}
+
+Awaitable<Response> list_webhook_deliveries(Request request, Services services) {
+    auto work = [&catalog = services.catalog,
+                 id = request.parameter("webhook_id"),
+                 page = page_request(request)] {
+        return storage::WebhookStore(catalog).deliveries(id, page);
+    };
+    const auto page = co_await in_pool(services.pool, std::move(work));
+    co_return list_response(request, page.items, page.next_cursor);
+}
+
+Awaitable<Response> redeliver_webhook(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request] {
+        return storage::WebhookStore(catalog).redeliver(request.parameter("webhook_id"),
+                                                        request.parameter("delivery_id"));
+    };
+    const WebhookDelivery delivery = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, delivery);
+}
+
+}  // namespace divemesh::api

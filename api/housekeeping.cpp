@@ -1,0 +1,53 @@
+#include "api/housekeeping.hpp"
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "storage/dive_removal.hpp"
+#include "storage/leftovers.hpp"
+#include "storage/webhook_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::chrono::hours kLeftoversKept{1};
+constexpr std::chrono::hours kEventsKept{24 * 90};
+constexpr std::chrono::hours kDeliveriesKept{24 * 30};
+constexpr int kPerRound = 100;
+
+void remove_expired_dives(const Services& services) {
+    storage::DiveRemoval removal(services.catalog);
+    for (const Dive& dive : removal.expired(kPerRound)) {
+        for (const std::string& prefix : removal.blob_prefixes(dive))
+            services.blobs.remove_prefix(prefix);
+        removal.forget(dive.id);
+    }
+}
+
+template <typename Task>
+void attempt(const char* task_name, const Services& services, const Task& task) {
+    if (services.stopping) return;
+    try {
+        task();
+    } catch (const std::exception& error) {
+        spdlog::warn(nlohmann::json{
+            {"event", "cleaning_failed"}, {"task", task_name}, {"what", error.what()}}
+                         .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+    }
+}
+
+}  // namespace
+
+void clean_up(const Services& services) {
+    auto& catalog = services.catalog;
+    attempt("dives", services, [&] { remove_expired_dives(services); });
+    attempt("attempts", services, [&] {
+        storage::remove_leftovers(catalog, services.blobs, kLeftoversKept, kPerRound);
+    });
+    attempt("events", services, [&] { storage::forget_events(catalog, kEventsKept); });
+    attempt("webhooks", services, [&] {
+        storage::WebhookStore(catalog).forget_older_than(kDeliveriesKept);
+    });
+}
+
+}  // namespace divemesh::api

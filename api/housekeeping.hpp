@@ -1,0 +1,12 @@
+#pragma once
+
+#include "api/services.hpp"
+
+namespace divemesh::api {
+
+// One round of removing what has had its time: deleted dives that have expired, blobs of attempts
+// that came to nothing, old events, the log of webhooks. What fails is logged and comes up again in
+// the next round. Blocks: for the pool.
+void clean_up(const Services& services);
+
+}  // namespace divemesh::api

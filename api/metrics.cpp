@@ -1,0 +1,145 @@
+#include "api/metrics.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace divemesh::api {
+namespace {
+
+std::string number_text(double value) {
+    char text[32];
+    const auto [end, failure] = std::to_chars(text, text + sizeof text, value);
+    return failure == std::errc() ? std::string(text, end) : "NaN";
+}
+
+std::string in_braces(const std::string& labels) {
+    return labels.empty() ? "" : "{" + labels + "}";
+}
+
+void begin(std::string& text, const std::string& name, const char* type, const char* help) {
+    text += "# HELP " + name + " " + help + "\n# TYPE " + name + " " + type + "\n";
+}
+
+void append(std::string& text, const std::string& name, const std::string& labels, double value) {
+    text += name + in_braces(labels) + " " + number_text(value) + "\n";
+}
+
+void append_one(
+    std::string& text, const std::string& name, const char* type, const char* help, double value) {
+    begin(text, name, type, help);
+    append(text, name, "", value);
+}
+
+std::string labels_of(std::span<const Route> all, std::size_t index) {
+    if (index == all.size()) return R"(method="",route="")";
+    return "method=\"" + std::string(http::to_string(all[index].method)) + "\",route=\"" +
+           std::string(all[index].path) + "\"";
+}
+
+void append_counts(std::string& text,
+                   const std::string& name,
+                   const char* help,
+                   const storage::Statistics::Counts& counts) {
+    begin(text, name, "gauge", help);
+    for (const auto& [state, count] : counts)
+        append(text, name, "state=\"" + state + "\"", static_cast<double>(count));
+}
+
+}  // namespace
+
+void Histogram::observe(std::chrono::nanoseconds took) {
+    const double seconds = std::chrono::duration<double>(took).count();
+    const auto bound = std::lower_bound(kBounds.begin(), kBounds.end(), seconds);
+    counts_[static_cast<std::size_t>(bound - kBounds.begin())]++;
+    sum_ns_ += took.count();
+}
+
+std::int64_t Histogram::count() const {
+    std::int64_t all = 0;
+    for (const auto& count : counts_) all += count;
+    return all;
+}
+
+void Histogram::append(std::string& text,
+                       const std::string& name,
+                       const std::string& labels) const {
+    const std::string comma = labels.empty() ? "" : ",";
+    std::int64_t below = 0;
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+        below += counts_[i];
+        const std::string bound = i < kBounds.size() ? number_text(kBounds[i]) : "+Inf";
+        text += name + "_bucket{" + labels + comma + "le=\"" + bound + "\"} " +
+                std::to_string(below) + "\n";
+    }
+    api::append(text, name + "_sum", labels, 1e-9 * static_cast<double>(sum_ns_));
+    text += name + "_count" + in_braces(labels) + " " + std::to_string(below) + "\n";
+}
+
+void Metrics::count_request(const Route* route,
+                            http::status status,
+                            std::chrono::nanoseconds took) {
+    const auto all = routes();
+    const auto index = route == nullptr ? all.size() : static_cast<std::size_t>(route - all.data());
+    routes_[index].seconds.observe(took);
+    routes_[index].by_class[std::min<std::size_t>(static_cast<unsigned>(status) / 100, 5)]++;
+}
+
+std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_bytes) const {
+    const auto all = routes();
+    std::string text;
+    begin(text, "divemesh_http_requests_total", "counter", "answers by route and class of status");
+    for (std::size_t i = 0; i < routes_.size(); ++i)
+        for (std::size_t c = 1; c < routes_[i].by_class.size(); ++c)
+            if (routes_[i].by_class[c] > 0)
+                append(text,
+                       "divemesh_http_requests_total",
+                       labels_of(all, i) + ",status=\"" + std::to_string(c) + "xx\"",
+                       static_cast<double>(routes_[i].by_class[c]));
+    begin(text, "divemesh_http_request_seconds", "histogram", "from the header to the answer");
+    for (std::size_t i = 0; i < routes_.size(); ++i)
+        if (routes_[i].seconds.count() > 0)
+            routes_[i].seconds.append(text, "divemesh_http_request_seconds", labels_of(all, i));
+    const struct {
+        const char* name;
+        const char* type;
+        const char* help;
+        std::int64_t value;
+    } singles[] = {
+        // clang-format off
+        {"divemesh_http_received_bytes_total", "counter", "of requests' bodies", received_bytes},
+        {"divemesh_http_sent_bytes_total", "counter", "of answers' bodies", sent_bytes},
+        {"divemesh_connections", "gauge", "open now", connections},
+        {"divemesh_connections_refused_total", "counter", "there were too many", refused_connections},
+        {"divemesh_event_streams", "gauge", "open now", watchers},
+        {"divemesh_events_told_total", "counter", "frames to event streams", told_events},
+        {"divemesh_event_streams_dropped_total", "counter", "clients that did not read or fell silent", dropped_watchers},
+        {"divemesh_webhook_failures_total", "counter", "attempts to deliver that failed", webhook_failures},
+        {"divemesh_webhook_deliveries_waiting", "gauge", "in the outbox", stored.deliveries_waiting},
+        {"divemesh_uploads_open", "gauge", "not complete", stored.uploads_open},
+        {"divemesh_uploads_open_bytes", "gauge", "received of uploads that are not complete", stored.uploads_open_bytes},
+        {"divemesh_archive_bytes", "gauge", "of all dives", stored.archive_bytes},
+        {"divemesh_artifact_bytes", "gauge", "of all artifacts", stored.artifact_bytes},
+        {"divemesh_disk_free_bytes", "gauge", "where the blobs are", free_bytes},
+        // clang-format on
+    };
+    for (const auto& single : singles)
+        append_one(text, single.name, single.type, single.help, static_cast<double>(single.value));
+    append_one(text,
+               "divemesh_queue_oldest_seconds",
+               "gauge",
+               "age of the oldest job that could run",
+               1e-3 * static_cast<double>(stored.oldest_queued_ms));
+    append_one(text,
+               "divemesh_lease_oldest_seconds",
+               "gauge",
+               "since the lease that has gone longest without renewal should have ended; negative: "
+               "all are good",
+               1e-3 * static_cast<double>(stored.lease_overdue_ms));
+    append_counts(text, "divemesh_jobs", "by state", stored.jobs);
+    append_counts(text, "divemesh_dives", "by state", stored.dives);
+    append_counts(text, "divemesh_attempts", "by how they ended", stored.attempts);
+    append_counts(text, "divemesh_attempts_milliseconds", "spent in attempts", stored.attempt_ms);
+    return text;
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,75 @@
+#include "storage/backup.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/data_options.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/text.hpp"
+#include "schemas/error.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+struct BackupOptions {
+    DataOptions data;
+    std::filesystem::path file;
+};
+
+void say(const storage::BackupSummary& summary, const Context& context) {
+    if (context.json) {
+        std::cout << nlohmann::json{{"num_blobs", summary.num_blobs},
+                                    {"num_bytes", summary.num_bytes},
+                                    {"num_missing", summary.num_missing}}
+                         .dump(2)
+                  << '\n';
+        return;
+    }
+    std::cerr << "catalog and " << summary.num_blobs << " blobs, "
+              << bytes_text(static_cast<double>(summary.num_bytes)) << '\n';
+    if (summary.num_missing > 0)
+        std::cerr << summary.num_missing << " blobs were removed for good before\n";
+}
+
+int back_up(const BackupOptions& options, const Context& context) {
+    storage::Catalog catalog(catalog_url(options.data));
+    const auto blobs = storage::open_blob_store(blobs_url(options.data));
+    say(storage::write_backup(catalog, *blobs, options.file), context);
+    return kExitDone;
+}
+
+int restore(const BackupOptions& options, const Context& context) {
+    std::string catalog = catalog_url(options.data);
+    const std::string scheme = "sqlite://";
+    if (catalog.starts_with(scheme)) catalog.erase(0, scheme.size());
+    const auto blobs = storage::open_blob_store(blobs_url(options.data));
+    say(storage::read_backup(options.file, catalog, *blobs), context);
+    return kExitDone;
+}
+
+void add(CLI::App& app,
+         Context& context,
+         const char* name,
+         const char* help,
+         int (*run)(const BackupOptions&, const Context&)) {
+    auto* command = app.add_subcommand(name, help);
+    auto options = std::make_shared<BackupOptions>();
+    add_data_options(*command, options->data);
+    command->add_option("file", options->file, "the backup: one tar")->required();
+    command->callback([options, &context, run] {
+        context.command = [options, &context, run] { return run(*options, context); };
+    });
+}
+
+}  // namespace
+
+void add_backup(CLI::App& app, Context& context) {
+    add(app, context, "backup", "copy catalog and blobs into one file, while all goes on", back_up);
+}
+
+void add_restore(CLI::App& app, Context& context) {
+    add(app, context, "restore", "make an empty data folder what it was at a backup", restore);
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace divemesh {
+
+// What a webhook can be told of: topics of events.
+inline constexpr std::array<std::string_view, 3> kWebhookTopics = {"upload", "dive", "job"};
+
+// Somebody elsewhere who is told of a project's events (Standard Webhooks 1.0).
+struct Webhook {
+    std::string id;
+    std::string project;
+    std::string url;
+    std::vector<std::string> topics;  // of kWebhookTopics
+    bool enabled = true;              // false: the receiver has answered 410
+    std::int64_t created_at_ms = 0;
+};
+
+// One event for one webhook, and how far its delivery has come.
+struct WebhookDelivery {
+    std::string id;  // the message's, the same for each attempt
+    std::string webhook_id;
+    std::string type;   // of the event
+    std::string state;  // waiting, delivered, failed
+    int num_attempts = 0;
+    std::int64_t next_at_ms = 0;  // of the next attempt, while waiting
+    int last_status = 0;          // of HTTP; 0: there was no answer
+    std::string last_error;       // "" after a success
+    std::int64_t created_at_ms = 0;
+    std::int64_t finished_at_ms = 0;
+};
+
+}  // namespace divemesh

@@ -1,0 +1,42 @@
+#include <filesystem>
+#include <unistd.h>
+
+#include "api/webhook_target.hpp"
+#include "schemas/error.hpp"
+#include "server/listen_address.hpp"
+#include "server/server.hpp"
+#include "server/tls.hpp"
+
+namespace divemesh::server {
+namespace {
+
+void check_origin(const std::string& origin) {
+    const auto host = origin.find("://");
+    const bool plain = (origin.starts_with("https://") || origin.starts_with("http://")) &&
+                       origin.size() > host + 3 &&
+                       origin.find_first_of("/ *", host + 3) == std::string::npos;
+    if (!plain)
+        throw Error(ErrorCode::InvalidArgument,
+                    "\"" + origin + "\" is no origin: give https://lab.example, without a path");
+}
+
+void check_folder(const std::filesystem::path& data) {
+    const auto folder = data.empty() ? std::filesystem::current_path() : data;
+    if (std::filesystem::exists(folder) && access(folder.c_str(), R_OK | W_OK | X_OK) != 0)
+        throw Error(ErrorCode::InvalidArgument, "cannot write into " + folder.string());
+}
+
+}  // namespace
+
+void check_config(const ServerConfig& config) {
+    const auto endpoint = parse_listen_address(config.listen);
+    if (config.no_auth && !endpoint.address().is_loopback())
+        throw Error(ErrorCode::InvalidArgument,
+                    "--no-auth is for loopback addresses alone, not for " + config.listen);
+    TlsCertificate(config.tls_certificate, config.tls_key);
+    api::AllowedNetworks(config.webhook_networks);
+    for (const std::string& origin : config.allowed_origins) check_origin(origin);
+    check_folder(config.data);
+}
+
+}  // namespace divemesh::server

@@ -1,0 +1,171 @@
+#include "server/webhook_sender.hpp"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/host_name_verification.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
+#include <chrono>
+
+#include "api/in_pool.hpp"
+#include "api/metrics.hpp"
+#include "api/webhook_signature.hpp"
+#include "api/webhook_target.hpp"
+#include "schemas/error.hpp"
+#include "server/log.hpp"
+
+namespace divemesh::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+constexpr int kMaxUnderWay = 8;
+constexpr auto kLookEvery = 500ms;
+constexpr auto kPatience = 15s;
+constexpr auto kLease = 60s;  // longer than an attempt may take
+constexpr std::uint32_t kMaxHeaderBytes = 8 << 10;
+
+struct Outcome {
+    int status = 0;
+    std::string error;
+};
+
+http::request<http::string_body> message_of(const storage::DueDelivery& due,
+                                            const api::WebhookTarget& target) {
+    const auto now_s = static_cast<std::int64_t>(std::time(nullptr));
+    http::request<http::string_body> message(http::verb::post, target.path, 11);
+    const bool v6 = target.host.find(':') != std::string::npos;
+    message.set(http::field::host,
+                (v6 ? "[" + target.host + "]" : target.host) + ":" + target.port);
+    message.set(http::field::user_agent, "divemesh");
+    message.set(http::field::content_type, "application/json");
+    message.set("webhook-id", due.id);
+    message.set("webhook-timestamp", std::to_string(now_s));
+    message.set("webhook-signature", api::webhook_signature(due.secret, due.id, now_s, due.body));
+    message.keep_alive(false);
+    message.body() = due.body;
+    message.prepare_payload();
+    return message;
+}
+
+void check_addresses(const tcp::resolver::results_type& found,
+                     const api::WebhookTarget& target,
+                     const api::AllowedNetworks& allowed) {
+    for (const auto& entry : found) {
+        const auto address = entry.endpoint().address();
+        if (allowed.contains(address)) continue;
+        if (!api::is_public(address))
+            throw Error(ErrorCode::Forbidden, "leads to an address that webhooks may not reach");
+        if (!target.tls) throw Error(ErrorCode::Forbidden, "only https leaves our own networks");
+    }
+}
+
+template <typename Stream>
+asio::awaitable<int> exchange(Stream& stream, http::request<http::string_body> message) {
+    co_await http::async_write(stream, message, asio::use_awaitable);
+    beast::flat_buffer buffer;
+    http::response_parser<http::empty_body> answer;
+    answer.header_limit(kMaxHeaderBytes);
+    co_await http::async_read_header(stream, buffer, answer, asio::use_awaitable);
+    co_return static_cast<int>(answer.get().result_int());
+}
+
+asio::awaitable<int> send(storage::DueDelivery due,
+                          api::Services services,
+                          asio::ssl::context* tls) {
+    const auto executor = co_await asio::this_coro::executor;
+    const api::WebhookTarget target = api::parse_webhook_url(due.url);
+    auto message = message_of(due, target);
+    tcp::resolver resolver(executor);
+    const auto found =
+        co_await resolver.async_resolve(target.host, target.port, asio::use_awaitable);
+    check_addresses(found, target, services.limits.webhook_networks);
+    beast::ssl_stream<beast::tcp_stream> stream(executor, *tls);
+    auto& plain = beast::get_lowest_layer(stream);
+    plain.expires_after(kPatience);
+    co_await plain.async_connect(found, asio::use_awaitable);
+    if (!target.tls) co_return co_await exchange(plain, std::move(message));
+    SSL_set_tlsext_host_name(stream.native_handle(), target.host.c_str());
+    stream.set_verify_callback(asio::ssl::host_name_verification(target.host));
+    co_await stream.async_handshake(asio::ssl::stream_base::client, asio::use_awaitable);
+    co_return co_await exchange(stream, std::move(message));
+}
+
+asio::awaitable<Outcome> attempt(storage::DueDelivery due,
+                                 api::Services services,
+                                 asio::ssl::context* tls) {
+    Outcome outcome;
+    try {
+        outcome.status = co_await send(std::move(due), services, tls);
+        if (outcome.status < 200 || outcome.status > 299)
+            outcome.error = "the receiver answered " + std::to_string(outcome.status);
+    } catch (const std::exception& error) {
+        outcome.error = error.what();
+    }
+    co_return outcome;
+}
+
+}  // namespace
+
+WebhookSender::WebhookSender(const api::Services& services)
+    : services_(services), tls_(asio::ssl::context::tls_client) {
+    tls_.set_default_verify_paths();
+    tls_.set_verify_mode(asio::ssl::verify_peer);
+}
+
+asio::awaitable<void> WebhookSender::run() {
+    const auto executor = co_await asio::this_coro::executor;
+    asio::steady_timer pause(executor);
+    while (!stopping_) {
+        try {
+            const int room = kMaxUnderWay - num_under_way_;
+            auto claim = [this, room] {
+                return storage::WebhookStore(services_.catalog).claim_due(room, kLease);
+            };
+            const auto due = co_await api::in_pool(services_.pool, std::move(claim));
+            for (const auto& delivery : due) {
+                ++num_under_way_;
+                asio::co_spawn(asio::make_strand(executor), deliver(delivery), asio::detached);
+            }
+        } catch (const std::exception& error) {
+            log_warning({{"event", "webhooks_unavailable"}, {"what", error.what()}});
+        }
+        pause.expires_after(kLookEvery);
+        co_await pause.async_wait(asio::use_awaitable);
+    }
+}
+
+asio::awaitable<void> WebhookSender::deliver(storage::DueDelivery due) {
+    const Outcome outcome = co_await attempt(due, services_, &tls_);
+    if (!outcome.error.empty()) ++services_.metrics.webhook_failures;
+    try {
+        auto record = [this, id = due.id, outcome] {
+            storage::WebhookStore(services_.catalog).record(id, outcome.status, outcome.error);
+        };
+        co_await api::in_pool(services_.pool, std::move(record));
+    } catch (const std::exception& error) {  // it is due again when its lease ends
+        log_warning({{"event", "webhook_not_recorded"}, {"id", due.id}, {"what", error.what()}});
+    }
+    log_info({{"event", "webhook"},
+              {"id", due.id},
+              {"status", outcome.status},
+              {"error", outcome.error}});
+    --num_under_way_;
+}
+
+}  // namespace divemesh::server

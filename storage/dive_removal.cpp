@@ -1,0 +1,127 @@
+#include "storage/dive_removal.hpp"
+
+#include "schemas/error.hpp"
+#include "storage/dive_rows.hpp"
+#include "storage/job_changes.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+std::vector<std::string> jobs_of(soci::session& session,
+                                 const std::string& dive_id,
+                                 const std::string& states) {
+    return select_all<TextRow>(session,
+                               "SELECT id FROM jobs WHERE dive_id = :dive AND state IN (" + states +
+                                   ") ORDER BY created_at_ms, id",
+                               soci::use(dive_id, "dive"));
+}
+
+void cancel_jobs(soci::session& session, const std::string& dive_id) {
+    const Failure why{ErrorCode::Cancelled, "the dive was deleted"};
+    for (const std::string& id : jobs_of(session, dive_id, "'held', 'queued'")) {
+        // Cancelling one may have cancelled those behind it.
+        const auto waits = select_one<TextRow>(
+            session,
+            "SELECT id FROM jobs WHERE id = :id AND state IN ('held', 'queued')",
+            soci::use(id, "id"));
+        if (waits) change_state(session, id, JobState::Cancelled, why);
+    }
+    for (const std::string& id : jobs_of(session, dive_id, "'running'")) {
+        execute(
+            session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
+        append_job_event(session, id, "job.state");
+    }
+}
+
+void write_times(soci::session& session, const Dive& dive) {
+    execute(session,
+            "UPDATE dives SET deleted_at_ms = :deleted, expires_at_ms = :expires WHERE id = :id",
+            soci::use(dive.deleted_at_ms, "deleted"),
+            soci::use(dive.expires_at_ms, "expires"),
+            soci::use(dive.id, "id"));
+}
+
+}  // namespace
+
+Dive DiveRemoval::remove(const std::string& id,
+                         std::chrono::milliseconds keep,
+                         const std::function<void(const Dive&)>& check) {
+    Dive dive;
+    catalog_.transaction([&](soci::session& session) {
+        dive = read_dive(session, id);
+        check(dive);
+        if (dive.deleted_at_ms > 0) return;
+        dive.deleted_at_ms = Catalog::now_ms(session);
+        dive.expires_at_ms = dive.deleted_at_ms + keep.count();
+        write_times(session, dive);
+        cancel_jobs(session, id);
+        append_dive_event(session, dive, "dive.deleted");
+    });
+    return dive;
+}
+
+Dive DiveRemoval::restore(const std::string& id) {
+    Dive dive;
+    catalog_.transaction([&](soci::session& session) {
+        dive = read_dive(session, id);
+        if (dive.deleted_at_ms == 0) return;
+        if (dive.expires_at_ms <= Catalog::now_ms(session))
+            throw Error(ErrorCode::Conflict, "dive " + id + " has expired: upload it again");
+        const auto again =
+            find_recording(session, dive.project, dive.archive_sha256, dive.content_sha256);
+        if (again && dive.state != DiveState::Refused)
+            throw Error(ErrorCode::Conflict,
+                        "the recording was uploaded again meanwhile: use dive " + again->id);
+        dive.deleted_at_ms = 0;
+        dive.expires_at_ms = 0;
+        write_times(session, dive);
+        append_dive_event(session, dive, "dive.restored");
+    });
+    return dive;
+}
+
+std::vector<Dive> DiveRemoval::expired(int limit) {
+    std::vector<Dive> dives;
+    catalog_.read([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        dives = select_all<DiveRow>(
+            session,
+            "SELECT " + std::string(kDiveColumns) +
+                " FROM dives WHERE deleted_at_ms > 0 AND expires_at_ms <= :now AND NOT EXISTS"
+                " (SELECT 1 FROM jobs WHERE jobs.dive_id = dives.id AND jobs.state = 'running')"
+                " ORDER BY expires_at_ms LIMIT :limit",
+            soci::use(now_ms, "now"),
+            soci::use(limit, "limit"));
+    });
+    return dives;
+}
+
+std::vector<std::string> DiveRemoval::blob_prefixes(const Dive& dive) {
+    std::vector<std::string> prefixes = {dive.blob.substr(0, dive.blob.rfind('/') + 1)};
+    catalog_.read([&](soci::session& session) {
+        for (const std::string& job : select_all<TextRow>(
+                 session, "SELECT id FROM jobs WHERE dive_id = :id", soci::use(dive.id, "id")))
+            prefixes.push_back("jobs/" + job + "/");
+    });
+    return prefixes;
+}
+
+void DiveRemoval::forget(const std::string& id) {
+    catalog_.transaction([&](soci::session& session) {
+        const Dive dive = read_dive(session, id);
+        const std::string jobs = "(SELECT id FROM jobs WHERE dive_id = :id)";
+        for (const std::string& statement :
+             {"DELETE FROM artifacts WHERE job_id IN " + jobs,
+              "DELETE FROM attempts WHERE job_id IN " + jobs,
+              "DELETE FROM job_parents WHERE job_id IN " + jobs + " OR parent_id IN " + jobs,
+              std::string("DELETE FROM jobs WHERE dive_id = :id"),
+              std::string("DELETE FROM uploads WHERE dive_id = :id"),
+              std::string("DELETE FROM dive_tags WHERE dive_id = :id"),
+              std::string("DELETE FROM dives WHERE id = :id")})
+            execute(session, statement, soci::use(id, "id"));
+        append_dive_event(session, dive, "dive.removed");
+    });
+}
+
+}  // namespace divemesh::storage

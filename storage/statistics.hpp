@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "storage/catalog.hpp"
+
+namespace divemesh::storage {
+
+// How much of everything there is, for whoever watches the service.
+struct Statistics {
+    using Counts = std::vector<std::pair<std::string, std::int64_t>>;  // by state
+
+    Counts jobs;
+    Counts dives;
+    Counts attempts;
+    Counts attempt_ms;                  // spent in attempts that have ended
+    std::int64_t oldest_queued_ms = 0;  // age of the oldest job that is due; 0: none
+    std::int64_t lease_overdue_ms =
+        0;  // past its end, of the oldest lease; 0: none, negative: good
+    std::int64_t uploads_open = 0;
+    std::int64_t uploads_open_bytes = 0;
+    std::int64_t archive_bytes = 0;
+    std::int64_t artifact_bytes = 0;
+    std::int64_t deliveries_waiting = 0;
+};
+
+Statistics read_statistics(Catalog& catalog);
+
+}  // namespace divemesh::storage

@@ -1,0 +1,287 @@
+#include "storage/webhook_store.hpp"
+
+#include <array>
+#include <ctime>
+#include <sstream>
+
+#include "schemas/error.hpp"
+#include "schemas/json.hpp"
+#include "storage/ids.hpp"
+#include "storage/page_cursor.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+// Until the next attempt, after the first, second ... has failed.
+constexpr std::array<std::int64_t, 8> kPausesSeconds = {
+    5, 300, 1800, 7200, 18'000, 36'000, 50'400, 86'400};
+#define WEBHOOK_COLUMNS "id, project, url, topics, state, created_at_ms"
+#define DELIVERY_COLUMNS                                                              \
+    "id, webhook_id, type, state, num_attempts, next_at_ms, last_status, last_error," \
+    " created_at_ms, finished_at_ms"
+
+struct WebhookRow {
+    Webhook webhook;
+    std::string topics;
+    std::string state;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(webhook.id));
+        statement.exchange(soci::into(webhook.project));
+        statement.exchange(soci::into(webhook.url));
+        statement.exchange(soci::into(topics));
+        statement.exchange(soci::into(state));
+        statement.exchange(soci::into(webhook.created_at_ms));
+    }
+    Webhook value() const {
+        Webhook value = webhook;
+        std::istringstream words(topics);
+        for (std::string topic; words >> topic;) value.topics.push_back(topic);
+        value.enabled = state == "enabled";
+        return value;
+    }
+};
+
+struct DeliveryRow {
+    WebhookDelivery delivery;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(delivery.id));
+        statement.exchange(soci::into(delivery.webhook_id));
+        statement.exchange(soci::into(delivery.type));
+        statement.exchange(soci::into(delivery.state));
+        statement.exchange(soci::into(delivery.num_attempts));
+        statement.exchange(soci::into(delivery.next_at_ms));
+        statement.exchange(soci::into(delivery.last_status));
+        statement.exchange(soci::into(delivery.last_error));
+        statement.exchange(soci::into(delivery.created_at_ms));
+        statement.exchange(soci::into(delivery.finished_at_ms));
+    }
+    WebhookDelivery value() const { return delivery; }
+};
+
+struct DueRow {
+    DueDelivery due;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(due.id));
+        statement.exchange(soci::into(due.url));
+        statement.exchange(soci::into(due.secret));
+        statement.exchange(soci::into(due.body));
+    }
+    DueDelivery value() const { return due; }
+};
+
+Webhook read_webhook(soci::session& session, const std::string& id) {
+    auto webhook = select_one<WebhookRow>(
+        session, "SELECT " WEBHOOK_COLUMNS " FROM webhooks WHERE id = :id", soci::use(id, "id"));
+    if (!webhook) throw Error(ErrorCode::NotFound, "no webhook " + id);
+    return std::move(*webhook);
+}
+
+// 2026-11-20T14:03:05Z
+std::string iso_time(std::int64_t unix_ms) {
+    const std::time_t seconds = unix_ms / 1000;
+    std::tm parts{};
+    gmtime_r(&seconds, &parts);
+    char text[32];
+    return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts));
+}
+
+// Later by up to a tenth, so that receivers that come back are not met by all at once.
+std::int64_t pause_ms(int num_attempts) {
+    const std::int64_t pause = kPausesSeconds[static_cast<std::size_t>(num_attempts - 1)] * 1000;
+    const auto random = std::stoul(random_hex(2), nullptr, 16);
+    return pause + pause / 10 * static_cast<std::int64_t>(random) / 0x10000;
+}
+
+void finish(soci::session& session,
+            const WebhookDelivery& delivery,
+            const std::string& state,
+            std::int64_t now_ms) {
+    execute(session,
+            "UPDATE webhook_deliveries SET state = :state, finished_at_ms = :now WHERE id = :id",
+            soci::use(state, "state"),
+            soci::use(now_ms, "now"),
+            soci::use(delivery.id, "id"));
+}
+
+}  // namespace
+
+void WebhookStore::enqueue(soci::session& session, const Event& event) {
+    const auto webhooks =
+        select_all<TextRow>(session,
+                            "SELECT id FROM webhooks WHERE state = 'enabled' AND project = :project"
+                            " AND topics LIKE '% ' || :topic || ' %'",
+                            soci::use(event.project, "project"),
+                            soci::use(event.topic, "topic"));
+    if (webhooks.empty()) return;
+    const std::string body =
+        to_text({{"type", event.type}, {"timestamp", iso_time(event.time_ms)}, {"data", event}});
+    for (const std::string& webhook : webhooks) {
+        const std::string id = "msg_" + webhook + "_" + std::to_string(event.sequence);
+        execute(session,
+                "INSERT INTO webhook_deliveries"
+                " (id, webhook_id, type, body, next_at_ms, created_at_ms)"
+                " VALUES (:id, :webhook, :type, :body, :now, :now)",
+                soci::use(id, "id"),
+                soci::use(webhook, "webhook"),
+                soci::use(event.type, "type"),
+                soci::use(body, "body"),
+                soci::use(event.time_ms, "now"));
+    }
+}
+
+Webhook WebhookStore::create(Webhook webhook, const std::string& secret) {
+    webhook.id = new_id("webhook");
+    std::string topics = " ";
+    for (const std::string& topic : webhook.topics) topics += topic + " ";
+    catalog_.transaction([&](soci::session& session) {
+        webhook.created_at_ms = Catalog::now_ms(session);
+        execute(session,
+                "INSERT INTO webhooks (id, project, url, secret, topics, created_at_ms)"
+                " VALUES (:id, :project, :url, :secret, :topics, :now)",
+                soci::use(webhook.id, "id"),
+                soci::use(webhook.project, "project"),
+                soci::use(webhook.url, "url"),
+                soci::use(secret, "secret"),
+                soci::use(topics, "topics"),
+                soci::use(webhook.created_at_ms, "now"));
+    });
+    return webhook;
+}
+
+std::vector<Webhook> WebhookStore::list() {
+    std::vector<Webhook> webhooks;
+    catalog_.read([&](soci::session& session) {
+        webhooks = select_all<WebhookRow>(
+            session, "SELECT " WEBHOOK_COLUMNS " FROM webhooks ORDER BY created_at_ms, id");
+    });
+    return webhooks;
+}
+
+Webhook WebhookStore::enable(const std::string& id) {
+    Webhook webhook;
+    catalog_.transaction([&](soci::session& session) {
+        execute(
+            session, "UPDATE webhooks SET state = 'enabled' WHERE id = :id", soci::use(id, "id"));
+        webhook = read_webhook(session, id);
+    });
+    return webhook;
+}
+
+void WebhookStore::remove(const std::string& id) {
+    catalog_.transaction([&](soci::session& session) {
+        read_webhook(session, id);
+        execute(
+            session, "DELETE FROM webhook_deliveries WHERE webhook_id = :id", soci::use(id, "id"));
+        execute(session, "DELETE FROM webhooks WHERE id = :id", soci::use(id, "id"));
+    });
+}
+
+Page<WebhookDelivery> WebhookStore::deliveries(const std::string& webhook_id,
+                                               const PageRequest& page) {
+    const PageStart start = page_start(page);
+    std::vector<WebhookDelivery> rows;
+    catalog_.read([&](soci::session& session) {
+        read_webhook(session, webhook_id);
+        rows = select_all<DeliveryRow>(
+            session,
+            "SELECT " DELIVERY_COLUMNS
+            " FROM webhook_deliveries WHERE webhook_id = :webhook"
+            " AND (created_at_ms > :age OR (created_at_ms = :age AND id > :id))"
+            " ORDER BY created_at_ms, id LIMIT :limit",
+            soci::use(webhook_id, "webhook"),
+            soci::use(start.created_at_ms, "age"),
+            soci::use(start.id, "id"),
+            soci::use(start.limit_plus_one, "limit"));
+    });
+    return make_page(std::move(rows), page);
+}
+
+WebhookDelivery WebhookStore::redeliver(const std::string& webhook_id,
+                                        const std::string& delivery_id) {
+    std::optional<WebhookDelivery> delivery;
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        delivery = select_one<DeliveryRow>(
+            session,
+            "UPDATE webhook_deliveries SET state = 'waiting', num_attempts = 0, next_at_ms = :now,"
+            " finished_at_ms = 0 WHERE id = :id AND webhook_id = :webhook"
+            " RETURNING " DELIVERY_COLUMNS,
+            soci::use(now_ms, "now"),
+            soci::use(delivery_id, "id"),
+            soci::use(webhook_id, "webhook"));
+    });
+    if (!delivery) throw Error(ErrorCode::NotFound, "no delivery " + delivery_id);
+    return std::move(*delivery);
+}
+
+std::vector<DueDelivery> WebhookStore::claim_due(int limit, std::chrono::milliseconds lease) {
+    std::vector<DueDelivery> due;
+    std::int64_t now_ms = 0;
+    const auto look = [&](soci::session& session) {
+        now_ms = Catalog::now_ms(session);
+        due = select_all<DueRow>(
+            session,
+            "SELECT webhook_deliveries.id, url, secret, body FROM webhook_deliveries, webhooks"
+            " WHERE webhooks.id = webhook_id AND webhook_deliveries.state = 'waiting'"
+            " AND webhooks.state = 'enabled' AND next_at_ms <= :now"
+            " ORDER BY next_at_ms, webhook_deliveries.id LIMIT :limit",
+            soci::use(now_ms, "now"),
+            soci::use(limit, "limit"));
+    };
+    catalog_.read(look);
+    if (due.empty()) return due;  // no write where there is nothing to do
+    catalog_.transaction([&](soci::session& session) {
+        look(session);
+        const std::int64_t until_ms = now_ms + lease.count();
+        for (const DueDelivery& delivery : due)
+            execute(session,
+                    "UPDATE webhook_deliveries SET next_at_ms = :until,"
+                    " num_attempts = num_attempts + 1 WHERE id = :id",
+                    soci::use(until_ms, "until"),
+                    soci::use(delivery.id, "id"));
+    });
+    return due;
+}
+
+void WebhookStore::record(const std::string& delivery_id, int status, const std::string& error) {
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        const auto delivery = select_one<DeliveryRow>(
+            session,
+            "UPDATE webhook_deliveries SET last_status = :status, last_error = :error"
+            " WHERE id = :id AND state = 'waiting' RETURNING " DELIVERY_COLUMNS,
+            soci::use(status, "status"),
+            soci::use(error, "error"),
+            soci::use(delivery_id, "id"));
+        if (!delivery) return;  // removed meanwhile
+        if (status >= 200 && status < 300) return finish(session, *delivery, "delivered", now_ms);
+        if (status == 410)
+            execute(session,
+                    "UPDATE webhooks SET state = 'disabled' WHERE id = :id",
+                    soci::use(delivery->webhook_id, "id"));
+        const auto num_pauses = static_cast<int>(kPausesSeconds.size());
+        if (status == 410 || delivery->num_attempts > num_pauses)
+            return finish(session, *delivery, "failed", now_ms);
+        const std::int64_t next_at_ms = now_ms + pause_ms(std::max(delivery->num_attempts, 1));
+        execute(session,
+                "UPDATE webhook_deliveries SET next_at_ms = :next WHERE id = :id",
+                soci::use(next_at_ms, "next"),
+                soci::use(delivery_id, "id"));
+    });
+}
+
+void WebhookStore::forget_older_than(std::chrono::milliseconds age) {
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t before_ms = Catalog::now_ms(session) - age.count();
+        execute(session,
+                "DELETE FROM webhook_deliveries WHERE state <> 'waiting'"
+                " AND finished_at_ms < :before",
+                soci::use(before_ms, "before"));
+    });
+}
+
+}  // namespace divemesh::storage

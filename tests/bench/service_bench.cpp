@@ -1,0 +1,296 @@
+// service_bench --program build/release/divemesh [--seconds N]: how quickly one server answers GET
+// of one job out of 10,000, and how much memory it takes when 1,000 clients watch events, 100 of
+// which do not read, while 100 others upload. Prints one JSON. Needs wrk.
+#include <CLI/CLI.hpp>
+#include <arpa/inet.h>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+#include "schemas/content_hash.hpp"
+#include "storage/dive_store.hpp"
+#include "storage/event_store.hpp"
+#include "storage/job_store.hpp"
+#include "storage/token_store.hpp"
+#include "storage/upload_store.hpp"
+#include "tests/end_to_end/process.hpp"
+#include "tests/paths.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kNumJobs = 10'000;
+constexpr int kNumReaders = 1'000;
+constexpr int kNumSilent = 100;
+constexpr int kNumEvents = 2'000;
+constexpr int kNumUploads = 100;
+constexpr std::size_t kUploadBytes = std::size_t{8} << 20;
+
+double seconds_since(Clock::time_point began) {
+    return std::chrono::duration<double>(Clock::now() - began).count();
+}
+
+void make_jobs(storage::Catalog& catalog, const fs::path& list) {
+    storage::UploadStore uploads(catalog);
+    Upload upload;
+    upload.project = "default";
+    upload.length_bytes = 1;
+    upload = uploads.create(upload);
+    uploads.advance(upload.id, 1);
+    storage::NewDive dive;
+    dive.upload_id = upload.id;
+    dive.project = "default";
+    dive.name = "wreck";
+    dive.archive_sha256 = sha256_hex("1");
+    dive.blob = "dives/x/archive";
+    dive.archive_bytes = 1;
+    storage::NewJob job;
+    job.dive_id = storage::DiveStore(catalog).create(dive).dive.id;
+    storage::JobStore jobs(catalog);
+    const auto intake = jobs.claim("bench", 60s);
+    jobs.finish_intake(intake->lease, {});
+    std::ofstream lines(list);
+    for (int i = 0; i < kNumJobs; ++i) {
+        job.preset = i % 2 == 0 ? "standard" : "fast";
+        job.options = {{"voxel_m", 0.01 + 1e-6 * i}};
+        lines << "/api/v1/jobs/" << jobs.enqueue(job).id << '\n';
+    }
+}
+
+class Server {
+public:
+    Server(const fs::path& program, const TemporaryFolder& folder)
+        : process_({program.string(),
+                    "serve",
+                    "--data",
+                    (folder / "data").string(),
+                    "--listen",
+                    "127.0.0.1:0",
+                    "--workers",
+                    "0"},
+                   folder.path()) {
+        const std::string mark = "listening on ";
+        const bool up =
+            wait_until(60s, [&] { return process_.stdout_text().find('\n') != std::string::npos; });
+        const std::string text = process_.stdout_text();
+        if (!up || !text.starts_with(mark)) throw std::runtime_error(process_.stderr_text());
+        address_ = text.substr(mark.size(), text.find('\n') - mark.size());
+    }
+
+    const std::string& address() const { return address_; }
+    int port() const { return std::stoi(address_.substr(address_.rfind(':') + 1)); }
+    std::int64_t peak_memory_bytes() const {
+        std::ifstream status("/proc/" + std::to_string(process_.pid()) + "/status");
+        for (std::string line; std::getline(status, line);)
+            if (line.starts_with("VmHWM:")) return std::stoll(line.substr(6)) * 1024;
+        return -1;
+    }
+
+private:
+    Process process_;
+    std::string address_;
+};
+
+nlohmann::json get_jobs(const Server& server,
+                        const fs::path& list,
+                        const std::string& token,
+                        int seconds) {
+    setenv("JOBS", list.c_str(), 1);
+    setenv("DIVEMESH_TOKEN", token.c_str(), 1);
+    const std::string command = "wrk -t1 -c50 -d" + std::to_string(seconds) + "s -s '" +
+                                (source_directory() / "tests/bench/get_job.lua").string() + "' " +
+                                server.address();
+    FILE* pipe = popen(command.c_str(), "r");
+    std::string last;
+    for (char line[4096]; pipe != nullptr && std::fgets(line, sizeof line, pipe) != nullptr;)
+        if (line[0] == '{') last = line;
+    if (pipe == nullptr || pclose(pipe) != 0 || last.empty())
+        throw std::runtime_error("wrk failed (apt-get install wrk)");
+    return nlohmann::json::parse(last);
+}
+
+int connect_to(int port, int receive_buffer_bytes) {
+    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (receive_buffer_bytes > 0)
+        setsockopt(
+            socket, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+        throw std::runtime_error("cannot connect");
+    return socket;
+}
+
+void send_all(int socket, std::string_view bytes) {
+    while (!bytes.empty()) {
+        const auto n = send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        if (n <= 0) throw std::runtime_error("the server closed a connection");
+        bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+}
+
+std::string receive_head(int socket) {
+    std::string text;
+    for (char c = 0; text.find("\r\n\r\n") == std::string::npos && recv(socket, &c, 1, 0) == 1;)
+        text += c;
+    return text;
+}
+
+// Clients of the event stream; those that read look for the text of the last event.
+class Readers {
+public:
+    Readers(int port, const std::string& token) {
+        for (int i = 0; i < kNumReaders; ++i) {
+            const int socket = connect_to(port, i < kNumSilent ? 4096 : 0);
+            send_all(socket,
+                     "GET /api/v1/events HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\n"
+                     "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nAuthorization: Bearer " +
+                         token + "\r\n\r\n");
+            if (!receive_head(socket).starts_with("HTTP/1.1 101"))
+                throw std::runtime_error("the server opened no stream");
+            sockets_.push_back({socket, POLLIN, 0});
+        }
+    }
+    ~Readers() {
+        for (const pollfd& entry : sockets_) close(entry.fd);
+    }
+    Readers(const Readers&) = delete;
+    Readers& operator=(const Readers&) = delete;
+
+    // Until all that read have seen `mark`; how many did.
+    int read_until(const std::string& mark, std::chrono::seconds patience) {
+        const auto end = Clock::now() + patience;
+        std::vector<std::string> tails(sockets_.size());
+        std::vector<char> buffer(std::size_t{256} << 10);
+        int num_done = 0;
+        while (num_done < kNumReaders - kNumSilent && Clock::now() < end) {
+            poll(sockets_.data() + kNumSilent, kNumReaders - kNumSilent, 100);
+            for (std::size_t i = kNumSilent; i < sockets_.size(); ++i) {
+                if ((sockets_[i].revents & POLLIN) == 0) continue;
+                const auto n = recv(sockets_[i].fd, buffer.data(), buffer.size(), MSG_DONTWAIT);
+                if (n <= 0) sockets_[i].events = 0;
+                if (n <= 0) continue;
+                std::string text =
+                    tails[i] + std::string(buffer.data(), static_cast<std::size_t>(n));
+                if (text.find(mark) != std::string::npos) {
+                    ++num_done;
+                    sockets_[i].events = 0;
+                }
+                tails[i] = text.substr(text.size() - std::min(text.size(), mark.size()));
+            }
+        }
+        return num_done;
+    }
+
+private:
+    std::vector<pollfd> sockets_;
+};
+
+void upload(int port, const std::string& token, std::atomic<int>& num_done) {
+    const std::string common =
+        " HTTP/1.1\r\nHost: x\r\nTus-Resumable: 1.0.0\r\nAuthorization: Bearer " + token + "\r\n";
+    const int socket = connect_to(port, 0);
+    send_all(socket,
+             "POST /api/v1/uploads" + common + "Content-Length: 0\r\nUpload-Length: " +
+                 std::to_string(kUploadBytes) + "\r\n\r\n");
+    const std::string made = receive_head(socket);
+    const auto location = made.find("Location: ");
+    if (location != std::string::npos) {
+        const std::string path =
+            made.substr(location + 10, made.find("\r\n", location) - location - 10);
+        send_all(socket,
+                 "PATCH " + path + common +
+                     "Content-Type: application/offset+octet-stream\r\nUpload-Offset: 0\r\n"
+                     "Content-Length: " +
+                     std::to_string(kUploadBytes) + "\r\n\r\n");
+        const std::string piece(std::size_t{1} << 20, 'x');
+        for (std::size_t sent = 0; sent < kUploadBytes; sent += piece.size())
+            send_all(socket, piece);
+        if (receive_head(socket).starts_with("HTTP/1.1 204")) ++num_done;
+    }
+    close(socket);
+}
+
+void make_events(storage::Catalog& catalog) {
+    for (int i = 0; i < kNumEvents; i += 20)
+        catalog.transaction([&](soci::session& session) {
+            for (int n = i; n < i + 20; ++n)
+                storage::EventStore::append(session,
+                                            {.project = "default",
+                                             .topic = "job",
+                                             .subject = "event-" + std::to_string(n + 1) + "-",
+                                             .type = "job.state",
+                                             .data = {{"text", std::string(800, 'x')}}});
+        });
+}
+
+nlohmann::json watch_and_upload(const Server& server,
+                                storage::Catalog& catalog,
+                                const std::string& token) {
+    Readers readers(server.port(), token);
+    std::atomic<int> num_uploads = 0;
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < kNumUploads; ++i)
+        threads.emplace_back([&] { upload(server.port(), token, num_uploads); });
+    const auto began = Clock::now();
+    threads.emplace_back([&] { make_events(catalog); });
+    const int told =
+        readers.read_until("event-" + std::to_string(kNumEvents) + "-", std::chrono::seconds(300));
+    const double seconds = seconds_since(began);
+    threads.clear();
+    return {{"readers", kNumReaders},
+            {"do_not_read", kNumSilent},
+            {"told_all", told},
+            {"events", kNumEvents},
+            {"seconds", seconds},
+            {"uploads", num_uploads.load()},
+            {"upload_bytes", kUploadBytes},
+            {"peak_memory_mib", static_cast<double>(server.peak_memory_bytes() >> 20)}};
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("what one server bears");
+    fs::path program;
+    int seconds = 10;
+    app.add_option("--program", program, "divemesh")->required();
+    app.add_option("--seconds", seconds, "of GET")->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+    std::signal(SIGPIPE, SIG_IGN);
+    rlimit files{};
+    getrlimit(RLIMIT_NOFILE, &files);
+    files.rlim_cur = files.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &files);
+
+    const TemporaryFolder folder;
+    fs::create_directories(folder / "data");
+    storage::Catalog catalog("sqlite://" + (folder / "data/catalog.db").string());
+    const std::string token =
+        storage::TokenStore(catalog).create({.name = "bench", .scopes = {"admin"}}).secret;
+    make_jobs(catalog, folder / "jobs");
+    const Server server(program, folder);
+    nlohmann::json result;
+    result["get_job"] = get_jobs(server, folder / "jobs", token, seconds);
+    result["watch_and_upload"] = watch_and_upload(server, catalog, token);
+    std::cout << result.dump(2) << '\n';
+    return 0;
+}
+
+}  // namespace
+}  // namespace divemesh
+
+int main(int argc, char** argv) { return divemesh::run(argc, argv); }

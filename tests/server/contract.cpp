@@ -1,0 +1,123 @@
+#include "tests/server/contract.hpp"
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "api/openapi_document.hpp"
+#include "api/router.hpp"
+
+namespace divemesh {
+namespace {
+
+using nlohmann::json;
+using Adapter = valijson::adapters::NlohmannJsonAdapter;
+
+const json& contract() {
+    static const json document = json::parse(api::openapi_document());
+    return document;
+}
+
+const json& resolved(const json& node) {
+    if (!node.contains("$ref")) return node;
+    const auto target = node["$ref"].get<std::string>();
+    return contract().at(json::json_pointer(target.substr(1)));
+}
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+// The documented operation, null when there is none.
+const json* operation_of(const std::string& method, const std::string& target) {
+    const auto verb = api::http::string_to_verb(method);
+    const auto match = api::find_route(verb, target.substr(0, target.find('?')));
+    if (match.route == nullptr) return nullptr;
+    std::string path(match.route->path);
+    if (const auto dots = path.find("...}"); dots != std::string::npos) path.erase(dots, 3);
+    const auto& item = contract().at("paths").at(path);
+    const auto name = lower(std::string(api::http::to_string(match.route->method)));
+    return &item.at(name);
+}
+
+// The compiled schema of the node, which has to live as long as the document.
+const valijson::Schema& compiled(const json& node) {
+    static std::mutex mutex;
+    static std::map<const json*, std::unique_ptr<valijson::Schema>> schemas;
+    const std::lock_guard lock(mutex);
+    auto& schema = schemas[&node];
+    if (!schema) {
+        schema = std::make_unique<valijson::Schema>();
+        const json rooted = {{"allOf", {node}}, {"components", contract().at("components")}};
+        valijson::SchemaParser().populateSchema(Adapter(rooted), *schema);
+    }
+    return *schema;
+}
+
+std::string schema_breach(const json& schema, const json& value) {
+    valijson::ValidationResults results;
+    if (valijson::Validator().validate(compiled(schema), Adapter(value), &results)) return "";
+    std::string text;
+    for (valijson::ValidationResults::Error error; results.popError(error);) {
+        for (const auto& step : error.context) text += step;
+        text += ": " + error.description + "; ";
+    }
+    return text;
+}
+
+std::string body_breach(const json& content, const RawResponse& response) {
+    const std::string type = response.header("content-type");
+    const std::string plain = type.substr(0, type.find(';'));
+    auto found = content.find(plain);
+    if (found == content.end()) found = content.find("application/octet-stream");  // any bytes
+    if (found == content.end()) return "the content type \"" + type + "\" is not documented";
+    if (plain.find("json") == std::string::npos || found.key() != plain) return "";
+    const json body = json::parse(response.body, nullptr, false);
+    if (body.is_discarded()) return "the body is not JSON";
+    return schema_breach(found->at("schema"), body);
+}
+
+std::string header_breach(const json& headers, const RawResponse& response) {
+    for (const auto& [name, header] : headers.items())
+        if (resolved(header).value("required", false) && !response.headers.contains(lower(name)))
+            return "the header " + name + " is missing";
+    return "";
+}
+
+std::string answer_breach(const json& documented, bool head, const RawResponse& response) {
+    if (documented.contains("headers")) {
+        auto breach = header_breach(documented["headers"], response);
+        if (!breach.empty()) return breach;
+    }
+    if (head) return "";
+    if (documented.contains("content")) return body_breach(documented["content"], response);
+    return response.body.empty() ? "" : "a body is not documented";
+}
+
+}  // namespace
+
+std::string contract_breach(const std::string& method,
+                            const std::string& target,
+                            const RawResponse& response) {
+    if (!response.headers.contains("x-request-id")) return "the header X-Request-Id is missing";
+    const json& problem = contract().at("components").at("responses").at("Problem");
+    // The answer to a preflight is that of CORS, not of an operation.
+    if (method == "OPTIONS" && response.headers.contains("access-control-allow-methods")) return "";
+    const json* operation = operation_of(method, target);
+    if (operation == nullptr)
+        return response.status < 400 ? "nothing is documented here"
+                                     : answer_breach(problem, method == "HEAD", response);
+    const json& responses = operation->at("responses");
+    const auto exact = responses.find(std::to_string(response.status));
+    if (exact != responses.end())
+        return answer_breach(resolved(*exact), method == "HEAD", response);
+    if (response.status < 400) return "the status is not documented";
+    return answer_breach(problem, method == "HEAD", response);
+}
+
+}  // namespace divemesh

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/write.hpp>
+#include <cstdlib>
+#include <fstream>
+
+#include "schemas/error.hpp"
+#include "tests/server/test_server.hpp"
+
+namespace divemesh {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+
+class TlsTest : public testing::Test {
+protected:
+    TlsTest() {
+        make_certificate("first");
+        config.tls_certificate = folder / "cert.pem";
+        config.tls_key = folder / "key.pem";
+    }
+
+    void make_certificate(const std::string& name) {
+        const std::string command =
+            "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=" + name + " -keyout '" +
+            (folder / "key.pem").string() + "' -out '" + (folder / "cert.pem").string() +
+            "' 2>/dev/null";
+        ASSERT_EQ(std::system(command.c_str()), 0);
+    }
+
+    struct Answer {
+        std::string text;
+        std::string common_name;
+        std::string version;
+    };
+    static Answer ask(int port) {
+        asio::io_context io;
+        asio::ssl::context context(asio::ssl::context::tls_client);
+        asio::ssl::stream<asio::ip::tcp::socket> stream(io, context);
+        stream.next_layer().connect(
+            {asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)});
+        stream.handshake(asio::ssl::stream_base::client);
+        asio::write(stream,
+                    asio::buffer(std::string("GET /healthz/live HTTP/1.1\r\nHost: x\r\n"
+                                             "Connection: close\r\n\r\n")));
+        Answer answer;
+        boost::system::error_code end;
+        asio::read(stream, asio::dynamic_buffer(answer.text), end);
+        char name[64] = "";
+        X509* certificate = SSL_get_peer_certificate(stream.native_handle());
+        X509_NAME_get_text_by_NID(
+            X509_get_subject_name(certificate), NID_commonName, name, sizeof name);
+        X509_free(certificate);
+        answer.common_name = name;
+        answer.version = SSL_get_version(stream.native_handle());
+        EXPECT_EQ(end, asio::error::eof);  // said goodbye, not cut off
+        return answer;
+    }
+
+    TemporaryFolder folder;
+    server::ServerConfig config;
+};
+
+TEST_F(TlsTest, ServesOverTlsAndReadsItsCertificateAnew) {
+    TestServer server(config);
+    const Answer first = ask(server.port());
+    EXPECT_TRUE(first.text.starts_with("HTTP/1.1 200"));
+    EXPECT_EQ(first.common_name, "first");
+    EXPECT_EQ(first.version, "TLSv1.3");
+    make_certificate("second");
+    EXPECT_EQ(ask(server.port()).common_name, "first");
+    server.reload_certificate();
+    EXPECT_EQ(ask(server.port()).common_name, "second");
+    std::ofstream(folder / "key.pem") << "no key";
+    server.reload_certificate();
+    EXPECT_EQ(ask(server.port()).common_name, "second");
+}
+
+// S22
+TEST_F(TlsTest, WhoSpeaksNoTlsIsLeftAlone) {
+    config.timeouts.header = std::chrono::milliseconds(500);
+    TestServer server(config);
+    RawClient plain(server.port());
+    plain.send("GET /healthz/live HTTP/1.1\r\n\r\n");
+    EXPECT_EQ(plain.read_available().find("HTTP/1.1 200"), std::string::npos);
+    RawClient silent(server.port());
+    EXPECT_TRUE(silent.at_end());
+    EXPECT_TRUE(ask(server.port()).text.starts_with("HTTP/1.1 200"));
+}
+
+TEST_F(TlsTest, RefusesACertificateThatCannotBeUsed) {
+    const auto refused = [&] {
+        try {
+            server::check_config(config);
+        } catch (const Error& error) {
+            return error.code() == ErrorCode::InvalidArgument;
+        }
+        return false;
+    };
+    EXPECT_FALSE(refused());
+    config.tls_key.clear();
+    EXPECT_TRUE(refused());
+    config.tls_key = folder / "missing.pem";
+    EXPECT_TRUE(refused());
+    fs::copy_file(folder / "key.pem", folder / "old.pem");
+    make_certificate("other");
+    config.tls_key = folder / "old.pem";
+    EXPECT_TRUE(refused());
+}
+
+TEST(CheckConfigTest, NamesWhatCouldNotBeServed) {
+    const auto refused = [](const auto& change) {
+        server::ServerConfig config;
+        change(config);
+        try {
+            server::check_config(config);
+        } catch (const Error&) {
+            return true;
+        }
+        return false;
+    };
+    EXPECT_FALSE(refused([](auto&) {}));
+    EXPECT_TRUE(refused([](auto& config) { config.listen = "nowhere"; }));
+    EXPECT_TRUE(refused([](auto& config) {
+        config.listen = "0.0.0.0:80";
+        config.no_auth = true;
+    }));
+    EXPECT_TRUE(refused([](auto& config) { config.allowed_origins = {"https://lab.example/"}; }));
+    EXPECT_TRUE(refused([](auto& config) { config.allowed_origins = {"*"}; }));
+    EXPECT_TRUE(refused([](auto& config) { config.webhook_networks = {"10.0.0.0/99"}; }));
+}
+
+}  // namespace
+}  // namespace divemesh
