@@ -31,24 +31,28 @@ bool is_ascii(std::string_view text) {
         text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
 }
 
+void put(std::string& block, std::size_t at, std::string_view text) {
+    std::copy(text.begin(), text.end(), block.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
 void put_octal(std::string& block, std::size_t at, int digits, std::int64_t value) {
     char text[24];
     std::snprintf(text, sizeof text, "%0*llo", digits, static_cast<unsigned long long>(value));
-    block.replace(at, static_cast<std::size_t>(digits), text, static_cast<std::size_t>(digits));
+    put(block, at, {text, static_cast<std::size_t>(digits)});
 }
 
 std::string ustar_block(const UstarName& name, std::int64_t size_bytes, char type) {
     std::string block(kTarBlockBytes, '\0');
-    block.replace(0, name.name.size(), name.name);
+    put(block, 0, name.name);
     put_octal(block, 100, 7, 0644);  // mode
     put_octal(block, 108, 7, 0);     // user
     put_octal(block, 116, 7, 0);     // group
     put_octal(block, 124, 11, size_bytes);
     put_octal(block, 136, 11, 0);  // time
     block[156] = type;
-    block.replace(257, 8, std::string_view("ustar\00000", 8));
-    block.replace(345, name.prefix.size(), name.prefix);
-    block.replace(148, 8, 8, ' ');  // the checksum counts itself as blanks
+    put(block, 257, {"ustar\00000", 8});
+    put(block, 345, name.prefix);
+    put(block, 148, "        ");  // the checksum counts itself as blanks
     std::int64_t sum = 0;
     for (const char c : block) sum += static_cast<unsigned char>(c);
     put_octal(block, 148, 6, sum);
