@@ -65,7 +65,7 @@ void make_jobs(storage::Catalog& catalog, const fs::path& list) {
     for (int i = 0; i < kNumJobs; ++i) {
         job.preset = i % 2 == 0 ? "standard" : "fast";
         job.options = {{"voxel_m", 0.01 + 1e-6 * i}};
-        lines << "/api/v1/jobs/" << jobs.enqueue(job).id << '\n';
+        lines << "/api/v1/jobs/" << jobs.enqueue(job).job.id << '\n';
     }
 }
 
