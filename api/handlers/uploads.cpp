@@ -96,13 +96,14 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
                     "a final upload has the bytes of its parts: send none with it");
     auto enter = [services, wanted] { return enter_final(services, wanted); };
     Upload upload = co_await in_pool(services.pool, std::move(enter));
-    const auto stop = std::make_shared<std::atomic<bool>>(false);
-    auto turn = co_await services.turns.take(upload.id, [stop] { *stop = true; });
+    const auto stopped = std::make_shared<std::atomic<bool>>(false);
+    auto stop = [stopped] { *stopped = true; };
+    auto turn = co_await services.turns.take(upload.id, std::move(stop));
     auto fresh = [services, upload] {
         return reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
     };
     upload = co_await in_pool(services.pool, std::move(fresh));
-    if (!upload.complete()) upload = co_await concatenate(services, upload, stop);
+    if (!upload.complete()) upload = co_await concatenate(services, upload, stopped);
     co_return co_await arrived(created(upload), request, services, upload);
 }
 
