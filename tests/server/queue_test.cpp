@@ -52,8 +52,8 @@ TEST_F(QueueTest, TellsAQueuedJobWhereItStands) {
 
     EXPECT_EQ(get(second).json()["forecast"]["position"], 2);
     EXPECT_EQ(get(second).json()["forecast"]["starts_in_s"], -1.0);  // nobody works
-    for (const auto& job : get("/api/v1/jobs?state=queued").json()["items"])
-        EXPECT_TRUE(job["forecast"].is_object());
+    const nlohmann::json queued = get("/api/v1/jobs?state=queued").json();
+    for (const auto& job : queued["items"]) EXPECT_TRUE(job["forecast"].is_object());
     server.request("POST", second + "/cancel", token);
     EXPECT_TRUE(get(second).json()["forecast"].is_null());
 }
