@@ -31,7 +31,7 @@ struct Site : Stores {
     }
     // What makes a dive of a finished upload, and what a restarted server does again.
     void commit() {
-        for (const Upload& upload : uploads_.list_older_than(std::int64_t{1} << 60)) {
+        for (const Upload& upload : uploads_.list_open()) {
             const NewDive dive = request(upload, "wreck", "standard");
             blobs->commit_staged(upload.blob, dive.blob);
             dives_.create(dive);
