@@ -62,6 +62,7 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     request.dive = options.dive;
     request.out = options.out;
     request.scratch = scratch.path();
+    request.resumable = false;  // the folder goes with this run
     request.preset = options.preset.preset;
     request.options = chosen;
     const nlohmann::json metrics = run_with_bar(request);

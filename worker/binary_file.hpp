@@ -30,7 +30,7 @@ public:
     template <typename T>
     void put_vector(const std::vector<T>& values) {
         put(static_cast<std::uint64_t>(values.size()));
-        for (const T& value : values) put_raw(value);
+        write(values.data(), values.size() * sizeof(T));
     }
 
     void put_text(const std::string& text) {
@@ -94,7 +94,7 @@ public:
             return {};
         }
         std::vector<T> values(num_values);
-        for (T& value : values) read(&value, sizeof value);
+        read(values.data(), values.size() * sizeof(T));
         return values;
     }
 

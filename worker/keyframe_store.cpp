@@ -20,10 +20,9 @@ constexpr float kDisparityStep_px = 1.0F / 128.0F;
 constexpr float kSigmaStep_px = 1.0F / 64.0F;
 
 struct Header {
-    char magic[4] = {'D', 'M', 'K', '1'};
+    char magic[4] = {'D', 'M', 'K', '2'};
     std::int32_t width_px = 0;
     std::int32_t height_px = 0;
-    std::int32_t jpeg_bytes = 0;
 };
 
 // Of values that are not negative; those too large become the largest there is.
@@ -96,12 +95,6 @@ struct KeyframeFile {
     }
     const std::uint8_t* disparities() const { return bytes.data() + sizeof header; }
     const std::uint8_t* sigmas() const { return disparities() + 2 * num_pixels(); }
-    cv::Mat left_color() const {
-        const std::uint8_t* jpeg = sigmas() + num_pixels();
-        return cv::imdecode(
-            cv::Mat(1, header.jpeg_bytes, CV_8U, const_cast<std::uint8_t*>(jpeg)),  // only read
-            cv::IMREAD_COLOR);
-    }
 };
 
 KeyframeFile read_keyframe(const std::filesystem::path& path) {
@@ -111,16 +104,16 @@ KeyframeFile read_keyframe(const std::filesystem::path& path) {
     std::memcpy(&file.header, file.bytes.data(), sizeof file.header);
     const Header& header = file.header;
     const bool is_ours = std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
-                         header.width_px >= 0 && header.height_px >= 0 && header.jpeg_bytes > 0;
-    if (!is_ours || file.bytes.size() != sizeof header + 3 * file.num_pixels() +
-                                             static_cast<std::size_t>(header.jpeg_bytes))
+                         header.width_px >= 0 && header.height_px >= 0;
+    if (!is_ours || file.bytes.size() != sizeof header + 3 * file.num_pixels())
         throw Error(ErrorCode::BadData, "keyframe file cut short: " + path.string());
     return file;
 }
 
 }  // namespace
 
-KeyframeStore::KeyframeStore(std::filesystem::path folder) : folder_(std::move(folder)) {
+KeyframeStore::KeyframeStore(std::filesystem::path folder, LeftInColor left_in_color)
+    : folder_(std::move(folder)), left_in_color_(std::move(left_in_color)) {
     std::filesystem::create_directories(folder_);
 }
 
@@ -142,23 +135,20 @@ std::filesystem::path KeyframeStore::file_of(int frame_index, const char* extens
     return folder_ / name;
 }
 
-void KeyframeStore::write(int frame_index, const KeyframeImages& images) const {
-    const cv::Mat& disparity = images.depth.disparity_px;
+void KeyframeStore::write(int frame_index, const DepthMap& depth) const {
+    const cv::Mat& disparity = depth.disparity_px;
     std::vector<std::uint16_t> disparities;
     std::vector<std::uint8_t> sigmas;
     quantise(disparity, kDisparityStep_px, disparities);
-    quantise(images.depth.sigma_disparity_px, kSigmaStep_px, sigmas);
-    const std::vector<std::uint8_t> jpeg = as_jpeg(images.left_color);
+    quantise(depth.sigma_disparity_px, kSigmaStep_px, sigmas);
 
     Header header;
     header.width_px = disparity.cols;
     header.height_px = disparity.rows;
-    header.jpeg_bytes = static_cast<std::int32_t>(jpeg.size());
     write_file(file_of(frame_index, "keyframe"),
                {{&header, sizeof header},
                 {disparities.data(), disparities.size() * sizeof(std::uint16_t)},
-                {sigmas.data(), sigmas.size()},
-                {jpeg.data(), jpeg.size()}});
+                {sigmas.data(), sigmas.size()}});
 }
 
 void KeyframeStore::write_left(int frame_index, const cv::Mat& left) const {
@@ -183,12 +173,13 @@ KeyframeImages KeyframeStore::read(int frame_index) const {
         restored<std::uint16_t>(file.disparities(), file.header, kDisparityStep_px);
     images.depth.sigma_disparity_px =
         restored<std::uint8_t>(file.sigmas(), file.header, kSigmaStep_px);
-    images.left_color = file.left_color();
+    if (left_in_color_) images.left_color = left_in_color_(frame_index);
     return rerectifier_ ? rerectifier_->moved(images) : images;
 }
 
-cv::Mat KeyframeStore::read_left_color(int frame_index) const {
-    const cv::Mat color = read_keyframe(file_of(frame_index, "keyframe")).left_color();
+cv::Mat KeyframeStore::left_in_color(int frame_index) const {
+    if (!left_in_color_) return {};
+    const cv::Mat color = left_in_color_(frame_index);
     return rerectifier_ ? rerectifier_->moved(color) : color;
 }
 

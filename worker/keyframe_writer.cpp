@@ -8,13 +8,9 @@ namespace divemesh::worker {
 
 KeyframeWriter::KeyframeWriter(const RectifiedRig& rig,
                                const ReconstructionOptions& options,
-                               LeftInColor left_in_color,
                                const KeyframeStore& store,
                                Workers& workers)
-    : loops_(options.close_loops),
-      surface_(options.surface),
-      left_in_color_(std::move(left_in_color)),
-      store_(store) {
+    : loops_(options.close_loops), surface_(options.surface), store_(store) {
     for (auto& lane : lanes_) lane.emplace(rig, options, workers);
 }
 
@@ -56,7 +52,7 @@ void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
                                            : lane.stereo.match(frame);
     lane.matched.add(waiting.depth.search);
     leave_out_moving(waiting.seen.moving, waiting.seen.scene, waiting.depth);
-    store_.write(frame.index, {left_in_color_(frame.index), waiting.depth});
+    store_.write(frame.index, waiting.depth);
 }
 
 }  // namespace divemesh::worker

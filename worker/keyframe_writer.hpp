@@ -17,12 +17,8 @@ namespace divemesh::worker {
 // five frames wait or are worked on.
 class KeyframeWriter {
 public:
-    // The left picture of a frame, rectified; called on another thread.
-    using LeftInColor = std::function<cv::Mat(int frame_index)>;
-
     KeyframeWriter(const RectifiedRig& rig,
                    const ReconstructionOptions& options,
-                   LeftInColor left_in_color,
                    const KeyframeStore& store,
                    Workers& workers);
 
@@ -65,7 +61,6 @@ private:
 
     bool loops_;
     bool surface_;
-    LeftInColor left_in_color_;
     const KeyframeStore& store_;
     std::optional<Waiting> waiting_;
     std::array<std::optional<Lane>, kNumLanes> lanes_;

@@ -39,10 +39,11 @@ void for_each_index(int num_threads,
                     std::size_t num,
                     const ProgressShare& progress,
                     const std::function<void(std::size_t)>& work) {
-    constexpr std::size_t kSlice = 2048;
-    for (std::size_t begin = 0; begin < num; begin += kSlice) {
+    // Threads are woken for every slice: few of them, but what one brings into memory is bounded.
+    const std::size_t slice = std::clamp<std::size_t>(num / 64, 2048, 32768);
+    for (std::size_t begin = 0; begin < num; begin += slice) {
         progress.at(static_cast<double>(begin) / static_cast<double>(num));
-        run(num_threads, begin, std::min(num, begin + kSlice), work);
+        run(num_threads, begin, std::min(num, begin + slice), work);
     }
     progress.at(1.0);
 }

@@ -22,7 +22,6 @@
 #include "worker/frames_ahead.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_writer.hpp"
-#include "worker/parallel.hpp"
 #include "worker/steps/choose_range.hpp"
 #include "worker/steps/extract_surface.hpp"
 #include "worker/steps/match_features.hpp"
@@ -35,6 +34,7 @@
 #include "worker/steps/track_features.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
 #include "worker/tracking/moving_features.hpp"
+#include "worker/views_ahead.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -65,10 +65,7 @@ Track track(Recording& recording,
     const bool pairwise = options.estimator == "pairwise";
     Workers workers(options.num_threads);
     FramesAhead frames(recording, rectifier, workers);
-    const auto left_in_color = [&](int frame_index) {
-        return rectifier.rectify_left(recording.left_in_color(frame_index));
-    };
-    KeyframeWriter writer(rig, options, left_in_color, store, workers);
+    KeyframeWriter writer(rig, options, store, workers);
     StereoMatcher stereo(rig, options);
     FeatureTracker tracker(rig, options);
     InertialPrior inertial(recording, options);
@@ -218,31 +215,19 @@ FusedMap fuse(const RectifiedRig& rig,
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
     Workers workers(options.num_threads);
-    KeyframeImages images;
-    Background reader(workers);  // ends before what it writes to goes, also when progress() throws
-    const auto read_ahead = [&](std::size_t index) {
-        if (index < frames.size())
-            reader.run([&, index] { images = store.read(frames[index].frame_index); });
-    };
-    read_ahead(0);
+    ViewsAhead views(rig, map.volume->voxel_m(), frames, store, workers);
+    Background cloud(workers);  // ends before the map goes, also when progress() throws
     for (std::size_t i = 0; i < frames.size(); ++i) {
         progress(done);
-        reader.wait();
-        const KeyframeImages seen = std::exchange(images, {});
-        read_ahead(i + 1);
-        const Sampling sampling = choose_sampling(rig, seen.depth, map.volume->voxel_m());
-        const DepthView depth(rig, seen, sampling, options.num_threads);
-        const bool in_cloud = i % cloud_step == 0;
-        for_each_index(options.num_threads, in_cloud ? 2 : 1, [&](std::size_t part) {  // 7
-            if (part == 0)
-                map.volume->add(frames[i], depth);
-            else
-                map.cloud->add(frames[i], depth);
-        });
+        const auto depth = views.next();
+        if (i % cloud_step == 0)
+            cloud.run([&, i, depth] { map.cloud->add(frames[i], *depth); });  // 7
+        map.volume->add(frames[i], *depth);                                   // 7
         ++done.frames_done;
         done.fraction =
             static_cast<double>(done.frames_done) / static_cast<double>(done.num_frames);
     }
+    cloud.wait();
     progress(done);
     return map;
 }

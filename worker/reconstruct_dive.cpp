@@ -11,6 +11,7 @@
 #include "schemas/error.hpp"
 #include "worker/build_id.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/metrics_document.hpp"
@@ -50,6 +51,12 @@ std::string read_text(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+KeyframeStore::LeftInColor rectified_pictures(const Dive& dive) {
+    return [&dive, rectifier = std::make_shared<const Rectifier>(dive.rig())](int frame_index) {
+        return rectifier->rectify_left(dive.left_in_color(frame_index));
+    };
+}
+
 constexpr double kShareWithoutSurface = 0.72;  // of track, optimise and evaluate
 
 Surface simplified(Mesh mesh, const ReconstructionOptions& options) {
@@ -69,7 +76,7 @@ public:
           keys_(
               stage_keys(DIVEMESH_VERSION + build_id(), dive_->content_sha256(), request.options)),
           cache_(request.cache, request.cache_bytes),
-          keyframe_store_(request.scratch / "keyframes") {
+          keyframe_store_(request.scratch / "keyframes", rectified_pictures(*dive_)) {
         std::filesystem::create_directories(request.out);
     }
 
@@ -120,6 +127,14 @@ private:
         }
         return stored;
     }
+    // `save` writes the files `names` of the entry into the scratch folder, but for those that the
+    // stage itself has left there.
+    template <typename Save>
+    void keep(const std::string& entry, const std::vector<std::string>& names, const Save& save) {
+        if (!request_.resumable) return;
+        save();
+        cache_.store(entry, request_.scratch, names);
+    }
     void stage_done(const Stopwatch& watch, const std::string& stage, bool reused) {
         stage_times_.push_back(watch.stop(stage));
         stage_times_.back().reused = reused;
@@ -153,8 +168,9 @@ void DiveRun::track() {
     if (!stored) {
         keyframe_store_.clear();  // what lies there may be a link into the cache
         stored = worker::track(*dive_, request_.options, keyframe_store_, progress);
-        save_track(stage_file("track"), keys_.track, *stored);
-        cache_.store(entry, request_.scratch, {"track.stage", "keyframes"});
+        keep(entry, {"track.stage", "keyframes"}, [&] {
+            save_track(stage_file("track"), keys_.track, *stored);
+        });
     }
     track_ = std::move(*stored);
     write_tum(request_.out / "trajectory_causal.tum", track_.causal);
@@ -170,8 +186,9 @@ void DiveRun::optimise() {
     const bool reused = stored.has_value();
     if (!stored) {
         stored = worker::optimise(track_, *dive_, request_.options, keyframe_store_, progress);
-        save_optimised_track(stage_file("optimise"), keys_.optimise, *stored);
-        cache_.store(entry, request_.scratch, {"optimise.stage"});
+        keep(entry, {"optimise.stage"}, [&] {
+            save_optimised_track(stage_file("optimise"), keys_.optimise, *stored);
+        });
     }
     optimised_ = std::move(*stored);
     if (request_.options.surface && optimised_.calibration.lenses_applied)
@@ -216,12 +233,12 @@ void DiveRun::fuse() {
                                     request_.scratch,
                                     progress);
         volume_ = std::move(map.volume);
-        volume_->save(volume_file);
         cloud_ = write_cloud(cloud_artifact, map.cloud->octree());
-        link_or_copy(cloud_artifact, cloud_file);
-        save_cloud_figures(stage_file("cloud"), keys_.fuse, cloud_);
-        cache_.store(
-            entry, request_.scratch, {volume_name() + ".stage", "cloud.stage", "cloud.ply"});
+        keep(entry, {volume_name() + ".stage", "cloud.stage", "cloud.ply"}, [&] {
+            volume_->save(volume_file);
+            link_or_copy(cloud_artifact, cloud_file);
+            save_cloud_figures(stage_file("cloud"), keys_.fuse, cloud_);
+        });
     }
     voxel_m_ = volume_->voxel_m();
     volume_memory_bytes_ = volume_->memory_bytes();
@@ -230,7 +247,7 @@ void DiveRun::fuse() {
 
 CloudFigures DiveRun::write_cloud(const std::filesystem::path& file,
                                   const PointOctree& octree) const {
-    const ConfirmedPoints points(octree, *volume_);
+    const ConfirmedPoints points(octree, *volume_, request_.options.num_threads);
     CloudPlyWriter writer(file, points.size());
     points.for_each(
         [&](const Eigen::Vector3f& p_world, const Color& color) { writer.add(p_world, color); });
@@ -246,8 +263,7 @@ void DiveRun::mesh() {
     const bool reused = stored.has_value();
     if (!stored) {
         stored = simplified(worker::mesh(*volume_, request_.options, progress), request_.options);
-        save_surface(stage_file("mesh"), keys_.mesh, *stored);
-        cache_.store(entry, request_.scratch, {"mesh.stage"});
+        keep(entry, {"mesh.stage"}, [&] { save_surface(stage_file("mesh"), keys_.mesh, *stored); });
     }
     volume_.reset();
     surface_ = std::move(*stored);
@@ -265,7 +281,7 @@ void DiveRun::texture() {
     if (!reused) {
         std::filesystem::create_directories(folder);
         write_pictures(folder, picture, progress);
-        cache_.store(entry, request_.scratch, {entry});
+        keep(entry, {entry}, [] {});
     }
     if (std::filesystem::exists(picture)) picture_png_ = read_text(picture);
     for (const auto& made : std::filesystem::recursive_directory_iterator(folder))

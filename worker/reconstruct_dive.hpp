@@ -17,6 +17,9 @@ struct ReconstructionRequest {
     std::filesystem::path scratch;     // what the stages hand on; the caller removes it
     std::filesystem::path cache = {};  // of what stages made; empty: none is kept
     std::int64_t cache_bytes = 0;
+    // Whether each stage leaves in `scratch` what another run there would need to go on after it;
+    // it is a copy of the map and the mesh.
+    bool resumable = true;
     std::string preset = "standard";
     ReconstructionOptions options;
     std::function<void(const StageRun&)> stage_done = [](const StageRun&) {};

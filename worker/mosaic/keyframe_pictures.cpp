@@ -28,7 +28,8 @@ void write_picture(const std::filesystem::path& file, const cv::Mat& image) {
     cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
     std::vector<std::uint8_t> jpeg;
     cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
-    write_file(file, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    write_file(
+        file, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}, Durability::Unsynced);
 }
 
 nlohmann::json entry_of(const Keyframe& keyframe) {
@@ -57,7 +58,7 @@ void write_keyframe_pictures(const std::filesystem::path& folder,
         progress(done);
         for_each_index(num_threads, std::min(kSlice, keyframes.size() - begin), [&](std::size_t i) {
             const int frame_index = keyframes[begin + i].frame_index;
-            write_picture(folder / picture_name(frame_index), store.read_left_color(frame_index));
+            write_picture(folder / picture_name(frame_index), store.left_in_color(frame_index));
         });
     }
     nlohmann::json list = nlohmann::json::array();

@@ -32,8 +32,8 @@ void sync_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path file)
-    : file_(std::move(file)), partial_(file_.string() + ".partial") {
+AtomicFile::AtomicFile(std::filesystem::path file, Durability durability)
+    : file_(std::move(file)), partial_(file_.string() + ".partial"), durability_(durability) {
     descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail(file_, errno);
     buffer_.reserve(kBufferBytes);
@@ -62,18 +62,19 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
     flush();
-    if (fsync(descriptor_) != 0) fail(file_, errno);
+    const bool synced = durability_ == Durability::Synced;
+    if (synced && fsync(descriptor_) != 0) fail(file_, errno);
     if (close(std::exchange(descriptor_, -1)) != 0 ||
         rename(partial_.c_str(), file_.c_str()) != 0) {
         const int code = errno;
         unlink(partial_.c_str());
         fail(file_, code);
     }
-    sync_folder(file_.has_parent_path() ? file_.parent_path() : ".");
+    if (synced) sync_folder(file_.has_parent_path() ? file_.parent_path() : ".");
 }
 
-void write_file(const std::filesystem::path& file, std::string_view bytes) {
-    AtomicFile output(file);
+void write_file(const std::filesystem::path& file, std::string_view bytes, Durability durability) {
+    AtomicFile output(file, durability);
     output.write(bytes);
     output.commit();
 }

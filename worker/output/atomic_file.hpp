@@ -7,12 +7,16 @@
 
 namespace divemesh::worker {
 
+// Whether a file outlives a power cut from commit() on. For many small ones that are made again
+// with ease, a sync of each would take longer than making them.
+enum class Durability { Synced, Unsynced };
+
 // A file that appears under its name whole or not at all: written beside it as `name.partial`,
 // synced, renamed, the folder synced. Throws Error{OutOfSpace} when the disk or a quota is full,
 // Error{Unavailable} with the system's reason otherwise.
 class AtomicFile {
 public:
-    explicit AtomicFile(std::filesystem::path file);
+    explicit AtomicFile(std::filesystem::path file, Durability durability = Durability::Synced);
     ~AtomicFile();  // without commit() nothing is left behind
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -25,10 +29,13 @@ private:
 
     std::filesystem::path file_;
     std::filesystem::path partial_;
+    Durability durability_;
     std::string buffer_;
     int descriptor_ = -1;
 };
 
-void write_file(const std::filesystem::path& file, std::string_view bytes);
+void write_file(const std::filesystem::path& file,
+                std::string_view bytes,
+                Durability durability = Durability::Synced);
 
 }  // namespace divemesh::worker

@@ -33,7 +33,7 @@ double choose_max_depth_m(const RectifiedRig& rig, double voxel_m) {
 
 void Volume::integrate(const Keyframe& keyframe, const KeyframeImages& images) {
     const Sampling sampling = choose_sampling(settings_.rig, images.depth, settings_.voxel_m);
-    add(keyframe, DepthView(settings_.rig, images, sampling, settings_.num_threads));
+    add(keyframe, DepthView(settings_.rig, images, sampling));
 }
 
 std::unique_ptr<Volume> make_volume(const RectifiedRig& rig,

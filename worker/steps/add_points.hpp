@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/geometry/rectified_rig.hpp"
@@ -34,8 +35,9 @@ public:
     virtual void add(const Keyframe& keyframe, const DepthView& depth) = 0;
     // The same from what the keyframe store holds.
     void integrate(const Keyframe& keyframe, const KeyframeImages& images);
-    // Whether enough views agree that there is a surface here.
-    virtual bool confirms(const Eigen::Vector3d& p_world) const = 0;
+    // Whether enough views agree that there is a surface at each of these points: 1 or 0.
+    // Neighbours one after the other are found quickly. Safe from several threads.
+    virtual void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const = 0;
     // What step 8 makes the mesh of; may not outlive the volume, nor be used while it integrates.
     virtual std::unique_ptr<SignedField> field(int num_threads) const = 0;
     virtual void save(const std::filesystem::path& file) const = 0;

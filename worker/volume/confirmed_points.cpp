@@ -1,21 +1,40 @@
 #include "worker/volume/confirmed_points.hpp"
 
+#include <algorithm>
+#include <span>
+
+#include "worker/parallel.hpp"
+
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kPointsPerTrim = std::size_t{1} << 18;
+constexpr std::size_t kPointsAtOnce = std::size_t{1} << 18;
+constexpr std::size_t kSlice = 4096;  // points that a thread takes at once
 
 }  // namespace
 
-ConfirmedPoints::ConfirmedPoints(const PointOctree& points, const Volume& volume)
+ConfirmedPoints::ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads)
     : points_(points) {
     confirmed_.reserve(static_cast<std::size_t>(points.num_points()));
+    std::vector<Eigen::Vector3d> batch;
+    batch.reserve(kPointsAtOnce);
+    const auto ask = [&] {
+        std::vector<std::uint8_t> answers(batch.size());
+        for_each_index(num_threads, (batch.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+            const std::size_t begin = slice * kSlice;
+            const std::size_t num = std::min(kSlice, batch.size() - begin);
+            volume.confirm(std::span(batch).subspan(begin, num), answers.data() + begin);
+        });
+        volume.trim();
+        num_confirmed_ += std::count(answers.begin(), answers.end(), 1);
+        confirmed_.insert(confirmed_.end(), answers.begin(), answers.end());
+        batch.clear();
+    };
     points.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
-        if (confirmed_.size() % kPointsPerTrim == 0) volume.trim();
-        const bool confirmed = volume.confirms(points.position(cell, leaf));
-        confirmed_.push_back(confirmed);
-        num_confirmed_ += confirmed ? 1 : 0;
+        batch.push_back(points.position(cell, leaf));
+        if (batch.size() == kPointsAtOnce) ask();
     });
+    ask();
 }
 
 void ConfirmedPoints::for_each(

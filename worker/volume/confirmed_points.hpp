@@ -14,7 +14,7 @@ namespace divemesh::worker {
 class ConfirmedPoints {
 public:
     // Both must outlive it and stay as they are.
-    ConfirmedPoints(const PointOctree& points, const Volume& volume);
+    ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads);
 
     std::int64_t size() const { return num_confirmed_; }
     void for_each(

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/lanes.hpp"
-#include "worker/parallel.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -241,7 +240,6 @@ Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double 
 DepthView::DepthView(const RectifiedRig& rig,
                      const KeyframeImages& images,
                      Sampling sampling,
-                     int num_threads,
                      Instructions instructions)
     : step_px_(sampling == Sampling::Half ? 2 : 1),
       rig_(sampling == Sampling::Half ? halved(rig) : rig),
@@ -263,9 +261,7 @@ DepthView::DepthView(const RectifiedRig& rig,
                         static_cast<float>(rig_.focal_px * rig_.baseline_m),
                         static_cast<float>(rig_.cx_px),
                         step_px_};
-    const auto num_rows = static_cast<std::size_t>(rig_.height_px - 2 * reach);
-    for_each_index(num_threads, num_rows, [&](std::size_t i) {
-        const int v = static_cast<int>(i) + reach;
+    for (int v = reach; v < rig_.height_px - reach; ++v) {
         const DepthRow row{picture.disparity.ptr<float>(v),
                            static_cast<std::ptrdiff_t>(picture.disparity.step1()),
                            picture.sigma.ptr<float>(v),
@@ -275,7 +271,7 @@ DepthView::DepthView(const RectifiedRig& rig,
                            static_cast<float>(v - rig_.cy_px)};
         kernels.fit_planes(
             row, optics, pixels_.data() + static_cast<std::size_t>(v) * rig_.width_px);
-    });
+    }
 }
 
 }  // namespace divemesh::worker

@@ -36,7 +36,6 @@ public:
     DepthView(const RectifiedRig& rig,
               const KeyframeImages& images,
               Sampling sampling = Sampling::Full,
-              int num_threads = 1,
               Instructions instructions = best_instructions());
 
     // The camera of these pixels: that of the keyframe, or with half as many either way.

@@ -19,7 +19,8 @@ constexpr int kNumIterations = 45;      // leave 1 % of the way at that reach
 constexpr float kFarthest_sigmas = 3.0F;
 constexpr std::size_t kSlice = 2048;  // vertices that a thread takes at once
 
-using Points = std::vector<Eigen::Vector3f>;
+// With a fourth number, 0, so that a point is read at once.
+using Points = std::vector<Eigen::Vector4f>;
 
 class Membrane {
 public:
@@ -140,10 +141,10 @@ Points Membrane::evened(const Points& values) const {
         for_each_moving([&](std::size_t i) {
             const std::uint32_t begin = first_neighbour_[i], end = end_neighbour_[i];
             if (begin == end) return;
-            Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+            Eigen::Vector4f mean = Eigen::Vector4f::Zero();
             for (std::uint32_t k = begin; k < end; ++k) mean += now[neighbours_[k]];
             mean /= static_cast<float>(end - begin);
-            const Eigen::Vector3f step = values[i] + pulls_[i] * (mean - values[i]);
+            const Eigen::Vector4f step = values[i] + pulls_[i] * (mean - values[i]);
             next[i] = before[i] + acceleration * (step - before[i]);
         });
         before.swap(now);
@@ -153,8 +154,8 @@ Points Membrane::evened(const Points& values) const {
 }
 
 // Of each vertex, as the triangles around it have it; not of unit length.
-Points normals_by_area(const Mesh& mesh) {
-    Points sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
+std::vector<Eigen::Vector3f> normals_by_area(const Mesh& mesh) {
+    std::vector<Eigen::Vector3f> sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
                                            .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
@@ -180,18 +181,20 @@ void even_out(Mesh& mesh, double voxel_m, int num_threads) {
     const auto& vertices = membrane.vertices();
     Points measured;
     measured.reserve(vertices.size());
-    for (const std::uint32_t vertex : vertices) measured.push_back(mesh.vertices[vertex]);
+    for (const std::uint32_t vertex : vertices)
+        measured.emplace_back(mesh.vertices[vertex].homogeneous()).w() = 0.0F;
     const Points places = evened_twice(membrane, measured);
-    for (std::size_t i = 0; i < membrane.num_moving(); ++i) mesh.vertices[vertices[i]] = places[i];
-    const Points normals = normals_by_area(mesh);
+    for (std::size_t i = 0; i < membrane.num_moving(); ++i)
+        mesh.vertices[vertices[i]] = places[i].head<3>();
+    const auto normals = normals_by_area(mesh);
     for (std::size_t i = 0; i < membrane.num_moving(); ++i) {
         const std::uint32_t vertex = vertices[i];
         const Eigen::Vector3f normal = normals[vertex].stableNormalized();
-        Eigen::Vector3f shift = places[i] - measured[i];
+        Eigen::Vector3f shift = (places[i] - measured[i]).head<3>();
         if (membrane.on_border(i)) shift = normal * normal.dot(shift);
         const float farthest = kFarthest_sigmas * mesh.sigma_m[vertex];
         if (shift.norm() > farthest) shift *= farthest / shift.norm();
-        mesh.vertices[vertex] = measured[i] + shift;
+        mesh.vertices[vertex] = measured[i].head<3>() + shift;
         if (!mesh.normals.empty() && normal.norm() > 0.5F) mesh.normals[vertex] = normal;
     }
 }

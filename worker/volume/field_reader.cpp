@@ -17,6 +17,8 @@ Eigen::Vector3i corner_offset(int corner) {
     return {corner & 1, (corner >> 1) & 1, (corner >> 2) & 1};
 }
 
+float between(float from, float to, float share) { return from + share * (to - from); }
+
 }  // namespace
 
 FieldReader::FieldReader(const SignedField& field) : field_(field) {
@@ -31,14 +33,16 @@ std::size_t FieldReader::find(const BlockCoordinate& block) const {
 
 void FieldReader::read(std::size_t block, BlockNeighbourhood& out) const {
     std::array<float, kBlockSamples> distances;
+    field_.read_distances(block, distances.data());
+    for (int z = 0; z < kBlockEdge; ++z)
+        for (int y = 0; y < kBlockEdge; ++y)
+            std::copy_n(distances.begin() + sample_index(0, y, z),
+                        kBlockEdge,
+                        out.distances_m.begin() + BlockNeighbourhood::index(0, y, z));
     const BlockCoordinate& here = field_.blocks()[block];
-    for (int n = 0; n < 8; ++n) {
+    for (int n = 1; n < 8; ++n) {
         const BlockCoordinate offset{n & 1, (n >> 1) & 1, (n >> 2) & 1};
-        const std::size_t neighbour = n == 0 ? block : find(here + offset);
-        if (neighbour == kNone)
-            distances.fill(kUnknownDistance);
-        else
-            field_.read_distances(neighbour, distances.data());
+        const std::size_t neighbour = find(here + offset);
         const int num_x = offset.x != 0 ? 1 : kBlockEdge;
         const int num_y = offset.y != 0 ? 1 : kBlockEdge;
         const int num_z = offset.z != 0 ? 1 : kBlockEdge;
@@ -48,14 +52,29 @@ void FieldReader::read(std::size_t block, BlockNeighbourhood& out) const {
                     out.distances_m[BlockNeighbourhood::index(x + kBlockEdge * offset.x,
                                                               y + kBlockEdge * offset.y,
                                                               z + kBlockEdge * offset.z)] =
-                        distances[sample_index(x, y, z)];
+                        neighbour == kNone ? kUnknownDistance
+                                           : field_.distance_m(neighbour, sample_index(x, y, z));
     }
 }
 
+std::array<std::size_t, 8> FieldReader::blocks_around(const Eigen::Vector3i& cell) const {
+    std::array<std::size_t, 8> blocks;
+    blocks[0] = find(block_of(cell));
+    for (int corner = 1; corner < 8; ++corner) {
+        const Eigen::Vector3i sample = cell + corner_offset(corner);
+        // The corner on the near side along one axis.
+        const int before = corner & (corner - 1);
+        const bool same = block_of(sample) == block_of(cell + corner_offset(before));
+        blocks[corner] = same ? blocks[before] : find(block_of(sample));
+    }
+    return blocks;
+}
+
 bool FieldReader::read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& corners_m) const {
+    const auto blocks = blocks_around(cell);
     for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector3i sample = cell + corner_offset(corner);
-        const std::size_t block = find(block_of(sample));
+        const std::size_t block = blocks[corner];
         if (block == kNone) return false;
         corners_m[corner] = field_.distance_m(block, index_in_block(sample));
         if (std::isnan(corners_m[corner])) return false;
@@ -70,9 +89,10 @@ SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
     float color_weight = 0.0F;
     float count = 0.0F;
     float weights = 0.0F;
+    const auto blocks = blocks_around(cell);
     for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector3i sample = cell + corner_offset(corner);
-        const std::size_t block = find(block_of(sample));
+        const std::size_t block = blocks[corner];
         if (block == kNone) continue;
         const SampleAttributes here = field_.attributes(block, index_in_block(sample));
         const float weight = corner_weight(corner, place) + 1e-3F;
@@ -107,7 +127,7 @@ Eigen::Vector3f FieldReader::edge_normal(const Eigen::Vector3i& sample,
             place[(axis + 1 + side) % 3] = 1.0F;
         }
         std::array<float, 8> corners;
-        if (read_cell(cell, corners)) sum += cell_gradient(corners, place);
+        if (read_cell(cell, corners)) sum += cell_at(corners, place).gradient_m;
     }
     const float length = sum.norm();
     return length > 0.0F ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
@@ -119,23 +139,22 @@ int sign_mask(const std::array<float, 8>& corners_m) {
     return mask;
 }
 
-float cell_distance(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place) {
-    float sum = 0.0F;
-    for (int corner = 0; corner < 8; ++corner)
-        sum += corner_weight(corner, place) * corners_m[corner];
-    return sum;
-}
-
-Eigen::Vector3f cell_gradient(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place) {
-    Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
-    for (int axis = 0; axis < 3; ++axis)
-        for (int corner = 0; corner < 8; ++corner) {
-            Eigen::Vector3f at = place;
-            const bool far = ((corner >> axis) & 1) != 0;
-            at[axis] = far ? 1.0F : 0.0F;  // the weight along this axis becomes its derivative
-            gradient[axis] += (far ? 1.0F : -1.0F) * corner_weight(corner, at) * corners_m[corner];
-        }
-    return gradient;
+CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place) {
+    const float x = place.x(), y = place.y(), z = place.z();
+    float along_x[4], slope_x[4];  // of the edges along x, by y and z
+    for (int i = 0; i < 4; ++i) {
+        slope_x[i] = corners_m[2 * i + 1] - corners_m[2 * i];
+        along_x[i] = corners_m[2 * i] + x * slope_x[i];
+    }
+    const float front = between(along_x[0], along_x[1], y);
+    const float back = between(along_x[2], along_x[3], y);
+    CellPoint point;
+    point.distance_m = between(front, back, z);
+    point.gradient_m.x() =
+        between(between(slope_x[0], slope_x[1], y), between(slope_x[2], slope_x[3], y), z);
+    point.gradient_m.y() = between(along_x[1] - along_x[0], along_x[3] - along_x[2], z);
+    point.gradient_m.z() = back - front;
+    return point;
 }
 
 }  // namespace divemesh::worker

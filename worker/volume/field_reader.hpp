@@ -38,6 +38,9 @@ public:
     const SignedField& field() const { return field_; }
 
 private:
+    // Of each corner of a cell, or kNone.
+    std::array<std::size_t, 8> blocks_around(const Eigen::Vector3i& cell) const;
+
     const SignedField& field_;
     std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
 };
@@ -45,8 +48,12 @@ private:
 // Bit c: corner c is behind the surface.
 int sign_mask(const std::array<float, 8>& corners_m);
 
-// The field inside a cell: trilinear between the corners, in m; gradient per cell edge.
-float cell_distance(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place);
-Eigen::Vector3f cell_gradient(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place);
+// The field inside a cell, at `place` (0 to 1): trilinear between the corners, and its gradient per
+// cell edge.
+struct CellPoint {
+    float distance_m;
+    Eigen::Vector3f gradient_m;
+};
+CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place);
 
 }  // namespace divemesh::worker

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/volume/cell_topology.hpp"
+#include "worker/volume/crossed_cells.hpp"
 #include "worker/volume/field_reader.hpp"
 
 namespace divemesh::worker {
@@ -98,21 +99,10 @@ void MarchingCubes::find_triangles(std::size_t block) {
     BlockNeighbourhood samples;
     reader_.read(block, samples);
     const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
-    for (int i = 0; i < kBlockSamples; ++i) {
-        const Eigen::Vector3i place(i & 7, (i >> 3) & 7, i >> 6);
-        std::array<float, 8> corners;
-        float sum = 0.0F;
-        for (int c = 0; c < 8; ++c) {
-            corners[c] = samples.distances_m[BlockNeighbourhood::index(
-                place.x() + (c & 1), place.y() + ((c >> 1) & 1), place.z() + ((c >> 2) & 1))];
-            sum += corners[c];
-        }
-        if (std::isnan(sum)) continue;
-        const int mask = sign_mask(corners);
-        if (mask == 0 || mask == 255) continue;
-        for (const auto& triangle : cell_topology(mask).triangles) {
+    for (const CrossedCell& cell : find_crossed_cells(samples)) {
+        for (const auto& triangle : cell_topology(sign_mask(cell.corners_m)).triangles) {
             std::array<std::uint32_t, 3> vertices;
-            for (int k = 0; k < 3; ++k) vertices[k] = vertex_of(first + place, triangle[k]);
+            for (int k = 0; k < 3; ++k) vertices[k] = vertex_of(first + cell.place, triangle[k]);
             blocks_[block].triangles.push_back(vertices);
         }
     }

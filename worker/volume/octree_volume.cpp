@@ -62,10 +62,12 @@ void OctreeVolume::insert_four(const Eigen::Isometry3d& T_world_cam,
     }
 }
 
-bool OctreeVolume::confirms(const Eigen::Vector3d& p_world) const {
-    const Eigen::Vector3i cell = (p_world / settings_.voxel_m).array().floor().cast<int>();
-    const PointLeaf* leaf = octree_.find(cell);
-    return leaf != nullptr && leaf->num_views >= least_views();
+void OctreeVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {
+    for (const Eigen::Vector3d& p : p_world) {
+        const Eigen::Vector3i cell = (p / settings_.voxel_m).array().floor().cast<int>();
+        const PointLeaf* leaf = octree_.find(cell);
+        *out++ = leaf != nullptr && leaf->num_views >= least_views();
+    }
 }
 
 int OctreeVolume::least_views() const {

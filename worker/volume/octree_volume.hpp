@@ -16,7 +16,7 @@ public:
     explicit OctreeVolume(VolumeSettings settings);
 
     void add(const Keyframe& keyframe, const DepthView& depth) override;
-    bool confirms(const Eigen::Vector3d& p_world) const override;
+    void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
     std::unique_ptr<SignedField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
     std::int64_t memory_bytes() const override { return octree_.memory_bytes(); }

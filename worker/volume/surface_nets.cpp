@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/volume/cell_topology.hpp"
+#include "worker/volume/crossed_cells.hpp"
 #include "worker/volume/field_reader.hpp"
 
 namespace divemesh::worker {
@@ -24,7 +25,7 @@ struct ActiveCell {
 
 struct NetVertex {
     Eigen::Vector3i cell;
-    Eigen::Vector3f place;  // in the cell, 0 to 1
+    Eigen::Vector3f crossing;  // mean of the cell's zeros, in the cell, 0 to 1
     std::array<float, 8> corners_m;
     bool single = true;  // the only sheet in its cell
 };
@@ -63,15 +64,16 @@ private:
     void number_vertices();
     void find_quads(std::size_t block);
     void add_quad(std::size_t block, const Eigen::Vector3i& sample, int axis, bool behind);
-    std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge) const;
+    std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge, std::size_t expected) const;
     void link_neighbours();
     void collect_links();
     void sort_links(std::size_t vertex);
     void read_attributes();
     void relax();
-    void relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>& places) const;
+    Eigen::Vector3f relaxed(std::size_t vertex) const;
     Mesh make_mesh();
-    Eigen::Vector3f position(std::size_t vertex) const;  // in voxels
+    void set_vertex(std::size_t vertex, Mesh& mesh) const;
+    void set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const;
 
     const SignedField& field_;
     const MeshingSettings& settings_;
@@ -79,6 +81,7 @@ private:
     std::vector<BlockNet> nets_;
     std::vector<std::vector<Quad>> quads_;
     std::vector<NetVertex> vertices_;
+    std::vector<Eigen::Vector3f> places_;  // of the vertices in their cells, 0 to 1
     std::vector<SampleAttributes> attributes_;
     std::vector<std::uint32_t> links_;       // to neighbours, of all vertices one after the other
     std::vector<std::uint32_t> first_link_;  // of each vertex, and one behind
@@ -102,29 +105,19 @@ void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& w
 void SurfaceNets::find_vertices(std::size_t block) {
     BlockNeighbourhood samples;
     reader_.read(block, samples);
-    BlockNet& net = nets_[block];
+    const auto crossed = find_crossed_cells(samples);
+    if (crossed.empty()) return;
     const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
-    for (int z = 0; z < kBlockEdge; ++z)
-        for (int y = 0; y < kBlockEdge; ++y)
-            for (int x = 0; x < kBlockEdge; ++x) {
-                std::array<float, 8> corners;
-                float sum = 0.0F;
-                for (int c = 0; c < 8; ++c) {
-                    corners[c] = samples.distances_m[BlockNeighbourhood::index(
-                        x + (c & 1), y + ((c >> 1) & 1), z + ((c >> 2) & 1))];
-                    sum += corners[c];
-                }
-                if (std::isnan(sum)) continue;
-                const int mask = sign_mask(corners);
-                if (mask == 0 || mask == 255) continue;
-                if (net.cells.empty()) net.cells.resize(kBlockSamples);
-                const Eigen::Vector3i cell = first + Eigen::Vector3i(x, y, z);
-                ActiveCell& active = net.cells[sample_index(x, y, z)];
-                active.mask = static_cast<std::uint8_t>(mask);
-                active.joined_face = static_cast<std::uint8_t>(face_to_join(mask, cell));
-                active.first_vertex = static_cast<std::uint16_t>(net.vertices.size());
-                add_vertices(net, cell, corners);
-            }
+    BlockNet& net = nets_[block];
+    net.cells.resize(kBlockSamples);
+    for (const CrossedCell& cell : crossed) {
+        const int mask = sign_mask(cell.corners_m);
+        ActiveCell& active = net.cells[index_in_block(cell.place)];
+        active.mask = static_cast<std::uint8_t>(mask);
+        active.joined_face = static_cast<std::uint8_t>(face_to_join(mask, first + cell.place));
+        active.first_vertex = static_cast<std::uint16_t>(net.vertices.size());
+        add_vertices(net, first + cell.place, cell.corners_m);
+    }
 }
 
 // A face that is folded in this cell and in the one behind it is joined in both.
@@ -154,10 +147,10 @@ void SurfaceNets::add_vertices(BlockNet& net,
             for (int axis = 0; axis < 3; ++axis) {
                 const auto from = static_cast<float>((ends.from >> axis) & 1);
                 const auto to = static_cast<float>((ends.to >> axis) & 1);
-                vertex.place[axis] += from + t * (to - from);
+                vertex.crossing[axis] += from + t * (to - from);
             }
         }
-        vertex.place /= static_cast<float>(loop.size());
+        vertex.crossing /= static_cast<float>(loop.size());
         net.vertices.push_back(vertex);
     }
 }
@@ -168,34 +161,32 @@ void SurfaceNets::number_vertices() {
         net.first_vertex = static_cast<std::uint32_t>(num);
         num += net.vertices.size();
     }
-    vertices_.reserve(num);
-    for (BlockNet& net : nets_) {
-        vertices_.insert(vertices_.end(), net.vertices.begin(), net.vertices.end());
+    vertices_.resize(num);
+    places_.resize(num);
+    for_each_index(settings_.num_threads, nets_.size(), [this](std::size_t block) {
+        BlockNet& net = nets_[block];
+        for (std::size_t i = 0; i < net.vertices.size(); ++i) {
+            vertices_[net.first_vertex + i] = net.vertices[i];
+            places_[net.first_vertex + i] = net.vertices[i].crossing;
+        }
         net.vertices = {};
-    }
+    });
 }
 
 // Every lattice edge that begins in the block and changes sign is the middle of a quad between its
-// four cells, when each of them has a vertex.
+// four cells, when each of them has a vertex; one of the four is the cell at the edge's beginning.
 void SurfaceNets::find_quads(std::size_t block) {
+    const BlockNet& net = nets_[block];
+    if (net.cells.empty()) return;
     const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
-    BlockNeighbourhood samples;
-    reader_.read(block, samples);
-    const auto at = [&](const Eigen::Vector3i& s) {
-        return samples.distances_m[BlockNeighbourhood::index(s.x(), s.y(), s.z())];
-    };
-    for (int z = 0; z < kBlockEdge; ++z)
-        for (int y = 0; y < kBlockEdge; ++y)
-            for (int x = 0; x < kBlockEdge; ++x) {
-                const Eigen::Vector3i sample(x, y, z);
-                const float from = at(sample);
-                if (std::isnan(from)) continue;
-                for (int axis = 0; axis < 3; ++axis) {
-                    const float to = at(sample + Eigen::Vector3i::Unit(axis));
-                    if (!std::isnan(to) && (from < 0.0F) != (to < 0.0F))
-                        add_quad(block, first + sample, axis, from < 0.0F);
-                }
-            }
+    for (int i = 0; i < kBlockSamples; ++i) {
+        const ActiveCell& cell = net.cells[i];
+        if (cell.first_vertex == kNoVertex) continue;
+        const bool behind = (cell.mask & 1) != 0;
+        for (int axis = 0; axis < 3; ++axis)
+            if (behind != (((cell.mask >> (1 << axis)) & 1) != 0))
+                add_quad(block, first + Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6), axis, behind);
+    }
 }
 
 void SurfaceNets::add_quad(std::size_t block,
@@ -210,15 +201,19 @@ void SurfaceNets::add_quad(std::size_t block,
         cell[u] += kAround[i][0];
         cell[v] += kAround[i][1];
         const int edge = 4 * axis - kAround[i][0] - 2 * kAround[i][1];
-        quad[i] = vertex_of(cell, edge);
+        quad[i] = vertex_of(cell, edge, block);
         if (quad[i] == kNoIndex) return;
     }
     if (!behind) std::swap(quad[1], quad[3]);
     quads_[block].push_back(quad);
 }
 
-std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell, int edge) const {
-    const std::size_t block = reader_.find(block_of(cell));
+// Most cells are in the `expected` block.
+std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell,
+                                     int edge,
+                                     std::size_t expected) const {
+    const BlockCoordinate place = block_of(cell);
+    const std::size_t block = place == field_.blocks()[expected] ? expected : reader_.find(place);
     if (block == FieldReader::kNone || nets_[block].cells.empty()) return kNoIndex;
     const ActiveCell& active = nets_[block].cells[index_in_block(cell)];
     if (active.first_vertex == kNoVertex) return kNoIndex;
@@ -271,40 +266,37 @@ void SurfaceNets::sort_links(std::size_t vertex) {
 void SurfaceNets::read_attributes() {
     attributes_.resize(vertices_.size());
     phase(0.6, 0.75, vertices_.size(), [this](std::size_t i) {
-        attributes_[i] = reader_.attributes(vertices_[i].cell, vertices_[i].place);
+        attributes_[i] = reader_.attributes(vertices_[i].cell, places_[i]);
     });
 }
 
 void SurfaceNets::relax() {
-    std::vector<Eigen::Vector3f> places(vertices_.size());
+    std::vector<Eigen::Vector3f> next(places_.size());
     for (int round = 0; round < settings_.num_relaxations; ++round) {
         const double done = round, all = settings_.num_relaxations;
         phase(0.75 + 0.2 * done / all,
               0.75 + 0.2 * (done + 1.0) / all,
-              vertices_.size(),
-              [&](std::size_t i) { relax_vertex(i, places); });
-        for (std::size_t i = 0; i < vertices_.size(); ++i) vertices_[i].place = places[i];
+              places_.size(),
+              [&](std::size_t i) { next[i] = relaxed(i); });
+        places_.swap(next);
     }
 }
 
-void SurfaceNets::relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>& places) const {
+Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
     const NetVertex& here = vertices_[vertex];
-    Eigen::Vector3f& place = places[vertex];
-    place = here.place;
-    if (!here.single) return;
+    Eigen::Vector3f place = places_[vertex];
+    if (!here.single) return place;
     const std::uint32_t begin = first_link_[vertex], end = begin + num_neighbours_[vertex];
     if (on_border_[vertex] == 0 && begin != end) {
         Eigen::Vector3f mean = Eigen::Vector3f::Zero();
         for (std::uint32_t i = begin; i < end; ++i)
-            mean +=
-                (vertices_[links_[i]].cell - here.cell).cast<float>() + vertices_[links_[i]].place;
+            mean += (vertices_[links_[i]].cell - here.cell).cast<float>() + places_[links_[i]];
         place += 0.5F * (mean / static_cast<float>(end - begin) - place);
     }
     place = place.cwiseMax(0.0F).cwiseMin(1.0F);
     const float slack = attributes_[vertex].sigma_m;
     for (int round = 0; round < 3; ++round) {  // back to the zero and into the cell, in turns
-        const float distance = cell_distance(here.corners_m, place);
-        const Eigen::Vector3f gradient = cell_gradient(here.corners_m, place);
+        const auto [distance, gradient] = cell_at(here.corners_m, place);
         const float slope = gradient.squaredNorm();
         const float excess = distance - std::clamp(distance, -slack, slack);
         if (excess == 0.0F || slope == 0.0F) break;
@@ -312,46 +304,57 @@ void SurfaceNets::relax_vertex(std::size_t vertex, std::vector<Eigen::Vector3f>&
         place += back * std::min(1.0F, 0.5F / std::max(1e-9F, back.norm()));
         place = place.cwiseMax(0.0F).cwiseMin(1.0F);
     }
-}
-
-Eigen::Vector3f SurfaceNets::position(std::size_t vertex) const {
-    return vertices_[vertex].cell.cast<float>() + vertices_[vertex].place;
+    return place;
 }
 
 Mesh SurfaceNets::make_mesh() {
     for (auto* done : {&links_, &first_link_}) *done = {};
     Mesh mesh;
-    mesh.vertices.reserve(vertices_.size());
-    mesh.normals.reserve(vertices_.size());
-    mesh.colors.reserve(vertices_.size());
-    mesh.sigma_m.reserve(vertices_.size());
-    mesh.num_observations.reserve(vertices_.size());
-    const auto voxel = static_cast<float>(field_.voxel_m());
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-        const NetVertex& vertex = vertices_[i];
-        const Eigen::Vector3f gradient = cell_gradient(vertex.corners_m, vertex.place);
-        mesh.vertices.push_back(voxel * position(i));
-        mesh.normals.push_back(gradient.norm() > 0.0F ? Eigen::Vector3f(gradient.normalized())
-                                                      : Eigen::Vector3f::UnitZ());
-        mesh.colors.push_back(attributes_[i].color);
-        mesh.sigma_m.push_back(attributes_[i].sigma_m);
-        mesh.num_observations.push_back(attributes_[i].num_observations);
-    }
+    const std::size_t num_vertices = vertices_.size();
+    mesh.vertices.resize(num_vertices);
+    mesh.normals.resize(num_vertices);
+    mesh.colors.resize(num_vertices);
+    mesh.sigma_m.resize(num_vertices);
+    mesh.num_observations.resize(num_vertices);
+    phase(0.95, 0.97, num_vertices, [&](std::size_t vertex) { set_vertex(vertex, mesh); });
     vertices_ = {};
-    std::size_t num_quads = 0;
-    for (const auto& quads : quads_) num_quads += quads.size();
-    mesh.triangles.reserve(2 * num_quads);
-    for (const auto& quads : quads_)
-        for (const Quad& q : quads) {
-            const auto diagonal = [&](int a, int b) {
-                return (mesh.vertices[q[a]] - mesh.vertices[q[b]]).squaredNorm();
-            };
-            const int start = diagonal(0, 2) <= diagonal(1, 3) ? 0 : 1;
-            mesh.triangles.push_back({q[start], q[start + 1], q[start + 2]});
-            mesh.triangles.push_back({q[start], q[start + 2], q[(start + 3) & 3]});
-        }
-    settings_.progress.at(1.0);
+    places_ = {};
+    std::vector<std::size_t> first_triangle;
+    std::size_t num_triangles = 0;
+    for (const auto& quads : quads_) {
+        first_triangle.push_back(num_triangles);
+        num_triangles += 2 * quads.size();
+    }
+    mesh.triangles.resize(num_triangles);
+    phase(0.97, 1.0, quads_.size(), [&](std::size_t block) {
+        set_triangles(block, first_triangle[block], mesh);
+    });
     return mesh;
+}
+
+void SurfaceNets::set_vertex(std::size_t vertex, Mesh& mesh) const {
+    const NetVertex& net = vertices_[vertex];
+    const Eigen::Vector3f& place = places_[vertex];
+    const Eigen::Vector3f gradient = cell_at(net.corners_m, place).gradient_m;
+    const SampleAttributes& attributes = attributes_[vertex];
+    mesh.vertices[vertex] = static_cast<float>(field_.voxel_m()) * (net.cell.cast<float>() + place);
+    mesh.normals[vertex] =
+        gradient.norm() > 0.0F ? Eigen::Vector3f(gradient.normalized()) : Eigen::Vector3f::UnitZ();
+    mesh.colors[vertex] = attributes.color;
+    mesh.sigma_m[vertex] = attributes.sigma_m;
+    mesh.num_observations[vertex] = attributes.num_observations;
+}
+
+// Each quad is cut along its shorter diagonal.
+void SurfaceNets::set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const {
+    for (const Quad& q : quads_[block]) {
+        const auto diagonal = [&](int a, int b) {
+            return (mesh.vertices[q[a]] - mesh.vertices[q[b]]).squaredNorm();
+        };
+        const int start = diagonal(0, 2) <= diagonal(1, 3) ? 0 : 1;
+        mesh.triangles[first++] = {q[start], q[start + 1], q[start + 2]};
+        mesh.triangles[first++] = {q[start], q[start + 2], q[(start + 3) & 3]};
+    }
 }
 
 }  // namespace

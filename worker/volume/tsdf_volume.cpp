@@ -76,13 +76,14 @@ TsdfVolume::TsdfVolume(VolumeSettings settings)
 void TsdfVolume::add(const Keyframe& keyframe, const DepthView& depth) {
     const TsdfView view = view_of(keyframe, depth, settings_);
     allocate(view, keyframe, depth);
-    const auto visible = regions_.find(VisibleSpace(view), view.voxel_m);
+    const DepthRanges ranges(view);
+    const auto visible = regions_.find(VisibleSpace(view, ranges), view.voxel_m);
     std::vector<TsdfBlock*> blocks;
     blocks.reserve(visible.size());
     for (const VisibleBlock& seen : visible) blocks.push_back(&block(seen.number));
     for_each_index(settings_.num_threads, visible.size(), [&](std::size_t i) {
         const VisibleBlock& seen = visible[i];
-        update_block(view, first_sample(coordinates_[seen.number]), seen.place, *blocks[i]);
+        update_block(view, ranges, first_sample(coordinates_[seen.number]), seen.place, *blocks[i]);
     });
     samples_.trim();
     ++num_views_;
@@ -130,15 +131,25 @@ const TsdfBlock& TsdfVolume::block(std::uint32_t number) const {
     return *std::launder(reinterpret_cast<const TsdfBlock*>(samples_.read(blocks_[number])));
 }
 
-bool TsdfVolume::confirms(const Eigen::Vector3d& p_world) const {
-    const Eigen::Vector3i sample =
-        (p_world / settings_.voxel_m).array().round().matrix().cast<int>();
-    const auto entry = index_.find(block_of(sample));
-    if (entry == index_.end()) return false;
-    const TsdfBlock& samples = block(entry->second);
-    const int i = index_in_block(sample);
-    return samples.num_views[i] >= least_views() &&
-           std::abs(static_cast<float>(samples.distance[i])) < kConfirmed_voxels * kDistanceSteps;
+const TsdfBlock* TsdfVolume::find(const BlockCoordinate& coordinate) const {
+    const auto entry = index_.find(coordinate);
+    return entry == index_.end() ? nullptr : &block(entry->second);
+}
+
+void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {
+    constexpr float kFarthest = kConfirmed_voxels * kDistanceSteps;
+    BlockCoordinate at{INT32_MAX, 0, 0};
+    const TsdfBlock* samples = nullptr;
+    for (const Eigen::Vector3d& p : p_world) {
+        const Eigen::Vector3i sample = (p / settings_.voxel_m).array().round().matrix().cast<int>();
+        if (const BlockCoordinate here = block_of(sample); here != at) {
+            at = here;
+            samples = find(here);
+        }
+        const int i = index_in_block(sample);
+        *out++ = samples != nullptr && samples->num_views[i] >= least_views() &&
+                 std::abs(static_cast<float>(samples->distance[i])) < kFarthest;
+    }
 }
 
 // What the meshers see: samples that enough views agree on.

@@ -27,7 +27,7 @@ public:
     explicit TsdfVolume(VolumeSettings settings);
 
     void add(const Keyframe& keyframe, const DepthView& depth) override;
-    bool confirms(const Eigen::Vector3d& p_world) const override;
+    void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
     std::unique_ptr<SignedField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
     std::int64_t memory_bytes() const override;
@@ -42,6 +42,7 @@ private:
     void add_block(const BlockCoordinate& block);
     TsdfBlock& block(std::uint32_t number);
     const TsdfBlock& block(std::uint32_t number) const;
+    const TsdfBlock* find(const BlockCoordinate& block) const;  // null: there is none
 
     // Of a sample before it may be surface.
     std::uint32_t least_views() const { return std::min(kLeastViews, num_views_); }

@@ -132,51 +132,107 @@ DIVEMESH_INLINE_BODY bool can_be_carved(const TsdfBlock& block, int sample) {
     return any((weights != 0) & (steps < kFreeSteps));
 }
 
+// Where the eight rows of samples of a layer lie: a bit for each that may be changed, and for each
+// of these that lies before all surfaces.
+struct RowPlaces {
+    unsigned reached = 0xff;
+    unsigned before = 0;
+};
+
+// A row is a line in the picture too, no longer than from its first to its last sample.
+DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
+                                              const DepthRanges& ranges,
+                                              const Eigen::Vector3f& p_cam,
+                                              const Eigen::Vector3f& step_x,
+                                              const Eigen::Vector3f& step_y) {
+    constexpr float kLast = kBlockEdge - 1;
+    const Floats along = __builtin_convertvector(kLaneNumbers, Floats);
+    const auto first = [&](int axis) { return p_cam[axis] + along * step_y[axis]; };
+    const Floats z0 = first(2);
+    const Floats z1 = z0 + kLast * step_x.z();
+    const Floats nearest = least_of(z0, z1);
+    if (any(nearest < kNearest_m)) return {};
+    const Floats farthest = largest_of(z0, z1);
+    const Floats scale0 = view.focal_px / z0;
+    const Floats scale1 = view.focal_px / z1;
+    const Floats u0 = first(0) * scale0, v0 = first(1) * scale0;
+    const Floats u1 = (first(0) + kLast * step_x.x()) * scale1;
+    const Floats v1 = (first(1) + kLast * step_x.y()) * scale1;
+    const Floats half_length = 0.5F * largest_of(size_of(u1 - u0), size_of(v1 - v0));
+    int level = 0;
+    while (any(half_length > static_cast<float>(DepthRanges::tile_px(level))))
+        if (++level == DepthRanges::kNumLevels) return {};
+    const auto tile = [&](Floats sum, float center_px, int num) {
+        const Floats at =
+            (0.5F * sum + (center_px + 0.5F)) / static_cast<float>(DepthRanges::tile_px(level));
+        return whole(least_of(largest_of(at, splat(0.0F)), splat(static_cast<float>(num - 1))));
+    };
+    const Masks column = tile(u0 + u1, view.cx_px, ranges.num_columns(level));
+    const Masks row = tile(v0 + v1, view.cy_px, ranges.num_rows(level));
+    RowPlaces places{0, 0};
+    for (int i = 0; i < kLanes; ++i) {
+        const DepthRange& range = ranges.around(level, column[i], row[i]);
+        places.reached |= (nearest[i] <= range.farthest_m ? 1U : 0U) << i;
+        places.before |= (farthest[i] < range.nearest_m ? 1U : 0U) << i;
+    }
+    return places;
+}
+
 DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
+                                            const DepthRanges& ranges,
                                             const Eigen::Vector3i& first,
                                             BlockPlace place,
                                             TsdfBlock& block) {
-    const float voxel = view.voxel_m;
-    const Eigen::Matrix3f R = voxel * view.R_cam_world;
-    const Eigen::Vector3f step = R.col(0);
-    for (int row = 0; row < kBlockSamples / kLanes; ++row) {
-        if (place == BlockPlace::Before && !can_be_carved(block, row * kLanes)) continue;
-        const Eigen::Vector3f sample =
-            (first + Eigen::Vector3i(0, row & 7, row >> 3)).cast<float>();
-        const Eigen::Vector3f p_cam(R(0, 0) * sample.x() + R(0, 1) * sample.y() +
-                                        R(0, 2) * sample.z() + view.t_cam_world.x(),
-                                    R(1, 0) * sample.x() + R(1, 1) * sample.y() +
-                                        R(1, 2) * sample.z() + view.t_cam_world.y(),
-                                    R(2, 0) * sample.x() + R(2, 1) * sample.y() +
-                                        R(2, 2) * sample.z() + view.t_cam_world.z());
-        update_row(view, p_cam, step, row * kLanes, block);
+    const Eigen::Matrix3f R = view.voxel_m * view.R_cam_world;
+    const auto p_cam = [&](int y, int z) -> Eigen::Vector3f {
+        const Eigen::Vector3f sample = (first + Eigen::Vector3i(0, y, z)).cast<float>();
+        return {R(0, 0) * sample.x() + R(0, 1) * sample.y() + R(0, 2) * sample.z() +
+                    view.t_cam_world.x(),
+                R(1, 0) * sample.x() + R(1, 1) * sample.y() + R(1, 2) * sample.z() +
+                    view.t_cam_world.y(),
+                R(2, 0) * sample.x() + R(2, 1) * sample.y() + R(2, 2) * sample.z() +
+                    view.t_cam_world.z()};
+    };
+    const Eigen::Vector3f step_x = R.col(0), step_y = R.col(1);
+    for (int z = 0; z < kBlockEdge; ++z) {
+        const RowPlaces places = places_of_rows(view, ranges, p_cam(0, z), step_x, step_y);
+        for (int y = 0; y < kBlockEdge; ++y) {
+            if (((places.reached >> y) & 1) == 0) continue;
+            const int sample = sample_index(0, y, z);
+            const bool before = place == BlockPlace::Before || ((places.before >> y) & 1) != 0;
+            if (before && !can_be_carved(block, sample)) continue;
+            update_row(view, p_cam(y, z), step_x, sample, block);
+        }
     }
 }
 
 void update_block_baseline(const TsdfView& view,
+                           const DepthRanges& ranges,
                            const Eigen::Vector3i& first,
                            BlockPlace place,
                            TsdfBlock& block) {
-    update_block_body(view, first, place, block);
+    update_block_body(view, ranges, first, place, block);
 }
 DIVEMESH_FOR_AVX2 void update_block_avx2(const TsdfView& view,
+                                         const DepthRanges& ranges,
                                          const Eigen::Vector3i& first,
                                          BlockPlace place,
                                          TsdfBlock& block) {
-    update_block_body(view, first, place, block);
+    update_block_body(view, ranges, first, place, block);
 }
 
 }  // namespace
 
 void update_block(const TsdfView& view,
+                  const DepthRanges& ranges,
                   const Eigen::Vector3i& first,
                   BlockPlace place,
                   TsdfBlock& block,
                   Instructions instructions) {
     if (instructions == Instructions::Baseline)
-        update_block_baseline(view, first, place, block);
+        update_block_baseline(view, ranges, first, place, block);
     else
-        update_block_avx2(view, first, place, block);
+        update_block_avx2(view, ranges, first, place, block);
 }
 
 }  // namespace divemesh::worker

@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kBlockSize_samples = kBlockEdge;
 constexpr float kRegionSize_samples = 8.0F * kBlockEdge;
+constexpr int kLevel = 1;  // of the tiles that a block is compared with
 
 Eigen::Vector3f middle_of(const BlockCoordinate& cube, float edge_samples, float voxel_m) {
     const Eigen::Vector3f first =
@@ -21,34 +22,12 @@ float radius_of(float edge_samples, float voxel_m) {
 
 }  // namespace
 
-// How far before and behind its surface a pixel changes samples, along its ray. The noise, and so
-// the truncation, is that of the far end.
-VisibleSpace::Range VisibleSpace::range_of(const TsdfView& view, const SurfacePixel& pixel) {
-    if (!makes_surface(view, pixel)) return {pixel.depth_m, pixel.depth_m};
-    const float along_ray = pixel.depth_m / pixel.offset_m;  // per metre across the plane
-    const auto band = [&](float z) {
-        const float sigma = z * z * (pixel.sigma_disparity_px * view.depth_sigma_scale);
-        return along_ray * std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
-    };
-    const float behind = pixel.depth_m + band(pixel.depth_m);
-    return {pixel.depth_m - band(pixel.depth_m), pixel.depth_m + band(behind)};
-}
-
-VisibleSpace::VisibleSpace(const TsdfView& view)
-    : view_(view),
-      num_columns_((view.width_px + kTile_px - 1) / kTile_px),
-      num_rows_((view.height_px + kTile_px - 1) / kTile_px),
-      ranges_(static_cast<std::size_t>(num_columns_) * num_rows_) {
+VisibleSpace::VisibleSpace(const TsdfView& view, const DepthRanges& ranges)
+    : view_(view), ranges_(ranges) {
     const float half_x = std::max(view.cx_px, static_cast<float>(view.width_px) - view.cx_px);
     const float half_y = std::max(view.cy_px, static_cast<float>(view.height_px) - view.cy_px);
     slack_x_ = std::hypot(half_x, view.focal_px) / view.focal_px;
     slack_y_ = std::hypot(half_y, view.focal_px) / view.focal_px;
-    for (int v = 0; v < view.height_px; ++v)
-        for (int u = 0; u < view.width_px; ++u) {
-            const SurfacePixel& pixel = view.pixels[v * view.width_px + u];
-            if (pixel.weight <= 0.0F) continue;
-            ranges_[(v / kTile_px) * num_columns_ + u / kTile_px].extend(range_of(view, pixel));
-        }
 }
 
 std::optional<BlockPlace> VisibleSpace::place_of(const Eigen::Vector3f& middle,
@@ -60,22 +39,22 @@ std::optional<BlockPlace> VisibleSpace::place_of(const Eigen::Vector3f& middle,
     const float half_y = std::max(view_.cy_px, static_cast<float>(view_.height_px) - view_.cy_px);
     if (std::abs(p.x()) > z * half_x / view_.focal_px + slack_x_ * radius_m) return std::nullopt;
     if (std::abs(p.y()) > z * half_y / view_.focal_px + slack_y_ * radius_m) return std::nullopt;
-    const Range range = range_around(p, radius_m);
+    const DepthRange range = range_around(p, radius_m);
     if (p.z() - radius_m > range.farthest_m) return std::nullopt;
     return p.z() + radius_m < range.nearest_m ? BlockPlace::Before : BlockPlace::Near;
 }
 
 // Over the tiles that the ball may cover.
-VisibleSpace::Range VisibleSpace::range_around(const Eigen::Vector3f& p_cam, float radius_m) const {
+DepthRange VisibleSpace::range_around(const Eigen::Vector3f& p_cam, float radius_m) const {
     const float near = p_cam.z() - radius_m;
     int first_column = 0;
-    int last_column = num_columns_ - 1;
+    int last_column = ranges_.num_columns(kLevel) - 1;
     int first_row = 0;
-    int last_row = num_rows_ - 1;
+    int last_row = ranges_.num_rows(kLevel) - 1;
     if (near > radius_m) {
         const auto tile = [&](float x, float z, float c_px) {
-            return static_cast<int>(
-                std::floor((view_.focal_px * x / z + c_px + 0.5F) / static_cast<float>(kTile_px)));
+            return static_cast<int>(std::floor((view_.focal_px * x / z + c_px + 0.5F) /
+                                               static_cast<float>(DepthRanges::tile_px(kLevel))));
         };
         const float far = p_cam.z() + radius_m;
         const auto first = [&](float x, float c_px) {
@@ -89,11 +68,7 @@ VisibleSpace::Range VisibleSpace::range_around(const Eigen::Vector3f& p_cam, flo
         first_row = std::max(first_row, first(p_cam.y(), view_.cy_px));
         last_row = std::min(last_row, last(p_cam.y(), view_.cy_px));
     }
-    Range range;
-    for (int row = first_row; row <= last_row; ++row)
-        for (int column = first_column; column <= last_column; ++column)
-            range.extend(ranges_[row * num_columns_ + column]);
-    return range;
+    return ranges_.over(kLevel, first_column, last_column, first_row, last_row);
 }
 
 void BlockRegions::add(const BlockCoordinate& block, std::uint32_t number) {
@@ -110,9 +85,14 @@ Eigen::AlignedBox3f VisibleSpace::bounds() const {
         return Eigen::Vector3f(view_.R_cam_world.transpose() * (p_cam - view_.t_cam_world));
     };
     Eigen::AlignedBox3f box(to_world(Eigen::Vector3f::Zero()));
-    Range whole;
-    for (const Range& range : ranges_) whole.extend(range);
-    const float far = whole.farthest_m;
+    constexpr int kCoarsest = DepthRanges::kNumLevels - 1;
+    const float far = ranges_
+                          .over(kCoarsest,
+                                0,
+                                ranges_.num_columns(kCoarsest) - 1,
+                                0,
+                                ranges_.num_rows(kCoarsest) - 1)
+                          .farthest_m;
     for (const int u : {0, view_.width_px})
         for (const int v : {0, view_.height_px})
             box.extend(to_world({far * (static_cast<float>(u) - view_.cx_px) / view_.focal_px,

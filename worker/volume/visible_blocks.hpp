@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -17,34 +16,20 @@ namespace divemesh::worker {
 // samples are truncated.
 class VisibleSpace {
 public:
-    explicit VisibleSpace(const TsdfView& view);
+    // Both must outlive it.
+    VisibleSpace(const TsdfView& view, const DepthRanges& ranges);
 
     // Where a ball in the world is; nothing: the view changes none of it.
     std::optional<BlockPlace> place_of(const Eigen::Vector3f& middle, float radius_m) const;
     Eigen::AlignedBox3f bounds() const;  // in the world, m
 
 private:
-    static constexpr int kTile_px = 8;
-
-    // The depths, along the optical axis, between which a view may make surface.
-    struct Range {
-        float nearest_m = std::numeric_limits<float>::infinity();
-        float farthest_m = 0.0F;
-
-        void extend(const Range& other) {
-            nearest_m = std::min(nearest_m, other.nearest_m);
-            farthest_m = std::max(farthest_m, other.farthest_m);
-        }
-    };
-    static Range range_of(const TsdfView& view, const SurfacePixel& pixel);
-    Range range_around(const Eigen::Vector3f& p_cam, float radius_m) const;
+    DepthRange range_around(const Eigen::Vector3f& p_cam, float radius_m) const;
 
     const TsdfView& view_;
+    const DepthRanges& ranges_;
     float slack_x_;  // how far, per radius, the picture's sides are let out
     float slack_y_;
-    int num_columns_;
-    int num_rows_;
-    std::vector<Range> ranges_;  // by tile
 };
 
 struct VisibleBlock {

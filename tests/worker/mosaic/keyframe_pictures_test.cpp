@@ -18,11 +18,6 @@ protected:
         rig_.height_px = 480;
         rig_.focal_px = 500.0;
         for (const int frame_index : {3, 12}) {
-            KeyframeImages images;
-            images.left_color = cv::Mat(480, 640, CV_8UC3, cv::Scalar(40, 80, 120));
-            images.depth.disparity_px = cv::Mat::ones(480, 640, CV_32F);
-            images.depth.sigma_disparity_px = cv::Mat::ones(480, 640, CV_32F);
-            store_.write(frame_index, images);
             Keyframe keyframe;
             keyframe.frame_index = frame_index;
             keyframe.timestamp_ns = 1'403'636'579'763'555'584 + frame_index;
@@ -34,7 +29,8 @@ protected:
     TemporaryFolder folder_;
     RectifiedRig rig_;
     std::vector<Keyframe> keyframes_;
-    KeyframeStore store_{folder_ / "store"};
+    KeyframeStore store_{folder_ / "store",
+                         [](int) { return cv::Mat(480, 640, CV_8UC3, cv::Scalar(40, 80, 120)); }};
 };
 
 TEST_F(KeyframePicturesTest, EveryKeyframeHasAPoseAndASmallPicture) {

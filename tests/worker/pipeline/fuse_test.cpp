@@ -15,7 +15,8 @@ protected:
         for (const auto& pose : views_from_above(4, 1.2)) {
             auto view = render_view(bump_on_floor, small_rig(), pose);
             view.keyframe.frame_index = static_cast<int>(frames_.size());
-            store_.write(view.keyframe.frame_index, view.images);
+            store_.write(view.keyframe.frame_index, view.images.depth);
+            pictures_.push_back(view.images.left_color);
             frames_.push_back(view.keyframe);
         }
         options_.voxel_m = 0.02;
@@ -27,7 +28,9 @@ protected:
     }
 
     TemporaryFolder folder_;
-    KeyframeStore store_{folder_ / "keyframes"};
+    std::vector<cv::Mat> pictures_;
+    KeyframeStore store_{folder_ / "keyframes",
+                         [this](int frame_index) { return pictures_.at(frame_index); }};
     std::vector<Keyframe> frames_;
     ReconstructionOptions options_;
 };

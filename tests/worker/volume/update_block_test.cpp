@@ -25,20 +25,26 @@ class OneView : public testing::Test {
 protected:
     OneView()
         : rendered_(render_view(wall_and_ball, small_rig(), Eigen::Isometry3d::Identity(), {}, 1)),
-          depth_(small_rig(), rendered_.images) {
+          depth_(small_rig(), rendered_.images),
+          view_(view_of(depth_)),
+          ranges_(view_) {}
+
+    static TsdfView view_of(const DepthView& depth) {
         const RectifiedRig rig = small_rig();
-        view_.pixels = depth_.pixels();
-        view_.width_px = rig.width_px;
-        view_.height_px = rig.height_px;
-        view_.focal_px = static_cast<float>(rig.focal_px);
-        view_.cx_px = static_cast<float>(rig.cx_px);
-        view_.cy_px = static_cast<float>(rig.cy_px);
-        view_.R_cam_world.setIdentity();
-        view_.t_cam_world.setZero();
-        view_.voxel_m = kVoxel_m;
-        view_.max_depth_m = 4.0F;
-        view_.max_sigma_m = 4.0F * kVoxel_m;
-        view_.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
+        TsdfView view;
+        view.pixels = depth.pixels();
+        view.width_px = rig.width_px;
+        view.height_px = rig.height_px;
+        view.focal_px = static_cast<float>(rig.focal_px);
+        view.cx_px = static_cast<float>(rig.cx_px);
+        view.cy_px = static_cast<float>(rig.cy_px);
+        view.R_cam_world.setIdentity();
+        view.t_cam_world.setZero();
+        view.voxel_m = kVoxel_m;
+        view.max_depth_m = 4.0F;
+        view.max_sigma_m = 4.0F * kVoxel_m;
+        view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
+        return view;
     }
 
     // A block that earlier views have filled with whatever.
@@ -67,10 +73,11 @@ protected:
     SyntheticView rendered_;
     DepthView depth_;
     TsdfView view_;
+    DepthRanges ranges_;
 };
 
 TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
-    const DepthView plain(small_rig(), rendered_.images, Sampling::Full, 1, Instructions::Baseline);
+    const DepthView plain(small_rig(), rendered_.images, Sampling::Full, Instructions::Baseline);
     ASSERT_EQ(std::memcmp(plain.pixels(),
                           depth_.pixels(),
                           sizeof(SurfacePixel) * depth_.rig().width_px * depth_.rig().height_px),
@@ -81,12 +88,28 @@ TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
         TsdfBlock a = before;
         TsdfBlock b = before;
         const BlockPlace place = at.z % 2 == 0 ? BlockPlace::Near : BlockPlace::Before;
-        update_block(view_, first_sample(at), place, a, Instructions::Baseline);
-        update_block(view_, first_sample(at), place, b);
+        update_block(view_, ranges_, first_sample(at), place, a, Instructions::Baseline);
+        update_block(view_, ranges_, first_sample(at), place, b);
         ASSERT_TRUE(same(a, b)) << at.x << " " << at.y << " " << at.z;
         num_changed += same(a, before) ? 0 : 1;
     });
     EXPECT_GT(num_changed, 500);
+}
+
+TEST_F(OneView, RowsThatAreLeftOutWouldNotHaveChanged) {
+    TsdfView coarse = view_;
+    coarse.voxel_m *= 100.0F;  // its ranges reach through all of the scene
+    const DepthRanges everything(coarse);
+    int num_changed = 0;
+    for_each_block([&](const BlockCoordinate& at) {
+        TsdfBlock with;
+        TsdfBlock without;
+        update_block(view_, ranges_, first_sample(at), BlockPlace::Near, with);
+        update_block(view_, everything, first_sample(at), BlockPlace::Near, without);
+        ASSERT_TRUE(same(with, without)) << at.x << " " << at.y << " " << at.z;
+        num_changed += same(with, TsdfBlock{}) ? 0 : 1;
+    });
+    EXPECT_GT(num_changed, 200);
 }
 
 TEST_F(OneView, WhatIsNotVisibleWouldNotHaveChanged) {
@@ -96,7 +119,7 @@ TEST_F(OneView, WhatIsNotVisibleWouldNotHaveChanged) {
         regions.add(at, static_cast<std::uint32_t>(blocks.size()));
         blocks.push_back(at);
     });
-    const auto found = regions.find(VisibleSpace(view_), kVoxel_m);
+    const auto found = regions.find(VisibleSpace(view_, ranges_), kVoxel_m);
     std::set<std::uint32_t> visible;
     for (const VisibleBlock& block : found) visible.insert(block.number);
     EXPECT_EQ(visible.size(), found.size());
@@ -105,7 +128,7 @@ TEST_F(OneView, WhatIsNotVisibleWouldNotHaveChanged) {
         if (visible.contains(i)) continue;
         const TsdfBlock before = used_block(i);
         TsdfBlock after = before;
-        update_block(view_, first_sample(blocks[i]), BlockPlace::Near, after);
+        update_block(view_, ranges_, first_sample(blocks[i]), BlockPlace::Near, after);
         EXPECT_TRUE(same(before, after)) << blocks[i].x << " " << blocks[i].y << " " << blocks[i].z;
     }
 }
@@ -118,15 +141,15 @@ TEST_F(OneView, ABlockBeforeEverySurfaceIsOnlyCarved) {
         blocks.push_back(at);
     });
     int num_before = 0;
-    for (const VisibleBlock& seen : regions.find(VisibleSpace(view_), kVoxel_m)) {
+    for (const VisibleBlock& seen : regions.find(VisibleSpace(view_, ranges_), kVoxel_m)) {
         if (seen.place != BlockPlace::Before) continue;
         ++num_before;
         TsdfBlock fresh;
-        update_block(view_, first_sample(blocks[seen.number]), BlockPlace::Near, fresh);
+        update_block(view_, ranges_, first_sample(blocks[seen.number]), BlockPlace::Near, fresh);
         ASSERT_TRUE(same(fresh, TsdfBlock{}));
         const TsdfBlock before = used_block(seen.number);
         TsdfBlock after = before;
-        update_block(view_, first_sample(blocks[seen.number]), seen.place, after);
+        update_block(view_, ranges_, first_sample(blocks[seen.number]), seen.place, after);
         for (int i = 0; i < kBlockSamples; ++i) {
             ASSERT_GE(after.distance[i], before.distance[i]);
             ASSERT_EQ(after.num_views[i], before.num_views[i]);

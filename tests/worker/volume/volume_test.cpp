@@ -238,8 +238,11 @@ TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
     const Mesh mesh = extract_surface(*volume, options);
     EXPECT_GT(mesh.vertices.size(), 1000U);
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
-    EXPECT_FALSE(volume->confirms({0.0, 0.0, 0.57}));
-    EXPECT_TRUE(volume->confirms({0.0, 0.0, 0.0}));
+    std::array<std::uint8_t, 2> confirmed{};
+    volume->confirm(std::array<Eigen::Vector3d, 2>{{{0.0, 0.0, 0.57}, {0.0, 0.0, 0.0}}},
+                    confirmed.data());
+    EXPECT_EQ(confirmed[0], 0);
+    EXPECT_EQ(confirmed[1], 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(InTwoViewsAndInFour, Ghost, testing::Values(2, 4));
