@@ -38,15 +38,11 @@ void quantise(const cv::Mat& values, float step, std::vector<Stored>& stored) {
     }
 }
 
-template <typename Stored>
-cv::Mat restored(const std::uint8_t* stored, const Header& header, float step) {
-    cv::Mat values(header.height_px, header.width_px, CV_32F);
-    float* value = values.ptr<float>();
-    for (std::size_t i = 0; i < values.total(); ++i) {
-        Stored count = 0;
-        std::memcpy(&count, stored + i * sizeof count, sizeof count);
-        value[i] = static_cast<float>(count) * step;
-    }
+// `type`: CV_16U or CV_8U.
+cv::Mat restored(const std::uint8_t* stored, const Header& header, int type, float step) {
+    cv::Mat values;
+    cv::Mat(header.height_px, header.width_px, type, const_cast<std::uint8_t*>(stored))
+        .convertTo(values, CV_32F, step);
     return values;
 }
 
@@ -170,9 +166,8 @@ KeyframeImages KeyframeStore::read(int frame_index) const {
     const KeyframeFile file = read_keyframe(file_of(frame_index, "keyframe"));
     KeyframeImages images;
     images.depth.disparity_px =
-        restored<std::uint16_t>(file.disparities(), file.header, kDisparityStep_px);
-    images.depth.sigma_disparity_px =
-        restored<std::uint8_t>(file.sigmas(), file.header, kSigmaStep_px);
+        restored(file.disparities(), file.header, CV_16U, kDisparityStep_px);
+    images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
     if (left_in_color_) images.left_color = left_in_color_(frame_index);
     return rerectifier_ ? rerectifier_->moved(images) : images;
 }

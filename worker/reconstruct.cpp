@@ -41,7 +41,7 @@ namespace {
 
 // A pair agrees with a motion within this.
 constexpr double kInlierTolerance_px = 2.0;
-constexpr std::size_t kCloudStep = 3;  // of the mapped frames
+constexpr std::size_t kCloudStep = 6;  // of the mapped frames
 // How far a camera sees, in median depths of the dive.
 constexpr double kReach = 3.0;
 

@@ -158,7 +158,23 @@ DIVEMESH_FOR_AVX2 void fit_planes_avx2(const DepthRow& row,
     fit_planes_body(row, optics, pixels);
 }
 
-// Distance of each pixel from the nearest one that is unknown or at a jump, px.
+// What of a row is inside still when everything loses its outermost pixels; by turns with those at
+// the corners and without, which goes inward about as fast along the diagonals as straight on.
+void peel_row(const std::uint8_t* __restrict above,
+              const std::uint8_t* __restrict row,
+              const std::uint8_t* __restrict below,
+              int width,
+              bool with_corners,
+              std::uint8_t* __restrict out) {
+    for (int x = 1; x + 1 < width; ++x)
+        out[x] = row[x - 1] & row[x] & row[x + 1] & above[x] & below[x];
+    if (!with_corners) return;
+    for (int x = 1; x + 1 < width; ++x)
+        out[x] &= above[x - 1] & above[x + 1] & below[x - 1] & below[x + 1];
+}
+
+// Distance of each pixel from the nearest one that is unknown or at a jump, px, no more than
+// matters.
 cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
     cv::Mat inside(disparity.size(), CV_8U, cv::Scalar(0));
     for (int y = 1; y + 1 < disparity.rows; ++y)
@@ -167,8 +183,21 @@ cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
                             disparity.ptr<float>(y + 1),
                             disparity.cols,
                             inside.ptr<std::uint8_t>(y));
+    cv::Mat layers = inside.clone();
+    cv::Mat peeled(disparity.size(), CV_8U, cv::Scalar(0));
+    for (int layer = 1; static_cast<float>(layer) < kFullWeight_px; ++layer) {
+        for (int y = 1; y + 1 < inside.rows; ++y)
+            peel_row(inside.ptr<std::uint8_t>(y - 1),
+                     inside.ptr<std::uint8_t>(y),
+                     inside.ptr<std::uint8_t>(y + 1),
+                     inside.cols,
+                     layer % 2 == 0,
+                     peeled.ptr<std::uint8_t>(y));
+        std::swap(inside, peeled);
+        layers += inside;
+    }
     cv::Mat distance;
-    cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
+    layers.convertTo(distance, CV_32F);
     return distance;
 }
 
