@@ -38,6 +38,8 @@ public:
     const DepthRange& around(int level, int column, int row) const {
         return levels_[level].around[index(levels_[level], column, row)];
     }
+    // Of each pixel, row by row: behind that it changes nothing; 0 where nothing is known.
+    const float* farthest_m() const { return farthest_m_.data(); }
     int num_columns(int level) const { return levels_[level].num_columns; }
     int num_rows(int level) const { return levels_[level].num_rows; }
 
@@ -54,6 +56,7 @@ private:
     void read_pixels(const TsdfView& view);
 
     std::array<Level, kNumLevels> levels_;
+    std::vector<float> farthest_m_;
 };
 
 }  // namespace divemesh::worker

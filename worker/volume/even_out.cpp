@@ -15,7 +15,7 @@ constexpr float kLeastSigma_voxels = 0.5F;
 // on the tank and none on the barge; a quarter, with a reach of 20, takes as much from the barge.
 constexpr float kRoughness_voxels = 0.2F;
 constexpr float kLongestReach = 12.0F;  // voxels over which noise is evened out
-constexpr int kNumIterations = 30;      // leave 3 % of the way at that reach
+constexpr int kNumIterations = 45;      // leave 1 % of the way at that reach
 constexpr float kFarthest_sigmas = 3.0F;
 constexpr std::size_t kSlice = 2048;  // vertices that a thread takes at once
 

@@ -45,6 +45,7 @@ DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, Tsd
 // The samples on the line x = 0..7 of the block, whose first is at p_cam and the next by step_cam
 // on.
 DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
+                                     const DepthRanges& ranges,
                                      const Eigen::Vector3f& p_cam,
                                      const Eigen::Vector3f& step_cam,
                                      int sample,
@@ -61,6 +62,9 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
                           (v < static_cast<float>(view.height_px));
     if (!any(in_view)) return;
     const Masks pixel = whole(where(in_view, v)) * view.width_px + whole(where(in_view, u));
+    Floats farthest{};
+    for (int lane = 0; lane < kLanes; ++lane) farthest[lane] = ranges.farthest_m()[pixel[lane]];
+    if (!any(in_view & (z <= farthest))) return;
     Floats fields[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) fields[lane] = load(view.pixels[pixel[lane]].normal);
     transpose(fields);
@@ -201,7 +205,7 @@ DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
             const int sample = sample_index(0, y, z);
             const bool before = place == BlockPlace::Before || ((places.before >> y) & 1) != 0;
             if (before && !can_be_carved(block, sample)) continue;
-            update_row(view, p_cam(y, z), step_x, sample, block);
+            update_row(view, ranges, p_cam(y, z), step_x, sample, block);
         }
     }
 }
