@@ -1,6 +1,7 @@
 #!/bin/bash
-# Installs, builds and passes all tests. `--full` adds what takes longer: thread sanitizer, linter,
-# every dive of the shared data, the demo.
+# Installs, builds and passes all tests: with sanitizers, and optimised those for which that matters.
+# `--full` adds what takes longer: all of them optimised, thread sanitizer, linter, every dive of the
+# shared data, the demo.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -43,12 +44,14 @@ lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang
 step "install packages" deploy/install.sh
 step "install validators and clients (npm)" install_npm_packages
 step "format" check_format
-step "build, release" build release
+step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
 step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
-step "all tests, release" ctest --preset release
+step "tests, release" ctest --preset release -L 'release|slow'
 
 if $full; then
+    step "build all, release" build release
+    step "all tests, release" ctest --preset release
     step "build, thread sanitizer" build tsan --target unit_tests
     step "unit tests, thread sanitizer" ctest --preset tsan
     step "build, release, without precompiled headers" build_plainly
