@@ -77,16 +77,16 @@ void require_bytes(const Request& request) {
         throw Error(ErrorCode::Unsupported, "send Content-Type: " + std::string(kBytesType));
 }
 
-Upload announced_upload(const Request& request, const Services& services) {
+Upload announced_upload(const Request& request, const ServiceLimits& limits) {
     Upload upload;
     upload.project = request.token.project;
-    upload.lifetime_ms = services.limits.upload_lifetime.count();
+    upload.lifetime_ms = limits.upload_lifetime.count();
     upload.metadata = request.header("upload-metadata");
     if (upload.metadata.size() > kMaxMetadataBytes)
         refuse("Upload-Metadata is longer than 8192 bytes");
     upload.concat = announced_concat(request);
     if (!upload.is_final()) {
-        upload.length_bytes = announced_length(request, services.limits.max_upload_bytes);
+        upload.length_bytes = announced_length(request, limits.max_upload_bytes);
     } else if (request.has_header("upload-length") || request.has_header("upload-defer-length")) {
         refuse("a final upload has the length of its parts: send no Upload-Length");
     }

@@ -28,7 +28,7 @@ void require_bytes(const Request& request);  // throws Error{Unsupported} when t
 
 // What creation announces, checked before anything is stored. Throws Error{InvalidArgument},
 // Error{TooLarge}.
-Upload announced_upload(const Request& request, const Services& services);
+Upload announced_upload(const Request& request, const ServiceLimits& limits);
 
 // The ids of "final;URL URL ...", relative or absolute. Throws Error{InvalidArgument} for what is
 // no upload's address.

@@ -48,6 +48,8 @@ step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
 step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
 step "tests, release" ctest --preset release -L 'release|slow'
+step "build, fuzzers" build fuzz
+step "fuzzers, 60 s for all of them" ctest --preset fuzz
 
 if $full; then
     step "build all, release" build release

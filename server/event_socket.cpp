@@ -20,6 +20,7 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
+using WebSocket = websocket::stream<Stream, false>;  // events are small: no compression
 using Clock = std::chrono::steady_clock;
 
 constexpr int kPageEvents = 50;
@@ -37,7 +38,7 @@ struct EventSocket {
         pause.cancel();
     }
 
-    websocket::stream<Stream> socket;
+    WebSocket socket;
     asio::steady_timer pause;
     bool closing = false;
     bool news = true;  // there may be something that it has not been told
@@ -130,7 +131,7 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
     co_return websocket::close_code::going_away;
 }
 
-void set_options(websocket::stream<Stream>& socket, const Timeouts& timeouts) {
+void set_options(WebSocket& socket, const Timeouts& timeouts) {
     websocket::stream_base::timeout timeout;
     timeout.handshake_timeout = timeouts.header;
     timeout.idle_timeout = timeouts.web_socket;

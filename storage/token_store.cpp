@@ -218,6 +218,7 @@ OneShotToken TokenStore::create_one_shot(const Token& owner,
         execute(session,
                 "DELETE FROM one_shot_tokens WHERE expires_at_ms <= :now",
                 soci::use(now_ms, "now"));
+        if (owner.id.empty()) return;
         execute(session,
                 "INSERT INTO one_shot_tokens (secret_sha256, token_id, path, expires_at_ms)"
                 " VALUES (:hash, :token, :path, :expires)",

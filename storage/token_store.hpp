@@ -46,6 +46,7 @@ public:
     void revoke(const std::string& id);  // throws Error{NotFound}
     bool empty();                        // none that is valid
 
+    // An owner without id is nobody: where no tokens are asked for none is stored.
     OneShotToken create_one_shot(const Token& owner,
                                  const std::string& path,
                                  std::chrono::seconds lifetime = kOneShotLifetime);

@@ -154,7 +154,7 @@ Awaitable<Response> describe_uploads(Request, Services services) {
 
 Awaitable<Response> create_upload(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
-    const Upload wanted = announced_upload(request, services);
+    const Upload wanted = announced_upload(request, services.limits);
     if (!plan_of(wanted.metadata).preset.empty()) require_scope(request.token, "jobs:write");
     if (wanted.is_final()) co_return co_await create_final(request, services, wanted);
     const bool with_bytes = brings_bytes(request);

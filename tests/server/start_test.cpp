@@ -67,6 +67,19 @@ TEST(StartTest, OnLoopbackNobodyIsAskedWhenToldSo) {
     EXPECT_FALSE(fs::exists(server.data() / "admin.token"));
 }
 
+// Found by fuzzing: the page asks for one wherever it is served.
+TEST(StartTest, WhereNobodyIsAskedAOneShotTokenIsGivenAllTheSame) {
+    ServerConfig config;
+    config.no_auth = true;
+    TestServer server(config);
+    const std::string path =
+        "/api/v1/jobs/" + server.make_job("default", "mesh.glb", "glTF") + "/artifacts/mesh.glb";
+    const auto made = server.post_json("/api/v1/one_shot_tokens", "", {{"path", path}});
+    ASSERT_EQ(made.status, 201) << made.body;
+    const std::string secret = made.json()["secret"];
+    EXPECT_EQ(server.request("GET", path + "?one_shot=" + secret, "").body, "glTF");
+}
+
 TEST(StartTest, RefusesAnAddressThatIsNoneOrIsTaken) {
     const TemporaryFolder data;
     for (const char* listen : {"",

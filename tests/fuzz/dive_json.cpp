@@ -1,0 +1,11 @@
+#include "worker/dive/dive_json.hpp"
+
+#include "tests/fuzz/input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto text = divemesh::fuzz::Input(data, size).rest();
+    divemesh::worker::FindingLog findings;
+    divemesh::worker::parse_dive_info(text, findings);
+    divemesh::worker::parse_known_distances(text, findings);
+    return 0;
+}

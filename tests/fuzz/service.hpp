@@ -1,0 +1,57 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "api/http.hpp"
+#include "api/idempotency.hpp"
+#include "api/metrics.hpp"
+#include "api/services.hpp"
+#include "server/event_hub.hpp"
+#include "server/session_context.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh::fuzz {
+
+// The service without a port: a catalog with a dive and a job of its own, no tokens asked for.
+class Service {
+public:
+    Service();
+    ~Service();
+
+    const std::string& dive_id() const { return dive_id_; }
+    const std::string& job_id() const { return job_id_; }
+
+    // One request with a body, past everything that has to do with sockets.
+    api::Response ask(api::Request request, std::string_view body);
+
+    // What a client gets that says all this and then no more. Ends the process when the connection
+    // does not end by itself.
+    std::string converse(std::string_view sent);
+
+private:
+    api::Services services();
+
+    TemporaryFolder folder_;
+    storage::Catalog catalog_;
+    std::unique_ptr<storage::BlobStore> blobs_;
+    boost::asio::thread_pool pool_{1};
+    boost::asio::io_context io_{1};
+    server::EventHub events_{catalog_, pool_};
+    api::UploadTurns turns_{io_.get_executor()};
+    api::HashCache hashes_;
+    storage::QueueForecast forecast_{catalog_};
+    api::KeysInFlight keys_;
+    api::TokenCache tokens_;
+    api::RateLimiter rates_{0.0, 0.0};
+    api::Metrics metrics_;
+    std::atomic<bool> stopping_ = false;
+    api::ServiceLimits limits_;
+    std::string dive_id_;
+    std::string job_id_;
+};
+
+}  // namespace divemesh::fuzz
