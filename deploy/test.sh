@@ -48,12 +48,12 @@ step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
 step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
 step "tests, release" ctest --preset release -L 'release|slow'
-step "build, fuzzers" build fuzz
-step "fuzzers, 60 s for all of them" ctest --preset fuzz
 
 if $full; then
     step "build all, release" build release
     step "all tests, release" ctest --preset release
+    step "build, fuzzers" build fuzz
+    step "fuzzers, 60 s for all of them" ctest --preset fuzz
     step "build, thread sanitizer" build tsan --target unit_tests
     step "unit tests, thread sanitizer" ctest --preset tsan
     step "build, release, without precompiled headers" build_plainly
