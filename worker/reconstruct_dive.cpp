@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/error.hpp"
+#include "worker/background.hpp"
 #include "worker/build_id.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/geometry/rectifier.hpp"
@@ -76,7 +77,8 @@ public:
           keys_(
               stage_keys(DIVEMESH_VERSION + build_id(), dive_->content_sha256(), request.options)),
           cache_(request.cache, request.cache_bytes),
-          keyframe_store_(request.scratch / "keyframes", rectified_pictures(*dive_)) {
+          keyframe_store_(request.scratch / "keyframes", rectified_pictures(*dive_)),
+          workers_(request.options.num_threads) {
         std::filesystem::create_directories(request.out);
     }
 
@@ -155,8 +157,13 @@ private:
     std::int64_t volume_memory_bytes_ = 0;
     Surface surface_;
     CloudFigures cloud_;
+    MeshBorders borders_;
     std::string picture_png_;
     std::vector<StageTime> stage_times_;
+    // Of the mesh while its pictures are made; they end before what they read goes.
+    Workers workers_;
+    Background ply_writer_{workers_};
+    Background border_finder_{workers_};
 };
 
 void DiveRun::track() {
@@ -267,7 +274,8 @@ void DiveRun::mesh() {
     }
     volume_.reset();
     surface_ = std::move(*stored);
-    write_ply(request_.out / "mesh.ply", surface_.mesh);
+    ply_writer_.run([this] { write_ply(request_.out / "mesh.ply", surface_.mesh); });
+    border_finder_.run([this] { borders_ = find_borders(surface_.mesh); });
     stage_done(watch, "mesh", reused);
 }
 
@@ -287,6 +295,8 @@ void DiveRun::texture() {
     for (const auto& made : std::filesystem::recursive_directory_iterator(folder))
         if (made.is_regular_file() && made.path() != picture)
             link_or_copy(made.path(), request_.out / made.path().lexically_relative(folder));
+    ply_writer_.wait();
+    border_finder_.wait();
     stage_done(watch, "texture", reused);
 }
 
@@ -368,7 +378,7 @@ std::optional<MeshFigures> DiveRun::mesh_figures() const {
     return MeshFigures{.num_vertices = std::ssize(mesh.vertices),
                        .num_triangles = std::ssize(mesh.triangles),
                        .area_m2 = surface_area_m2(mesh),
-                       .borders = find_borders(mesh),
+                       .borders = borders_,
                        .simplification = surface_.simplification,
                        .voxel_m = voxel_m_,
                        .cloud = cloud_,
