@@ -108,7 +108,8 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const Floats seen = within_range(steps * least_of(distance, truncation));
     const Floats distance_after = distance_before + sighting.share * (seen - distance_before);
     // Rounded where all are positive: whole() cuts toward zero.
-    const Masks steps_after = whole(distance_after + (kLargestSteps + 0.5F)) - kLargestSteps_int;
+    const Masks steps_after =
+        whole(where(sighting.updated, distance_after) + (kLargestSteps + 0.5F)) - kLargestSteps_int;
     store(block.weight.data() + sample,
           __builtin_convertvector(sighting.updated ? pack_weights(weight_after) : packed_before,
                                   Shorts));
@@ -143,6 +144,12 @@ struct RowPlaces {
     unsigned before = 0;
 };
 
+// Of pixels; of what is beside the picture the nearest tile in it.
+DIVEMESH_INLINE_BODY Masks tile_of(Floats at_px, int tile_px, int num_tiles) {
+    const Floats tile = (at_px + 0.5F) / static_cast<float>(tile_px);
+    return whole(least_of(largest_of(tile, splat(0.0F)), splat(static_cast<float>(num_tiles - 1))));
+}
+
 // A row is a line in the picture too, no longer than from its first to its last sample.
 DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
                                               const DepthRanges& ranges,
@@ -151,33 +158,36 @@ DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
                                               const Eigen::Vector3f& step_y) {
     constexpr float kLast = kBlockEdge - 1;
     const Floats along = __builtin_convertvector(kLaneNumbers, Floats);
-    const auto first = [&](int axis) { return p_cam[axis] + along * step_y[axis]; };
-    const Floats z0 = first(2);
+    const Floats z0 = p_cam.z() + along * step_y.z();
     const Floats z1 = z0 + kLast * step_x.z();
     const Floats nearest = least_of(z0, z1);
     if (any(nearest < kNearest_m)) return {};
     const Floats farthest = largest_of(z0, z1);
     const Floats scale0 = view.focal_px / z0;
     const Floats scale1 = view.focal_px / z1;
-    const Floats u0 = first(0) * scale0, v0 = first(1) * scale0;
-    const Floats u1 = (first(0) + kLast * step_x.x()) * scale1;
-    const Floats v1 = (first(1) + kLast * step_x.y()) * scale1;
+    const Floats x0 = p_cam.x() + along * step_y.x();
+    const Floats y0 = p_cam.y() + along * step_y.y();
+    const Floats u0 = x0 * scale0, v0 = y0 * scale0;
+    const Floats u1 = (x0 + kLast * step_x.x()) * scale1;
+    const Floats v1 = (y0 + kLast * step_x.y()) * scale1;
     const Floats half_length = 0.5F * largest_of(size_of(u1 - u0), size_of(v1 - v0));
     int level = 0;
     while (any(half_length > static_cast<float>(DepthRanges::tile_px(level))))
         if (++level == DepthRanges::kNumLevels) return {};
-    const auto tile = [&](Floats sum, float center_px, int num) {
-        const Floats at =
-            (0.5F * sum + (center_px + 0.5F)) / static_cast<float>(DepthRanges::tile_px(level));
-        return whole(least_of(largest_of(at, splat(0.0F)), splat(static_cast<float>(num - 1))));
-    };
-    const Masks column = tile(u0 + u1, view.cx_px, ranges.num_columns(level));
-    const Masks row = tile(v0 + v1, view.cy_px, ranges.num_rows(level));
+    const int tile_px = DepthRanges::tile_px(level);
+    const Masks column = tile_of(0.5F * (u0 + u1) + view.cx_px, tile_px, ranges.num_columns(level));
+    const Masks row = tile_of(0.5F * (v0 + v1) + view.cy_px, tile_px, ranges.num_rows(level));
+    float nearest_m[kLanes], farthest_m[kLanes];
+    std::int32_t columns[kLanes], rows[kLanes];
+    store(nearest_m, nearest);
+    store(farthest_m, farthest);
+    store(columns, column);
+    store(rows, row);
     RowPlaces places{0, 0};
-    for (int i = 0; i < kLanes; ++i) {
-        const DepthRange& range = ranges.around(level, column[i], row[i]);
-        places.reached |= (nearest[i] <= range.farthest_m ? 1U : 0U) << i;
-        places.before |= (farthest[i] < range.nearest_m ? 1U : 0U) << i;
+    for (unsigned i = 0; i < kLanes; ++i) {
+        const DepthRange& range = ranges.around(level, columns[i], rows[i]);
+        if (nearest_m[i] <= range.farthest_m) places.reached |= 1U << i;
+        if (farthest_m[i] < range.nearest_m) places.before |= 1U << i;
     }
     return places;
 }
