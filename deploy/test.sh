@@ -47,9 +47,10 @@ step "format" check_format
 step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
 step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
-step "tests, release" ctest --preset release -L 'release|slow'
+step "tests, release" ctest --preset release -L 'release|slow' -j "$(nproc)"
 
 if $full; then
+    step "long unit tests, sanitizers" ctest --test-dir build/debug -L long --output-on-failure
     step "build all, release" build release
     step "all tests, release" ctest --preset release
     step "build, fuzzers" build fuzz
