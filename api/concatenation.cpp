@@ -6,6 +6,7 @@
 
 #include "api/in_pool.hpp"
 #include "api/new_upload.hpp"
+#include "api/quota.hpp"
 #include "api/tus_headers.hpp"
 #include "api/upload_writer.hpp"
 #include "schemas/error.hpp"
@@ -99,12 +100,17 @@ Upload enter_final(const Services& services, Upload wanted) {
         return std::move(*known);
     const std::int64_t most = services.limits.max_upload_bytes;
     std::int64_t length = 0;
+    std::int64_t repeated = 0;  // of parts that are named more than once
+    std::set<std::string> seen;
     for (const std::string& id : parts_of(wanted)) {
-        length += *read_part(services, wanted, id).length_bytes;
+        const std::int64_t part = *read_part(services, wanted, id).length_bytes;
+        length += part;
+        if (!seen.insert(id).second) repeated += part;
         if (length > most)
             throw Error(ErrorCode::TooLarge,
                         "the parts have more than " + std::to_string(most) + " bytes together");
     }
+    require_bytes_of_quota(services, wanted.project, repeated);
     wanted.length_bytes = length;
     return enter_upload(services, wanted);
 }

@@ -13,7 +13,7 @@ namespace divemesh::api {
 // project, and fit together. Asked again for the same parts and metadata it answers the upload of
 // the first time. Throws Error{NotFound}, Error{Gone} for a part that is not to be seen,
 // Error{InvalidArgument} for one that is no part, Error{Conflict} for one that is not complete,
-// Error{TooLarge}, Error{OutOfSpace}. Blocks.
+// Error{TooLarge}, Error{OutOfSpace}, Error{OutOfQuota}. Blocks.
 Upload enter_final(const Services& services, Upload wanted);
 
 // Lays the parts' bytes one behind the other, from where a killed server stopped, and frees them.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "api/rate_limiter.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
@@ -24,6 +25,7 @@ http::status status_of(ErrorCode code) {
         case ErrorCode::Forbidden: return http::status::forbidden;
         case ErrorCode::Unsupported: return http::status::unsupported_media_type;
         case ErrorCode::Cancelled: return http::status::conflict;
+        case ErrorCode::OutOfQuota: return http::status::forbidden;
         case ErrorCode::OutOfSpace: return http::status::insufficient_storage;
         case ErrorCode::OutOfMemory:
         case ErrorCode::Unavailable: return http::status::service_unavailable;
@@ -47,6 +49,17 @@ Response problem(const Request& request,
     return response;
 }
 
+// Structured fields (RFC 9651), by draft-ietf-httpapi-ratelimit-headers-10.
+void advise(Response& response, const RateAdvice& advice) {
+    const std::string wait = std::to_string(advice.wait_s);
+    const std::string name = '"' + advice.policy + '"';
+    response.set(
+        "RateLimit-Policy",
+        name + ";q=" + std::to_string(advice.quota) + ";w=" + std::to_string(advice.window_s));
+    response.set("RateLimit", name + ";r=0;t=" + wait);
+    response.set("Retry-After", wait);
+}
+
 }  // namespace
 
 Response error_response(const Request& request, const std::exception_ptr& failure) {
@@ -60,7 +73,10 @@ Response error_response(const Request& request, const std::exception_ptr& failur
         if (error.code() == ErrorCode::Unauthorized) response.set("WWW-Authenticate", "Bearer");
         if (error.code() == ErrorCode::Unavailable || error.code() == ErrorCode::Locked)
             response.set("Retry-After", "2");
-        if (error.code() == ErrorCode::TooMany) response.set("Retry-After", "60");
+        if (const auto* often = dynamic_cast<const TooOften*>(&error))
+            advise(response, often->advice());
+        else if (error.code() == ErrorCode::TooMany)
+            response.set("Retry-After", "60");
         return response;
     } catch (const std::exception& error) {
         spdlog::error(nlohmann::json{{"event", "internal_error"},

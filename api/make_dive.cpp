@@ -59,7 +59,8 @@ MadeDive make_dive(const Services& services, const Upload& upload, const UploadP
                           plan.content_sha256,
                           archive_key(upload),
                           upload.offset_bytes,
-                          plan.preset};
+                          plan.preset,
+                          services.limits.max_project_dives};
     if (upload.dive_id.empty()) {
         dive.archive_sha256 = archive_sha256(services, upload);
         if (!plan.archive_sha256.empty() && plan.archive_sha256 != dive.archive_sha256)

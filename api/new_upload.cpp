@@ -1,5 +1,6 @@
 #include "api/new_upload.hpp"
 
+#include "api/quota.hpp"
 #include "schemas/error.hpp"
 #include "storage/upload_store.hpp"
 
@@ -17,6 +18,8 @@ Upload enter_upload(const Services& services, const Upload& upload) {
                     "project " + upload.project + " has " +
                         std::to_string(services.limits.max_open_uploads) +
                         " unfinished uploads: finish or delete some");
+    require_dive_of_quota(services, upload.project);
+    if (!upload.is_final()) require_bytes_of_quota(services, upload.project, wanted);
     return uploads.create(upload);
 }
 

@@ -5,8 +5,9 @@
 
 namespace divemesh::api {
 
-// Enters an upload if the disk has room for it and its project has not too many under way. Throws
-// Error{OutOfSpace}, Error{TooMany}. Blocks.
+// Enters an upload if the disk and its project's quota have room for it and the project has not too
+// many under way. A final upload has the bytes of its parts, which counted. Throws
+// Error{OutOfSpace}, Error{OutOfQuota}, Error{TooMany}. Blocks.
 Upload enter_upload(const Services& services, const Upload& upload);
 
 }  // namespace divemesh::api

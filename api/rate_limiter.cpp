@@ -1,6 +1,7 @@
 #include "api/rate_limiter.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace divemesh::api {
 namespace {
@@ -27,6 +28,15 @@ bool RateLimiter::allow(const std::string& key, Clock::time_point now) {
     if (bucket.left < 1.0) return false;
     bucket.left -= 1.0;
     return true;
+}
+
+// Whoever is refused has less than one left, and waits for one at most.
+RateAdvice RateLimiter::advice(const std::string& policy) const {
+    const auto whole = [](double value) { return static_cast<std::int64_t>(std::ceil(value)); };
+    return {policy,
+            static_cast<std::int64_t>(std::max(burst_, 1.0)),
+            whole(burst_ / per_second_),
+            whole(1.0 / per_second_)};
 }
 
 }  // namespace divemesh::api

@@ -5,7 +5,28 @@
 #include <string>
 #include <unordered_map>
 
+#include "schemas/error.hpp"
+
 namespace divemesh::api {
+
+// What a client that was refused is told (draft-ietf-httpapi-ratelimit-headers): how much it may
+// do in which time, and when it may go on.
+struct RateAdvice {
+    std::string policy;  // its name: "token", "address"
+    std::int64_t quota = 0;
+    std::int64_t window_s = 0;
+    std::int64_t wait_s = 0;
+};
+
+class TooOften : public Error {
+public:
+    TooOften(const std::string& message, RateAdvice advice)
+        : Error(ErrorCode::TooMany, message), advice_(std::move(advice)) {}
+    const RateAdvice& advice() const { return advice_; }
+
+private:
+    RateAdvice advice_;
+};
 
 // Token buckets: each key may do `per_second` things a second on average and `burst` at once. Keys
 // that have been quiet are forgotten; when too many are busy, all start anew. Thread-safe.
@@ -17,6 +38,8 @@ public:
 
     // False: too many. A rate of 0 limits nothing.
     bool allow(const std::string& key, Clock::time_point now = Clock::now());
+    // For a key that allow() has just refused.
+    RateAdvice advice(const std::string& policy) const;
 
 private:
     struct Bucket {

@@ -16,20 +16,20 @@ using namespace boost::asio::experimental::awaitable_operators;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kPieceBytes = std::size_t{256} << 10;  // two of them a request
-constexpr std::chrono::seconds kRateWindow{60};
 
 enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
 
 // Whether a client holds its connection by a byte now and then.
 class RateGuard {
 public:
-    explicit RateGuard(std::int64_t min_bytes_per_s)
-        : min_bytes_(min_bytes_per_s * kRateWindow.count()) {}
+    explicit RateGuard(const ServiceLimits& limits)
+        : window_(limits.rate_window),
+          min_bytes_(limits.min_upload_bytes_per_s * window_.count() / 1000) {}
 
     bool too_slow(std::size_t num_bytes) {
         num_bytes_ += static_cast<std::int64_t>(num_bytes);
         const auto now = Clock::now();
-        if (now - began_ < kRateWindow) return false;
+        if (now - began_ < window_) return false;
         const bool slow = num_bytes_ < min_bytes_;
         began_ = now;
         num_bytes_ = 0;
@@ -37,6 +37,7 @@ public:
     }
 
 private:
+    std::chrono::milliseconds window_;
     std::int64_t min_bytes_;
     std::int64_t num_bytes_ = 0;
     Clock::time_point began_ = Clock::now();
@@ -74,7 +75,7 @@ Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
                               Services services) {
     std::vector<char> reading(kPieceBytes);
     std::vector<char> writing(kPieceBytes);
-    RateGuard rate(services.limits.min_upload_bytes_per_s);
+    RateGuard rate(services.limits);
     BodyRead read = co_await stream->read(reading);
     for (;;) {
         const auto room = static_cast<std::size_t>(sink->room_bytes());

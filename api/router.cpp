@@ -109,7 +109,8 @@ Awaitable<Token> identify(Request request, Services services, RouteKind kind) {
     } catch (const Error& error) {
         if (error.code() != ErrorCode::Unauthorized || services.failed_logins.allow(peer)) throw;
     }
-    throw Error(ErrorCode::TooMany, "too many requests without a valid token: wait a while");
+    throw TooOften("too many requests without a valid token: wait a while",
+                   services.failed_logins.advice("address"));
 }
 
 void split_target(Request& request) {
@@ -135,7 +136,8 @@ std::optional<Response> answer_at_the_door(const Request& request,
 Awaitable<Token> admit(Request request, Services services, const Route* route) {
     Token token = co_await identify(std::move(request), services, route->kind);
     if (!services.rates.allow(token.id))
-        throw Error(ErrorCode::TooMany, "too many requests with this token: wait a while");
+        throw TooOften("too many requests with this token: wait a while",
+                       services.rates.advice("token"));
     require_scope(token, std::string(route->scope));
     co_return token;
 }

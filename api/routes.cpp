@@ -53,6 +53,7 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/queue",                  "dives:read",  get_queue},
     {Plain,      verb::patch,   "/api/v1/queue",                  "admin",       change_queue},
     {Plain,      verb::post,    "/api/v1/queue/redrive",          "jobs:write",  redrive_queue},
+    {Plain,      verb::get,     "/api/v1/usage",                  "dives:read",  get_usage},
     {Plain,      verb::get,     "/api/v1/workers",                "admin",       list_workers},
     {Plain,      verb::patch,   "/api/v1/workers/{worker_name}",  "admin",       change_worker},
 

@@ -26,7 +26,10 @@ struct ServiceLimits {
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // new uploads leave so much free
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
-    std::int64_t min_upload_bytes_per_s = 64;  // a minute long; slower is no client
+    std::int64_t min_upload_bytes_per_s = 64;                             // slower is no client
+    std::chrono::milliseconds rate_window = std::chrono::seconds(60);     // for so long
+    std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit
+    std::int64_t max_project_dives = 0;  // 0: no limit
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // dives, till removed
     std::vector<std::string> allowed_origins;  // of pages elsewhere that may talk to us
     AllowedNetworks webhook_networks;          // of ours that webhooks may reach

@@ -2,6 +2,7 @@
 
 #include "api/chunk_writer.hpp"
 #include "api/make_dive.hpp"
+#include "api/quota.hpp"
 #include "schemas/error.hpp"
 #include "storage/upload_store.hpp"
 
@@ -61,6 +62,7 @@ void UploadWriter::require_space() const {
         throw Error(ErrorCode::OutOfSpace,
                     "the server's disk is nearly full: what came is kept, go on when there is "
                     "room again");
+    if (!upload_.length_bytes) require_bytes_of_quota(services_, upload_.project, 0);
 }
 
 Upload reconciled(const Services& services, const Upload& upload) {

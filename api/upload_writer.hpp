@@ -30,7 +30,8 @@ public:
     const Upload& upload() const { return upload_; }
     std::int64_t room_bytes() const override;
 
-    // Makes durable what has come every few seconds. Throws Error{OutOfSpace}; what fitted is kept.
+    // Makes durable what has come every few seconds. Throws Error{OutOfSpace}, Error{OutOfQuota};
+    // what fitted is kept.
     void write(std::span<const char> bytes) override;
     const Upload& finish();
 

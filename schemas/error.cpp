@@ -20,6 +20,7 @@ constexpr EnumText<ErrorCode> kTexts[] = {
     {ErrorCode::Forbidden, "forbidden"},
     {ErrorCode::Unsupported, "unsupported"},
     {ErrorCode::Cancelled, "cancelled"},
+    {ErrorCode::OutOfQuota, "out_of_quota"},
     {ErrorCode::OutOfSpace, "out_of_space"},
     {ErrorCode::OutOfMemory, "out_of_memory"},
     {ErrorCode::Unavailable, "unavailable"},

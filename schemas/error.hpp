@@ -24,6 +24,7 @@ enum class ErrorCode {
     Forbidden,     // the token's scope or project does not allow it
     Unsupported,   // a media type, protocol version or format we do not speak
     Cancelled,
+    OutOfQuota,   // the project has as much as it may have: make room, or ask for more
     OutOfSpace,   // the disk is full
     OutOfMemory,  // of the machine, or of what a process may have
     Unavailable,  // try again later: network, database, a locked file

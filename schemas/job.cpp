@@ -35,6 +35,7 @@ std::string_view usual_remedy(ErrorCode code) {
         case ErrorCode::Locked:
         case ErrorCode::TooMany:
         case ErrorCode::Cancelled: return "`divemesh retry` puts it back into the queue";
+        case ErrorCode::OutOfQuota: return "delete dives of the project, or have its quota raised";
         case ErrorCode::OutOfSpace:
             return "free space where workers have their scratch folder and where the blobs are";
         case ErrorCode::OutOfMemory:

@@ -43,6 +43,7 @@ inline constexpr auto kJobTransitions = [] {
         {Running, Cancelled},  // by a person
         {Dead, Queued},        // redrive
         {Failed, Queued},      // asked for again after its cause was mended
+        {Failed, Held},        // the parent that it failed with was asked for again
         {Cancelled, Queued},   // asked for again
     });
 }();

@@ -69,6 +69,10 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.min_free_bytes = config.min_free_bytes;
     limits.upload_lifetime = config.upload_lifetime;
     limits.max_open_uploads = config.max_open_uploads;
+    limits.min_upload_bytes_per_s = config.min_upload_bytes_per_s;
+    limits.rate_window = config.timeouts.rate;
+    limits.max_project_bytes = config.max_project_bytes;
+    limits.max_project_dives = config.max_project_dives;
     limits.keep_deleted = config.keep_deleted;
     limits.allowed_origins = config.allowed_origins;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);

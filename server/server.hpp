@@ -13,6 +13,7 @@ namespace divemesh::server {
 struct Timeouts {
     std::chrono::milliseconds header = std::chrono::seconds(60);  // the next request, whole header
     std::chrono::milliseconds body = std::chrono::seconds(60);    // between two pieces of a body
+    std::chrono::milliseconds rate = std::chrono::seconds(60);    // a body's, to be judged by it
     std::chrono::milliseconds write = std::chrono::seconds(60);   // of one piece of an answer
     std::chrono::milliseconds web_socket = std::chrono::seconds(30);  // without a sign of life
     std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
@@ -34,6 +35,9 @@ struct ServerConfig {
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // room on the disk that is never used
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
+    std::int64_t min_upload_bytes_per_s = 64;                             // over Timeouts::rate
+    std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit
+    std::int64_t max_project_dives = 0;  // 0: no limit
     int max_connections = 2000;
     std::filesystem::path import_folder;  // whose dives are taken at the start; "": none
     std::string import_project = "default";

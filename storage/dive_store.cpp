@@ -7,6 +7,7 @@
 #include "storage/job_changes.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/page_cursor.hpp"
+#include "storage/project_usage.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -26,6 +27,16 @@ void bind_upload(soci::session& session, const std::string& upload_id, const std
             "UPDATE uploads SET dive_id = :dive WHERE id = :id",
             soci::use(dive_id, "dive"),
             soci::use(upload_id, "id"));
+}
+
+// Inside the transaction: of two that come at once the second one is refused.
+void require_dive_of_quota(soci::session& session, const NewDive& request) {
+    const std::int64_t most = request.max_dives_of_project;
+    if (most > 0 && read_usage(session, request.project).num_dives >= most)
+        throw Error(ErrorCode::OutOfQuota,
+                    "project " + request.project + " has " + std::to_string(most) +
+                        " dives and may have no more: the upload is kept, delete a dive and commit "
+                        "it again");
 }
 
 Dive insert_dive(soci::session& session, const NewDive& request) {
@@ -85,6 +96,7 @@ CreatedDive DiveStore::create(const NewDive& request) {
                 ? find_recording(
                       session, request.project, request.archive_sha256, request.content_sha256)
                 : std::optional<Dive>(read_dive(session, bound));
+        if (!known) require_dive_of_quota(session, request);
         created.existed = known && known->blob != request.blob;
         created.dive = known ? std::move(*known) : insert_dive(session, request);
         if (bound.empty()) bind_upload(session, request.upload_id, created.dive.id);

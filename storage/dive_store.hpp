@@ -35,6 +35,7 @@ struct NewDive {
     std::string blob;
     std::int64_t archive_bytes = 0;
     std::string preset;  // "": no reconstruction; else one is queued behind the intake job
+    std::int64_t max_dives_of_project = 0;  // 0: no limit
 };
 
 // What the intake job found out about a dive.
@@ -63,7 +64,7 @@ public:
     // One transaction: the dive in state checking, its intake job, the reconstruction held behind
     // it when asked for, the upload bound to it, the events. Asked twice for one upload, it answers
     // the dive of the first time; a recording that is in the project already (archive or content
-    // hash, not refused) makes no second dive.
+    // hash, not refused) makes no second dive. Throws Error{OutOfQuota}.
     CreatedDive create(const NewDive& dive);
 
     Dive get(const std::string& id);  // throws Error{NotFound}

@@ -89,7 +89,7 @@ std::optional<Failure> refusal_from(const std::string& parent_id,
     if (!failure.message.empty()) message += ": " + failure.message;
     return Failure{.code = state == JobState::Failed ? failure.code : ErrorCode::Conflict,
                    .message = message,
-                   .remedy = "retry job " + parent_id + ", then this one"};
+                   .remedy = "retry job " + parent_id + ": this one then waits for it again"};
 }
 
 // Those that were asked for, and the intake of its dive while that has not succeeded.

@@ -1,4 +1,6 @@
 // What people do to jobs.
+#include <deque>
+
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
@@ -35,6 +37,31 @@ void request_cancel(soci::session& session, const std::string& id) {
     execute(session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
 }
 
+// Never begun, so that what failed it was a parent, and of its parents none has come to nothing.
+std::vector<std::string> revivable_children(soci::session& session, const std::string& parent_id) {
+    return select_all<TextRow>(
+        session,
+        "SELECT jobs.id FROM jobs, dives WHERE jobs.state = 'failed' AND jobs.num_attempts = 0"
+        " AND jobs.id IN (SELECT job_id FROM job_parents WHERE parent_id = :parent)"
+        " AND NOT EXISTS (SELECT 1 FROM job_parents, jobs AS parents"
+        "   WHERE job_parents.job_id = jobs.id AND parents.id = job_parents.parent_id"
+        "   AND parents.state IN ('failed', 'dead', 'cancelled'))"
+        " AND dives.id = jobs.dive_id AND dives.state <> 'refused' AND dives.deleted_at_ms = 0"
+        " ORDER BY jobs.created_at_ms, jobs.id",
+        soci::use(parent_id, "parent"));
+}
+
+// What failed only because of a job that was put back waits for it again, generation by generation.
+void revive_children(soci::session& session, const std::string& parent_id) {
+    std::deque<std::string> revived = {parent_id};
+    for (; !revived.empty(); revived.pop_front())
+        for (const std::string& child : revivable_children(session, revived.front())) {
+            if (find_twin_of(session, child)) continue;
+            change_state(session, child, JobState::Held, {});
+            revived.push_back(child);
+        }
+}
+
 // A finished job into the queue, with all its attempts.
 Job put_back(soci::session& session, const std::string& id) {
     const std::string progress = to_text(Progress{});
@@ -44,6 +71,7 @@ Job put_back(soci::session& session, const std::string& id) {
             soci::use(progress, "progress"),
             soci::use(id, "id"));
     change_state(session, id, JobState::Queued, {});
+    revive_children(session, id);
     return read_job(session, id);
 }
 

@@ -104,6 +104,7 @@ Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
                 " FROM jobs WHERE (created_at_ms > :age OR (created_at_ms = :age AND id > :id))"
                 " AND (:project = '' OR project = :project) AND (:dive = '' OR dive_id = :dive)"
                 " AND (:state = '' OR state = :state) AND (:kind = '' OR kind = :kind)"
+                " AND created_at_ms > :after AND created_at_ms < :before"
                 " ORDER BY created_at_ms, id LIMIT :limit",
             soci::use(start.created_at_ms, "age"),
             soci::use(start.id, "id"),
@@ -111,6 +112,8 @@ Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
             soci::use(filter.dive_id, "dive"),
             soci::use(state, "state"),
             soci::use(kind, "kind"),
+            soci::use(filter.created_after_ms, "after"),
+            soci::use(filter.created_before_ms, "before"),
             soci::use(start.limit_plus_one, "limit"));
     });
     return make_page(std::move(rows), page);

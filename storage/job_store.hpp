@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct JobFilter {
     std::string dive_id;  // "": any
     std::optional<JobState> state;
     std::optional<JobKind> kind;
+    std::int64_t created_after_ms = -1;  // neither of the two included
+    std::int64_t created_before_ms = std::numeric_limits<std::int64_t>::max();
 };
 
 struct NewJob {
@@ -89,7 +92,8 @@ public:
     Job retry(const std::string& id);   // failed, dead, cancelled -> queued, attempts from 0;
                                         // Error{Conflict} otherwise, on a refused dive, and while a
                                         // job it was held behind has not succeeded, and while
-                                        // the same work is under way in another job
+                                        // the same work is under way in another job. What
+                                        // failed only because of it is held behind it again
     Job change(const std::string& id, const JobChange& change);  // Error{Conflict} when it does
                                                                  // not wait any more
     // Puts the oldest dead jobs of a project ("": of all) back into the queue, `limit` at most.

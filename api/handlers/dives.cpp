@@ -20,14 +20,6 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 200;
 
-std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise) {
-    if (!request.query.contains(name)) return otherwise;
-    const auto value = parse_count(query_value(request, name));
-    if (!value)
-        throw Error(ErrorCode::InvalidArgument, name + " has to be a time in unix milliseconds");
-    return *value;
-}
-
 bool flag_value(const Request& request, const std::string& name) {
     const std::string value = query_value(request, name);
     if (value != "true" && value != "false" && request.query.contains(name))

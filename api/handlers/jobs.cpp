@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "api/authorization.hpp"
+#include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/target.hpp"
@@ -19,6 +20,8 @@ storage::JobFilter filter_of(const Request& request) {
     if (!state.empty()) filter.state = job_state_from_string(state);
     const std::string kind = query_value(request, "kind");
     if (!kind.empty()) filter.kind = job_kind_from_string(kind);
+    filter.created_after_ms = time_value(request, "created_after_ms", filter.created_after_ms);
+    filter.created_before_ms = time_value(request, "created_before_ms", filter.created_before_ms);
     return filter;
 }
 
@@ -87,6 +90,7 @@ Awaitable<Response> cancel_job(Request request, Services services) {
 
 Awaitable<Response> retry_job(Request request, Services services) {
     auto work = [services, request] {
+        require_room(services);
         return storage::JobStore(services.catalog).retry(visible_job(request, services).id);
     };
     const Job job = co_await in_pool(services.pool, std::move(work));

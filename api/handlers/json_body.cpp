@@ -69,6 +69,14 @@ std::string query_value(const Request& request, const std::string& name) {
     return found == request.query.end() ? "" : found->second;
 }
 
+std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise) {
+    if (!request.query.contains(name)) return otherwise;
+    const auto value = parse_count(query_value(request, name));
+    if (!value)
+        throw Error(ErrorCode::InvalidArgument, name + " has to be a time in unix milliseconds");
+    return *value;
+}
+
 Response list_response(const Request& request,
                        nlohmann::json items,
                        const std::string& next_cursor) {

@@ -32,6 +32,9 @@ storage::PageRequest page_request(const Request& request);
 // ?name=, "" when it is missing.
 std::string query_value(const Request& request, const std::string& name);
 
+// ?name= in unix milliseconds, `otherwise` when it is missing. Throws Error{InvalidArgument}.
+std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise);
+
 // {"items": [...], "next_cursor": "..."} and the link to the next page.
 Response list_response(const Request& request,
                        nlohmann::json items,

@@ -1,10 +1,12 @@
 #include "api/handlers/queue.hpp"
 
 #include "api/authorization.hpp"
+#include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "schemas/json.hpp"
 #include "storage/job_store.hpp"
+#include "storage/project_usage.hpp"
 #include "storage/queue_store.hpp"
 #include "storage/worker_store.hpp"
 
@@ -34,6 +36,21 @@ Awaitable<Response> get_queue(Request request, Services services) {
     co_return json_response(http::status::ok, queue);
 }
 
+// "max_": 0 is no limit.
+Awaitable<Response> get_usage(Request request, Services services) {
+    const std::string project = project_of(request, query_value(request, "project"));
+    auto work = [&catalog = services.catalog, project] {
+        return storage::read_usage(catalog, project);
+    };
+    const auto usage = co_await in_pool(services.pool, std::move(work));
+    const nlohmann::json body = {{"project", project},
+                                 {"num_dives", usage.num_dives},
+                                 {"max_dives", services.limits.max_project_dives},
+                                 {"stored_bytes", usage.stored_bytes},
+                                 {"max_bytes", services.limits.max_project_bytes}};
+    co_return json_response(http::status::ok, body);
+}
+
 Awaitable<Response> change_queue(Request request, Services services) {
     const auto body = json_body(request, {"project", "paused", "max_running"});
     const std::string project = project_of(request, value_or<std::string>(body, "project", ""));
@@ -51,8 +68,9 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
     const auto body = json_body(request, {"project", "limit"});
     const std::string project = project_of(request, value_or<std::string>(body, "project", ""));
     const int limit = value_or<int>(body, "limit", 100);
-    auto work = [&catalog = services.catalog, project, limit] {
-        return storage::JobStore(catalog).redrive(project, limit);
+    auto work = [services, project, limit] {
+        require_room(services);
+        return storage::JobStore(services.catalog).redrive(project, limit);
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
     co_return list_response(request, jobs);

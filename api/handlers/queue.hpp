@@ -6,6 +6,7 @@
 namespace divemesh::api {
 
 Awaitable<Response> get_queue(Request request, Services services);
+Awaitable<Response> get_usage(Request request, Services services);
 Awaitable<Response> change_queue(Request request, Services services);
 Awaitable<Response> redrive_queue(Request request, Services services);
 Awaitable<Response> list_workers(Request request, Services services);

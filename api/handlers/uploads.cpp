@@ -6,6 +6,7 @@
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
 #include "api/new_upload.hpp"
+#include "api/quota.hpp"
 #include "api/receive_body.hpp"
 #include "api/tus_headers.hpp"
 #include "api/upload_metadata.hpp"
@@ -132,12 +133,18 @@ Response offset_conflict(const Request& request, const Upload& upload) {
 
 // The length that creation left open, when this request tells it.
 Upload with_length(const Request& request, const Services& services, const Upload& upload) {
-    if (!request.has_header("upload-length")) return upload;
+    if (!request.has_header("upload-length")) {
+        // As many as have come count; how many more come nobody knows.
+        if (!upload.length_bytes) require_bytes_of_quota(services, upload.project, 1);
+        return upload;
+    }
     const std::int64_t length = count_header(request, "upload-length");
     if (length > services.limits.max_upload_bytes)
         throw Error(
             ErrorCode::TooLarge,
             "an upload has at most " + std::to_string(services.limits.max_upload_bytes) + " bytes");
+    if (!upload.length_bytes)
+        require_bytes_of_quota(services, upload.project, length - upload.offset_bytes);
     return storage::UploadStore(services.catalog).set_length(upload.id, length);
 }
 

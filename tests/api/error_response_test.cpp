@@ -33,6 +33,7 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
                                                   {ErrorCode::Forbidden, 403},
                                                   {ErrorCode::Unsupported, 415},
                                                   {ErrorCode::Cancelled, 409},
+                                                  {ErrorCode::OutOfQuota, 403},
                                                   {ErrorCode::OutOfSpace, 507},
                                                   {ErrorCode::OutOfMemory, 503},
                                                   {ErrorCode::Unavailable, 503}};

@@ -102,7 +102,11 @@ TEST(BrowserTest, ATokenThatAsksTooOftenIsToldToWait) {
     TestServer server(config);
     const std::string other = server.make_token("default", {"dives:read"});
     EXPECT_EQ(server.request("GET", "/api/v1/dives", server.admin()).status, 200);
-    EXPECT_EQ(server.request("GET", "/api/v1/dives", server.admin()).status, 429);
+    const auto told = server.request("GET", "/api/v1/dives", server.admin());
+    EXPECT_EQ(told.status, 429);
+    EXPECT_EQ(told.header("ratelimit-policy"), "\"token\";q=1;w=2");
+    EXPECT_EQ(told.header("ratelimit"), "\"token\";r=0;t=2");
+    EXPECT_EQ(told.header("retry-after"), "2");
     EXPECT_EQ(server.request("GET", "/api/v1/dives", other).status, 200);
 }
 

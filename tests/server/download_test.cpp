@@ -127,6 +127,51 @@ TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
     EXPECT_TRUE(response.header("content-security-policy").starts_with("sandbox"));
 }
 
+// Nothing that a worker names becomes a page of ours: what a browser would run is a file or bytes.
+TEST(DownloadNamesTest, S9NoNameIsServedAsAPage) {
+    TestServer server;
+    for (const char* name : {"report.html",
+                             "REPORT.HTML",
+                             "report.htm",
+                             "report.xhtml",
+                             "plot.svg",
+                             "plot.svgz",
+                             "data.xml",
+                             "code.js",
+                             "page.mhtml",
+                             "picture.jpg.html",
+                             "picture.html.unknown",
+                             "none"}) {
+        const auto response = server.request(
+            "GET",
+            "/api/v1/jobs/" + server.make_job("default", name, "<script>") + "/artifacts/" + name,
+            server.admin());
+        ASSERT_EQ(response.status, 200) << name;
+        EXPECT_EQ(response.header("x-content-type-options"), "nosniff") << name;
+        const bool is_file = response.header("content-disposition").starts_with("attachment") &&
+                             response.header("content-security-policy").starts_with("sandbox");
+        EXPECT_TRUE(is_file || response.header("content-type") == "application/octet-stream")
+            << name << ": " << response.header("content-type");
+    }
+}
+
+// The name of an upload is for people: it decides no type, and a dive hands out nothing by it.
+TEST(DownloadNamesTest, S9ANameThatAClientChoseDecidesNoType) {
+    TestServer server;
+    const auto path =
+        create_upload(server.port(), server.admin(), 5, "commit,filename " + base64("evil.html"));
+    const auto last =
+        RawClient(server.port()).request("PATCH", path, patch_headers(server.admin(), 0), "<svg>");
+    const std::string dive = "/api/v1/dives/" + last.header("divemesh-dive");
+    EXPECT_EQ(server.request("GET", dive, server.admin()).header("content-type"),
+              "application/json");
+    EXPECT_EQ(server.request("GET", path, server.admin(), {{"Tus-Resumable", "1.0.0"}})
+                  .header("content-type"),
+              "application/json");
+    EXPECT_EQ(server.request("GET", dive + "/evil.html", server.admin()).status, 404);
+    EXPECT_EQ(server.request("GET", dive + "/archive", server.admin()).status, 404);
+}
+
 TEST(DownloadNamesTest, AnEmptyArtifactIsWholeAndHasNoRange) {
     TestServer server;
     const std::string path =

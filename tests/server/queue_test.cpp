@@ -81,10 +81,41 @@ TEST_F(QueueTest, HoldsAJobBehindItsParents) {
 
     EXPECT_EQ(get(child).json()["state"], "failed");
     EXPECT_EQ(get(child).json()["failure"]["remedy"],
-              "retry job " + id_of(parent) + ", then this one");
+              "retry job " + id_of(parent) + ": this one then waits for it again");
     EXPECT_EQ(post(jobs_of_dive, {{"parents", {id_of(parent)}}}).status, 409);
     EXPECT_EQ(post(jobs_of_dive, {{"parents", {"job_none"}}}).status, 404);
     EXPECT_EQ(post(jobs_of_dive, {{"parents", "job_none"}}).status, 400);
+}
+
+TEST(DiskGuardTest, NoJobIsPutBackWhileTheDiskIsNearlyFull) {
+    server::ServerConfig config;
+    config.min_free_bytes = std::int64_t{1} << 60;
+    TestServer server(config);
+    storage::JobStore jobs(server.catalog());
+    storage::NewJob wanted{.dive_id = server.make_dive("default", std::string(64, 'a')),
+                           .preset = "fast",
+                           .max_attempts = 1};
+    const std::string id = jobs.enqueue(wanted).job.id;
+    jobs.fail(jobs.claim("worker", std::chrono::minutes(1))->lease,
+              {ErrorCode::Unavailable, "crashed"});
+    const std::string job = "/api/v1/jobs/" + id;
+
+    EXPECT_EQ(server.request("POST", job + "/retry", server.admin()).status, 507);
+    EXPECT_EQ(server.post_json("/api/v1/queue/redrive", server.admin(), {{"limit", 5}}).status,
+              507);
+    EXPECT_EQ(server.request("GET", job, server.admin()).json()["state"], "dead");
+}
+
+TEST_F(QueueTest, ListsJobsByTheTimeTheyWereMade) {
+    const auto made_ms = get(ask()).json()["created_at_ms"].get<std::int64_t>();
+    const auto listed = [&](const std::string& query) {
+        return get("/api/v1/jobs?kind=reconstruct&" + query).json()["items"].size();
+    };
+    EXPECT_EQ(listed("created_after_ms=" + std::to_string(made_ms - 1)), 1U);
+    EXPECT_EQ(listed("created_after_ms=" + std::to_string(made_ms)), 0U);
+    EXPECT_EQ(listed("created_before_ms=" + std::to_string(made_ms)), 0U);
+    EXPECT_EQ(listed("created_before_ms=" + std::to_string(made_ms + 1)), 1U);
+    EXPECT_EQ(get("/api/v1/jobs?created_after_ms=-1").status, 400);
 }
 
 TEST_F(QueueTest, AsksForTheSameWorkOnce) {

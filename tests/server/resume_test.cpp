@@ -144,6 +144,39 @@ TEST(ResumeTest, U15ASilentClientIsLeftAndItsBytesAreKept) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 10);
 }
 
+TEST(ResumeTest, U15AClientThatDribblesIsLeftAndItsBytesAreKept) {
+    server::ServerConfig config;
+    config.min_upload_bytes_per_s = 1'000;
+    config.timeouts.rate = 500ms;
+    TestServer server(config);
+    const auto path = create_upload(server.port(), server.admin(), 100'000);
+    RawClient client(server.port());
+    client.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 100'000));
+    for (int i = 0; i < 40; ++i) {
+        client.send("x");
+        std::this_thread::sleep_for(20ms);
+    }
+    EXPECT_EQ(client.receive()->status, 503);
+    const auto kept = upload_offset(server.port(), server.admin(), path);
+    EXPECT_GT(kept, 0);
+    EXPECT_LE(kept, 40);
+}
+
+TEST(ResumeTest, U15AClientAtTheLowestRateIsWaitedFor) {
+    server::ServerConfig config;
+    config.min_upload_bytes_per_s = 1'000;
+    config.timeouts.rate = 300ms;
+    TestServer server(config);
+    const auto path = create_upload(server.port(), server.admin(), 10'000);
+    RawClient client(server.port());
+    client.send(request_head("PATCH", path, patch_headers(server.admin(), 0), 10'000));
+    for (int i = 0; i < 20; ++i) {
+        client.send(std::string(500, 'x'));
+        std::this_thread::sleep_for(50ms);
+    }
+    EXPECT_EQ(client.receive()->status, 204);
+}
+
 TEST(ResumeTest, U5AStoppedServerKeepsWhatCame) {
     const TemporaryFolder data;
     auto first = std::make_unique<ServerProcess>(data.path());

@@ -22,7 +22,8 @@ int port_of(const std::string& url) { return std::stoi(url.substr(url.rfind(':')
 TestServer::TestServer(server::ServerConfig config) {
     config.listen = "127.0.0.1:0";
     config.data = folder_.path();
-    config.min_free_bytes = std::min<std::int64_t>(config.min_free_bytes, 1 << 20);
+    if (config.min_free_bytes == server::ServerConfig().min_free_bytes)
+        config.min_free_bytes = 1 << 20;
     server_ = std::make_unique<server::Server>(config);
     catalog_ = std::make_unique<storage::Catalog>(server_->config().catalog_url);
     blobs_ = storage::open_blob_store(server_->config().blobs_url);

@@ -40,6 +40,12 @@ protected:
         EXPECT_EQ(made.status, 201) << made.body;
         return made.header("location");
     }
+    // Upload-Concat of the whole.
+    static std::string final_of(const std::vector<std::string>& parts) {
+        std::string concat = "final;";
+        for (const auto& part : parts) concat += (concat.ends_with(';') ? "" : " ") + part;
+        return concat;
+    }
     std::string archive_of(const std::string& dive_id) {
         const auto dive = storage::DiveStore(server.catalog()).get(dive_id);
         const auto reader =

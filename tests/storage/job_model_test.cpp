@@ -101,6 +101,7 @@ public:
         job.num_attempts = job.num_silent_losses = 0;
         job.paused = job.lowered = job.cancel_requested = false;
         job.state = JobState::Queued;
+        revive_children(id);
     }
 
     bool can_change(const std::string& id) {
@@ -118,13 +119,27 @@ private:
             return jobs.at(parent).state != JobState::Succeeded;
         });
     }
+    static bool is_child(const ModelJob& job, const std::string& id) {
+        return std::count(job.parents.begin(), job.parents.end(), id) > 0;
+    }
+    void revive_children(const std::string& id) {
+        const auto came_to_nothing = [&](const std::string& parent) {
+            const JobState state = jobs.at(parent).state;
+            return is_finished(state) && state != JobState::Succeeded;
+        };
+        for (auto& [other, job] : jobs) {
+            if (job.state != JobState::Failed || job.num_attempts > 0 || !is_child(job, id) ||
+                std::any_of(job.parents.begin(), job.parents.end(), came_to_nothing))
+                continue;
+            job.state = JobState::Held;
+            revive_children(other);
+        }
+    }
     void finish(const std::string& id, JobState to) {
         jobs[id].state = to;
         if (!is_finished(to)) return;
         for (auto& [other, job] : jobs) {
-            if (job.state != JobState::Held ||
-                std::count(job.parents.begin(), job.parents.end(), id) == 0)
-                continue;
+            if (job.state != JobState::Held || !is_child(job, id)) continue;
             if (to != JobState::Succeeded)
                 finish(other, JobState::Failed);
             else if (!job.paused && !waits(job))

@@ -112,16 +112,53 @@ TEST_F(JobParentsTest, AChainOfAnyLengthFailsWithItsFirst) {
     EXPECT_LT(failure.message.size(), 200u);
 }
 
-TEST_F(JobParentsTest, AJobWhoseParentWasMendedIsRetriedAfterIt) {
+TEST_F(JobParentsTest, WhatFailedOnlyBecauseOfAParentWaitsForItAgainWhenThatIsRetried) {
     const Job parent = enqueue(dive_, 1);
     const Job child = enqueue_behind({parent.id});
-    jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
+    const Job both = enqueue_behind({parent.id, child.id});
+    jobs_.fail(claim().lease, {ErrorCode::BadData, "no frames"});
     EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { jobs_.retry(child.id); }));
 
     jobs_.retry(parent.id);
-    jobs_.succeed(claim().lease, {});
 
-    EXPECT_EQ(jobs_.retry(child.id).state, JobState::Queued);
+    EXPECT_EQ(state(child), JobState::Held);
+    EXPECT_EQ(jobs_.get(child.id).failure.message, "");
+    EXPECT_EQ(state(both), JobState::Held);
+    jobs_.succeed(claim().lease, {});
+    EXPECT_EQ(state(child), JobState::Queued);
+    EXPECT_EQ(state(both), JobState::Held);
+}
+
+TEST_F(JobParentsTest, RedriveRevivesWhatFailedOnlyBecauseOfTheDeadJob) {
+    const Job parent = enqueue(dive_, 1);
+    const Job other = enqueue(dive_, 1);
+    const Job child = enqueue_behind({parent.id});
+    const Job of_two = enqueue_behind({parent.id, other.id});
+    const Job cancelled = enqueue_behind({parent.id});
+    jobs_.cancel(cancelled.id);
+    jobs_.cancel(other.id);
+    jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
+    ASSERT_EQ(state(parent), JobState::Dead);
+
+    EXPECT_EQ(jobs_.redrive("", 10).size(), 1u);
+
+    EXPECT_EQ(state(child), JobState::Held);
+    EXPECT_EQ(state(of_two), JobState::Failed) << "its other parent is still cancelled";
+    EXPECT_EQ(state(cancelled), JobState::Cancelled) << "a person has ended it";
+}
+
+TEST_F(JobParentsTest, WhatIsDoneByAnotherJobMeanwhileIsNotRevived) {
+    const Job parent = enqueue(dive_, 1);
+    NewJob wanted{.dive_id = dive_.id, .preset = "fast", .parents = {parent.id}};
+    const Job child = jobs_.enqueue(wanted).job;
+    jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
+    wanted.parents.clear();
+    const Job twin = jobs_.enqueue(wanted).job;
+    ASSERT_NE(twin.id, child.id);
+
+    jobs_.retry(parent.id);
+
+    EXPECT_EQ(state(child), JobState::Failed);
 }
 
 TEST_F(JobParentsTest, NothingWaitsForWhatIsUnknownOrElsewhereOrCameToNothing) {

@@ -39,7 +39,8 @@ void survey_pictures(StoredDive& dive, IntakeReport& report, const ProgressCallb
                            "",
                            std::to_string(dive.num_skipped_frames()) + " of " +
                                std::to_string(dive.num_frames()) + " frames are skipped",
-                           "");
+                           "See the findings of single pictures; copy those from the recorder "
+                           "again, and check its card if many are spoiled.");
 }
 
 void check_reference_mesh(StoredDive& dive) {

@@ -248,6 +248,7 @@ TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
     EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_undecodable", picture(2)));
     EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "frames_skipped", "1 of 5"));
     EXPECT_FALSE(has_error(spoiled));
+    for (const Finding& finding : spoiled) EXPECT_NE(finding.remedy, "") << finding.code;
 }
 
 TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {

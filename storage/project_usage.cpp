@@ -1,0 +1,41 @@
+#include "storage/project_usage.hpp"
+
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+struct UsageRow {
+    ProjectUsage usage;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(usage.num_dives));
+        statement.exchange(soci::into(usage.stored_bytes));
+    }
+    ProjectUsage value() const { return usage; }
+};
+
+}  // namespace
+
+// A final upload counts once it is whole: till then its parts are there.
+ProjectUsage read_usage(soci::session& session, const std::string& project) {
+    return select_one<UsageRow>(
+               session,
+               "SELECT (SELECT COUNT(*) FROM dives"
+               "   WHERE (:project = '' OR project = :project) AND deleted_at_ms = 0),"
+               " (SELECT COALESCE(SUM(archive_bytes), 0) FROM dives"
+               "   WHERE (:project = '' OR project = :project))"
+               " + (SELECT COALESCE(SUM(COALESCE(length_bytes, offset_bytes)), 0) FROM uploads"
+               "   WHERE (:project = '' OR project = :project) AND dive_id IS NULL AND ended = ''"
+               "   AND (concat NOT LIKE 'final;%' OR offset_bytes = length_bytes))",
+               soci::use(project, "project"))
+        .value_or(ProjectUsage{});
+}
+
+ProjectUsage read_usage(Catalog& catalog, const std::string& project) {
+    ProjectUsage usage;
+    catalog.read([&](soci::session& session) { usage = read_usage(session, project); });
+    return usage;
+}
+
+}  // namespace divemesh::storage

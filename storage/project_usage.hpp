@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "storage/catalog.hpp"
+
+namespace divemesh::storage {
+
+// What a project ("": all of them) has here. Deleted dives are no dives any more, but their bytes
+// are there until they expire.
+struct ProjectUsage {
+    std::int64_t num_dives = 0;
+    std::int64_t stored_bytes = 0;  // archives, and open uploads as long as they said they are
+};
+
+ProjectUsage read_usage(soci::session& session, const std::string& project);
+ProjectUsage read_usage(Catalog& catalog, const std::string& project);
+
+}  // namespace divemesh::storage
