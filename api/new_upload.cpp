@@ -19,8 +19,7 @@ Upload enter_upload(const Services& services, const Upload& upload) {
                         std::to_string(services.limits.max_open_uploads) +
                         " unfinished uploads: finish or delete some");
     require_dive_of_quota(services, upload.project);
-    if (!upload.is_final()) require_bytes_of_quota(services, upload.project, wanted);
-    return uploads.create(upload);
+    return uploads.create(upload, services.limits.max_project_bytes);
 }
 
 }  // namespace divemesh::api

@@ -8,15 +8,11 @@ namespace divemesh::api {
 void require_bytes_of_quota(const Services& services,
                             const std::string& project,
                             std::int64_t more_bytes) {
-    const std::int64_t most = services.limits.max_project_bytes;
-    if (most == 0) return;
-    const std::int64_t stored = storage::read_usage(services.catalog, project).stored_bytes;
-    if (stored > most || more_bytes > most - stored)
-        throw Error(ErrorCode::OutOfQuota,
-                    "project " + project + " has " + std::to_string(stored) + " of " +
-                        std::to_string(most) + " bytes, " + std::to_string(more_bytes) +
-                        " more are too many: delete dives or uploads (the bytes of a deleted dive "
-                        "count until it expires), or ask the server's administrator");
+    if (services.limits.max_project_bytes == 0) return;
+    services.catalog.read([&](soci::session& session) {
+        storage::require_bytes_of_quota(
+            session, project, more_bytes, services.limits.max_project_bytes);
+    });
 }
 
 void require_dive_of_quota(const Services& services, const std::string& project) {

@@ -25,10 +25,17 @@ void add_server_options(CLI::App& command, ServerOptions& options) {
     command.add_option("--server", options.server, "address of the server")->capture_default_str();
     command.add_option(
         "--token-file", options.token_file, "file that holds the token (else DIVEMESH_TOKEN)");
+    command
+        .add_option("--ca-file",
+                    options.ca_file,
+                    "certificates in PEM that an https server is believed by, besides the system's")
+        ->envname("DIVEMESH_CA_FILE");
 }
 
 api::client::Account account_of(const ServerOptions& options) {
-    return {api::client::parse_server_url(options.server), token_of(options)};
+    api::client::ServerAddress server = api::client::parse_server_url(options.server);
+    server.ca_file = options.ca_file;
+    return {std::move(server), token_of(options)};
 }
 
 }  // namespace divemesh::cli

@@ -12,6 +12,7 @@ namespace divemesh::cli {
 struct ServerOptions {
     std::string server = "http://127.0.0.1:8080";
     std::filesystem::path token_file;
+    std::string ca_file;
 };
 
 void add_server_options(CLI::App& command, ServerOptions& options);

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <set>
 
-#include "server/stream.hpp"
+#include "api/stream.hpp"
 
 namespace divemesh::server {
 
@@ -18,7 +18,7 @@ public:
     Connection(boost::asio::ip::tcp::socket socket, std::shared_ptr<boost::asio::ssl::context> tls)
         : stream(std::move(socket), tls.get()), tls_(std::move(tls)) {}
 
-    Stream stream;
+    api::Stream stream;
     boost::beast::flat_buffer buffer;  // bytes that came but are not parsed yet
     bool stopping = false;             // no further request is taken
 

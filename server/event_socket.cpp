@@ -20,7 +20,7 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
-using WebSocket = websocket::stream<Stream, false>;  // events are small: no compression
+using WebSocket = websocket::stream<api::Stream, false>;  // events are small: no compression
 using Clock = std::chrono::steady_clock;
 
 constexpr int kPageEvents = 50;
@@ -29,7 +29,8 @@ constexpr std::chrono::seconds kTokenTrusted{1};
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 struct EventSocket {
-    explicit EventSocket(Stream stream) : socket(std::move(stream)), pause(socket.get_executor()) {
+    explicit EventSocket(api::Stream stream)
+        : socket(std::move(stream)), pause(socket.get_executor()) {
         pause.expires_at(Clock::time_point::max());  // only ever cancelled
     }
 

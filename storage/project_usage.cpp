@@ -1,5 +1,6 @@
 #include "storage/project_usage.hpp"
 
+#include "schemas/error.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -36,6 +37,20 @@ ProjectUsage read_usage(Catalog& catalog, const std::string& project) {
     ProjectUsage usage;
     catalog.read([&](soci::session& session) { usage = read_usage(session, project); });
     return usage;
+}
+
+void require_bytes_of_quota(soci::session& session,
+                            const std::string& project,
+                            std::int64_t more_bytes,
+                            std::int64_t most_bytes) {
+    if (most_bytes == 0) return;
+    const std::int64_t stored = read_usage(session, project).stored_bytes;
+    if (stored > most_bytes || more_bytes > most_bytes - stored)
+        throw Error(ErrorCode::OutOfQuota,
+                    "project " + project + " has " + std::to_string(stored) + " of " +
+                        std::to_string(most_bytes) + " bytes, " + std::to_string(more_bytes) +
+                        " more are too many: delete dives or uploads (the bytes of a deleted dive "
+                        "count until it expires), or ask the server's administrator");
 }
 
 }  // namespace divemesh::storage

@@ -17,4 +17,12 @@ struct ProjectUsage {
 ProjectUsage read_usage(soci::session& session, const std::string& project);
 ProjectUsage read_usage(Catalog& catalog, const std::string& project);
 
+// Throws Error{OutOfQuota} when a project may not have so many bytes more; `most_bytes` 0: no
+// limit. Inside the transaction that adds them, so that of two that come at once the second is
+// refused.
+void require_bytes_of_quota(soci::session& session,
+                            const std::string& project,
+                            std::int64_t more_bytes,
+                            std::int64_t most_bytes);
+
 }  // namespace divemesh::storage

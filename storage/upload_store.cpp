@@ -5,6 +5,7 @@
 #include "schemas/json.hpp"
 #include "storage/event_store.hpp"
 #include "storage/ids.hpp"
+#include "storage/project_usage.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -90,7 +91,7 @@ void write_end(soci::session& session, const Upload& upload, UploadEnd end) {
 
 }  // namespace
 
-Upload UploadStore::create(Upload upload) {
+Upload UploadStore::create(Upload upload, std::int64_t max_bytes_of_project) {
     const std::int64_t length_bytes = upload.length_bytes.value_or(-1);
     if (upload.length_bytes && length_bytes < 0)
         throw Error(ErrorCode::InvalidArgument, "an upload cannot be shorter than nothing");
@@ -99,6 +100,9 @@ Upload UploadStore::create(Upload upload) {
     upload.offset_bytes = 0;
     upload.dive_id.clear();
     catalog_.transaction([&](soci::session& session) {
+        if (!upload.is_final())
+            require_bytes_of_quota(
+                session, upload.project, upload.length_bytes.value_or(0), max_bytes_of_project);
         upload.created_at_ms = Catalog::now_ms(session);
         upload.expires_at_ms = upload.created_at_ms + upload.lifetime_ms;
         execute(session,
@@ -126,7 +130,9 @@ Upload UploadStore::get(const std::string& id) {
     return upload;
 }
 
-Upload UploadStore::set_length(const std::string& id, std::int64_t length_bytes) {
+Upload UploadStore::set_length(const std::string& id,
+                               std::int64_t length_bytes,
+                               std::int64_t max_bytes_of_project) {
     Upload upload;
     catalog_.transaction([&](soci::session& session) {
         upload = read_open_upload(session, id);
@@ -139,6 +145,8 @@ Upload UploadStore::set_length(const std::string& id, std::int64_t length_bytes)
             throw Error(ErrorCode::InvalidArgument,
                         "Upload-Length is below the " + std::to_string(upload.offset_bytes) +
                             " bytes that are there");
+        require_bytes_of_quota(
+            session, upload.project, length_bytes - upload.offset_bytes, max_bytes_of_project);
         upload.length_bytes = length_bytes;
         execute(session,
                 "UPDATE uploads SET length_bytes = :length WHERE id = :id",

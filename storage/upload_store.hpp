@@ -16,13 +16,16 @@ class UploadStore {
 public:
     explicit UploadStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // `upload.id`, `blob` and the times are set here. Event upload.created.
-    Upload create(Upload upload);
+    // `upload.id`, `blob` and the times are set here. Throws Error{OutOfQuota}; a final upload has
+    // its parts' bytes. Event upload.created.
+    Upload create(Upload upload, std::int64_t max_bytes_of_project = 0);
     Upload get(const std::string& id);  // throws Error{NotFound}; one that ended is told too
     // Tells the length that was left open at creation. The same again changes nothing. Throws
-    // Error{InvalidArgument} for another one, or one below the offset. Event upload.completed when
-    // the offset is there already.
-    Upload set_length(const std::string& id, std::int64_t length_bytes);
+    // Error{InvalidArgument} for another one, or one below the offset, Error{OutOfQuota}. Event
+    // upload.completed when the offset is there already.
+    Upload set_length(const std::string& id,
+                      std::int64_t length_bytes,
+                      std::int64_t max_bytes_of_project = 0);
     // Moves the offset forward, never back: a lower or equal value changes nothing.
     // Event upload.completed when it reaches the length.
     Upload advance(const std::string& id, std::int64_t offset_bytes);

@@ -1,15 +1,14 @@
 #include "api/client/event_stream.hpp"
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/use_future.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/field.hpp>
 #include <boost/beast/websocket.hpp>
 #include <future>
 
+#include "api/client/dial.hpp"
 #include "schemas/json.hpp"
 
 namespace divemesh::api::client {
@@ -25,9 +24,15 @@ constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
 }  // namespace
 
 struct EventStream::Implementation {
+    explicit Implementation(const ServerAddress& server)
+        : server_url(server.url()),
+          tls(client_tls(server)),
+          socket(dial(context, server, tls.get(), kConnectTimeout)) {}
+
     std::string server_url;
+    std::unique_ptr<asio::ssl::context> tls;
     asio::io_context context;
-    websocket::stream<beast::tcp_stream> socket{context};
+    websocket::stream<Stream, false> socket;  // events are small: no compression
     beast::flat_buffer buffer;
     std::future<std::size_t> reading;  // an operation outlives the call that began it
 
@@ -38,13 +43,8 @@ struct EventStream::Implementation {
         return operation.get();
     }
 
-    void connect(const Account& account, std::optional<std::int64_t> since) {
-        asio::ip::tcp::resolver resolver(context);
-        const auto endpoints = resolver.resolve(account.server.host, account.server.port);
-        auto& stream = beast::get_lowest_layer(socket);
-        stream.expires_after(kConnectTimeout);
-        finish(stream.async_connect(endpoints, asio::use_future));
-        stream.expires_never();  // from here on the WebSocket has timeouts of its own
+    void subscribe(const Account& account, std::optional<std::int64_t> since) {
+        socket.next_layer().expires_never();  // from here on the WebSocket has timeouts of its own
         auto timeout = websocket::stream_base::timeout::suggested(beast::role_type::client);
         timeout.keep_alive_pings = true;
         socket.set_option(timeout);
@@ -54,8 +54,7 @@ struct EventStream::Implementation {
         socket.read_message_max(kMaxMessageBytes);
         const std::string target = account.server.base_path + "/api/v1/events" +
                                    (since ? "?since=" + std::to_string(*since) : "");
-        finish(socket.async_handshake(
-            account.server.host + ":" + account.server.port, target, asio::use_future));
+        finish(socket.async_handshake(account.server.authority(), target, asio::use_future));
     }
 
     std::optional<Event> next(std::chrono::milliseconds timeout) {
@@ -71,14 +70,12 @@ struct EventStream::Implementation {
     }
 };
 
-EventStream::EventStream(const Account& account, std::optional<std::int64_t> since)
-    : implementation_(std::make_unique<Implementation>()) {
-    implementation_->server_url = account.server.url();
+EventStream::EventStream(const Account& account, std::optional<std::int64_t> since) {
     try {
-        implementation_->connect(account, since);
+        implementation_ = std::make_unique<Implementation>(account.server);
+        implementation_->subscribe(account, since);
     } catch (const beast::system_error& error) {
-        throw Error(ErrorCode::Unavailable,
-                    "events of " + account.server.url() + ": " + error.code().message());
+        throw connection_error(account.server, error.code());
     }
 }
 

@@ -10,7 +10,7 @@
 
 namespace divemesh::api::client {
 
-// The server's events as they happen, over its WebSocket. Throws Error{Unavailable} when it cannot
+// The server's events as they happen, over its WebSocket. Throws as HttpConnection when it cannot
 // connect or the connection ends; a new one with the last `sequence` seen misses nothing. Without
 // `since` it tells only what is new.
 class EventStream {

@@ -4,14 +4,13 @@
 #include <array>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/use_future.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
 #include <future>
 #include <optional>
 
+#include "api/client/dial.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api::client {
@@ -23,7 +22,6 @@ namespace http = beast::http;
 
 constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
 constexpr std::uint64_t kMaxBufferedBody = std::uint64_t{64} << 20;
-constexpr std::string_view kScheme = "http://";
 
 std::string lower(std::string_view text) {
     std::string result(text);
@@ -44,37 +42,6 @@ HttpResponse header_of(const Fields& message) {
 
 }  // namespace
 
-ServerAddress parse_server_url(const std::string& url) {
-    const auto refuse = [&](const std::string& why) {
-        throw Error(ErrorCode::InvalidArgument,
-                    "server address " + url + " " + why + "; give http://host:port");
-    };
-    if (!url.starts_with(kScheme)) refuse("does not begin with http://");
-    const std::string rest = url.substr(kScheme.size());
-    const std::size_t slash = std::min(rest.find('/'), rest.size());
-    std::string authority = rest.substr(0, slash);
-    ServerAddress server{"", "80", rest.substr(slash)};
-    while (server.base_path.ends_with('/')) server.base_path.pop_back();
-    const std::size_t colon = authority.rfind(':');
-    if (colon != std::string::npos && authority.find(']', colon) == std::string::npos) {
-        server.port = authority.substr(colon + 1);
-        authority.resize(colon);
-    }
-    if (authority.starts_with('[') && authority.ends_with(']'))
-        authority = authority.substr(1, authority.size() - 2);
-    server.host = authority;
-    if (server.host.empty() || server.host.find_first_of(" @?#") != std::string::npos)
-        refuse("has no host name");
-    if (server.port.empty() || server.port.find_first_not_of("0123456789") != std::string::npos)
-        refuse("has a port that is not a number");
-    return server;
-}
-
-std::string ServerAddress::url() const {
-    const bool is_ipv6 = host.find(':') != std::string::npos;
-    return std::string(kScheme) + (is_ipv6 ? "[" + host + "]" : host) + ":" + port + base_path;
-}
-
 std::string HttpResponse::header(const std::string& name) const {
     const auto found = headers.find(name);
     return found == headers.end() ? std::string() : found->second;
@@ -84,7 +51,8 @@ struct HttpConnection::Implementation {
     ServerAddress server;
     std::chrono::milliseconds stall;
     asio::io_context context;
-    std::optional<beast::tcp_stream> stream;
+    std::unique_ptr<asio::ssl::context> tls = client_tls(server);
+    std::optional<Stream> stream;
     beast::flat_buffer buffer;
     bool answer_began = false;  // of the exchange under way
     bool body_cut = false;
@@ -102,11 +70,8 @@ struct HttpConnection::Implementation {
     void connect() {
         stream.reset();
         buffer.clear();
-        stream.emplace(context);
-        asio::ip::tcp::resolver resolver(context);
-        const auto endpoints = resolver.resolve(server.host, server.port);
-        run([&] { return stream->async_connect(endpoints, asio::use_future); });
-        stream->socket().set_option(asio::ip::tcp::no_delay(true));
+        Stream fresh = dial(context, server, tls.get(), stall);
+        stream.emplace(std::move(fresh));
     }
 
     template <typename Body>
@@ -115,9 +80,7 @@ struct HttpConnection::Implementation {
         message.method_string(request.method);
         message.target(server.base_path + request.target);
         message.version(11);
-        const bool is_ipv6 = server.host.find(':') != std::string::npos;
-        message.set(http::field::host,
-                    (is_ipv6 ? "[" + server.host + "]" : server.host) + ":" + server.port);
+        message.set(http::field::host, server.authority());
         message.set(http::field::user_agent, "divemesh");
         for (const auto& [name, value] : request.headers) message.set(name, value);
         return message;
@@ -138,7 +101,8 @@ struct HttpConnection::Implementation {
         run([&] { return http::async_write_header(*stream, header, asio::use_future); });
         std::vector<char> piece(body.piece_bytes);
         for (std::int64_t sent = 0; sent < body.length;) {
-            if (stream->socket().available() > 0) {  // refused before all of it was sent
+            // Refused before all of it was sent. What comes over TLS need not be an answer.
+            if (!stream->tls() && stream->available() > 0) {
                 body_cut = true;
                 return;
             }
@@ -234,8 +198,7 @@ struct HttpConnection::Implementation {
             return attempt(request, write_request, sink);
         } catch (const beast::system_error& error) {
             stream.reset();
-            throw Error(ErrorCode::Unavailable,
-                        "connection to " + server.url() + ": " + error.code().message());
+            throw connection_error(server, error.code());
         } catch (...) {
             stream.reset();
             throw;
@@ -244,10 +207,7 @@ struct HttpConnection::Implementation {
 };
 
 HttpConnection::HttpConnection(ServerAddress server, std::chrono::milliseconds stall)
-    : implementation_(std::make_unique<Implementation>()) {
-    implementation_->server = std::move(server);
-    implementation_->stall = stall;
-}
+    : implementation_(new Implementation{std::move(server), stall}) {}
 
 HttpConnection::~HttpConnection() = default;
 HttpConnection::HttpConnection(HttpConnection&&) noexcept = default;

@@ -11,18 +11,9 @@
 #include <vector>
 
 #include "api/client/byte_source.hpp"
+#include "api/client/server_address.hpp"
 
 namespace divemesh::api::client {
-
-// http://host[:port][/base]; the port is 80 when it is not given.
-struct ServerAddress {
-    std::string host;
-    std::string port;
-    std::string base_path;  // "" or "/prefix"
-
-    std::string url() const;
-};
-ServerAddress parse_server_url(const std::string& url);  // throws Error{InvalidArgument}
 
 struct HttpRequest {
     std::string method;
@@ -58,7 +49,8 @@ struct BodySink {
 
 // One connection to a server, kept alive between requests and made anew when it is gone. Calls
 // block; one that moves no byte for `stall` fails. Throws Error{Unavailable} for whatever the
-// network does; an answer of any status is an answer. One thread at a time.
+// network does, Error{Forbidden} for a server that does not prove to be the one of the address; an
+// answer of any status is an answer. One thread at a time.
 class HttpConnection {
 public:
     HttpConnection(ServerAddress server, std::chrono::milliseconds stall);

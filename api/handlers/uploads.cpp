@@ -143,9 +143,8 @@ Upload with_length(const Request& request, const Services& services, const Uploa
         throw Error(
             ErrorCode::TooLarge,
             "an upload has at most " + std::to_string(services.limits.max_upload_bytes) + " bytes");
-    if (!upload.length_bytes)
-        require_bytes_of_quota(services, upload.project, length - upload.offset_bytes);
-    return storage::UploadStore(services.catalog).set_length(upload.id, length);
+    return storage::UploadStore(services.catalog)
+        .set_length(upload.id, length, services.limits.max_project_bytes);
 }
 
 }  // namespace

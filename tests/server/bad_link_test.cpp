@@ -1,5 +1,6 @@
 #include "api/client/tus_upload.hpp"
 #include "schemas/error.hpp"
+#include "tests/bytes_in_memory.hpp"
 #include "tests/flaky_proxy.hpp"
 #include "tests/server/tus_fixture.hpp"
 
@@ -8,18 +9,6 @@ namespace {
 
 namespace client = api::client;
 using namespace std::chrono_literals;
-
-class BytesInMemory : public client::ByteSource {
-public:
-    explicit BytesInMemory(std::string bytes) : bytes_(std::move(bytes)) {}
-    std::int64_t size_bytes() const override { return static_cast<std::int64_t>(bytes_.size()); }
-    std::size_t read_at(std::int64_t offset, std::span<char> buffer) override {
-        return bytes_.copy(buffer.data(), buffer.size(), static_cast<std::size_t>(offset));
-    }
-
-private:
-    std::string bytes_;
-};
 
 // Our client, our server, and what is between a diver's laptop and the lab.
 class BadLinkTest : public TusTest {

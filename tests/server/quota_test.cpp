@@ -1,3 +1,5 @@
+#include <future>
+
 #include "tests/server/tus_fixture.hpp"
 
 namespace divemesh {
@@ -34,6 +36,20 @@ TEST_F(ByteQuotaTest, RefusesTheUploadThatWouldBeTooMuchAndSaysWhatThereIs) {
                               {"max_dives", 0},
                               {"stored_bytes", 1000},
                               {"max_bytes", 1000}}));
+}
+
+TEST_F(ByteQuotaTest, OfManyAtOnceNoneGoesBeyondIt) {
+    std::vector<std::future<int>> asked;
+    for (int i = 0; i < 8; ++i)
+        asked.push_back(std::async(std::launch::async, [this] {
+            return RawClient(server.port())
+                .request("POST", "/api/v1/uploads", tus_headers(token, {{"Upload-Length", "300"}}))
+                .status;
+        }));
+    int num_made = 0;
+    for (auto& status : asked) num_made += status.get() == 201 ? 1 : 0;
+    EXPECT_EQ(num_made, 3);
+    EXPECT_EQ(usage()["stored_bytes"], 900);
 }
 
 TEST_F(ByteQuotaTest, WhatIsTerminatedCountsNoMoreAndProjectsDoNotShare) {

@@ -10,13 +10,17 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "api/client/event_stream.hpp"
+#include "api/client/tus_upload.hpp"
 #include "schemas/error.hpp"
+#include "tests/bytes_in_memory.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace divemesh {
 namespace {
 
 namespace asio = boost::asio;
+namespace client = api::client;
 namespace fs = std::filesystem;
 
 class TlsTest : public testing::Test {
@@ -29,9 +33,9 @@ protected:
 
     void make_certificate(const std::string& name) {
         const std::string command =
-            "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=" + name + " -keyout '" +
-            (folder / "key.pem").string() + "' -out '" + (folder / "cert.pem").string() +
-            "' 2>/dev/null";
+            "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=" + name +
+            " -addext subjectAltName=IP:127.0.0.1 -keyout '" + (folder / "key.pem").string() +
+            "' -out '" + (folder / "cert.pem").string() + "' 2>/dev/null";
         ASSERT_EQ(std::system(command.c_str()), 0);
     }
 
@@ -81,6 +85,55 @@ TEST_F(TlsTest, ServesOverTlsAndReadsItsCertificateAnew) {
     std::ofstream(folder / "key.pem") << "no key";
     server.reload_certificate();
     EXPECT_EQ(ask(server.port()).common_name, "second");
+}
+
+class TlsClientTest : public TlsTest {
+protected:
+    client::Account account(const std::string& host = "127.0.0.1") {
+        const auto url = "https://" + host + ":" + std::to_string(server.port());
+        return {client::parse_server_url(url), server.admin()};
+    }
+    client::Account believer() {
+        auto believer = account();
+        believer.server.ca_file = folder / "cert.pem";
+        return believer;
+    }
+    static std::optional<ErrorCode> refusal(const client::Account& account) {
+        try {
+            client::RestClient(account).get("/api/v1/dives");
+        } catch (const Error& error) {
+            return error.code();
+        }
+        return std::nullopt;
+    }
+
+    TestServer server{config};
+    TemporaryFolder states;
+};
+
+TEST_F(TlsClientTest, UploadsAndWatches) {
+    const std::string whole = random_bytes(3'000'000);
+    client::EventStream events(believer(), 0);
+    BytesInMemory source(whole);
+    client::TusSettings settings;
+    settings.chunk_bytes = 1 << 20;
+    const client::UploadState state(states.path(), believer().server.url(), "hash");
+    const auto path =
+        client::upload_by_tus(believer(), source, {{"commit", ""}}, state, {}, settings);
+
+    const auto upload = client::RestClient(believer()).get(path);
+    EXPECT_EQ(upload["offset_bytes"], 3'000'000);
+    EXPECT_TRUE(events.next(std::chrono::seconds(10)).has_value());
+}
+
+TEST_F(TlsClientTest, LeavesAServerThatDoesNotProveToBeTheOne) {
+    EXPECT_EQ(refusal(account()), ErrorCode::Forbidden) << "signed by nobody it knows";
+    auto other_name = account("localhost");
+    other_name.server.ca_file = folder / "cert.pem";
+    EXPECT_EQ(refusal(other_name), ErrorCode::Forbidden);
+    auto no_file = account();
+    no_file.server.ca_file = folder / "missing.pem";
+    EXPECT_EQ(refusal(no_file), ErrorCode::InvalidArgument);
 }
 
 // S22

@@ -16,7 +16,6 @@ std::string sha1_base64(std::string_view bytes) {
 
 std::string id_of(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-// What the final upload of these parts answers.
 TEST_F(TusTest, U9ALengthThatIsToldLaterIsToldOnce) {
     const auto made = create({{"Upload-Defer-Length", "1"}, {"Upload-Metadata", "commit"}});
     ASSERT_EQ(made.status, 201) << made.body;

@@ -66,8 +66,9 @@ TEST_F(JobStoreTest, FailsHeldJobsWhenTheIntakeTheyWaitForIsGivenUp) {
     EXPECT_EQ(jobs_.get(created.job_id).state, JobState::Failed);
     EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { jobs_.retry(created.job_id); }));
     jobs_.retry(intake.job.id);
+    EXPECT_EQ(jobs_.get(created.job_id).state, JobState::Held);
     finish_intake(created.dive);
-    EXPECT_EQ(jobs_.retry(created.job_id).state, JobState::Queued);
+    EXPECT_EQ(jobs_.get(created.job_id).state, JobState::Queued);
 }
 
 TEST_F(JobStoreTest, RefusesAJobOnARefusedDive) {

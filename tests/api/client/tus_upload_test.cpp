@@ -2,29 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "schemas/error.hpp"
 #include "tests/api/client/fake_tus_server.hpp"
+#include "tests/bytes_in_memory.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::api::client {
 namespace {
-
-class TextSource : public ByteSource {
-public:
-    explicit TextSource(std::string text) : text_(std::move(text)) {}
-    std::int64_t size_bytes() const override { return static_cast<std::int64_t>(text_.size()); }
-    std::size_t read_at(std::int64_t offset, std::span<char> buffer) override {
-        const std::size_t start = static_cast<std::size_t>(offset);
-        const std::size_t count = std::min(buffer.size(), text_.size() - start);
-        std::memcpy(buffer.data(), text_.data() + start, count);
-        return count;
-    }
-
-private:
-    std::string text_;
-};
 
 std::string some_bytes(std::size_t count) {
     std::string text(count, '\0');
@@ -52,7 +36,7 @@ protected:
     FakeTusServer server;
     TemporaryFolder folder;
     std::string bytes = some_bytes(250'000);
-    TextSource source{bytes};
+    BytesInMemory source{bytes};
     TusSettings settings;
     TusObserver observer;
     std::int64_t resumed_at = -1;
@@ -135,7 +119,12 @@ TEST(ServerAddressTest, IsReadFromItsUrl) {
     EXPECT_EQ(server.port, "8080");
     EXPECT_EQ(server.base_path, "/lab");
     EXPECT_EQ(parse_server_url("http://[::1]:9").host, "::1");
+    EXPECT_EQ(parse_server_url("http://[::1]:9").authority(), "[::1]:9");
     EXPECT_EQ(parse_server_url("http://boat").port, "80");
+    EXPECT_FALSE(parse_server_url("http://boat").tls);
+    EXPECT_EQ(parse_server_url("https://boat").port, "443");
+    EXPECT_TRUE(parse_server_url("https://boat").tls);
+    EXPECT_EQ(parse_server_url("https://boat/lab/").url(), "https://boat:443/lab");
     for (const char* bad : {"boat:8080", "ftp://boat", "http://", "http://boat:x", "http://a b"})
         EXPECT_THROW(parse_server_url(bad), Error) << bad;
 }

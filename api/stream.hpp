@@ -11,10 +11,11 @@
 #include <optional>
 #include <utility>
 
-namespace divemesh::server {
+namespace divemesh::api {
 
-// A client's connection, with TLS or without: which one is decided when the server starts, so that
-// whoever reads and writes need not know. Its timeouts are those of the socket below.
+// A connection between a client and a server, from either end, with TLS or without: which one is
+// decided where it is made, so that whoever reads and writes need not know. Its timeouts are those
+// of the socket below.
 class Stream {
 public:
     using next_layer_type = boost::beast::tcp_stream;
@@ -80,4 +81,4 @@ void async_teardown(boost::beast::role_type role, Stream& stream, Handler&& hand
         async_teardown(role, stream.next_layer(), std::forward<Handler>(handler));
 }
 
-}  // namespace divemesh::server
+}  // namespace divemesh::api

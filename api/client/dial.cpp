@@ -1,0 +1,79 @@
+#include "api/client/dial.hpp"
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/error.hpp>
+#include <boost/asio/ssl/host_name_verification.hpp>
+#include <boost/asio/use_future.hpp>
+#include <future>
+
+namespace divemesh::api::client {
+namespace {
+
+namespace asio = boost::asio;
+namespace ssl = boost::asio::ssl;
+
+bool is_distrust(const boost::system::error_code& code) {
+    return code.category() == asio::error::get_ssl_category() &&
+           ERR_GET_REASON(static_cast<unsigned long>(code.value())) ==
+               SSL_R_CERTIFICATE_VERIFY_FAILED;
+}
+
+}  // namespace
+
+std::unique_ptr<ssl::context> client_tls(const ServerAddress& server) {
+    if (!server.tls) return nullptr;
+    auto context = std::make_unique<ssl::context>(ssl::context::tls_client);
+    SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
+    context->set_default_verify_paths();
+    context->set_verify_mode(ssl::verify_peer);
+    boost::system::error_code failure;
+    if (!server.ca_file.empty()) context->load_verify_file(server.ca_file, failure);
+    if (failure)
+        throw Error(ErrorCode::InvalidArgument,
+                    server.ca_file + " has no certificates in PEM: " + failure.message());
+    return context;
+}
+
+Stream dial(asio::io_context& context,
+            const ServerAddress& server,
+            ssl::context* tls,
+            std::chrono::milliseconds timeout) {
+    const auto finish = [&context](std::future<void> operation) {
+        context.restart();
+        context.run();
+        operation.get();
+    };
+    asio::ip::tcp::resolver resolver(context);
+    const auto endpoints = resolver.resolve(server.host, server.port);
+    Stream stream(asio::ip::tcp::socket(context), tls);
+    auto connected = std::promise<void>();
+    stream.expires_after(timeout);
+    stream.next_layer().async_connect(
+        endpoints, [&](const boost::system::error_code& failure, const auto&) {
+            if (failure)
+                connected.set_exception(
+                    std::make_exception_ptr(boost::system::system_error(failure)));
+            else
+                connected.set_value();
+        });
+    finish(connected.get_future());
+    stream.socket().set_option(asio::ip::tcp::no_delay(true));
+    if (stream.tls() == nullptr) return stream;
+    if (!SSL_set_tlsext_host_name(stream.tls()->native_handle(), server.host.c_str()))
+        throw Error(ErrorCode::InvalidArgument, server.host + " is no host name for TLS");
+    stream.tls()->set_verify_callback(ssl::host_name_verification(server.host));
+    stream.expires_after(timeout);
+    finish(stream.tls()->async_handshake(ssl::stream_base::client, asio::use_future));
+    return stream;
+}
+
+Error connection_error(const ServerAddress& server, const boost::system::error_code& code) {
+    if (is_distrust(code))
+        return {ErrorCode::Forbidden,
+                server.url() + " does not prove to be that server (" + code.message() +
+                    "): name the certificate that it should have, or that of who signed it, with "
+                    "--ca-file"};
+    return {ErrorCode::Unavailable, "connection to " + server.url() + ": " + code.message()};
+}
+
+}  // namespace divemesh::api::client

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+namespace divemesh::api::client {
+
+// http[s]://host[:port][/base]; the port is 80, or 443, when it is not given.
+struct ServerAddress {
+    std::string host;
+    std::string port;
+    std::string base_path;  // "" or "/prefix"
+    bool tls = false;
+    std::string ca_file = {};  // PEM; whose certificates it trusts besides the system's
+
+    std::string authority() const;  // host:port, as in a Host header
+    std::string url() const;
+};
+ServerAddress parse_server_url(const std::string& url);  // throws Error{InvalidArgument}
+
+}  // namespace divemesh::api::client
