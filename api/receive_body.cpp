@@ -15,7 +15,7 @@ namespace {
 using namespace boost::asio::experimental::awaitable_operators;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kPieceBytes = std::size_t{256} << 10;  // two of them a request
+constexpr std::size_t kPieceBytes = std::size_t{128} << 10;  // two of them a request
 
 enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
 

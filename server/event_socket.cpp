@@ -23,7 +23,7 @@ namespace websocket = boost::beast::websocket;
 using WebSocket = websocket::stream<api::Stream, false>;  // events are small: no compression
 using Clock = std::chrono::steady_clock;
 
-constexpr int kPageEvents = 50;
+constexpr int kPageEvents = 20;                  // each who has fallen behind has a page of its own
 constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have nothing to say
 constexpr std::chrono::seconds kTokenTrusted{1};
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);

@@ -15,6 +15,7 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
+constexpr std::size_t kReadBytes = std::size_t{64} << 10;  // the most that Beast reads at once
 constexpr std::size_t kMaxDrainedBytes = std::size_t{16} << 20;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
@@ -76,6 +77,8 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     body.data = buffer.data();
     body.size = buffer.size();
     body.more = true;
+    // Beast reads into what room there is: without any, 512 bytes at a time.
+    if (buffer.size() >= kReadBytes) connection_->buffer.reserve(kReadBytes);
     // One piece when the link is slow, as many as fit when more is there already.
     bool more = true;
     while (!error && more) {
@@ -85,6 +88,7 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     }
     const std::size_t num_bytes = buffer.size() - body.size;
     received_bytes_ += static_cast<std::int64_t>(num_bytes);
+    if (parser_.is_done()) connection_->buffer.shrink_to_fit();
     if (stopped_) {
         num_drained_ += num_bytes;
         co_return api::BodyRead{num_bytes, has_more_at_hand() ? State::More : State::Stopped};

@@ -34,6 +34,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kNumJobs = 10'000;
 constexpr int kNumReaders = 1'000;
 constexpr int kNumSilent = 100;
+constexpr auto kSayAliveEvery = 5s;
 constexpr int kNumEvents = 2'000;
 constexpr int kNumUploads = 100;
 constexpr std::size_t kUploadBytes = std::size_t{8} << 20;
@@ -175,10 +176,15 @@ public:
     // Until all that read have seen `mark`; how many did.
     int read_until(const std::string& mark, std::chrono::seconds patience) {
         const auto end = Clock::now() + patience;
+        auto alive_until = Clock::now();
         std::vector<std::string> tails(sockets_.size());
         std::vector<char> buffer(std::size_t{256} << 10);
         int num_done = 0;
         while (num_done < kNumReaders - kNumSilent && Clock::now() < end) {
+            if (Clock::now() >= alive_until) {
+                say_alive();
+                alive_until = Clock::now() + kSayAliveEvery;
+            }
             poll(sockets_.data() + kNumSilent, kNumReaders - kNumSilent, 100);
             for (std::size_t i = kNumSilent; i < sockets_.size(); ++i) {
                 if ((sockets_[i].revents & POLLIN) == 0) continue;
@@ -198,6 +204,12 @@ public:
     }
 
 private:
+    // As the answers to pings would: an empty pong, masked (RFC 6455, section 5.5.3).
+    void say_alive() {
+        for (std::size_t i = kNumSilent; i < sockets_.size(); ++i)
+            send(sockets_[i].fd, "\x8a\x80\0\0\0\0", 6, MSG_NOSIGNAL | MSG_DONTWAIT);
+    }
+
     std::vector<pollfd> sockets_;
 };
 
@@ -243,6 +255,7 @@ nlohmann::json watch_and_upload(const Server& server,
                                 storage::Catalog& catalog,
                                 const std::string& token) {
     Readers readers(server.port(), token);
+    const auto connected_bytes = server.peak_memory_bytes();
     std::atomic<int> num_uploads = 0;
     std::vector<std::jthread> threads;
     for (int i = 0; i < kNumUploads; ++i)
@@ -260,6 +273,7 @@ nlohmann::json watch_and_upload(const Server& server,
             {"seconds", seconds},
             {"uploads", num_uploads.load()},
             {"upload_bytes", kUploadBytes},
+            {"connected_memory_mib", static_cast<double>(connected_bytes >> 20)},
             {"peak_memory_mib", static_cast<double>(server.peak_memory_bytes() >> 20)}};
 }
 
