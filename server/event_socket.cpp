@@ -20,7 +20,7 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
-using WebSocket = websocket::stream<api::Stream, false>;  // events are small: no compression
+using WebSocket = websocket::stream<api::Stream&, false>;  // events are small: no compression
 using Clock = std::chrono::steady_clock;
 
 constexpr int kPageEvents = 20;                  // each who has fallen behind has a page of its own
@@ -29,8 +29,8 @@ constexpr std::chrono::seconds kTokenTrusted{1};
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 struct EventSocket {
-    explicit EventSocket(api::Stream stream)
-        : socket(std::move(stream)), pause(socket.get_executor()) {
+    explicit EventSocket(std::shared_ptr<Connection> below)
+        : connection(std::move(below)), socket(connection->stream), pause(socket.get_executor()) {
         pause.expires_at(Clock::time_point::max());  // only ever cancelled
     }
 
@@ -39,6 +39,7 @@ struct EventSocket {
         pause.cancel();
     }
 
+    std::shared_ptr<Connection> connection;
     WebSocket socket;
     asio::steady_timer pause;
     bool closing = false;
@@ -149,7 +150,7 @@ asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
                                   api::EventFeed feed,
                                   SessionContext context) {
     connection->stream.expires_never();  // from here on the WebSocket has timeouts of its own
-    auto events = std::make_shared<EventSocket>(std::move(connection->stream));
+    auto events = std::make_shared<EventSocket>(connection);
     set_options(events->socket, context.timeouts);
     connection->on_stop = [events] { events->close(); };
     connection->on_abort = [events] { beast::get_lowest_layer(events->socket).close(); };
