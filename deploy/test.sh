@@ -47,7 +47,7 @@ step "format" check_format
 step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
 step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
-step "tests, release" ctest --preset release -L 'release|slow' -j "$(nproc)"
+step "tests, release" ctest --preset release -L 'release|long|slow' -j "$(nproc)"
 
 if $full; then
     step "long unit tests, sanitizers" ctest --test-dir build/debug -L long --output-on-failure
