@@ -1,15 +1,26 @@
 #!/bin/bash
-# Installs what builds, tests and runs divemesh on Debian 12 (deploy/packages.txt). Does nothing
-# when all of it is there. Never removes a package: stops and says which ones are in the way.
+# Installs what builds, tests and runs divemesh on Debian 12 (deploy/packages.txt; with `--full` what
+# deploy/test.sh --full needs as well: deploy/packages-full.txt). Does nothing when all of it is there.
+# Never removes a package: stops and says which ones are in the way.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+lists=(deploy/packages.txt)
+case ${1:-} in
+    "") ;;
+    --full) lists+=(deploy/packages-full.txt) ;;
+    *)
+        echo "usage: deploy/install.sh [--full]" >&2
+        exit 2
+        ;;
+esac
 
 missing=()
 while read -r package; do
     [[ -z $package || $package == \#* ]] && continue
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' ||
         missing+=("$package")
-done <deploy/packages.txt
+done < <(cat "${lists[@]}")
 # Where Node came from elsewhere, Debian's npm would conflict with it.
 command -v node >/dev/null || missing+=(nodejs)
 command -v npm >/dev/null || missing+=(npm)

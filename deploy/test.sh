@@ -41,22 +41,31 @@ lint_contract() {
 build_plainly() { cmake --preset release -B build/plain -DDIVEMESH_PRECOMPILE=OFF --log-level=WARNING >/dev/null && cmake --build build/plain; }
 lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang-tidy -p build/plain --quiet; }
 
-step "install packages" deploy/install.sh
+if $full; then
+    step "install packages" deploy/install.sh --full
+else
+    step "install packages" deploy/install.sh
+fi
 step "install validators and clients (npm)" install_npm_packages
 step "format" check_format
 step "build, release" build release --target divemesh release_tests benchmarks
-step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests
+step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests fuzzers
 step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
+step "fuzzers, 60 s for all of them" ctest --test-dir build/debug -L fuzz -V
 step "tests, release" ctest --preset release -L 'release|long|slow' -j "$(nproc)"
 
 if $full; then
     step "long unit tests, sanitizers" ctest --test-dir build/debug -L long --output-on-failure
     step "build all, release" build release
     step "all tests, release" ctest --preset release
-    step "build, fuzzers" build fuzz
-    step "fuzzers, 60 s for all of them" ctest --preset fuzz
+    step "build, fuzzers that follow what they cover" build fuzz
+    step "these fuzzers, 60 s for all of them" ctest --preset fuzz -V
+    step "build, server tests, address and undefined-behaviour sanitizers" build debug-server
+    step "server tests, address and undefined-behaviour sanitizers" ctest --preset debug-server -j "$(nproc)"
     step "build, thread sanitizer" build tsan --target unit_tests
     step "unit tests, thread sanitizer" ctest --preset tsan
+    step "build, server tests, thread sanitizer" build tsan-server
+    step "server tests, thread sanitizer" ctest --preset tsan-server -j "$(nproc)"
     step "build, release, without precompiled headers" build_plainly
     step "linter" lint
     step "10,000 jobs, 8 workers, 100 kills" build/release/tests/bench/divemesh_queue_storm

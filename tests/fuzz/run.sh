@@ -9,6 +9,7 @@ shift
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export corpus scratch
+export UBSAN_OPTIONS=halt_on_error=1:abort_on_error=1:print_stacktrace=1
 export each=$((seconds * $(nproc) / $#))
 
 fuzz() {
