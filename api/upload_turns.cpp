@@ -4,7 +4,9 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <map>
 #include <vector>
 
 #include "schemas/error.hpp"
@@ -13,8 +15,13 @@ namespace divemesh::api {
 
 namespace asio = boost::asio;
 
+struct UploadTurns::State {
+    asio::strand<asio::any_io_executor> strand;
+    std::map<std::string, std::shared_ptr<Holder>> holders;  // on the strand alone
+};
+
 struct UploadTurns::Holder {
-    UploadTurns* turns;
+    std::weak_ptr<State> state;
     std::string upload_id;
     std::function<void()> stop;
     std::vector<std::shared_ptr<asio::steady_timer>> waiting;  // woken when the turn ends
@@ -22,32 +29,37 @@ struct UploadTurns::Holder {
 
 UploadTurns::Turn::~Turn() {
     if (!holder_) return;
-    auto& strand = holder_->turns->strand_;  // before the holder moves
-    asio::post(strand, [holder = std::move(holder_)] {
-        holder->turns->holders_.erase(holder->upload_id);
+    const auto state = holder_->state.lock();
+    if (!state) return;
+    asio::post(state->strand, [state, holder = std::move(holder_)] {
+        state->holders.erase(holder->upload_id);
         for (const auto& timer : holder->waiting) timer->cancel();
     });
 }
 
+UploadTurns::UploadTurns(const asio::any_io_executor& executor, std::chrono::milliseconds patience)
+    : state_(std::make_shared<State>(State{asio::make_strand(executor), {}})),
+      patience_(patience) {}
+
 asio::awaitable<UploadTurns::Turn> UploadTurns::take(std::string upload_id,
                                                      std::function<void()> stop) {
     auto holder = co_await asio::co_spawn(
-        strand_, wait(std::move(upload_id), std::move(stop)), asio::use_awaitable);
+        state_->strand, wait(std::move(upload_id), std::move(stop)), asio::use_awaitable);
     co_return Turn(std::move(holder));
 }
 
 asio::awaitable<std::optional<UploadTurns::Turn>> UploadTurns::take_if_free(std::string upload_id) {
-    auto holder =
-        co_await asio::co_spawn(strand_, hold_if_free(std::move(upload_id)), asio::use_awaitable);
+    auto holder = co_await asio::co_spawn(
+        state_->strand, hold_if_free(std::move(upload_id)), asio::use_awaitable);
     if (!holder) co_return std::nullopt;
     co_return Turn(std::move(holder));
 }
 
 asio::awaitable<std::shared_ptr<UploadTurns::Holder>> UploadTurns::hold_if_free(
     std::string upload_id) {
-    if (holders_.contains(upload_id)) co_return nullptr;
-    auto holder = std::make_shared<Holder>(Holder{this, upload_id, [] {}, {}});
-    holders_.emplace(std::move(upload_id), holder);
+    if (state_->holders.contains(upload_id)) co_return nullptr;
+    auto holder = std::make_shared<Holder>(Holder{state_, upload_id, [] {}, {}});
+    state_->holders.emplace(std::move(upload_id), holder);
     co_return holder;
 }
 
@@ -55,18 +67,18 @@ asio::awaitable<std::shared_ptr<UploadTurns::Holder>> UploadTurns::wait(
     std::string upload_id, std::function<void()> stop) {
     const auto end = std::chrono::steady_clock::now() + patience_;
     for (;;) {
-        const auto found = holders_.find(upload_id);
-        if (found == holders_.end()) break;
+        const auto found = state_->holders.find(upload_id);
+        if (found == state_->holders.end()) break;
         const auto older = found->second;
         older->stop();
-        const auto timer = std::make_shared<asio::steady_timer>(strand_, end);
+        const auto timer = std::make_shared<asio::steady_timer>(state_->strand, end);
         older->waiting.push_back(timer);
         co_await timer->async_wait(asio::as_tuple(asio::use_awaitable));
         if (std::chrono::steady_clock::now() >= end)
             throw Error(ErrorCode::Locked, "another request still works on this upload: try again");
     }
-    auto holder = std::make_shared<Holder>(Holder{this, upload_id, std::move(stop), {}});
-    holders_.emplace(std::move(upload_id), holder);
+    auto holder = std::make_shared<Holder>(Holder{state_, upload_id, std::move(stop), {}});
+    state_->holders.emplace(std::move(upload_id), holder);
     co_return holder;
 }
 

@@ -2,10 +2,8 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/strand.hpp>
 #include <chrono>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,10 +15,11 @@ namespace divemesh::api {
 // time out. Thread-safe.
 class UploadTurns {
     struct Holder;
-    using Strand = boost::asio::strand<boost::asio::any_io_executor>;
+    struct State;
 
 public:
-    // Until it is destroyed the upload is the holder's alone.
+    // Until it is destroyed the upload is the holder's alone. It may outlive the UploadTurns: what
+    // still waits when the server ends is destroyed with its io_context.
     class Turn {
     public:
         explicit Turn(std::shared_ptr<Holder> holder) : holder_(std::move(holder)) {}
@@ -33,8 +32,7 @@ public:
     };
 
     explicit UploadTurns(const boost::asio::any_io_executor& executor,
-                         std::chrono::milliseconds patience = std::chrono::seconds(10))
-        : strand_(boost::asio::make_strand(executor)), patience_(patience) {}
+                         std::chrono::milliseconds patience = std::chrono::seconds(10));
 
     // `stop` is called, on any thread, when a newer request wants the upload; it must not block.
     // Throws Error{Locked} when the older request has not ended in time.
@@ -47,9 +45,8 @@ private:
     boost::asio::awaitable<std::shared_ptr<Holder>> wait(std::string upload_id,
                                                          std::function<void()> stop);
 
-    Strand strand_;
+    std::shared_ptr<State> state_;
     std::chrono::milliseconds patience_;
-    std::map<std::string, std::shared_ptr<Holder>> holders_;  // on the strand alone
 };
 
 }  // namespace divemesh::api

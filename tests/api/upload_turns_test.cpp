@@ -73,5 +73,25 @@ TEST(UploadTurnsTest, GivesUpOnARequestThatDoesNotEnd) {
     EXPECT_EQ(shared.most_holding, 1);
 }
 
+asio::awaitable<void> take_into(std::optional<UploadTurns::Turn>& turn, UploadTurns& turns) {
+    std::function<void()> stop = [] {};
+    turn.emplace(co_await turns.take("upload_a", std::move(stop)));
+}
+
+// As when a server ends while a request has its turn.
+TEST(UploadTurnsTest, ATurnMayEndAfterTheTurns) {
+    asio::io_context io;
+    std::optional<UploadTurns::Turn> turn;
+    {
+        UploadTurns turns(io.get_executor());
+        asio::co_spawn(io, take_into(turn, turns), asio::detached);
+        io.run();
+        ASSERT_TRUE(turn);
+    }
+    turn.reset();
+    io.restart();
+    EXPECT_EQ(io.run(), 0U);
+}
+
 }  // namespace
 }  // namespace divemesh::api
