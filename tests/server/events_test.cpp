@@ -100,7 +100,9 @@ TEST(EventsTest, TellsOnlyOfTheTokensProject) {
 }
 
 TEST(EventsTest, ASlowReaderDelaysNobodyAndLosesNothing) {
-    TestServer server;
+    server::ServerConfig config;
+    config.timeouts.web_socket = 300s;  // the slow one answers no ping while it does not read
+    TestServer server(config);
     EventClient slow(server.port(), server.admin(), "?since=0");
     EventClient quick(server.port(), server.admin(), "?since=0");
     storage::EventStore events(server.catalog());
