@@ -4,21 +4,43 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <limits>
 #include <openssl/evp.h>
 
 #include "api/target.hpp"
 
 namespace divemesh::api {
 
+namespace {
+
+// As parse_count, and the largest number for one that is larger: a place beyond the end of any
+// file.
+std::optional<std::int64_t> parse_place(std::string_view digits) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto count = parse_count(digits);
+    if (count || digits.empty() || !std::all_of(digits.begin(), digits.end(), is_digit))
+        return count;
+    return std::numeric_limits<std::int64_t>::max();
+}
+
+bool is_in_bytes(std::string_view header, std::string_view unit) {
+    return header.size() >= unit.size() &&
+           std::equal(unit.begin(), unit.end(), header.begin(), [](char expected, char c) {
+               return expected == std::tolower(static_cast<unsigned char>(c));
+           });
+}
+
+}  // namespace
+
 RangeAnswer parse_range(std::string_view header, std::int64_t size) {
     const RangeAnswer whole{ByteRange{0, size}, false};
     constexpr std::string_view kUnit = "bytes=";
-    if (!header.starts_with(kUnit)) return whole;
+    if (!is_in_bytes(header, kUnit)) return whole;
     header.remove_prefix(kUnit.size());
     const auto dash = header.find('-');
     if (dash == std::string_view::npos || header.find(',') != std::string_view::npos) return whole;
-    const auto first = parse_count(header.substr(0, dash));
-    const auto last = parse_count(header.substr(dash + 1));
+    const auto first = parse_place(header.substr(0, dash));
+    const auto last = parse_place(header.substr(dash + 1));
     if (dash == 0) {  // the last so many bytes
         if (!last) return whole;
         if (*last == 0 || size == 0) return {std::nullopt, true};

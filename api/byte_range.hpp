@@ -13,7 +13,8 @@ struct ByteRange {
 };
 
 // What a Range header asks of a body of `size` bytes (RFC 9110, 14.2): all of it when there is no
-// header, its unit or form is not ours, or it asks for several; nothing when it lies outside (416).
+// header, its unit or form is not ours, or it asks for several, which a server may ignore (S22:
+// thousands of them cost nothing); nothing when it lies outside (416).
 struct RangeAnswer {
     std::optional<ByteRange> range;
     bool partial = false;

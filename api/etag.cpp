@@ -33,13 +33,17 @@ std::string etag_of(std::string_view body) { return '"' + sha256_hex(body).subst
 
 bool matches_etag(std::string_view list, std::string_view etag) { return lists(list, etag, true); }
 
+void require_listed(std::string_view list, std::string_view etag) {
+    if (!lists(list, etag, false))
+        throw Error(ErrorCode::PreconditionFailed,
+                    "it has changed since you read it: read it again");
+}
+
 void require_match(const Request& request, std::string_view body) {
     if (!request.has_header("if-match"))
         throw Error(ErrorCode::PreconditionRequired,
                     "read it first and send its ETag as If-Match, or If-Match: *");
-    if (!lists(request.header("if-match"), etag_of(body), false))
-        throw Error(ErrorCode::PreconditionFailed,
-                    "it has changed since you read it: read it again");
+    require_listed(request.header("if-match"), etag_of(body));
 }
 
 void add_etag(const Request& request, Response& response) {

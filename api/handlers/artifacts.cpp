@@ -12,6 +12,8 @@
 namespace divemesh::api {
 namespace {
 
+constexpr std::string_view kFreshness = "private, no-cache";
+
 struct StoredFile {
     std::string name;
     std::string media_type;
@@ -29,7 +31,7 @@ bool is_active(const std::string& media_type) {
 void describe(Response& response, const StoredFile& file) {
     response.set("ETag", file.etag);
     response.set("Accept-Ranges", "bytes");
-    response.set("Cache-Control", "private, no-cache");
+    response.set("Cache-Control", std::string(kFreshness));
     if (!file.sha256.empty()) response.set("Repr-Digest", digest_field(file.sha256));
     response.set("Content-Type", file.media_type);
     const bool active = is_active(file.media_type);
@@ -38,16 +40,24 @@ void describe(Response& response, const StoredFile& file) {
     if (active) response.set("Content-Security-Policy", "sandbox; default-src 'none'");
 }
 
+// Of a file, whose ETag is strong. There is no date of its last change that a client could send
+// back.
+std::string range_of(const Request& request, const StoredFile& file) {
+    const std::string if_range = request.header("if-range");
+    const bool is_same = if_range.empty() || if_range == file.etag;
+    return request.method == verb::get && is_same ? request.header("range") : "";
+}
+
 Response file_response(const Request& request, const StoredFile& file) {
+    if (request.has_header("if-match")) require_listed(request.header("if-match"), file.etag);
     if (matches_etag(request.header("if-none-match"), file.etag)) {
         Response response = empty_response(http::status::not_modified);
         response.set("ETag", file.etag);
+        response.set("Cache-Control", std::string(kFreshness));
         return response;
     }
-    const std::string if_range = request.header("if-range");
-    const bool take_range = if_range.empty() || if_range == file.etag;
     const std::int64_t size = file.reader->size_bytes();
-    const auto answer = parse_range(take_range ? request.header("range") : "", size);
+    const auto answer = parse_range(range_of(request, file), size);
     if (!answer.range) {
         Response response = problem_response(request,
                                              http::status::range_not_satisfiable,

@@ -31,7 +31,13 @@ TEST(ByteRangeTest, AnswersSingleRangesAsRfc9110Says) {
         {"bytes=-",        100,  0, 100, false},
         {"bytes=0-1,5-6",  100,  0, 100, false},
         {"lines=0-1",      100,  0, 100, false},
-        {"bytes=0-99999999999999999999", 100, 0, 100, false},
+        {"Bytes=0-9",      100,  0,  10, true},
+        {"bytes=0-99999999999999999999", 100, 0, 100, true},
+        {"bytes=99999999999999999999-",  100, -1, 0, true},
+        {"bytes=-99999999999999999999",  100, 0, 100, true},
+        {"bytes=9x-",      100,  0, 100, false},
+        {"bytes=-1-",      100,  0, 100, false},
+        {"bytes 0-9",      100,  0, 100, false},
     };
     // clang-format on
     for (const Case& c : cases) {

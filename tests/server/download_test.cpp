@@ -42,7 +42,9 @@ TEST_F(DownloadTest, GivesTheRangeThatIsAskedFor) {
                  {"bytes=131070-131075", 131070, 6},
                  {"bytes=700000-", 700'000, 1},
                  {"bytes=-11", 699'990, 11},
-                 {"bytes=1-9999999", 1, 700'000}};
+                 {"bytes=1-9999999", 1, 700'000},
+                 {"bytes=1-99999999999999999999", 1, 700'000},
+                 {"bytes=-9999999", 0, 700'001}};
     for (const auto& c : cases) {
         const auto response = get({{"Range", c.range}});
         EXPECT_EQ(response.status, 206) << c.range;
@@ -71,6 +73,17 @@ TEST_F(DownloadTest, ResumesOnlyTheSameFile) {
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", etag}}).status, 206);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "\"other\""}}).status, 200);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "W/" + etag}}).status, 200);
+    const char* date = "Sun, 06 Nov 1994 08:49:37 GMT";  // we never gave one
+    EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", date}}).status, 200);
+    EXPECT_EQ(get({{"Range", "bytes=9999999-"}, {"If-Range", "\"other\""}}).status, 200);
+    EXPECT_EQ(get({{"If-Range", etag}}).status, 200);
+}
+
+TEST_F(DownloadTest, GoesOnOnlyWithTheFileThatTheClientMeans) {
+    EXPECT_EQ(get({{"If-Match", etag}}).status, 200);
+    EXPECT_EQ(get({{"If-Match", "*"}, {"Range", "bytes=0-0"}}).status, 206);
+    EXPECT_EQ(get({{"If-Match", "\"other\""}, {"Range", "bytes=0-0"}}).status, 412);
+    EXPECT_EQ(get({{"If-Match", "W/" + etag}}).status, 412);
 }
 
 TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
@@ -78,10 +91,12 @@ TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
     EXPECT_EQ(response.status, 304);
     EXPECT_TRUE(response.body.empty());
     EXPECT_EQ(response.header("etag"), etag);
+    EXPECT_EQ(response.header("cache-control"), "private, no-cache");
 }
 
-TEST_F(DownloadTest, HeadDescribesWithoutSending) {
-    const auto response = server.request("HEAD", path, server.admin());
+// RFC 9110, 14.2: a Range is of GET alone.
+TEST_F(DownloadTest, HeadDescribesTheWholeWithoutSending) {
+    const auto response = server.request("HEAD", path, server.admin(), {{"Range", "bytes=0-9"}});
     EXPECT_EQ(response.status, 200);
     EXPECT_EQ(response.header("content-length"), "700001");
     EXPECT_TRUE(response.body.empty());
