@@ -6,7 +6,6 @@
 
 #include "api/in_pool.hpp"
 #include "api/new_upload.hpp"
-#include "api/quota.hpp"
 #include "api/tus_headers.hpp"
 #include "api/upload_writer.hpp"
 #include "schemas/error.hpp"
@@ -110,9 +109,8 @@ Upload enter_final(const Services& services, Upload wanted) {
             throw Error(ErrorCode::TooLarge,
                         "the parts have more than " + std::to_string(most) + " bytes together");
     }
-    require_bytes_of_quota(services, wanted.project, repeated);
     wanted.length_bytes = length;
-    return enter_upload(services, wanted);
+    return enter_upload(services, wanted, repeated);
 }
 
 Awaitable<Upload> concatenate(Services services,

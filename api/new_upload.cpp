@@ -6,7 +6,7 @@
 
 namespace divemesh::api {
 
-Upload enter_upload(const Services& services, const Upload& upload) {
+Upload enter_upload(const Services& services, const Upload& upload, std::int64_t repeated_bytes) {
     storage::UploadStore uploads(services.catalog);
     const std::int64_t room = services.blobs.free_bytes() - services.limits.min_free_bytes;
     const std::int64_t wanted = upload.length_bytes.value_or(0);
@@ -19,7 +19,7 @@ Upload enter_upload(const Services& services, const Upload& upload) {
                         std::to_string(services.limits.max_open_uploads) +
                         " unfinished uploads: finish or delete some");
     require_dive_of_quota(services, upload.project);
-    return uploads.create(upload, services.limits.max_project_bytes);
+    return uploads.create(upload, services.limits.max_project_bytes, repeated_bytes);
 }
 
 }  // namespace divemesh::api

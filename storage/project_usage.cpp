@@ -18,7 +18,8 @@ struct UsageRow {
 
 }  // namespace
 
-// A final upload counts once it is whole: till then its parts are there.
+// A final upload counts once it is whole: till then its parts are there, and what it repeats of
+// them.
 ProjectUsage read_usage(soci::session& session, const std::string& project) {
     return select_one<UsageRow>(
                session,
@@ -26,9 +27,10 @@ ProjectUsage read_usage(soci::session& session, const std::string& project) {
                "   WHERE (:project = '' OR project = :project) AND deleted_at_ms = 0),"
                " (SELECT COALESCE(SUM(archive_bytes), 0) FROM dives"
                "   WHERE (:project = '' OR project = :project))"
-               " + (SELECT COALESCE(SUM(COALESCE(length_bytes, offset_bytes)), 0) FROM uploads"
-               "   WHERE (:project = '' OR project = :project) AND dive_id IS NULL AND ended = ''"
-               "   AND (concat NOT LIKE 'final;%' OR offset_bytes = length_bytes))",
+               " + (SELECT COALESCE(SUM(CASE"
+               "     WHEN concat LIKE 'final;%' AND offset_bytes < length_bytes THEN repeated_bytes"
+               "     ELSE COALESCE(length_bytes, offset_bytes) END), 0) FROM uploads"
+               "   WHERE (:project = '' OR project = :project) AND dive_id IS NULL AND ended = '')",
                soci::use(project, "project"))
         .value_or(ProjectUsage{});
 }

@@ -91,7 +91,9 @@ void write_end(soci::session& session, const Upload& upload, UploadEnd end) {
 
 }  // namespace
 
-Upload UploadStore::create(Upload upload, std::int64_t max_bytes_of_project) {
+Upload UploadStore::create(Upload upload,
+                           std::int64_t max_bytes_of_project,
+                           std::int64_t repeated_bytes) {
     const std::int64_t length_bytes = upload.length_bytes.value_or(-1);
     if (upload.length_bytes && length_bytes < 0)
         throw Error(ErrorCode::InvalidArgument, "an upload cannot be shorter than nothing");
@@ -100,22 +102,23 @@ Upload UploadStore::create(Upload upload, std::int64_t max_bytes_of_project) {
     upload.offset_bytes = 0;
     upload.dive_id.clear();
     catalog_.transaction([&](soci::session& session) {
-        if (!upload.is_final())
-            require_bytes_of_quota(
-                session, upload.project, upload.length_bytes.value_or(0), max_bytes_of_project);
+        const std::int64_t more_bytes =
+            upload.is_final() ? repeated_bytes : upload.length_bytes.value_or(0);
+        require_bytes_of_quota(session, upload.project, more_bytes, max_bytes_of_project);
         upload.created_at_ms = Catalog::now_ms(session);
         upload.expires_at_ms = upload.created_at_ms + upload.lifetime_ms;
         execute(session,
                 "INSERT INTO uploads (id, project, length_bytes, metadata, concat, blob,"
-                " created_at_ms, touched_at_ms, lifetime_ms)"
-                " VALUES (:id, :project, NULLIF(:length, -1), :metadata, :concat, :blob, :now,"
-                " :now, :lifetime)",
+                " repeated_bytes, created_at_ms, touched_at_ms, lifetime_ms)"
+                " VALUES (:id, :project, NULLIF(:length, -1), :metadata, :concat, :blob,"
+                " :repeated, :now, :now, :lifetime)",
                 soci::use(upload.id, "id"),
                 soci::use(upload.project, "project"),
                 soci::use(length_bytes, "length"),
                 soci::use(upload.metadata, "metadata"),
                 soci::use(upload.concat, "concat"),
                 soci::use(upload.blob, "blob"),
+                soci::use(repeated_bytes, "repeated"),
                 soci::use(upload.created_at_ms, "now"),
                 soci::use(upload.lifetime_ms, "lifetime"));
         append_event(session, upload, "upload.created");

@@ -16,9 +16,12 @@ class UploadStore {
 public:
     explicit UploadStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // `upload.id`, `blob` and the times are set here. Throws Error{OutOfQuota}; a final upload has
-    // its parts' bytes. Event upload.created.
-    Upload create(Upload upload, std::int64_t max_bytes_of_project = 0);
+    // `upload.id`, `blob` and the times are set here. A final upload has the bytes of its parts,
+    // which count already, all but those that it repeats. Throws Error{OutOfQuota}. Event
+    // upload.created.
+    Upload create(Upload upload,
+                  std::int64_t max_bytes_of_project = 0,
+                  std::int64_t repeated_bytes = 0);
     Upload get(const std::string& id);  // throws Error{NotFound}; one that ended is told too
     // Tells the length that was left open at creation. The same again changes nothing. Throws
     // Error{InvalidArgument} for another one, or one below the offset, Error{OutOfQuota}. Event

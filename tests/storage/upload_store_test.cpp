@@ -135,5 +135,23 @@ TEST_F(UploadStoreTest, FindsTheFinalUploadOfTheSameParts) {
     EXPECT_FALSE(find("p", "commit", "final;/a /b"));
 }
 
+// Quota 1000: two finals of a part of 300, each of which names it twice, and no third before one
+// ends.
+TEST_F(UploadStoreTest, WhatAFinalUploadRepeatsCountsBeforeItsBytesAreThere) {
+    uploads_.create({.project = "p", .length_bytes = 300, .concat = "partial"});
+    const auto create_final = [&](const std::string& metadata) {
+        return uploads_.create(
+            {.project = "p", .length_bytes = 600, .metadata = metadata, .concat = "final;/a /a"},
+            1000,
+            300);
+    };
+    const Upload first = create_final("first");
+    create_final("second");
+
+    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { create_final("third"); }));
+    uploads_.end(first.id, UploadEnd::Terminated);
+    create_final("third");
+}
+
 }  // namespace
 }  // namespace divemesh::storage
