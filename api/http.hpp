@@ -71,6 +71,7 @@ struct Response {
     // For log and metrics, set by dispatch: null and "": none.
     const Route* route = nullptr;
     std::string token_id;
+    std::optional<std::int64_t> uploaded_bytes;  // of an upload that this request made whole
 
     void set(std::string name, std::string value);
 };

@@ -13,6 +13,9 @@
 
 namespace divemesh::api {
 
+// Beast reads into what room its buffer has, this much at most; into one without any, 512 bytes.
+constexpr std::size_t kReadBytes = std::size_t{64} << 10;
+
 // A connection between a client and a server, from either end, with TLS or without: which one is
 // decided where it is made, so that whoever reads and writes need not know. Its timeouts are those
 // of the socket below.

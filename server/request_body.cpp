@@ -15,7 +15,6 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
-constexpr std::size_t kReadBytes = std::size_t{64} << 10;  // the most that Beast reads at once
 constexpr std::size_t kMaxDrainedBytes = std::size_t{16} << 20;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
@@ -77,8 +76,7 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     body.data = buffer.data();
     body.size = buffer.size();
     body.more = true;
-    // Beast reads into what room there is: without any, 512 bytes at a time.
-    if (buffer.size() >= kReadBytes) connection_->buffer.reserve(kReadBytes);
+    if (buffer.size() >= api::kReadBytes) connection_->buffer.reserve(api::kReadBytes);
     // One piece when the link is slow, as many as fit when more is there already.
     bool more = true;
     while (!error && more) {

@@ -3,7 +3,6 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <boost/asio/this_coro.hpp>
@@ -15,9 +14,9 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
-#include <boost/beast/ssl/ssl_stream.hpp>
 #include <chrono>
 
+#include "api/client/dial.hpp"
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
 #include "api/webhook_signature.hpp"
@@ -95,13 +94,12 @@ asio::awaitable<int> send(storage::DueDelivery due,
     const auto found =
         co_await resolver.async_resolve(target.host, target.port, asio::use_awaitable);
     check_addresses(found, target, services.limits.webhook_networks);
-    beast::ssl_stream<beast::tcp_stream> stream(executor, *tls);
+    api::Stream::Tls stream(executor, *tls);
     auto& plain = beast::get_lowest_layer(stream);
     plain.expires_after(kPatience);
     co_await plain.async_connect(found, asio::use_awaitable);
     if (!target.tls) co_return co_await exchange(plain, std::move(message));
-    SSL_set_tlsext_host_name(stream.native_handle(), target.host.c_str());
-    stream.set_verify_callback(asio::ssl::host_name_verification(target.host));
+    api::client::expect_host(stream, target.host);
     co_await stream.async_handshake(asio::ssl::stream_base::client, asio::use_awaitable);
     co_return co_await exchange(stream, std::move(message));
 }
@@ -123,10 +121,7 @@ asio::awaitable<Outcome> attempt(storage::DueDelivery due,
 }  // namespace
 
 WebhookSender::WebhookSender(const api::Services& services)
-    : services_(services), tls_(asio::ssl::context::tls_client) {
-    tls_.set_default_verify_paths();
-    tls_.set_verify_mode(asio::ssl::verify_peer);
-}
+    : services_(services), tls_(api::client::believing_context()) {}
 
 asio::awaitable<void> WebhookSender::run() {
     const auto executor = co_await asio::this_coro::executor;

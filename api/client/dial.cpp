@@ -20,12 +20,25 @@ bool is_distrust(const boost::system::error_code& code) {
 
 }  // namespace
 
+ssl::context believing_context() {
+    ssl::context context(ssl::context::tls_client);
+    SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_2_VERSION);
+    context.set_default_verify_paths();
+    context.set_verify_mode(ssl::verify_peer);
+    return context;
+}
+
+void expect_host(Stream::Tls& stream, const std::string& host) {
+    boost::system::error_code not_an_address;
+    asio::ip::make_address(host, not_an_address);  // which is not told (RFC 6066, 3)
+    if (not_an_address && !SSL_set_tlsext_host_name(stream.native_handle(), host.c_str()))
+        throw Error(ErrorCode::InvalidArgument, host + " is no host name for TLS");
+    stream.set_verify_callback(ssl::host_name_verification(host));
+}
+
 std::unique_ptr<ssl::context> client_tls(const ServerAddress& server) {
     if (!server.tls) return nullptr;
-    auto context = std::make_unique<ssl::context>(ssl::context::tls_client);
-    SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
-    context->set_default_verify_paths();
-    context->set_verify_mode(ssl::verify_peer);
+    auto context = std::make_unique<ssl::context>(believing_context());
     boost::system::error_code failure;
     if (!server.ca_file.empty()) context->load_verify_file(server.ca_file, failure);
     if (failure)
@@ -59,9 +72,7 @@ Stream dial(asio::io_context& context,
     finish(connected.get_future());
     stream.socket().set_option(asio::ip::tcp::no_delay(true));
     if (stream.tls() == nullptr) return stream;
-    if (!SSL_set_tlsext_host_name(stream.tls()->native_handle(), server.host.c_str()))
-        throw Error(ErrorCode::InvalidArgument, server.host + " is no host name for TLS");
-    stream.tls()->set_verify_callback(ssl::host_name_verification(server.host));
+    expect_host(*stream.tls(), server.host);
     stream.expires_after(timeout);
     finish(stream.tls()->async_handshake(ssl::stream_base::client, asio::use_future));
     return stream;

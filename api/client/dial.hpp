@@ -12,7 +12,14 @@
 
 namespace divemesh::api::client {
 
-// What a client's connections to a server share: whom it believes. TLS 1.2 and later. Null: no TLS.
+// TLS 1.2 and later; believes whom the system believes.
+boost::asio::ssl::context believing_context();
+
+// Before the handshake: the other end is told which host is meant, and has to prove to be it.
+// Throws Error{InvalidArgument} for what is no name.
+void expect_host(Stream::Tls& stream, const std::string& host);
+
+// What a client's connections to a server share: whom it believes. Null: no TLS.
 // Throws Error{InvalidArgument} for a ca_file that cannot be used.
 std::unique_ptr<boost::asio::ssl::context> client_tls(const ServerAddress& server);
 

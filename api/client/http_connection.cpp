@@ -21,7 +21,6 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 
 constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
-constexpr std::size_t kReadBytes = std::size_t{64} << 10;  // the most that Beast reads at once
 constexpr std::uint64_t kMaxBufferedBody = std::uint64_t{64} << 20;
 
 std::string lower(std::string_view text) {
@@ -71,7 +70,7 @@ struct HttpConnection::Implementation {
     void connect() {
         stream.reset();
         buffer.clear();
-        buffer.reserve(kReadBytes);  // Beast reads into what room there is
+        buffer.reserve(kReadBytes);
         Stream fresh = dial(context, server, tls.get(), stall);
         stream.emplace(std::move(fresh));
     }

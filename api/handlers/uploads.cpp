@@ -82,6 +82,7 @@ Awaitable<Response> receive(Response response, Request request, Services service
                                    kChecksumMismatch,
                                    "Upload-Checksum says that other bytes came than were sent: "
                                    "none is kept, send them again");
+    if (received->complete()) response.uploaded_bytes = received->offset_bytes;
     co_return co_await arrived(std::move(response), request, services, *received);
 }
 
@@ -105,7 +106,9 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
     };
     upload = co_await in_pool(services.pool, std::move(fresh));
     if (!upload.complete()) upload = co_await concatenate(services, upload, stopped);
-    co_return co_await arrived(created(upload), request, services, upload);
+    Response response = created(upload);
+    response.uploaded_bytes = upload.offset_bytes;
+    co_return co_await arrived(std::move(response), request, services, upload);
 }
 
 Response describe(const Upload& upload) {

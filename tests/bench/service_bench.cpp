@@ -15,13 +15,12 @@
 #include <unistd.h>
 
 #include "schemas/content_hash.hpp"
-#include "storage/dive_store.hpp"
 #include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/token_store.hpp"
-#include "storage/upload_store.hpp"
 #include "tests/end_to_end/process.hpp"
 #include "tests/paths.hpp"
+#include "tests/ready_dive.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh {
@@ -44,24 +43,9 @@ double seconds_since(Clock::time_point began) {
 }
 
 void make_jobs(storage::Catalog& catalog, const fs::path& list) {
-    storage::UploadStore uploads(catalog);
-    Upload upload;
-    upload.project = "default";
-    upload.length_bytes = 1;
-    upload = uploads.create(upload);
-    uploads.advance(upload.id, 1);
-    storage::NewDive dive;
-    dive.upload_id = upload.id;
-    dive.project = "default";
-    dive.name = "wreck";
-    dive.archive_sha256 = sha256_hex("1");
-    dive.blob = "dives/x/archive";
-    dive.archive_bytes = 1;
-    storage::NewJob job;
-    job.dive_id = storage::DiveStore(catalog).create(dive).dive.id;
     storage::JobStore jobs(catalog);
-    const auto intake = jobs.claim("bench", 60s);
-    jobs.finish_intake(intake->lease, {});
+    storage::NewJob job;
+    job.dive_id = make_ready_dive(catalog, "default", sha256_hex("1"));
     std::ofstream lines(list);
     for (int i = 0; i < kNumJobs; ++i) {
         job.preset = i % 2 == 0 ? "standard" : "fast";

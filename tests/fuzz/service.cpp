@@ -12,9 +12,8 @@
 
 #include "api/router.hpp"
 #include "server/http_session.hpp"
-#include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
-#include "storage/upload_store.hpp"
+#include "tests/ready_dive.hpp"
 
 namespace divemesh::fuzz {
 namespace {
@@ -58,26 +57,6 @@ asio::awaitable<void> listen(std::shared_ptr<Local::socket> client, std::string&
     }
 }
 
-std::string make_dive(storage::Catalog& catalog) {
-    Upload upload;
-    upload.project = "default";
-    upload.length_bytes = 1;
-    storage::UploadStore uploads(catalog);
-    upload = uploads.create(upload);
-    uploads.advance(upload.id, 1);
-    storage::NewDive dive;
-    dive.upload_id = upload.id;
-    dive.project = "default";
-    dive.name = "wreck";
-    dive.archive_sha256 = std::string(64, '0');
-    dive.blob = "dives/" + upload.id + "/archive";
-    const auto id = storage::DiveStore(catalog).create(dive).dive.id;
-    storage::JobStore jobs(catalog);
-    const auto intake = jobs.claim("fuzz:1", std::chrono::seconds(60));
-    jobs.finish_intake(intake->lease, {});
-    return id;
-}
-
 std::string make_job(storage::Catalog& catalog, const std::string& dive_id) {
     storage::NewJob wanted;
     wanted.project = "default";
@@ -93,7 +72,7 @@ Service::Service()
       blobs_(storage::open_blob_store((folder_ / "blobs").string())) {
     spdlog::set_level(spdlog::level::off);
     limits_.min_free_bytes = 0;
-    dive_id_ = make_dive(catalog_);
+    dive_id_ = make_ready_dive(catalog_, "default", std::string(64, '0'));
     job_id_ = make_job(catalog_, dive_id_);
 }
 

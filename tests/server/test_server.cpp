@@ -5,10 +5,9 @@
 #include <random>
 
 #include "schemas/content_hash.hpp"
-#include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/token_store.hpp"
-#include "storage/upload_store.hpp"
+#include "tests/ready_dive.hpp"
 
 namespace divemesh {
 namespace {
@@ -64,24 +63,8 @@ std::string TestServer::make_token(const std::string& project,
 
 std::string TestServer::make_dive(const std::string& project,
                                   const std::string& archive_sha256,
-                                  const storage::IntakeResult& result) {
-    Upload upload;
-    upload.project = project;
-    upload.length_bytes = 1;
-    storage::UploadStore uploads(*catalog_);
-    upload = uploads.create(upload);
-    uploads.advance(upload.id, 1);
-    storage::NewDive dive;
-    dive.upload_id = upload.id;
-    dive.project = project;
-    dive.name = "wreck";
-    dive.archive_sha256 = archive_sha256;
-    dive.blob = "dives/" + upload.id + "/archive";
-    const auto id = storage::DiveStore(*catalog_).create(dive).dive.id;
-    storage::JobStore jobs(*catalog_);
-    const auto intake = jobs.claim("test:1", 60s);
-    jobs.finish_intake(intake->lease, result);
-    return id;
+                                  const storage::IntakeResult& intake) {
+    return make_ready_dive(*catalog_, project, archive_sha256, intake);
 }
 
 std::string TestServer::make_job(const std::string& project,

@@ -177,7 +177,7 @@ TEST_F(TusTest, U16ALastRequestThatIsRepeatedDoesNoHarm) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 300'000);
 }
 
-TEST_F(TusTest, RefusesAnArchiveThatIsNotWhatWasStated) {
+TEST_F(TusTest, S6RefusesAnArchiveThatIsNotWhatWasStated) {
     const std::string wrong = base64(std::string(64, '0'));
     const auto path = create_upload(server.port(), token, 300'000, "commit,sha256 " + wrong);
     EXPECT_EQ(patch(path, 0, bytes).status, 422);

@@ -72,7 +72,7 @@ TEST_F(BadRecordingTest, ACalibrationThatIsNoYamlIsRefusedWithItsLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-TEST_F(BadRecordingTest, YamlAliasesAndDepthAreRefused) {
+TEST_F(BadRecordingTest, S18YamlAliasesAndDepthAreRefused) {
     tiny_.write(kCam0Yaml, "a: &a [x, x]\nb: [*a, *a]\n");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:1"));
 
@@ -137,7 +137,7 @@ TEST_F(BadRecordingTest, InvertedExtrinsicsAreSaid) {
                 HasFinding(Severity::Error, "extrinsics_inverted", "T_BS looks inverted"));
 }
 
-TEST_F(BadRecordingTest, RepeatedAndBackwardStampsAreToldWithTheirLine) {
+TEST_F(BadRecordingTest, S17RepeatedAndBackwardStampsAreToldWithTheirLine) {
     const std::string third = std::to_string(TinyDive::kFirst_ns + 200'000'000LL);
     const std::string second = std::to_string(TinyDive::kFirst_ns + 100'000'000LL);
     tiny_.replace(kCam0Rows, third + "," + third, second + "," + third);
@@ -190,7 +190,7 @@ TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "cam0_timestamp_unit", kCam0Rows));
 }
 
-TEST_F(BadRecordingTest, NanInTheImuIsToldWithItsLine) {
+TEST_F(BadRecordingTest, S17NanInTheImuIsToldWithItsLine) {
     tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", "0.01,nan,0.03,0.1");
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "imu_not_finite", "imu0/data.csv:2"));
 
@@ -239,7 +239,7 @@ TEST_F(BadRecordingTest, PicturesOfAnotherSizeThanTheCalibrationAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "image_size", picture(0)));
 }
 
-TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
+TEST_F(BadRecordingTest, S16ATruncatedPngIsSkippedCountedAndNamed) {
     const std::string bytes = tiny_.read(picture(2));
     tiny_.write(picture(2), bytes.substr(0, bytes.size() / 2));
 
@@ -251,7 +251,7 @@ TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
     for (const Finding& finding : spoiled) EXPECT_NE(finding.remedy, "") << finding.code;
 }
 
-TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
+TEST_F(BadRecordingTest, S15AHugeHeaderIsRefusedWithoutDecoding) {
     std::string bytes = tiny_.read(picture(1));
     const std::string huge("\x00\x00\xc3\x50", 4);  // 50000
     bytes.replace(16, 8, huge + huge);
@@ -260,7 +260,7 @@ TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_too_large", "50000x50000"));
 }
 
-TEST_F(BadRecordingTest, SixteenBitsAreReducedAndTold) {
+TEST_F(BadRecordingTest, S16SixteenBitsAreReducedAndTold) {
     tiny_.write(picture(1), png_of_size(64, 48, CV_16UC1));
 
     const auto spoiled = findings();

@@ -62,7 +62,7 @@ TEST(FrameListTest, CommentsLineEndsAndBlanksOfOtherSystemsAreRead) {
     EXPECT_TRUE(log.all().empty());
 }
 
-TEST(FrameListTest, AFileNameThatLeavesTheFolderIsRefused) {
+TEST(FrameListTest, S6AFileNameThatLeavesTheFolderIsRefused) {
     FindingLog log;
 
     parse_camera_rows("1000000000,../../../etc/passwd\n", "cam0", log);

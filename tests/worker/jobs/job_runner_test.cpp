@@ -266,7 +266,7 @@ TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
 
-TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
+TEST_F(JobRunnerTest, S19AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     const Job killed = make_job("killed", 10);
     const Job greedy = make_job("greedy " + marker_.string(), 10);
     Process worker = start_worker();
@@ -279,7 +279,7 @@ TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second on one thread
 }
 
-TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
+TEST_F(JobRunnerTest, S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     const Job job = make_job("fill", 1);
     Process worker = start_worker("600000", "1000000000", "4194304");
 
@@ -287,7 +287,7 @@ TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
 }
 
-TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetwork) {
+TEST_F(JobRunnerTest, S19AnAttemptHasLimitsAndNoNetwork) {
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();

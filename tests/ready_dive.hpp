@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "storage/catalog.hpp"
+#include "storage/dive_store.hpp"
+
+namespace divemesh {
+
+// A dive that is ready, without the way through upload and worker; its id.
+std::string make_ready_dive(storage::Catalog& catalog,
+                            const std::string& project,
+                            const std::string& archive_sha256,
+                            const storage::IntakeResult& intake = {});
+
+}  // namespace divemesh
