@@ -83,6 +83,11 @@ std::shared_ptr<const std::string> KeysInFlight::enter(const std::string& key) {
             }};
 }
 
+std::string request_key(const Request& request) {
+    if (!request.has_header("idempotency-key")) return "";
+    return sha256_hex(request.token.id + "\n" + key_of(request) + "\n" + fingerprint_of(request));
+}
+
 Awaitable<Response> answer_once(Request request, Services services, Handler work) {
     if (!request.has_header("idempotency-key"))
         co_return co_await work(std::move(request), services);

@@ -26,6 +26,12 @@ private:
 // may try again. A key belongs to its token. Throws Error{InvalidArgument} for what is no key,
 // Error{Conflict} while the first request is under way, Error{BadData} for another request with a
 // key that was used.
+//
+// The answer is kept after the work is done. What must not be done twice even when the server dies
+// between the two keeps request_key() in its own transaction.
 Awaitable<Response> answer_once(Request request, Services services, Handler work);
+
+// Names this very request of this token; "" when it has no Idempotency-Key.
+std::string request_key(const Request& request);
 
 }  // namespace divemesh::api

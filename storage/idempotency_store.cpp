@@ -59,6 +59,9 @@ void IdempotencyStore::forget(std::int64_t older_than_ms) {
         execute(session,
                 "DELETE FROM idempotent_answers WHERE created_at_ms < :before",
                 soci::use(before_ms, "before"));
+        execute(session,
+                "DELETE FROM requested_jobs WHERE created_at_ms < :before",
+                soci::use(before_ms, "before"));
     });
 }
 

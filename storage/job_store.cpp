@@ -68,12 +68,34 @@ void check_parents(soci::session& session, const NewJob& request) {
     }
 }
 
+std::optional<Job> find_requested(soci::session& session, const std::string& request_key) {
+    return select_one<JobRow>(
+        session,
+        "SELECT " + std::string(kJobColumns) +
+            " FROM jobs WHERE id = (SELECT job_id FROM requested_jobs WHERE request_key = :key)",
+        soci::use(request_key, "key"));
+}
+
+void keep_request(soci::session& session, const std::string& request_key, const Job& job) {
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    execute(session,
+            "INSERT INTO requested_jobs (request_key, job_id, created_at_ms)"
+            " VALUES (:key, :job, :now)",
+            soci::use(request_key, "key"),
+            soci::use(job.id, "job"),
+            soci::use(now_ms, "now"));
+}
+
 }  // namespace
 
 EnqueuedJob JobStore::enqueue(const NewJob& request) {
     check(request);
     EnqueuedJob enqueued;
     catalog_.transaction([&](soci::session& session) {
+        if (auto requested = find_requested(session, request.request_key)) {
+            enqueued = {std::move(*requested), false};
+            return;
+        }
         const Dive dive = read_dive(session, request.dive_id);
         require_usable(dive);
         NewJob owned = request;
@@ -82,6 +104,7 @@ EnqueuedJob JobStore::enqueue(const NewJob& request) {
         auto twin = find_twin(session, dive.id, unique_key(owned));
         enqueued.is_new = !twin;
         enqueued.job = twin ? std::move(*twin) : insert_job(session, owned);
+        if (!request.request_key.empty()) keep_request(session, request.request_key, enqueued.job);
     });
     return enqueued;
 }

@@ -34,11 +34,13 @@ struct NewJob {
     std::vector<std::string> parents = {};  // jobs of the same project that have to succeed first
     int priority = 0;
     int max_attempts = 3;
+    // Of the request that asks: when it comes again it finds its job, whatever became of that one.
+    std::string request_key = "";
 };
 
 struct EnqueuedJob {
     Job job;
-    bool is_new = true;  // false: the same work was asked for before and is still to be done
+    bool is_new = true;  // false: this request came before, or the same work is still to be done
 };
 
 // What a person may change of a job that waits.

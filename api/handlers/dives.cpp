@@ -78,6 +78,7 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
     make_options(job.preset, job.options);
     job.parents = value_or<std::vector<std::string>>(body, "parents", {});
     job.priority = value_or<int>(body, "priority", 0);
+    job.request_key = request_key(request);
     return job;
 }
 

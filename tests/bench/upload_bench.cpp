@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <thread>
+#include <unistd.h>
 
 #include "api/client/tus_upload.hpp"
 #include "schemas/error.hpp"
 #include "tests/bench/counting_sink.hpp"
 #include "tests/bench/machine.hpp"
+#include "tests/bench/tus_reference.hpp"
 #include "tests/end_to_end/process.hpp"
 #include "tests/flaky_proxy.hpp"
 #include "tests/temporary_folder.hpp"
@@ -123,8 +125,13 @@ client::HttpResponse tus(client::HttpConnection& connection,
     return response;
 }
 
-// One PATCH of everything; the seconds from its first byte to its answer.
-double seconds_of_patch(const client::Account& account, client::ByteSource& source) {
+enum class Durable { Answered, Synced };
+
+// One PATCH of everything; the seconds from its first byte until it is durable: answered, or for a
+// server that does not promise so much, answered and the machine's disks in step.
+double seconds_of_patch(const client::Account& account,
+                        client::ByteSource& source,
+                        Durable durable = Durable::Answered) {
     client::HttpConnection connection(account.server, 600s);
     const auto size = std::to_string(source.size_bytes());
     const auto path = tus(connection, account, "POST", "/api/v1/uploads", {{"Upload-Length", size}})
@@ -140,6 +147,7 @@ double seconds_of_patch(const client::Account& account, client::ByteSource& sour
         path,
         {{"Content-Type", "application/offset+octet-stream"}, {"Upload-Offset", "0"}},
         &body);
+    if (durable == Durable::Synced) ::sync();
     const double seconds = seconds_since(start);
     tus(connection, account, "DELETE", path, {});
     return seconds;
@@ -174,21 +182,27 @@ json measure_patch(const Options& options, const fs::path& folder) {
     constexpr std::int64_t kSize = 512 * kMebibyte;
     const ServerUnderTest server(options, folder);
     CountingSink sink;
+    const auto reference = TusReferenceServer::start(folder / "reference");
     Noise noise(kSize);
-    std::vector<double> ours, dd, bare;
+    std::vector<double> ours, dd, bare, theirs;
     for (int i = 0; i < options.num_repeats; ++i) {
         dd.push_back(seconds_of_dd(folder, kSize));
         bare.push_back(seconds_of_patch(server.account(sink.port()), noise));
         ours.push_back(seconds_of_patch(server.account(server.port()), noise));
+        if (reference)
+            theirs.push_back(
+                seconds_of_patch(server.account(reference->port()), noise, Durable::Synced));
     }
     const double bytes = static_cast<double>(kSize) / 1e6;
     const double slower = std::max(median(dd), median(bare));
-    return {{"bytes", kSize},
-            {"divemesh_mb_per_s", bytes / median(ours)},
-            {"dd_fsync_mb_per_s", bytes / median(dd)},
-            {"counting_sink_mb_per_s", bytes / median(bare)},
-            {"ratio_to_lower", slower / median(ours)},
-            {"seconds", {{"divemesh", ours}, {"dd", dd}, {"sink", bare}}}};
+    json report = {{"bytes", kSize},
+                   {"divemesh_mb_per_s", bytes / median(ours)},
+                   {"dd_fsync_mb_per_s", bytes / median(dd)},
+                   {"counting_sink_mb_per_s", bytes / median(bare)},
+                   {"ratio_to_lower", slower / median(ours)},
+                   {"seconds", {{"divemesh", ours}, {"dd", dd}, {"sink", bare}}}};
+    report["tus_server_and_sync_mb_per_s"] = theirs.empty() ? json() : json(bytes / median(theirs));
+    return report;
 }
 
 double seconds_of_upload(const client::Account& account,

@@ -71,6 +71,28 @@ TEST_F(JobStoreTest, FailsHeldJobsWhenTheIntakeTheyWaitForIsGivenUp) {
     EXPECT_EQ(jobs_.get(created.job_id).state, JobState::Queued);
 }
 
+// The server may die after the job and before the answer is kept: what comes again is not done
+// again, even when the job has long succeeded.
+TEST_F(JobStoreTest, ARequestThatComesAgainFindsItsJobWhateverBecameOfIt) {
+    const Dive dive = ready_dive();
+    const NewJob request{.dive_id = dive.id, .request_key = "first"};
+    const Job job = jobs_.enqueue(request).job;
+    jobs_.cancel(job.id);
+
+    const EnqueuedJob again = jobs_.enqueue(request);
+    const EnqueuedJob other = jobs_.enqueue({.dive_id = dive.id, .request_key = "second"});
+    const EnqueuedJob twin = jobs_.enqueue({.dive_id = dive.id, .request_key = "third"});
+    jobs_.cancel(other.job.id);
+    const EnqueuedJob twin_again = jobs_.enqueue({.dive_id = dive.id, .request_key = "third"});
+
+    EXPECT_FALSE(again.is_new);
+    EXPECT_EQ(again.job.id, job.id);
+    EXPECT_EQ(again.job.state, JobState::Cancelled);
+    EXPECT_TRUE(other.is_new);
+    EXPECT_EQ(twin.job.id, other.job.id);
+    EXPECT_EQ(twin_again.job.id, other.job.id);
+}
+
 TEST_F(JobStoreTest, RefusesAJobOnARefusedDive) {
     const Dive dive = create_dive("wreck").dive;
     finish_intake(dive, {.findings = {{.severity = Severity::Error, .message = "empty"}}});

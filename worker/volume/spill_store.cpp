@@ -6,10 +6,10 @@
 #include <fcntl.h>
 #include <new>
 #include <string>
+#include <sys/mman.h>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
-#include <vector>
 
 #include "schemas/error.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kUnitBytes = 16;
 constexpr int kUnitBits = 16;
 static_assert(SpillStore::kPieceBytes == kUnitBytes << kUnitBits);
-constexpr std::align_val_t kAlignment{64};
+constexpr std::size_t kMostSpare = 64;  // pieces
 constexpr double kKeptShare = 0.75;  // after pieces have gone, so that not every trim() drops some
 
 std::size_t piece_of(SpillStore::Handle record) { return record >> kUnitBits; }
@@ -55,11 +55,43 @@ void move_piece(Move&& move) {
     }
 }
 
+// Mapped, not from the heap: small things would settle in the gaps that pieces leave there, and the
+// heap would grow to several times what the pieces hold.
+std::byte* map_piece() {
+    void* memory = mmap(nullptr,
+                        SpillStore::kPieceBytes,
+                        PROT_READ | PROT_WRITE,
+                        MAP_PRIVATE | MAP_ANONYMOUS,
+                        -1,
+                        0);
+    if (memory == MAP_FAILED) throw std::bad_alloc();
+    return static_cast<std::byte*>(memory);
+}
+
+void unmap_piece(std::byte* memory) {
+    if (memory != nullptr) munmap(memory, SpillStore::kPieceBytes);
+}
+
 }  // namespace
 
 SpillStore::~SpillStore() {
-    for (Piece& piece : pieces_) operator delete(piece.memory.load(), kAlignment);
+    for (Piece& piece : pieces_) unmap_piece(piece.memory.load());
+    for (std::byte* memory : spare_) unmap_piece(memory);
     if (file_ >= 0) close(file_);
+}
+
+std::byte* SpillStore::take_memory() const {
+    if (spare_.empty()) return map_piece();
+    std::byte* memory = spare_.back();
+    spare_.pop_back();
+    return memory;
+}
+
+void SpillStore::give_memory(std::byte* memory) const {
+    if (spare_.size() < kMostSpare)
+        spare_.push_back(memory);
+    else
+        unmap_piece(memory);
 }
 
 SpillStore::Handle SpillStore::allocate(std::size_t num_bytes) {
@@ -67,7 +99,7 @@ SpillStore::Handle SpillStore::allocate(std::size_t num_bytes) {
     if (used_bytes_ + rounded > kPieceBytes) {
         if (pieces_.size() > 0xffff)
             throw Error(ErrorCode::TooLarge, "the map is larger than 64 GiB: choose larger voxels");
-        auto* memory = static_cast<std::byte*>(operator new(kPieceBytes, kAlignment));
+        std::byte* memory = take_memory();
         std::memset(memory, 0, kPieceBytes);
         pieces_.emplace_back().memory = memory;
         ++num_resident_;
@@ -98,7 +130,7 @@ std::byte* SpillStore::resident(std::size_t index) const {
     const std::lock_guard lock(loading_);
     memory = piece.memory.load(std::memory_order_relaxed);
     if (memory != nullptr) return memory;
-    memory = static_cast<std::byte*>(operator new(kPieceBytes, kAlignment));
+    memory = take_memory();
     try {
         move_piece([&](std::size_t done) {
             return pread(file_,
@@ -107,7 +139,7 @@ std::byte* SpillStore::resident(std::size_t index) const {
                          static_cast<off_t>(index * kPieceBytes + done));
         });
     } catch (const std::system_error& error) {
-        operator delete(memory, kAlignment);
+        give_memory(memory);
         fail(settings_.folder, "read", error.code().value());
     }
     piece.memory.store(memory, std::memory_order_release);
@@ -133,7 +165,7 @@ void SpillStore::spill(std::size_t index) const {
         piece.changed = false;
     }
     piece.memory = nullptr;
-    operator delete(memory, kAlignment);
+    give_memory(memory);
     --num_resident_;
 }
 

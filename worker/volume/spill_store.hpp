@@ -6,6 +6,7 @@
 #include <deque>
 #include <filesystem>
 #include <mutex>
+#include <vector>
 
 namespace divemesh::worker {
 
@@ -45,6 +46,8 @@ private:
         bool changed = true;  // since it was written to the file
     };
 
+    std::byte* take_memory() const;
+    void give_memory(std::byte* memory) const;
     std::byte* resident(std::size_t piece) const;
     void spill(std::size_t piece) const;
 
@@ -52,6 +55,7 @@ private:
     // Where a record is kept is not part of its value.
     mutable std::deque<Piece> pieces_;
     mutable std::mutex loading_;
+    mutable std::vector<std::byte*> spare_;  // memory of pieces that were let go, for the next ones
     mutable std::uint64_t now_ = 1;
     mutable std::atomic<std::int64_t> num_resident_ = 0;
     mutable int file_ = -1;
