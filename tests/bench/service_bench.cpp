@@ -197,13 +197,13 @@ private:
     std::vector<pollfd> sockets_;
 };
 
-void upload(int port, const std::string& token, std::atomic<int>& num_done) {
+void upload(int port, const std::string& token, std::size_t num_bytes, std::atomic<int>& num_done) {
     const std::string common =
         " HTTP/1.1\r\nHost: x\r\nTus-Resumable: 1.0.0\r\nAuthorization: Bearer " + token + "\r\n";
     const int socket = connect_to(port, 0);
     send_all(socket,
-             "POST /api/v1/uploads" + common + "Content-Length: 0\r\nUpload-Length: " +
-                 std::to_string(kUploadBytes) + "\r\n\r\n");
+             "POST /api/v1/uploads" + common +
+                 "Content-Length: 0\r\nUpload-Length: " + std::to_string(num_bytes) + "\r\n\r\n");
     const std::string made = receive_head(socket);
     const auto location = made.find("Location: ");
     if (location != std::string::npos) {
@@ -213,10 +213,10 @@ void upload(int port, const std::string& token, std::atomic<int>& num_done) {
                  "PATCH " + path + common +
                      "Content-Type: application/offset+octet-stream\r\nUpload-Offset: 0\r\n"
                      "Content-Length: " +
-                     std::to_string(kUploadBytes) + "\r\n\r\n");
+                     std::to_string(num_bytes) + "\r\n\r\n");
         const std::string piece(std::size_t{1} << 20, 'x');
-        for (std::size_t sent = 0; sent < kUploadBytes; sent += piece.size())
-            send_all(socket, piece);
+        for (std::size_t sent = 0; sent < num_bytes; sent += piece.size())
+            send_all(socket, piece.substr(0, num_bytes - sent));
         if (receive_head(socket).starts_with("HTTP/1.1 204")) ++num_done;
     }
     close(socket);
@@ -237,13 +237,17 @@ void make_events(storage::Catalog& catalog) {
 
 nlohmann::json watch_and_upload(const Server& server,
                                 storage::Catalog& catalog,
-                                const std::string& token) {
+                                const std::string& token,
+                                std::size_t large_bytes) {
     Readers readers(server.port(), token);
     const auto connected_bytes = server.peak_memory_bytes();
     std::atomic<int> num_uploads = 0;
+    std::atomic<int> num_large = 0;
     std::vector<std::jthread> threads;
+    if (large_bytes > 0)
+        threads.emplace_back([&] { upload(server.port(), token, large_bytes, num_large); });
     for (int i = 0; i < kNumUploads; ++i)
-        threads.emplace_back([&] { upload(server.port(), token, num_uploads); });
+        threads.emplace_back([&] { upload(server.port(), token, kUploadBytes, num_uploads); });
     const auto began = Clock::now();
     threads.emplace_back([&] { make_events(catalog); });
     const int told =
@@ -257,6 +261,7 @@ nlohmann::json watch_and_upload(const Server& server,
             {"seconds", seconds},
             {"uploads", num_uploads.load()},
             {"upload_bytes", kUploadBytes},
+            {"large_upload_bytes", num_large * large_bytes},
             {"connected_memory_mib", static_cast<double>(connected_bytes >> 20)},
             {"peak_memory_mib", static_cast<double>(server.peak_memory_bytes() >> 20)}};
 }
@@ -265,8 +270,10 @@ int run(int argc, char** argv) {
     CLI::App app("what one server bears");
     fs::path program;
     int seconds = 10;
+    std::size_t large_bytes = 0;
     app.add_option("--program", program, "divemesh")->required();
     app.add_option("--seconds", seconds, "of GET")->capture_default_str();
+    app.add_option("--large", large_bytes, "bytes of one more upload, beside all the others");
     CLI11_PARSE(app, argc, argv);
     std::signal(SIGPIPE, SIG_IGN);
     rlimit files{};
@@ -283,7 +290,7 @@ int run(int argc, char** argv) {
     const Server server(program, folder);
     nlohmann::json result;
     result["get_job"] = get_jobs(server, folder / "jobs", token, seconds);
-    result["watch_and_upload"] = watch_and_upload(server, catalog, token);
+    result["watch_and_upload"] = watch_and_upload(server, catalog, token, large_bytes);
     std::cout << result.dump(2) << '\n';
     return 0;
 }
