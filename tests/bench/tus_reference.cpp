@@ -11,7 +11,8 @@ using namespace std::chrono_literals;
 
 std::optional<TusReferenceServer> TusReferenceServer::start(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder / "uploads");
-    Process process({"node",
+    Process process({"/usr/bin/env",
+                     "node",
                      (source_directory() / "tests/bench/tus_reference_server.mjs").string(),
                      (folder / "uploads").string()},
                     folder);
