@@ -71,7 +71,8 @@ void Service::start_server(int num_workers) {
     // clang-format off
     server_.emplace(std::vector<std::string>{divemesh_program().string(), "serve",
                                              "--data", data(), "--listen", listen,
-                                             "--workers", std::to_string(num_workers)},
+                                             "--workers", std::to_string(num_workers),
+                                             "--allow-origin", "http://lab.example"},
                     folder_.path(), environment());
     // clang-format on
     std::string address;
