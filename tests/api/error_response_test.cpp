@@ -49,7 +49,7 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
 }
 
 // S27
-TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
+TEST(ErrorResponseTest, S27ShowsNothingOfAnErrorThatIsNotOurs) {
     const auto response =
         response_to(std::make_exception_ptr(std::runtime_error("/secret/catalog.db: SELECT")));
     EXPECT_EQ(static_cast<int>(response.status), 500);
@@ -58,7 +58,7 @@ TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
 }
 
 // S29
-TEST(ErrorResponseTest, ShowsHostileBytesAsJson) {
+TEST(ErrorResponseTest, S29ShowsHostileBytesAsJson) {
     const auto response = response_to(
         std::make_exception_ptr(Error(ErrorCode::NotFound, "no dive \xff\"\r\n<script>")));
     EXPECT_NE(body_of(response)["detail"].get<std::string>().find("no dive"), std::string::npos);

@@ -65,7 +65,7 @@ RawResponse ask(const TestServer& server, const api::Route& route, const std::st
 }
 
 // S26
-TEST(AccessTest, EveryRouteOfTheApiWantsATokenThatItKnows) {
+TEST(AccessTest, S26EveryRouteOfTheApiWantsATokenThatItKnows) {
     TestServer server;
     for (const api::Route& route : api::routes()) {
         for (const std::string token : {"", "dm_wrong", "x"}) {
@@ -81,7 +81,7 @@ TEST(AccessTest, EveryRouteOfTheApiWantsATokenThatItKnows) {
     }
 }
 
-TEST(AccessTest, EveryRouteWantsItsScopeAndNoOther) {
+TEST(AccessTest, S24EveryRouteWantsItsScopeAndNoOther) {
     TestServer server;
     for (const auto known : kScopes) {
         const std::string scope(known);
@@ -168,7 +168,7 @@ TEST(AccessTest, ARevokedTokenOpensNothingAnyMore) {
 }
 
 // S24
-TEST(AccessTest, ATokenInAnAddressIsRefused) {
+TEST(AccessTest, S24ATokenInAnAddressIsRefused) {
     TestServer server;
     for (const char* name : {"token", "access_token"}) {
         const auto target = "/api/v1/dives?" + std::string(name) + "=" + server.admin();

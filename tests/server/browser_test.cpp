@@ -31,14 +31,14 @@ RawResponse open_socket(TestServer& server, const Headers& more) {
     return client.receive().value_or(RawResponse{});
 }
 
-TEST(BrowserTest, NoOtherOriginIsLetInByDefault) {
+TEST(BrowserTest, S25NoOtherOriginIsLetInByDefault) {
     TestServer server;
     EXPECT_EQ(preflight(server, kLab, "/api/v1/dives").status, 405);
     const auto response = server.request("GET", "/healthz/live", "", {{"Origin", kLab}});
     EXPECT_EQ(response.header("access-control-allow-origin"), "");
 }
 
-TEST(BrowserTest, OnlyOriginsOnTheListAreLetIn) {
+TEST(BrowserTest, S25OnlyOriginsOnTheListAreLetIn) {
     TestServer server(lab_may());
     const auto allowed = preflight(server, kLab, "/api/v1/dives");
     EXPECT_EQ(allowed.status, 204);
@@ -61,7 +61,7 @@ TEST(BrowserTest, OnlyOriginsOnTheListAreLetIn) {
 }
 
 // S23: a page elsewhere cannot open the event stream with what it got hold of.
-TEST(BrowserTest, AStreamIsForOurOwnPagesAndThoseOnTheList) {
+TEST(BrowserTest, S23S25AStreamIsForOurOwnPagesAndThoseOnTheList) {
     TestServer server(lab_may());
     EXPECT_EQ(open_socket(server, {}).status, 101);
     EXPECT_EQ(open_socket(server, {{"Origin", "http://127.0.0.1"}}).status, 101);

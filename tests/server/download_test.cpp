@@ -63,13 +63,13 @@ TEST_F(DownloadTest, SaysHowLongTheFileIsWhenTheRangeLiesOutside) {
 }
 
 // S22
-TEST_F(DownloadTest, AnswersSeveralRangesWithTheWhole) {
+TEST_F(DownloadTest, S22AnswersSeveralRangesWithTheWhole) {
     std::string many = "bytes=0-0";
     for (int i = 0; i < 1000; ++i) many += ",5-6";
     EXPECT_EQ(get({{"Range", many}}).status, 200);
 }
 
-TEST_F(DownloadTest, ResumesOnlyTheSameFile) {
+TEST_F(DownloadTest, S22ResumesOnlyTheSameFile) {
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", etag}}).status, 206);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "\"other\""}}).status, 200);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "W/" + etag}}).status, 200);
@@ -131,7 +131,7 @@ TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
 }
 
 // S9, S20
-TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
+TEST(DownloadNamesTest, S20HandsPagesOverAsFilesInASandbox) {
     TestServer server;
     const auto response =
         server.request("GET",

@@ -99,7 +99,7 @@ TEST(EventsTest, TellsOnlyOfTheTokensProject) {
     EXPECT_EQ(event.subject, mine);
 }
 
-TEST(EventsTest, ASlowReaderDelaysNobodyAndLosesNothing) {
+TEST(EventsTest, S23ASlowReaderDelaysNobodyAndLosesNothing) {
     server::ServerConfig config;
     config.timeouts.web_socket = 300s;  // the slow one answers no ping while it does not read
     TestServer server(config);
@@ -142,7 +142,7 @@ TEST(EventsTest, DropsAClientThatGivesNoSignOfLife) {
 }
 
 // S24
-TEST(EventsTest, AStreamEndsWhenItsTokenIsRevoked) {
+TEST(EventsTest, S24AStreamEndsWhenItsTokenIsRevoked) {
     TestServer server;
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "x"}, {"scopes", {"dives:read"}}});
@@ -168,7 +168,7 @@ TEST(EventsTest, AOneShotTokenOpensAStream) {
 }
 
 // S23
-TEST(EventsTest, SurvivesWhatAHostileClientSends) {
+TEST(EventsTest, S23SurvivesWhatAHostileClientSends) {
     TestServer server;
     const auto frame = [](unsigned char first, std::string_view payload) {
         std::string bytes = {static_cast<char>(first), static_cast<char>(0x80 | payload.size())};

@@ -52,7 +52,7 @@ TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
 }
 
 // S21
-TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
+TEST(LimitsTest, S21RefusesWhatIsNotHttpOrMeansTwoThings) {
     TestServer server;
     for (const char* bytes :
          {"nonsense\r\n\r\n",
@@ -78,7 +78,7 @@ TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
 }
 
 // S22
-TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
+TEST(LimitsTest, S22LeavesAClientThatNeverFinishesItsHeader) {
     server::ServerConfig config;
     config.timeouts.header = 300ms;
     TestServer server(config);
@@ -88,7 +88,7 @@ TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
 }
 
 // S22
-TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
+TEST(LimitsTest, S22LeavesAClientThatTakesNoAnswer) {
     server::ServerConfig config;
     config.timeouts.write = 300ms;
     TestServer server(config);
@@ -106,7 +106,7 @@ TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
 }
 
 // S28: what a proxy would say is believed of nobody.
-TEST(LimitsTest, HeadersOfProxiesChangeNothing) {
+TEST(LimitsTest, S28HeadersOfProxiesChangeNothing) {
     server::ServerConfig config;
     config.max_failed_logins_per_s = 0.01;  // one at once
     TestServer server(config);
@@ -135,7 +135,7 @@ TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(client.receive()->status, 200);
 }
 
-TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
+TEST(LimitsTest, S22TakesNoMoreConnectionsThanItMay) {
     server::ServerConfig config;
     config.max_connections = 2;
     TestServer server(config);

@@ -51,7 +51,7 @@ TEST(MetricsTest, CountWhatHappened) {
 }
 
 // S26
-TEST(MetricsTest, AreForWhoMayReadThem) {
+TEST(MetricsTest, S26AreForWhoMayReadThem) {
     TestServer server;
     EXPECT_EQ(server.request("GET", "/metrics", "").status, 401);
     const std::string reader = server.make_token("default", {"dives:read"});

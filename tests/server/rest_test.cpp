@@ -45,7 +45,7 @@ TEST_F(RestTest, FindsADiveByItsHash) {
 }
 
 // S29
-TEST_F(RestTest, RefusesListsThatMakeNoSense) {
+TEST_F(RestTest, S29RefusesListsThatMakeNoSense) {
     for (const char* query : {"limit=0",
                               "limit=201",
                               "limit=x",
@@ -135,7 +135,7 @@ TEST_F(RestTest, NamesTheMethodsOfAnAddress) {
 }
 
 // S29
-TEST_F(RestTest, RepeatsTheRequestsIdUnlessItIsHostile) {
+TEST_F(RestTest, S29RepeatsTheRequestsIdUnlessItIsHostile) {
     const auto id_of = [&](const std::string& sent) {
         return server.request("GET", "/healthz/live", "", {{"X-Request-Id", sent}})
             .header("x-request-id");

@@ -70,7 +70,7 @@ TEST_F(TokenTest, AOneShotTokenOpensItsPathOnce) {
 }
 
 // S24
-TEST_F(TokenTest, OfManyWhoRaceForAOneShotTokenOneGetsIn) {
+TEST_F(TokenTest, S24OfManyWhoRaceForAOneShotTokenOneGetsIn) {
     const std::string secret = one_shot(artifact, reader);
     std::atomic<int> let_in = 0;
     {
@@ -113,7 +113,7 @@ TEST_F(TokenTest, AOneShotTokenIsTooOldAfterAWhile) {
 }
 
 // S23, S24
-TEST_F(TokenTest, NoSecretReachesTheLog) {
+TEST_F(TokenTest, S24NoSecretReachesTheLog) {
     std::ostringstream log;
     const auto before = spdlog::default_logger();
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(
