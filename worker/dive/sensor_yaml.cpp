@@ -1,7 +1,9 @@
 #include "worker/dive/sensor_yaml.hpp"
 
 #include <cmath>
+#include <set>
 #include <sstream>
+#include <vector>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
@@ -10,7 +12,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr int kMaxDepth = 8;
+constexpr std::size_t kMaxDepth = 8;
 constexpr int kMaxNodes = 10000;
 
 // Walks a document without building it, and stops at what a hostile one is made of.
@@ -25,35 +27,46 @@ public:
     void OnScalar(const YAML::Mark& mark,
                   const std::string&,
                   YAML::anchor_t anchor,
-                  const std::string&) override {
+                  const std::string& value) override {
+        const bool is_key = !levels_.empty() && levels_.back().at_key;
+        if (is_key && !levels_.back().keys.insert(value).second)
+            throw YAML::ParserException(mark, "\"" + value + "\" is stated twice");
         node(mark, anchor);
     }
     void OnSequenceStart(const YAML::Mark& mark,
                          const std::string&,
                          YAML::anchor_t anchor,
                          YAML::EmitterStyle::value) override {
-        open(mark, anchor);
+        open(mark, anchor, false);
     }
-    void OnSequenceEnd() override { --depth_; }
+    void OnSequenceEnd() override { levels_.pop_back(); }
     void OnMapStart(const YAML::Mark& mark,
                     const std::string&,
                     YAML::anchor_t anchor,
                     YAML::EmitterStyle::value) override {
-        open(mark, anchor);
+        open(mark, anchor, true);
     }
-    void OnMapEnd() override { --depth_; }
+    void OnMapEnd() override { levels_.pop_back(); }
 
 private:
     void node(const YAML::Mark& mark, YAML::anchor_t anchor) {
         if (anchor != 0) throw YAML::ParserException(mark, "anchors are not allowed here");
         if (++num_nodes_ > kMaxNodes) throw YAML::ParserException(mark, "too many values");
+        if (!levels_.empty() && levels_.back().is_map)
+            levels_.back().at_key = !levels_.back().at_key;
     }
-    void open(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    void open(const YAML::Mark& mark, YAML::anchor_t anchor, bool is_map) {
         node(mark, anchor);
-        if (++depth_ > kMaxDepth) throw YAML::ParserException(mark, "nested too deep");
+        if (levels_.size() >= kMaxDepth) throw YAML::ParserException(mark, "nested too deep");
+        levels_.push_back({is_map, is_map, {}});
     }
 
-    int depth_ = 0;
+    struct Level {
+        bool is_map;
+        bool at_key;  // what comes next in a map is one
+        std::set<std::string> keys;
+    };
+    std::vector<Level> levels_;
     int num_nodes_ = 0;
 };
 

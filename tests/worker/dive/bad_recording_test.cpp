@@ -80,6 +80,17 @@ TEST_F(BadRecordingTest, S18YamlAliasesAndDepthAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
+// Which of the two was meant nobody knows.
+TEST_F(BadRecordingTest, S18ACalibrationThatStatesSomethingTwiceIsRefused) {
+    tiny_.replace(kCam0Yaml, "intrinsics:", "intrinsics: [51.0, 51.0, 32.0, 24.0]\nintrinsics:");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, S18HugeNumbersInACalibrationAreRefused) {
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[1e999, 50.0");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:9"));
+}
+
 TEST_F(BadRecordingTest, ACalibrationThatCannotBeInvertedIsRefused) {
     tiny_.write(kCam0Yaml, camera_yaml("1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1"));
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
