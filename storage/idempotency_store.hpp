@@ -16,7 +16,8 @@ struct StoredAnswer {
     std::string body;
 };
 
-// The idempotent_answers table. A key belongs to the token that used it.
+// The idempotent_answers table. A key belongs to the token that used it. What JobStore::enqueue
+// keeps of requests is forgotten with their answers.
 class IdempotencyStore {
 public:
     explicit IdempotencyStore(Catalog& catalog) : catalog_(catalog) {}

@@ -69,6 +69,7 @@ void check_parents(soci::session& session, const NewJob& request) {
 }
 
 std::optional<Job> find_requested(soci::session& session, const std::string& request_key) {
+    if (request_key.empty()) return std::nullopt;
     return select_one<JobRow>(
         session,
         "SELECT " + std::string(kJobColumns) +
@@ -77,6 +78,7 @@ std::optional<Job> find_requested(soci::session& session, const std::string& req
 }
 
 void keep_request(soci::session& session, const std::string& request_key, const Job& job) {
+    if (request_key.empty()) return;
     const std::int64_t now_ms = Catalog::now_ms(session);
     execute(session,
             "INSERT INTO requested_jobs (request_key, job_id, created_at_ms)"
@@ -104,7 +106,7 @@ EnqueuedJob JobStore::enqueue(const NewJob& request) {
         auto twin = find_twin(session, dive.id, unique_key(owned));
         enqueued.is_new = !twin;
         enqueued.job = twin ? std::move(*twin) : insert_job(session, owned);
-        if (!request.request_key.empty()) keep_request(session, request.request_key, enqueued.job);
+        keep_request(session, request.request_key, enqueued.job);
     });
     return enqueued;
 }

@@ -35,6 +35,7 @@ struct NewJob {
     int priority = 0;
     int max_attempts = 3;
     // Of the request that asks: when it comes again it finds its job, whatever became of that one.
+    // Empty: each time is a request of its own.
     std::string request_key = "";
 };
 

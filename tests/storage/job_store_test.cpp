@@ -72,7 +72,7 @@ TEST_F(JobStoreTest, FailsHeldJobsWhenTheIntakeTheyWaitForIsGivenUp) {
 }
 
 // The server may die after the job and before the answer is kept: what comes again is not done
-// again, even when the job has long succeeded.
+// again, even when the job has long ended.
 TEST_F(JobStoreTest, ARequestThatComesAgainFindsItsJobWhateverBecameOfIt) {
     const Dive dive = ready_dive();
     const NewJob request{.dive_id = dive.id, .request_key = "first"};

@@ -55,7 +55,9 @@ private:
     // Where a record is kept is not part of its value.
     mutable std::deque<Piece> pieces_;
     mutable std::mutex loading_;
-    mutable std::vector<std::byte*> spare_;  // memory of pieces that were let go, for the next ones
+    // Memory of pieces that were let go, for the next ones: with those in memory never more than
+    // were in memory at once.
+    mutable std::vector<std::byte*> spare_;
     mutable std::uint64_t now_ = 1;
     mutable std::atomic<std::int64_t> num_resident_ = 0;
     mutable int file_ = -1;
