@@ -8,6 +8,9 @@ namespace {
 
 constexpr float kColorBand_voxels = 2.0F;
 constexpr float kNearest_m = 0.1F;
+// A view looks through what is so far before its surface. Readings that are too near are cut off at
+// the truncation; if those as much too far counted, noise would push the surface back.
+constexpr float kClear_sigmas = 2.0F * kTruncation_sigmas;
 constexpr std::int32_t kFreeSteps = 2 * static_cast<std::int32_t>(kDistanceSteps);
 constexpr std::int32_t kLargestSteps_int = 0x7fff;
 constexpr float kLargestSteps = kLargestSteps_int;
@@ -86,13 +89,13 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
         __builtin_convertvector(load_lanes<Shorts>(block.weight.data() + sample), Masks);
     const Floats weight_before = unpack_weights(packed_before);
     const Masks passed_through = distance > truncation;
+    const Masks looked_through = distance > largest_of(truncation, kClear_sigmas * sigma);
     const Masks in_range =
         (depth <= view.max_depth_m) & (depth * depth * sigma_scale <= view.max_sigma_m);
     sighting.seen_near = known & ~passed_through & in_range;
     // What is in front of the surface, and what lies behind too far a surface, changes what is
     // there but makes nothing new.
-    sighting.updated =
-        sighting.seen_near | (known & (weight_before > 0.0F) & (distance >= truncation));
+    sighting.updated = sighting.seen_near | (known & (weight_before > 0.0F) & looked_through);
     if (!any(sighting.updated)) return;
 
     // Behind the surface the weight falls, but not within the noise: the zero would move back.

@@ -247,6 +247,28 @@ TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
 
 INSTANTIATE_TEST_SUITE_P(InTwoViewsAndInFour, Ghost, testing::Values(2, 4));
 
+// Views that are off by more than they state, as many too near as too far.
+TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
+    auto options = options_for("tsdf");
+    options.voxel_m = 0.01;
+    auto volume = make_volume(small_rig(), options, 1.0);
+    const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
+    const auto poses = views_from_above(25, 1.2);
+    for (int i = 0; i < 25; ++i) {
+        const double off_px = 0.1 * ((7 * i) % 25 - 12);  // each from -1.2 to 1.2 once, mixed
+        const auto view = render_view(
+            floor, small_rig(), poses[i], {.bias_px = off_px, .stated_sigma_px = 0.4});
+        volume->integrate(view.keyframe, view.images);
+    }
+    std::vector<float> heights_m;
+    for (const auto& vertex : extract_surface(*volume, options).vertices)
+        if (vertex.head<2>().norm() < 0.3F) heights_m.push_back(vertex.z());
+    ASSERT_GT(heights_m.size(), 1000U);
+    const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
+    std::nth_element(heights_m.begin(), middle, heights_m.end());
+    EXPECT_NEAR(*middle, 0.0F, 0.01F);  // a pixel is 53 mm there
+}
+
 // Matchers carry the foreground's disparity over its edge, then let it fall to the background's
 // within a few pixels.
 void let_foreground_grow(cv::Mat& disparity) {
