@@ -18,7 +18,7 @@ struct Words {
 
 void add_options(CLI::App& command, worker::SimulateOptions& options, Words& words) {
     // clang-format off
-    command.add_option("--scene", words.scene, "tank (in air), barge, reef or bed (a plane)")->capture_default_str();
+    command.add_option("--scene", words.scene, "tank (in air), barge, reef, bed (a plane) or transect (a reef as long as the path, straight)")->capture_default_str();
     command.add_option("--out", options.out, "folder of the dive, made when missing")->required();
     command.add_option("--length-m", options.length_m, "length of the path, of a lap with --laps")->capture_default_str();
     command.add_option("--rate", options.rate_hz, "stereo pairs per second")->capture_default_str();

@@ -64,6 +64,10 @@ DiverMotion DiverMotion::closed_lap(const SurveyPath& path,
                                     double length_m,
                                     double rate_hz,
                                     std::uint64_t seed) {
+    if (path.straight)
+        throw Error(ErrorCode::InvalidArgument,
+                    "this scene is swum straight through and has no laps: leave them out or choose "
+                    "another scene");
     const double lap_s = std::max(1.0, std::round(length_m / path.speed_m_s * rate_hz)) / rate_hz;
     const auto scaled = [&](double scale) {
         SurveyPath lap = path;
@@ -101,14 +105,25 @@ Jet DiverMotion::sum(const Sways& sways, const Jet& t) const {
     return result;
 }
 
-MotionState DiverMotion::at(double t_s) const {
-    const Jet t = time_at(t_s);
+DiverMotion::Way DiverMotion::line_at(const Jet& t) const {
+    return {path_.speed_m_s * t, {}, constant(path_.look_yaw)};
+}
+
+DiverMotion::Way DiverMotion::ellipse_at(const Jet& t) const {
     const Jet angle = angle_rate_ * t + path_.start_angle;
     const Jet grown = (widening_ * angle_rate_) * t + 1.0;
-    const Jet x = path_.semi_axis_x_m * (grown * cos(angle)) + sum(sways_[0], t);
-    const Jet y = path_.semi_axis_y_m * (grown * sin(angle)) + sum(sways_[1], t);
+    return {path_.semi_axis_x_m * (grown * cos(angle)),
+            path_.semi_axis_y_m * (grown * sin(angle)),
+            angle + (0.5 * std::numbers::pi + path_.look_yaw)};
+}
+
+MotionState DiverMotion::at(double t_s) const {
+    const Jet t = time_at(t_s);
+    const Way way = path_.straight ? line_at(t) : ellipse_at(t);
+    const Jet x = way.x + sum(sways_[0], t);
+    const Jet y = way.y + sum(sways_[1], t);
     const Jet z = sum(sways_[2], t);
-    const Jet yaw = angle + (0.5 * std::numbers::pi + path_.look_yaw) + sum(sways_[3], t);
+    const Jet yaw = way.yaw + sum(sways_[3], t);
     const Jet pitch = sum(sways_[4], t) + path_.look_pitch;
     const Jet roll = sum(sways_[5], t);
 

@@ -9,10 +9,12 @@
 
 namespace divemesh::worker {
 
-// Where a diver swims in a scene and where the rig looks: an ellipse about `center`, the body's x
-// axis along the way (turned by `look_yaw`), y to the left, z up, tilted down by `look_pitch`.
+// Where a diver swims in a scene and where the rig looks: an ellipse about `center_world`, or from
+// there straight on along x. The body's x axis is along the way (turned by `look_yaw`), y to the
+// left, z up, tilted down by `look_pitch`.
 struct SurveyPath {
     Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  // z: height of the rig
+    bool straight = false;  // else an ellipse, to which the next three and `max_scale` belong
     double semi_axis_x_m = 3.0;
     double semi_axis_y_m = 1.3;
     double start_angle = 0.0;
@@ -37,7 +39,7 @@ public:
     // of its own track.
     static DiverMotion open_path(const SurveyPath& path, double length_m, std::uint64_t seed);
     // A closed lap of `length_m` that takes a whole number of frames. Throws Error{InvalidArgument}
-    // when the scene is too small for it.
+    // when the scene is too small for it or its path is straight.
     static DiverMotion closed_lap(const SurveyPath& path,
                                   double length_m,
                                   double rate_hz,
@@ -54,9 +56,16 @@ private:
         double phase;
     };
     using Sways = std::vector<Sway>;
+    struct Way {  // without sway
+        Jet x;    // from the centre, m
+        Jet y;
+        Jet yaw;  // rad
+    };
 
     DiverMotion(const SurveyPath& path, std::uint64_t seed);
     void close(double lap_s);
+    Way line_at(const Jet& t) const;
+    Way ellipse_at(const Jet& t) const;
     Jet sum(const Sways& sways, const Jet& t) const;
 
     SurveyPath path_;

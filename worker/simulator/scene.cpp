@@ -125,12 +125,13 @@ Eigen::Isometry3f place_at(const Eigen::Vector3f& position, float yaw, float pit
     return T;
 }
 
-Scene make_scene(SceneKind kind, std::uint64_t seed, int year) {
+Scene make_scene(SceneKind kind, std::uint64_t seed, int year, double length_m) {
     switch (kind) {
         case SceneKind::Tank: return make_tank_scene(seed, year);
         case SceneKind::Barge: return make_barge_scene(seed, year);
         case SceneKind::Reef: return make_reef_scene(seed, year);
         case SceneKind::Bed: return make_bed_scene(seed, year);
+        case SceneKind::Transect: return make_transect_scene(seed, year, length_m);
     }
     throw Error(ErrorCode::InvalidArgument, "unknown scene");
 }

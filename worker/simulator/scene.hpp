@@ -57,12 +57,16 @@ struct Scene {
     double surface_z_m = 0.0;  // of the water
 };
 
-// The same seed gives the same place; later years change single objects of it and nothing else.
-Scene make_scene(SceneKind kind, std::uint64_t seed, int year);
+constexpr double kLongestTransect_m = 400.0;  // by the memory that its triangles take
+
+// The same seed gives the same place; later years change single objects of it and nothing else. A
+// transect goes on for `length_m`; the others have their size.
+Scene make_scene(SceneKind kind, std::uint64_t seed, int year, double length_m);
 Scene make_tank_scene(std::uint64_t seed, int year);
 Scene make_barge_scene(std::uint64_t seed, int year);
 Scene make_reef_scene(std::uint64_t seed, int year);
 Scene make_bed_scene(std::uint64_t seed, int year);
+Scene make_transect_scene(std::uint64_t seed, int year, double length_m);
 
 // Collects objects into a scene.
 class SceneBuilder {

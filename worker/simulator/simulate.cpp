@@ -36,7 +36,10 @@ void check_range(const std::string& name, double value, double low, double high)
 }
 
 void check(const SimulateOptions& options) {
-    check_range("length_m", options.length_m, 0.1, 1000.0);
+    check_range("length_m",
+                options.length_m,
+                0.1,
+                options.scene == SceneKind::Transect ? kLongestTransect_m : 1000.0);
     check_range("rate_hz", options.rate_hz, 1.0, 100.0);
     check_range("laps", options.laps, 0, 1000);
     check_range("year", options.year, 1, 10);
@@ -88,7 +91,7 @@ public:
           report_(report),
           water_(options.water.value_or(options.scene == SceneKind::Tank ? WaterKind::None
                                                                          : WaterKind::Green)),
-          scene_(make_scene(options.scene, options.seed, options.year)),
+          scene_(make_scene(options.scene, options.seed, options.year, options.length_m)),
           rig_(draw_rig(options.width_px, options.height_px, options.seed)),
           motion_(options.laps > 0
                       ? DiverMotion::closed_lap(

@@ -10,8 +10,9 @@
 namespace divemesh::worker {
 
 // tank: a furnished room in air. barge: a sunken hull on sand. reef: coral heads and sand channels.
-// bed: a plane, to see what a wrong calibration bends.
-enum class SceneKind { Tank, Barge, Reef, Bed };
+// bed: a plane, to see what a wrong calibration bends. transect: a straight swim over a reef as
+// long as the path, 7 MB in memory a metre.
+enum class SceneKind { Tank, Barge, Reef, Bed, Transect };
 // How far one sees: clear about 15 m, green 5 to 6 m, turbid 2 to 3 m.
 enum class WaterKind { None, Clear, Green, Turbid };
 

@@ -7,7 +7,8 @@ namespace {
 constexpr EnumText<SceneKind> kSceneTexts[] = {{SceneKind::Tank, "tank"},
                                                {SceneKind::Barge, "barge"},
                                                {SceneKind::Reef, "reef"},
-                                               {SceneKind::Bed, "bed"}};
+                                               {SceneKind::Bed, "bed"},
+                                               {SceneKind::Transect, "transect"}};
 constexpr EnumText<WaterKind> kWaterTexts[] = {{WaterKind::None, "none"},
                                                {WaterKind::Clear, "clear"},
                                                {WaterKind::Green, "green"},

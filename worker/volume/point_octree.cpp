@@ -9,7 +9,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::uint32_t kBricksPerTrim = 4096;
+constexpr int kLevelsPerTrim = 4;  // above the bricks: what is below such a node is visited at once
 
 // One of three means, moved toward a new value by its share; values in steps, not negative.
 std::uint32_t moved(std::uint32_t means, int i, float value, float share) {
@@ -21,10 +21,11 @@ std::uint32_t moved(std::uint32_t means, int i, float value, float share) {
 }  // namespace
 
 PointOctree::PointOctree(double leaf_m, SpillSettings spill)
-    : leaf_m_(leaf_m), leaves_(std::move(spill)) {
+    : leaf_m_(leaf_m),
+      bricks_(std::move(spill), [this](std::uint32_t owner, BrickStore::Handle brick) {
+          nodes_[owner / 8][owner % 8] = brick + 1;
+      }) {
     nodes_.add(Node{});  // the root; as a child, 0 means none
-    bricks_.add(Brick{});
-    overflow_.add(Overflow{});
 }
 
 bool PointOctree::inside(const Eigen::Vector3i& cell) {
@@ -67,17 +68,11 @@ bool PointOctree::restore(const Eigen::Vector3i& cell, const PointLeaf& leaf) {
     return true;
 }
 
-int PointOctree::Brick::rank(int place) const {
-    const std::uint64_t below = (std::uint64_t{1} << (place & 63)) - 1;
-    return num_before[place >> 6] + std::popcount(occupied[place >> 6] & below);
-}
-
 // Bricks are counted from the cube's corner, so that bit kLevels - 1 - level of each coordinate
 // chooses the child at that level. Neighbouring ones go down from where their paths part.
-std::uint32_t PointOctree::brick_at(const Eigen::Vector3i& at) {
+BrickStore::Handle PointOctree::brick_at(const Eigen::Vector3i& at) {
     const auto parted = static_cast<unsigned>((at.x() ^ last_at_.x()) | (at.y() ^ last_at_.y()) |
                                               (at.z() ^ last_at_.z()));
-    if (parted == 0 && last_brick_ != 0) return last_brick_;
     // The first level whose node is not known to be the last brick's too.
     int level =
         std::min(kLevels - 1, std::max(0, kLevels - static_cast<int>(std::bit_width(parted))));
@@ -89,70 +84,19 @@ std::uint32_t PointOctree::brick_at(const Eigen::Vector3i& at) {
         const int shift = kLevels - 1 - level;
         const int child = ((at.x() >> shift) & 1) | (((at.y() >> shift) & 1) << 1) |
                           (((at.z() >> shift) & 1) << 2);
-        std::uint32_t next = nodes_[node][child];
-        const bool is_brick = level == kLevels - 1;
-        if (next == 0) {
-            next = is_brick ? bricks_.add(Brick{}) : nodes_.add(Node{});
-            nodes_[node][child] = next;
+        std::uint32_t& next = nodes_[node][child];
+        if (level == kLevels - 1) {
+            if (next == 0) next = bricks_.make(8 * node + child) + 1;
+            return next - 1;
         }
-        if (is_brick) return last_brick_ = next;
+        if (next == 0) next = nodes_.add(Node{});
         node = next;
     }
 }
 
 PointLeaf& PointOctree::leaf_at(const Eigen::Vector3i& cell) {
     const Eigen::Vector3i at = cell.array() + (1 << (kLeafLevels - 1));
-    Brick& brick = bricks_[brick_at({at.x() >> 3, at.y() >> 3, at.z() >> 3})];
-    const int place = index_in_block(at);
-    if (!brick.holds(place)) return make_leaf(brick, place);
-    const int rank = brick.rank(place);
-    return write_room(brick, rank / kRoom)[rank % kRoom];
-}
-
-// Leaves above it move up by one, the last of each room into the next.
-PointLeaf& PointOctree::make_leaf(Brick& brick, int place) {
-    if (brick.num_leaves % kRoom == 0) add_room(brick);
-    const int rank = brick.rank(place);
-    const int first = rank % kRoom;
-    PointLeaf* to = write_room(brick, brick.num_leaves / kRoom);
-    PointLeaf* end = to + brick.num_leaves % kRoom;
-    for (int number = brick.num_leaves / kRoom; number > rank / kRoom; --number) {
-        PointLeaf* below = write_room(brick, number - 1);
-        std::copy_backward(to, end, end + 1);
-        to[0] = below[kRoom - 1];
-        to = below;
-        end = below + kRoom - 1;
-    }
-    std::copy_backward(to + first, end, end + 1);
-    to[first] = PointLeaf{};
-    brick.occupied[place >> 6] |= std::uint64_t{1} << (place & 63);
-    for (int layer = (place >> 6) + 1; layer < kBlockEdge; ++layer) ++brick.num_before[layer];
-    ++brick.num_leaves;
-    ++num_points_;
-    return to[first];
-}
-
-void PointOctree::add_room(Brick& brick) {
-    const auto number = static_cast<std::size_t>(brick.num_leaves / kRoom);
-    const SpillStore::Handle made = leaves_.allocate(kRoom * sizeof(PointLeaf));
-    if (number < brick.rooms.size()) {
-        brick.rooms[number] = made;
-        return;
-    }
-    if (brick.overflow == 0) brick.overflow = overflow_.add(Overflow{});
-    overflow_[brick.overflow][number - brick.rooms.size()] = made;
-}
-
-SpillStore::Handle PointOctree::room(const Brick& brick, int number) const {
-    const auto i = static_cast<std::size_t>(number);
-    return i < brick.rooms.size() ? brick.rooms[i]
-                                  : overflow_[brick.overflow][i - brick.rooms.size()];
-}
-PointLeaf* PointOctree::write_room(const Brick& brick, int number) {
-    return reinterpret_cast<PointLeaf*>(leaves_.write(room(brick, number)));
-}
-const PointLeaf* PointOctree::read_room(const Brick& brick, int number) const {
-    return reinterpret_cast<const PointLeaf*>(leaves_.read(room(brick, number)));
+    return bricks_.leaf(brick_at({at.x() >> 3, at.y() >> 3, at.z() >> 3}), index_in_block(at));
 }
 
 const PointLeaf* PointOctree::find(const Eigen::Vector3i& cell) const {
@@ -165,11 +109,7 @@ const PointLeaf* PointOctree::find(const Eigen::Vector3i& cell) const {
         node = nodes_[node][child];
         if (node == 0) return nullptr;
     }
-    const Brick& brick = bricks_[node];
-    const int place = index_in_block(at);
-    if (!brick.holds(place)) return nullptr;
-    const int rank = brick.rank(place);
-    return read_room(brick, rank / kRoom) + rank % kRoom;
+    return bricks_.find(node - 1, index_in_block(at));
 }
 
 void PointOctree::for_each(const Visit& visit) const {
@@ -180,6 +120,7 @@ void PointOctree::visit_below(std::uint32_t node,
                               int level,
                               const Eigen::Vector3i& first_brick,
                               const Visit& visit) const {
+    if (level == kLevels - kLevelsPerTrim) trim();
     const int half = 1 << (kLevels - 1 - level);
     for (int child = 0; child < 8; ++child) {
         const std::uint32_t next = nodes_[node][child];
@@ -187,25 +128,19 @@ void PointOctree::visit_below(std::uint32_t node,
         const Eigen::Vector3i brick =
             first_brick + half * Eigen::Vector3i(child & 1, (child >> 1) & 1, (child >> 2) & 1);
         if (level == kLevels - 1)
-            visit_brick(next, brick, visit);
+            visit_brick(next - 1, brick, visit);
         else
             visit_below(next, level + 1, brick, visit);
     }
 }
 
-void PointOctree::visit_brick(std::uint32_t number,
+void PointOctree::visit_brick(BrickStore::Handle brick,
                               const Eigen::Vector3i& coordinate,
                               const Visit& visit) const {
-    if (number % kBricksPerTrim == 0) trim();
-    const Brick& brick = bricks_[number];
-    const PointLeaf* leaves = nullptr;
-    int rank = 0;
-    for (int place = 0; place < kBlockSamples; ++place) {
-        if (!brick.holds(place)) continue;
-        if (rank % kRoom == 0) leaves = read_room(brick, rank / kRoom);
+    bricks_.for_each(brick, [&](int place, const PointLeaf& leaf) {
         visit(kBlockEdge * coordinate + Eigen::Vector3i(place & 7, (place >> 3) & 7, place >> 6),
-              leaves[rank++ % kRoom]);
-    }
+              leaf);
+    });
 }
 
 Eigen::Vector3d PointOctree::position(const Eigen::Vector3i& cell, const PointLeaf& leaf) const {
@@ -216,13 +151,11 @@ Eigen::Vector3d PointOctree::position(const Eigen::Vector3i& cell, const PointLe
 }
 
 std::int64_t PointOctree::size_bytes() const {
-    return memory_bytes() - leaves_.memory_bytes() + leaves_.size_bytes();
+    return bricks_.size_bytes() + static_cast<std::int64_t>(nodes_.memory_bytes());
 }
 
 std::int64_t PointOctree::memory_bytes() const {
-    return leaves_.memory_bytes() +
-           static_cast<std::int64_t>(nodes_.memory_bytes() + bricks_.memory_bytes() +
-                                     overflow_.memory_bytes());
+    return bricks_.memory_bytes() + static_cast<std::int64_t>(nodes_.memory_bytes());
 }
 
 Eigen::Vector3f leaf_normal(const PointLeaf& leaf) {

@@ -8,9 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "worker/volume/block_coordinate.hpp"
+#include "worker/volume/brick_store.hpp"
 #include "worker/volume/mesh.hpp"
-#include "worker/volume/spill_store.hpp"
 
 namespace divemesh::worker {
 
@@ -22,18 +21,6 @@ struct PointObservation {
     float weight = 1.0F;    // 1 / variance of the depth, 1/m^2
     std::uint8_t view = 0;  // number of the view, modulo 256
 };
-
-// All that was seen in one leaf, in 16 bytes: weighted means, not the observations; packed as
-// worker/volume/packed_values.hpp says.
-struct PointLeaf {
-    std::uint16_t weight = 0;    // sum
-    std::uint8_t num_views = 0;  // up to 255
-    std::uint8_t last_view = 0;
-    std::uint32_t place = 0;   // in the leaf, shares of its edge
-    std::uint32_t normal = 0;  // mean; from -1 to 1
-    std::uint32_t color = 0;   // red, green, blue
-};
-static_assert(sizeof(PointLeaf) == 16);
 
 // A grow-only array in pieces: never copied, so that it never needs twice its memory.
 template <typename T>
@@ -57,10 +44,10 @@ private:
 };
 
 // The paper's octree of points: cubes of 2^20 leaves a side around the world's origin, halved down
-// to leaves of `leaf_m`. Nodes exist where there are points. The lowest three levels are one brick:
-// a bit for each of its 8 x 8 x 8 leaves, and those that exist one after the other. Tens of
-// millions of leaves fit, at 16 bytes each and about two more for bricks and nodes on a surface;
-// leaves that were not in view of late go to disk when there are many. One thread at a time.
+// to leaves of `leaf_m`. Nodes exist where there are points. The lowest three levels are one brick.
+// Tens of millions of leaves fit, at 19 bytes each and about 40 more for a brick and the nodes
+// above it; leaves that were not in view of late go to disk when there are many. One thread at a
+// time.
 class PointOctree {
 public:
     explicit PointOctree(double leaf_m, SpillSettings spill = {});
@@ -74,59 +61,38 @@ public:
     // Every leaf with its cell, (x, y, z) / leaf_m rounded down, brick by brick in Morton order.
     void for_each(const std::function<void(const Eigen::Vector3i&, const PointLeaf&)>& visit) const;
     // Leaves beyond what may be in memory go; no pointer to a leaf outlives it.
-    void trim() const { leaves_.trim(); }
+    void trim() const { bricks_.trim(); }
 
     Eigen::Vector3d position(const Eigen::Vector3i& cell, const PointLeaf& leaf) const;
     double leaf_m() const { return leaf_m_; }
-    std::int64_t num_points() const { return num_points_; }
+    std::int64_t num_points() const { return bricks_.num_leaves(); }
     std::int64_t size_bytes() const;    // in memory and on disk
     std::int64_t memory_bytes() const;  // in memory
 
 private:
-    static constexpr int kRoom = 8;
     static constexpr int kLeafLevels = 20;
     static constexpr int kLevels = kLeafLevels - 3;  // of bricks
-    // Children: nodes, at the last level bricks; 0: none.
+    // Children: nodes, at the last level bricks by their handle plus one; 0: none. A brick is owned
+    // by 8 times its node plus its number there.
     using Node = std::array<std::uint32_t, 8>;
-    struct Brick {
-        std::array<std::uint64_t, kBlockEdge> occupied{};    // by layer z: bit 8 y + x
-        std::array<std::uint16_t, kBlockEdge> num_before{};  // leaves in the layers below
-        // Leaves by rank, kRoom in each; further ones in `overflow_`.
-        std::array<SpillStore::Handle, 8> rooms{};
-        std::uint32_t overflow = 0;
-        int num_leaves = 0;
-
-        int rank(int place) const;  // of a leaf among those that exist
-        bool holds(int place) const { return ((occupied[place >> 6] >> (place & 63)) & 1) != 0; }
-    };
-    using Overflow = std::array<SpillStore::Handle, kBlockSamples / kRoom - 8>;
     using Visit = std::function<void(const Eigen::Vector3i&, const PointLeaf&)>;
 
     static bool inside(const Eigen::Vector3i& cell);
-    std::uint32_t brick_at(const Eigen::Vector3i& brick);
+    BrickStore::Handle brick_at(const Eigen::Vector3i& brick);
     PointLeaf& leaf_at(const Eigen::Vector3i& cell);
-    PointLeaf& make_leaf(Brick& brick, int place);
-    void add_room(Brick& brick);
-    SpillStore::Handle room(const Brick& brick, int number) const;
-    PointLeaf* write_room(const Brick& brick, int number);
-    const PointLeaf* read_room(const Brick& brick, int number) const;
     void visit_below(std::uint32_t node,
                      int level,
                      const Eigen::Vector3i& first_brick,
                      const Visit& visit) const;
-    void visit_brick(std::uint32_t brick,
+    void visit_brick(BrickStore::Handle brick,
                      const Eigen::Vector3i& coordinate,
                      const Visit& visit) const;
 
     double leaf_m_;
     Pool<Node> nodes_;
-    Pool<Brick> bricks_;
-    Pool<Overflow> overflow_;
-    SpillStore leaves_;
-    std::int64_t num_points_ = 0;
+    BrickStore bricks_;
     std::array<std::uint32_t, kLevels> path_{};  // nodes down to the last brick
     Eigen::Vector3i last_at_ = Eigen::Vector3i::Zero();
-    std::uint32_t last_brick_ = 0;
 };
 
 Eigen::Vector3f leaf_normal(const PointLeaf& leaf);  // its length tells how much normals agree

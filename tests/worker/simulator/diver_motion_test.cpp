@@ -2,12 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "schemas/error.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 constexpr double kStep_s = 1e-4;
+
+SurveyPath straight_path() {
+    SurveyPath path;
+    path.straight = true;
+    return path;
+}
 
 double polyline_m(const DiverMotion& motion, double duration_s) {
     double sum_m = 0.0;
@@ -20,8 +28,7 @@ double polyline_m(const DiverMotion& motion, double duration_s) {
     return sum_m;
 }
 
-TEST(DiverMotionTest, VelocityAndAccelerationAreTheDerivativesOfPosition) {
-    const auto motion = DiverMotion::open_path({}, 5.0, 7);
+void expect_true_derivatives(const DiverMotion& motion) {
     for (double t_s = 0.0; t_s < 18.0; t_s += 0.7) {
         const MotionState before = motion.at(t_s - kStep_s);
         const MotionState now = motion.at(t_s);
@@ -35,8 +42,7 @@ TEST(DiverMotionTest, VelocityAndAccelerationAreTheDerivativesOfPosition) {
     }
 }
 
-TEST(DiverMotionTest, AngularVelocityIsTheRateOfTheRotationInTheBody) {
-    const auto motion = DiverMotion::open_path({}, 5.0, 8);
+void expect_true_turning(const DiverMotion& motion) {
     for (double t_s = 0.0; t_s < 18.0; t_s += 0.7) {
         const Eigen::Matrix3d R_before_after =
             motion.at(t_s - kStep_s).T_world_imu.linear().transpose() *
@@ -47,9 +53,34 @@ TEST(DiverMotionTest, AngularVelocityIsTheRateOfTheRotationInTheBody) {
     }
 }
 
+TEST(DiverMotionTest, VelocityAndAccelerationAreTheDerivativesOfPosition) {
+    expect_true_derivatives(DiverMotion::open_path({}, 5.0, 7));
+    expect_true_derivatives(DiverMotion::open_path(straight_path(), 5.0, 7));
+}
+
+TEST(DiverMotionTest, AngularVelocityIsTheRateOfTheRotationInTheBody) {
+    expect_true_turning(DiverMotion::open_path({}, 5.0, 8));
+    expect_true_turning(DiverMotion::open_path(straight_path(), 5.0, 8));
+}
+
 TEST(DiverMotionTest, OpenPathHasTheLengthThatWasAsked) {
     const auto motion = DiverMotion::open_path({}, 12.5, 3);
     EXPECT_NEAR(polyline_m(motion, motion.duration_s()), 12.5, 0.01);
+}
+
+TEST(DiverMotionTest, StraightPathLeavesAlongXAndLooksThere) {
+    const auto motion = DiverMotion::open_path(straight_path(), 50.0, 3);
+    EXPECT_NEAR(polyline_m(motion, motion.duration_s()), 50.0, 0.05);
+    const Eigen::Vector3d begin = motion.at(0.0).T_world_imu.translation();
+    for (double t_s = 0.0; t_s <= motion.duration_s(); t_s += 1.0) {
+        const MotionState state = motion.at(t_s);
+        const Eigen::Vector3d swum = state.T_world_imu.translation() - begin;
+        EXPECT_NEAR(swum.x(), straight_path().speed_m_s * t_s, 0.3);
+        EXPECT_LT(swum.tail<2>().norm(), 0.4);
+        const Eigen::Vector3d forward = state.T_world_imu.linear().col(0);
+        EXPECT_LT(std::abs(std::atan2(forward.y(), forward.x())), 0.2);
+    }
+    EXPECT_GT(motion.at(motion.duration_s()).T_world_imu.translation().x(), 0.9 * 50.0);
 }
 
 TEST(DiverMotionTest, ClosedLapHasItsLengthAndRepeatsInPoseVelocityAndAcceleration) {
@@ -69,6 +100,7 @@ TEST(DiverMotionTest, ClosedLapHasItsLengthAndRepeatsInPoseVelocityAndAccelerati
 
 TEST(DiverMotionTest, LapThatDoesNotFitTheSceneIsRefused) {
     EXPECT_THROW(DiverMotion::closed_lap({}, 500.0, 10.0, 4), Error);
+    EXPECT_THROW(DiverMotion::closed_lap(straight_path(), 5.0, 10.0, 4), Error);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -9,6 +10,8 @@
 
 namespace divemesh::worker {
 namespace {
+
+constexpr double kPath_m = 12.0;
 
 // Some ray towards the point, from one of 26 sides, ends at it.
 bool lies_on_surface(const RayCaster& caster, const Eigen::Vector3f& p) {
@@ -26,10 +29,18 @@ bool lies_on_surface(const RayCaster& caster, const Eigen::Vector3f& p) {
     return false;
 }
 
+std::map<std::string, Eigen::AlignedBox3f> objects_of(const Scene& scene) {
+    std::map<std::string, Eigen::AlignedBox3f> boxes;
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+        for (const std::uint32_t vertex : scene.triangles[i])
+            boxes[scene.objects[scene.triangle_object[i]].name].extend(scene.vertices[vertex]);
+    return boxes;
+}
+
 class EverySceneTest : public ::testing::TestWithParam<SceneKind> {};
 
 TEST_P(EverySceneTest, MeasuredLengthsEndOnTheSurface) {
-    const Scene scene = make_scene(GetParam(), 11, 1);
+    const Scene scene = make_scene(GetParam(), 11, 1, kPath_m);
     const RayCaster caster(scene.vertices, scene.triangles);
     ASSERT_GE(scene.distances.size(), 5U);
     for (const SceneDistance& entry : scene.distances) {
@@ -44,9 +55,9 @@ TEST_P(EverySceneTest, MeasuredLengthsEndOnTheSurface) {
 }
 
 TEST_P(EverySceneTest, NothingStandsInTheWayOfTheDiver) {
-    const Scene scene = make_scene(GetParam(), 12, 1);
+    const Scene scene = make_scene(GetParam(), 12, 1, kPath_m);
     const RayCaster caster(scene.vertices, scene.triangles);
-    const auto motion = DiverMotion::open_path(scene.path, 12.0, 12);
+    const auto motion = DiverMotion::open_path(scene.path, kPath_m, 12);
     for (double t_s = 0.0; t_s < motion.duration_s(); t_s += 0.5) {
         const MotionState state = motion.at(t_s);
         const Eigen::Vector3f from = state.T_world_imu.translation().cast<float>();
@@ -61,15 +72,8 @@ TEST_P(EverySceneTest, NothingStandsInTheWayOfTheDiver) {
 }
 
 TEST_P(EverySceneTest, AYearChangesTheListedObjectsAndNothingElse) {
-    const auto objects_of = [](const Scene& scene) {
-        std::map<std::string, Eigen::AlignedBox3f> boxes;
-        for (std::size_t i = 0; i < scene.triangles.size(); ++i)
-            for (const std::uint32_t vertex : scene.triangles[i])
-                boxes[scene.objects[scene.triangle_object[i]].name].extend(scene.vertices[vertex]);
-        return boxes;
-    };
-    const auto before = objects_of(make_scene(GetParam(), 11, 1));
-    const Scene later = make_scene(GetParam(), 11, 2);
+    const auto before = objects_of(make_scene(GetParam(), 11, 1, kPath_m));
+    const Scene later = make_scene(GetParam(), 11, 2, kPath_m);
     auto after = objects_of(later);
     ASSERT_FALSE(later.changes.empty());
     for (const SceneChange& change : later.changes) {
@@ -87,12 +91,48 @@ TEST_P(EverySceneTest, AYearChangesTheListedObjectsAndNothingElse) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes,
-                         EverySceneTest,
-                         ::testing::Values(SceneKind::Tank, SceneKind::Barge, SceneKind::Reef),
-                         [](const auto& instance) {
-                             return std::string(to_string(instance.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Scenes,
+    EverySceneTest,
+    ::testing::Values(SceneKind::Tank, SceneKind::Barge, SceneKind::Reef, SceneKind::Transect),
+    [](const auto& instance) { return std::string(to_string(instance.param)); });
+
+// The corners and edges of what a camera of the simulator sees of the ground, beside and below its
+// middle; x forward, y left, z up.
+const std::array<Eigen::Vector3d, 5> kViews = {Eigen::Vector3d(1, 0, 0),
+                                               Eigen::Vector3d(1, 0.7, 0),
+                                               Eigen::Vector3d(1, -0.7, 0),
+                                               Eigen::Vector3d(1, 0.7, -0.5),
+                                               Eigen::Vector3d(1, -0.7, -0.5)};
+
+TEST(TransectScene, GroundIsInSightFromBeginningToEndOfALongStraightPath) {
+    constexpr double kLong_m = 40.0;
+    const Scene scene = make_scene(SceneKind::Transect, 13, 1, kLong_m);
+    const RayCaster caster(scene.vertices, scene.triangles);
+    const auto motion = DiverMotion::open_path(scene.path, kLong_m, 13);
+    for (double t_s = 0.0; t_s <= motion.duration_s(); t_s += 0.5) {
+        const MotionState state = motion.at(t_s);
+        const Eigen::Vector3f from = state.T_world_imu.translation().cast<float>();
+        for (const Eigen::Vector3d& view : kViews) {
+            const Eigen::Vector3d direction = state.T_world_imu.linear() * view.normalized();
+            const RayHit hit = caster.cast(from, direction.cast<float>());
+            EXPECT_TRUE(hit.valid() && hit.t > 0.3F && hit.t < 5.0F) << t_s << " s " << hit.t;
+        }
+    }
+}
+
+TEST(TransectScene, ALongerPathSeesTheSamePlaceAndMore) {
+    const auto less = objects_of(make_scene(SceneKind::Transect, 13, 1, 10.0));
+    const auto more = objects_of(make_scene(SceneKind::Transect, 13, 1, 14.0));
+    EXPECT_GT(more.size(), less.size());
+    for (const auto& [name, box] : less) {
+        ASSERT_TRUE(more.contains(name)) << name;
+        if (name == "rock" || name == "sand")
+            EXPECT_NEAR(more.at(name).sizes().x() - box.sizes().x(), 4.0F, 0.1F) << name;
+        else
+            EXPECT_TRUE(box.isApprox(more.at(name))) << name;
+    }
+}
 
 }  // namespace
 }  // namespace divemesh::worker

@@ -186,6 +186,26 @@ TEST(SimulateTest, DiveReaderFindsNothingWrongWithItAndReadsTheRigThatTookIt) {
     EXPECT_TRUE(dive->read_reference_mesh().has_value());
 }
 
+TEST(SimulateTest, TransectIsADiveWithReferenceAndKnownLengths) {
+    const TemporaryFolder folder;
+    auto options = small_dive(folder / "dive");
+    options.scene = SceneKind::Transect;
+    options.length_m = 3.0;
+    options.rate_hz = 1.0;
+    simulate(options);
+    const auto dive = Dive::open(options.out, folder / "scratch");
+    while (dive->next_frame()) continue;
+    for (const Finding& finding : dive->findings())
+        EXPECT_NE(finding.severity, Severity::Error) << finding.message;
+    EXPECT_GE(dive->num_frames(), 10);
+    EXPECT_FALSE(dive->known_distances().empty());
+    ASSERT_TRUE(dive->read_reference_mesh().has_value());
+    options.out = folder / "laps";
+    options.laps = 2;
+    EXPECT_THROW(simulate(options), Error);
+    EXPECT_FALSE(fs::exists(options.out));
+}
+
 TEST(SimulateTest, CancellationLeavesThroughTheCallback) {
     const TemporaryFolder folder;
     const auto cancel = [](const Progress& progress) {
@@ -208,6 +228,9 @@ TEST(SimulateTest, BadOptionsAreRefusedBeforeAnythingIsWritten) {
     const TemporaryFolder folder;
     auto options = small_dive(folder / "dive");
     options.length_m = -1.0;
+    EXPECT_THROW(simulate(options), Error);
+    options.scene = SceneKind::Transect;
+    options.length_m = 500.0;
     EXPECT_THROW(simulate(options), Error);
     EXPECT_FALSE(fs::exists(folder / "dive"));
     std::ofstream(folder / "something") << "here";

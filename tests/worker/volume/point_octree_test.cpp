@@ -90,14 +90,18 @@ void insert_bed(PointOctree& octree, int side, double spacing_m) {
                 octree.insert(observe({spacing_m * x, spacing_m * y, height(random)}, 1.0F, view));
 }
 
-TEST(PointOctree, APointOnASurfaceTakesNoMoreThan24Bytes) {
-    PointOctree octree(0.004);
-    insert_bed(octree, 600, 0.004);
-    ASSERT_GT(octree.num_points(), 1000000);
-    const double bytes_per_point =
-        static_cast<double>(octree.size_bytes()) / static_cast<double>(octree.num_points());
-    RecordProperty("bytes_per_point", std::to_string(bytes_per_point));
-    EXPECT_LT(bytes_per_point, 24.0);
+TEST(PointOctree, APointOnASurfaceTakesNoMoreThan24BytesHoweverFarApartPointsAre) {
+    for (const double spacing_leaves : {0.5, 1.0, 1.5, 2.0, 2.5}) {
+        PointOctree octree(0.004);
+        const auto side = static_cast<int>(600.0 / std::sqrt(spacing_leaves));
+        insert_bed(octree, side, spacing_leaves * octree.leaf_m());
+        ASSERT_GT(octree.num_points(), 300000);
+        const double bytes_per_point =
+            static_cast<double>(octree.size_bytes()) / static_cast<double>(octree.num_points());
+        RecordProperty("bytes_per_point_" + std::to_string(spacing_leaves),
+                       std::to_string(bytes_per_point));
+        EXPECT_LT(bytes_per_point, 24.0) << spacing_leaves;
+    }
 }
 
 TEST(PointOctree, IsTheSameWhenMostOfItIsOnDisk) {
