@@ -146,7 +146,8 @@ void BrickStore::give_back(Handle brick, std::size_t num_rooms) {
     auto& [pages, num_records] = sizes_[num_rooms];
     const Handle last = record_at(num_rooms, --num_records);
     if (last != brick) {
-        std::copy_n(record(last).words, words_of(num_rooms), record(brick).words);
+        std::memcpy(
+            record(brick).words, record(last).words, words_of(num_rooms) * sizeof(std::uint32_t));
         moved_(record(brick).owner(), brick);
     }
     if (num_records % records_per_page(num_rooms) == 0) {

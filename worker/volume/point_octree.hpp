@@ -51,6 +51,8 @@ private:
 class PointOctree {
 public:
     explicit PointOctree(double leaf_m, SpillSettings spill = {});
+    PointOctree(const PointOctree&) = delete;  // its bricks tell it where they go
+    PointOctree& operator=(const PointOctree&) = delete;
 
     // False when the point is not finite or outside of the cube (+-524288 leaves).
     bool insert(const PointObservation& observation);

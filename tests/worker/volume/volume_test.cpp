@@ -256,8 +256,8 @@ TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
     const auto poses = views_from_above(25, 1.2);
     for (int i = 0; i < 25; ++i) {
         const double off_px = 0.1 * ((7 * i) % 25 - 12);  // each from -1.2 to 1.2 once, mixed
-        const auto view = render_view(
-            floor, small_rig(), poses[i], {.bias_px = off_px, .stated_sigma_px = 0.4});
+        const auto view =
+            render_view(floor, small_rig(), poses[i], {.bias_px = off_px, .stated_sigma_px = 0.4});
         volume->integrate(view.keyframe, view.images);
     }
     std::vector<float> heights_m;
