@@ -6,41 +6,54 @@
 #include "storage/event_store.hpp"
 
 namespace divemesh::api {
+namespace {
 
-// Of the pieces that an upload comes in, the last: its creation and its end are changes.
-bool is_audited(const Request& request, const Response& response) {
-    const bool writes = request.method == verb::post || request.method == verb::put ||
-                        request.method == verb::patch || request.method == verb::delete_;
-    const bool is_piece = request.method == verb::patch && response.route != nullptr &&
-                          response.route->kind == RouteKind::BodyStream;
-    if (is_piece && !response.uploaded_bytes) return false;
-    const auto status = static_cast<unsigned>(response.status);
-    return writes && status >= 200 && status < 300 && response.route != nullptr &&
-           !response.route->scope.empty();
+Event event_of(const Request& request, std::optional<std::int64_t> uploaded_bytes) {
+    Event event{.topic = "audit", .subject = request.token.id, .type = "audit.write"};
+    event.data = {{"token", request.token.id},
+                  {"token_name", request.token.name},
+                  {"token_project", request.token.project},
+                  {"method", std::string(http::to_string(request.method))},
+                  {"path", request.path},
+                  {"request_id", request.id},
+                  {"peer", request.peer}};
+    if (uploaded_bytes) event.data["uploaded_bytes"] = *uploaded_bytes;
+    return event;
 }
 
-void write_audit(const Services& services, const Request& request, const Response& response) {
-    nlohmann::json data = {{"token", request.token.id},
-                           {"token_name", request.token.name},
-                           {"token_project", request.token.project},
-                           {"method", std::string(http::to_string(request.method))},
-                           {"path", request.path},
-                           {"status", static_cast<int>(response.status)},
-                           {"request_id", request.id},
-                           {"peer", request.peer}};
-    if (response.uploaded_bytes) data["uploaded_bytes"] = *response.uploaded_bytes;
+storage::Catalog noting(const storage::Catalog& catalog, Event event) {
+    return catalog.with_note([event = std::move(event)](soci::session& session) {
+        storage::EventStore::append(session, event);
+    });
+}
+
+}  // namespace
+
+storage::Catalog audited(const Services& services,
+                         const Request& request,
+                         std::optional<std::int64_t> uploaded_bytes) {
+    return noting(services.catalog, event_of(request, uploaded_bytes));
+}
+
+storage::Catalog audited(const storage::Catalog& catalog,
+                         const std::string& who,
+                         const std::string& what) {
+    Request nobodys{.path = what};
+    nobodys.token.name = who;
+    Event event = event_of(nobodys, std::nullopt);
+    event.data["method"] = "";
+    return noting(catalog, std::move(event));
+}
+
+void audit_uploaded(const Services& services, const Request& request, std::int64_t num_bytes) {
+    const Event event = event_of(request, num_bytes);
     try {
-        services.catalog.transaction([&](soci::session& session) {
-            storage::EventStore::append(session,
-                                        {.topic = "audit",
-                                         .subject = request.token.id,
-                                         .type = "audit.write",
-                                         .data = data});
-        });
+        services.catalog.transaction(
+            [&](soci::session& session) { storage::EventStore::append(session, event); });
     } catch (const std::exception& error) {
-        spdlog::error(
-            nlohmann::json{{"event", "audit_not_written"}, {"what", error.what()}, {"data", data}}
-                .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+        spdlog::error(nlohmann::json{
+            {"event", "audit_not_written"}, {"what", error.what()}, {"data", event.data}}
+                          .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <boost/beast/core/string.hpp>
 
+#include "api/at_once.hpp"
 #include "api/in_pool.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
@@ -50,10 +51,10 @@ Awaitable<Token> redeem(Request request, Services services) {
 
 Awaitable<Token> find_token(std::string secret, Services services) {
     if (auto known = services.tokens.find(sha256_hex(secret))) co_return std::move(*known);
-    auto find = [&catalog = services.catalog, secret = std::move(secret)] {
+    auto find = [secret = std::move(secret)](storage::Catalog& catalog) {
         return storage::TokenStore(catalog).find(secret);
     };
-    auto token = co_await in_pool(services.pool, std::move(find));
+    auto token = co_await at_once(services, std::move(find));
     if (!token)
         throw Error(ErrorCode::Unauthorized, "this token is not known, was revoked or has ended");
     services.tokens.put(*token);

@@ -94,23 +94,20 @@ private:
 
 }  // namespace
 
-Upload enter_final(const Services& services, Upload wanted) {
+Upload enter_final(const Services& services, storage::Catalog& catalog, Upload wanted) {
     if (auto known = storage::UploadStore(services.catalog).find_final(wanted))
         return std::move(*known);
+    const std::vector<std::string> part_ids = parts_of(wanted);
     const std::int64_t most = services.limits.max_upload_bytes;
     std::int64_t length = 0;
-    std::int64_t repeated = 0;  // of parts that are named more than once
-    std::set<std::string> seen;
-    for (const std::string& id : parts_of(wanted)) {
-        const std::int64_t part = *read_part(services, wanted, id).length_bytes;
-        length += part;
-        if (!seen.insert(id).second) repeated += part;
+    for (const std::string& id : part_ids) {
+        length += *read_part(services, wanted, id).length_bytes;
         if (length > most)
             throw Error(ErrorCode::TooLarge,
                         "the parts have more than " + std::to_string(most) + " bytes together");
     }
     wanted.length_bytes = length;
-    return enter_upload(services, wanted, repeated);
+    return enter_upload(services, catalog, wanted, part_ids);
 }
 
 Awaitable<Upload> concatenate(Services services,

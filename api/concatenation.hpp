@@ -14,7 +14,7 @@ namespace divemesh::api {
 // the first time. Throws Error{NotFound}, Error{Gone} for a part that is not to be seen,
 // Error{InvalidArgument} for one that is no part, Error{Conflict} for one that is not complete,
 // Error{TooLarge}, Error{OutOfSpace}, Error{OutOfQuota}. Blocks.
-Upload enter_final(const Services& services, Upload wanted);
+Upload enter_final(const Services& services, storage::Catalog& catalog, Upload wanted);
 
 // Lays the parts' bytes one behind the other, from where a killed server stopped, and frees them.
 // Throws Error{Conflict} soon after `stop` was set.

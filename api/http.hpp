@@ -72,6 +72,7 @@ struct Response {
     const Route* route = nullptr;
     std::string token_id;
     std::optional<std::int64_t> uploaded_bytes;  // of an upload that this request made whole
+    bool audited = false;                        // the event that tells so is written
 
     void set(std::string name, std::string value);
 };

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <vector>
 
+#include "api/audit.hpp"
 #include "api/client/dive_tar.hpp"
 #include "api/client/tus_upload.hpp"
 #include "api/in_pool.hpp"
@@ -108,7 +109,8 @@ public:
             if (open.project == wanted.project && open.metadata == wanted.metadata &&
                 open.length_bytes == wanted.length_bytes)
                 return open.id;
-        return enter_upload(services_, wanted).id;
+        auto catalog = audited_import();
+        return enter_upload(services_, catalog, wanted).id;
     }
 
     void begin(const std::string& upload_id) {
@@ -132,10 +134,15 @@ public:
 
     MadeDive end() {
         if (writer_) upload_ = writer_->finish();
-        return make_dive(services_, upload_, plan_of(upload_.metadata));
+        auto catalog = audited_import();
+        return make_dive(services_, catalog, upload_, plan_of(upload_.metadata));
     }
 
 private:
+    storage::Catalog audited_import() const {
+        return audited(services_.catalog, "serve --import", name_);
+    }
+
     std::string metadata() const {
         std::map<std::string, std::string> values = {
             {"filename", name_}, {"sha256", hashes_.archive_sha256}, {"commit", "import"}};

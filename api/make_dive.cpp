@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <vector>
 
+#include "api/audit.hpp"
 #include "schemas/error.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/upload_store.hpp"
@@ -41,7 +42,10 @@ std::string name_of(const Upload& upload, const UploadPlan& plan) {
 
 std::string archive_key(const Upload& upload) { return "dives/" + upload.id + "/archive"; }
 
-MadeDive make_dive(const Services& services, const Upload& upload, const UploadPlan& plan) {
+MadeDive make_dive(const Services& services,
+                   storage::Catalog& catalog,
+                   const Upload& upload,
+                   const UploadPlan& plan) {
     if (!upload.complete())
         throw Error(ErrorCode::Conflict,
                     "upload " + upload.id + " has " + std::to_string(upload.offset_bytes) + " of " +
@@ -69,7 +73,7 @@ MadeDive make_dive(const Services& services, const Upload& upload, const UploadP
                             plan.archive_sha256 + " as stated: delete the upload and send it anew");
         services.blobs.commit_staged(upload.blob, dive.blob);
     }
-    const auto created = storage::DiveStore(services.catalog).create(dive);
+    const auto created = storage::DiveStore(catalog).create(dive);
     if (created.existed) services.blobs.remove(dive.blob);
     return {created.dive, !created.existed && upload.dive_id.empty(), created.job_id};
 }
@@ -78,8 +82,9 @@ void make_owed_dives(const Services& services) {
     for (const Upload& upload : storage::UploadStore(services.catalog).list_open()) {
         try {
             const UploadPlan plan = plan_of(upload.metadata);
-            if (plan.commit && upload.complete() && !upload.is_partial())
-                make_dive(services, upload, plan);
+            if (!plan.commit || !upload.complete() || upload.is_partial()) continue;
+            auto catalog = audited(services.catalog, "serve", "owed dive of " + upload.id);
+            make_dive(services, catalog, upload, plan);
         } catch (const std::exception& error) {
             spdlog::warn(nlohmann::json{
                 {"event", "dive_owed"}, {"upload", upload.id}, {"what", error.what()}}

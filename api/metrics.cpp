@@ -36,6 +36,46 @@ std::string labels_of(std::span<const Route> all, std::size_t index) {
            std::string(all[index].path) + "\"";
 }
 
+// `counts` has a last one for what is beyond all bounds.
+template <typename Counts>
+void append_histogram(std::string& text,
+                      const std::string& name,
+                      const std::string& labels,
+                      std::span<const double> bounds,
+                      const Counts& counts,
+                      double sum) {
+    const std::string comma = labels.empty() ? "" : ",";
+    std::int64_t below = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        below += counts[i];
+        const std::string bound = i < bounds.size() ? number_text(bounds[i]) : "+Inf";
+        text += name + "_bucket{" + labels + comma + "le=\"" + bound + "\"} " +
+                std::to_string(below) + "\n";
+    }
+    append(text, name + "_sum", labels, sum);
+    text += name + "_count" + in_braces(labels) + " " + std::to_string(below) + "\n";
+}
+
+void append_stages(std::string& text, const std::vector<storage::StageSeconds>& stages) {
+    begin(text,
+          "divemesh_stage_seconds",
+          "histogram",
+          "of a job, in whatever attempt; not from the cache");
+    for (const auto& stage : stages)
+        append_histogram(text,
+                         "divemesh_stage_seconds",
+                         "stage=\"" + stage.stage + "\"",
+                         storage::kStageBounds_s,
+                         stage.num_runs,
+                         stage.total_s);
+    begin(text, "divemesh_stages_cached_total", "counter", "stages that the cache had");
+    for (const auto& stage : stages)
+        append(text,
+               "divemesh_stages_cached_total",
+               "stage=\"" + stage.stage + "\"",
+               static_cast<double>(stage.num_cached));
+}
+
 void append_counts(std::string& text,
                    const std::string& name,
                    const char* help,
@@ -47,11 +87,10 @@ void append_counts(std::string& text,
 
 }  // namespace
 
-void Histogram::observe(std::chrono::nanoseconds took) {
-    const double seconds = std::chrono::duration<double>(took).count();
-    const auto bound = std::lower_bound(kBounds.begin(), kBounds.end(), seconds);
-    counts_[static_cast<std::size_t>(bound - kBounds.begin())]++;
-    sum_ns_ += took.count();
+void Histogram::observe(double value) {
+    const auto bound = std::lower_bound(bounds_.begin(), bounds_.end(), value);
+    counts_[static_cast<std::size_t>(bound - bounds_.begin())]++;
+    sum_ += value;
 }
 
 std::int64_t Histogram::count() const {
@@ -63,16 +102,7 @@ std::int64_t Histogram::count() const {
 void Histogram::append(std::string& text,
                        const std::string& name,
                        const std::string& labels) const {
-    const std::string comma = labels.empty() ? "" : ",";
-    std::int64_t below = 0;
-    for (std::size_t i = 0; i < counts_.size(); ++i) {
-        below += counts_[i];
-        const std::string bound = i < kBounds.size() ? number_text(kBounds[i]) : "+Inf";
-        text += name + "_bucket{" + labels + comma + "le=\"" + bound + "\"} " +
-                std::to_string(below) + "\n";
-    }
-    api::append(text, name + "_sum", labels, 1e-9 * static_cast<double>(sum_ns_));
-    text += name + "_count" + in_braces(labels) + " " + std::to_string(below) + "\n";
+    append_histogram(text, name, labels, bounds_, counts_, sum_);
 }
 
 void Metrics::count_request(const Route* route,
@@ -80,7 +110,7 @@ void Metrics::count_request(const Route* route,
                             std::chrono::nanoseconds took) {
     const auto all = routes();
     const auto index = route == nullptr ? all.size() : static_cast<std::size_t>(route - all.data());
-    routes_[index].seconds.observe(took);
+    routes_[index].seconds.observe(std::chrono::duration<double>(took).count());
     routes_[index].by_class[std::min<std::size_t>(static_cast<unsigned>(status) / 100, 5)]++;
 }
 
@@ -99,6 +129,17 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
     for (std::size_t i = 0; i < routes_.size(); ++i)
         if (routes_[i].seconds.count() > 0)
             routes_[i].seconds.append(text, "divemesh_http_request_seconds", labels_of(all, i));
+    begin(text,
+          "divemesh_upload_bytes",
+          "histogram",
+          "of uploads that became whole, parts among them");
+    uploaded_bytes.append(text, "divemesh_upload_bytes", "");
+    begin(text,
+          "divemesh_upload_resumed_bytes",
+          "histogram",
+          "that were there when a client asked where to go on");
+    resumed_bytes.append(text, "divemesh_upload_resumed_bytes", "");
+    append_stages(text, stored.stages);
     const struct {
         const char* name;
         const char* type;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,21 +14,28 @@
 
 namespace divemesh::api {
 
-// Counts how long things took, by upper bounds in seconds. Thread-safe.
+// Counts how large things were, by upper bounds. Thread-safe.
 class Histogram {
 public:
-    static constexpr std::array<double, 12> kBounds = {
-        0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0, 30.0, 300.0};
+    // `bounds` rise, and outlive it.
+    explicit Histogram(std::span<const double> bounds)
+        : bounds_(bounds), counts_(bounds.size() + 1) {}
 
-    void observe(std::chrono::nanoseconds took);
+    void observe(double value);
     // Lines of Prometheus' text format; `labels` is "a=\"b\"" or "".
     void append(std::string& text, const std::string& name, const std::string& labels) const;
     std::int64_t count() const;
 
 private:
-    std::array<std::atomic<std::int64_t>, kBounds.size() + 1> counts_ = {};
-    std::atomic<std::int64_t> sum_ns_ = 0;
+    std::span<const double> bounds_;
+    std::vector<std::atomic<std::int64_t>> counts_;  // the last one: beyond all bounds
+    std::atomic<double> sum_ = 0.0;
 };
+
+inline constexpr std::array<double, 12> kRequestBounds_s = {
+    0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0, 30.0, 300.0};
+inline constexpr std::array<double, 8> kUploadBounds_bytes = {
+    1e4, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 
 // What the process has counted since it started, and the text that Prometheus reads (0.0.4).
 // Thread-safe.
@@ -46,12 +54,14 @@ public:
     std::atomic<std::int64_t> told_events = 0;
     std::atomic<std::int64_t> dropped_watchers = 0;  // that fell silent or did not read
     std::atomic<std::int64_t> webhook_failures = 0;
+    Histogram uploaded_bytes{kUploadBounds_bytes};  // of uploads that became whole
+    Histogram resumed_bytes{kUploadBounds_bytes};   // there already when a client asked for more
 
     std::string text(const storage::Statistics& stored, std::int64_t free_bytes) const;
 
 private:
     struct OfRoute {
-        Histogram seconds;
+        Histogram seconds{kRequestBounds_s};
         std::array<std::atomic<std::int64_t>, 6> by_class = {};  // [2]: 2xx
     };
     std::vector<OfRoute> routes_;  // the last one: no route

@@ -1,16 +1,19 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "api/services.hpp"
 #include "schemas/upload.hpp"
 
 namespace divemesh::api {
 
-// Enters an upload if the disk and its project's quota have room for it and the project has not too
-// many under way. A final upload has the bytes of its parts, which counted, all but those that it
-// repeats. Throws
+// Enters an upload, by `catalog` (api/audit), if the disk, its project's quota and what its project
+// and token may have open have room for it. A final upload is made of `part_ids`. Throws
 // Error{OutOfSpace}, Error{OutOfQuota}, Error{TooMany}. Blocks.
 Upload enter_upload(const Services& services,
+                    storage::Catalog& catalog,
                     const Upload& upload,
-                    std::int64_t repeated_bytes = 0);
+                    const std::vector<std::string>& part_ids = {});
 
 }  // namespace divemesh::api

@@ -191,8 +191,10 @@ Awaitable<Response> dispatch(Request request, Services services) {
     if (failure) response = error_response(request, failure);
     response.route = route;
     response.token_id = request.token.id;
-    if (is_audited(request, response)) {
-        auto audit = [services, request, response] { write_audit(services, request, response); };
+    if (response.uploaded_bytes && !response.audited) {
+        auto audit = [services, request, num_bytes = *response.uploaded_bytes] {
+            audit_uploaded(services, request, num_bytes);
+        };
         co_await in_pool(services.pool, std::move(audit));
     }
     add_common_headers(request, services, response);

@@ -26,6 +26,7 @@ struct ServiceLimits {
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // new uploads leave so much free
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
+    std::int64_t max_token_uploads = 200;                                 // open ones of one token
     std::int64_t min_upload_bytes_per_s = 64;                             // slower is no client
     std::chrono::milliseconds rate_window = std::chrono::seconds(60);     // for so long
     std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit

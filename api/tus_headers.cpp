@@ -80,6 +80,7 @@ void require_bytes(const Request& request) {
 Upload announced_upload(const Request& request, const ServiceLimits& limits) {
     Upload upload;
     upload.project = request.token.project;
+    upload.token_id = request.token.id;
     upload.lifetime_ms = limits.upload_lifetime.count();
     upload.metadata = request.header("upload-metadata");
     if (upload.metadata.size() > kMaxMetadataBytes)

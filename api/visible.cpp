@@ -7,24 +7,24 @@
 
 namespace divemesh::api {
 
-Upload visible_upload(const Request& request, const Services& services) {
+Upload visible_upload(const Request& request, storage::Catalog& catalog) {
     const std::string& id = request.parameter("upload_id");
-    Upload upload = storage::UploadStore(services.catalog).get(id);
+    Upload upload = storage::UploadStore(catalog).get(id);
     require_visible(request.token, upload.project, "upload " + id);
     storage::require_open(upload);
     return upload;
 }
 
-Dive visible_dive(const Request& request, const Services& services) {
+Dive visible_dive(const Request& request, storage::Catalog& catalog) {
     const std::string& id = request.parameter("dive_id");
-    Dive dive = storage::DiveStore(services.catalog).get(id);
+    Dive dive = storage::DiveStore(catalog).get(id);
     require_visible(request.token, dive.project, "dive " + id);
     return dive;
 }
 
-Job visible_job(const Request& request, const Services& services) {
+Job visible_job(const Request& request, storage::Catalog& catalog) {
     const std::string& id = request.parameter("job_id");
-    Job job = storage::JobStore(services.catalog).get(id);
+    Job job = storage::JobStore(catalog).get(id);
     require_visible(request.token, job.project, "job " + id);
     return job;
 }

@@ -28,6 +28,8 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--min-free", options->config.min_free_bytes, "room on the disk that is never used (10G)")->transform(CLI::AsSizeValue(true));
     command->add_option("--max-project-bytes", options->config.max_project_bytes, "what the dives and uploads of one project may have together (500G); 0: no limit")->transform(CLI::AsSizeValue(true));
     command->add_option("--max-project-dives", options->config.max_project_dives, "dives that one project may have; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--max-open-uploads", options->config.max_open_uploads, "unfinished uploads of one project; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--max-token-uploads", options->config.max_token_uploads, "unfinished uploads begun with one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--upload-lifetime", options->upload_lifetime_h, "hours after which an upload that no byte comes for is removed")->capture_default_str()->check(CLI::Range(1.0, 8760.0));
     command->add_option("--import", options->config.import_folder, "take the dives of this folder (archives, dive folders), then serve")->check(CLI::ExistingDirectory);
     command->add_option("--import-project", options->config.import_project, "the project that they go to")->capture_default_str();

@@ -1,6 +1,9 @@
 #include <iostream>
 #include <memory>
+#include <pwd.h>
+#include <unistd.h>
 
+#include "api/audit.hpp"
 #include "cli/command.hpp"
 #include "cli/data_options.hpp"
 #include "cli/exit_code.hpp"
@@ -21,9 +24,17 @@ struct TokenOptions {
     std::string id;
 };
 
+// Of whom the machine believes that they typed it.
+std::string by_whom() {
+    const passwd* user = getpwuid(getuid());
+    return std::string("command line, ") +
+           (user != nullptr ? user->pw_name : std::to_string(getuid()));
+}
+
 int create_token(const TokenOptions& options, const Context& context) {
-    storage::Catalog catalog(catalog_url(options.data));
-    const auto created = storage::TokenStore(catalog).create(
+    const storage::Catalog catalog(catalog_url(options.data));
+    auto noted = api::audited(catalog, by_whom(), "token create " + options.name);
+    const auto created = storage::TokenStore(noted).create(
         {.name = options.name,
          .project = options.project,
          .scopes = options.scopes,
@@ -67,8 +78,9 @@ int list_tokens(const TokenOptions& options, const Context& context) {
 }
 
 int revoke_token(const TokenOptions& options) {
-    storage::Catalog catalog(catalog_url(options.data));
-    storage::TokenStore(catalog).revoke(options.id);
+    const storage::Catalog catalog(catalog_url(options.data));
+    auto noted = api::audited(catalog, by_whom(), "token revoke " + options.id);
+    storage::TokenStore(noted).revoke(options.id);
     return kExitDone;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -38,9 +39,13 @@ struct Failure {
 // What helps against a failure of this class when nothing more is known of it.
 std::string_view usual_remedy(ErrorCode code);
 
+// What a reconstruction is made of, in order; publishing ends every job.
+inline constexpr std::array<std::string_view, 7> kStageNames = {
+    "track", "optimise", "fuse", "mesh", "texture", "evaluate", "publish"};
+
 // A stage of the newest attempt that is done.
 struct StageRun {
-    std::string name;  // track, optimise, fuse, mesh, texture, evaluate, publish
+    std::string name;  // of kStageNames
     double seconds = 0.0;
     bool from_cache = false;  // an earlier attempt or job made it
 };

@@ -17,6 +17,7 @@ enum class UploadEnd {
 struct Upload {
     std::string id;
     std::string project;
+    std::string token_id;                      // that it was begun with; not shown over HTTP
     std::optional<std::int64_t> length_bytes;  // nothing: told later (Upload-Defer-Length)
     std::int64_t offset_bytes = 0;
     std::string metadata;  // Upload-Metadata, byte for byte as it came

@@ -80,6 +80,8 @@ void log_request(const api::Request& request, const api::Response& response, Clo
 }
 
 void count_bytes(const RequestBody& body, const api::Response& response, api::Metrics& metrics) {
+    if (response.uploaded_bytes)
+        metrics.uploaded_bytes.observe(static_cast<double>(*response.uploaded_bytes));
     metrics.received_bytes += body.received_bytes();
     if (const auto* text = std::get_if<std::string>(&response.body))
         metrics.sent_bytes += static_cast<std::int64_t>(text->size());

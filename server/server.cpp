@@ -69,6 +69,7 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.min_free_bytes = config.min_free_bytes;
     limits.upload_lifetime = config.upload_lifetime;
     limits.max_open_uploads = config.max_open_uploads;
+    limits.max_token_uploads = config.max_token_uploads;
     limits.min_upload_bytes_per_s = config.min_upload_bytes_per_s;
     limits.rate_window = config.timeouts.rate;
     limits.max_project_bytes = config.max_project_bytes;
@@ -107,6 +108,8 @@ struct Server::Implementation {
           turns(io.get_executor()),
           acceptor(open_acceptor(io, endpoint)) {
         acceptor.non_blocking(true);
+        catalog.reserve(
+            static_cast<std::size_t>(config.num_io_threads + config.num_blocking_threads));
         endpoint = acceptor.local_endpoint();
     }
 
@@ -143,7 +146,7 @@ struct Server::Implementation {
     std::unique_ptr<storage::BlobStore> blobs;
     std::string first_token;
     api::HashCache hashes;
-    storage::QueueForecast forecast{catalog};
+    storage::QueueForecast forecast;
     api::KeysInFlight keys;
     api::TokenCache tokens;
     api::RateLimiter rates{config.max_requests_per_s, 2.0 * config.max_requests_per_s};

@@ -35,6 +35,7 @@ struct ServerConfig {
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // room on the disk that is never used
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
+    std::int64_t max_token_uploads = 200;                                 // open ones of one token
     std::int64_t min_upload_bytes_per_s = 64;                             // over Timeouts::rate
     std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit
     std::int64_t max_project_dives = 0;  // 0: no limit

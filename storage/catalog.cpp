@@ -1,5 +1,6 @@
 #include "storage/catalog.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <soci/soci.h>
 #include <vector>
@@ -45,6 +46,15 @@ public:
         }
     }
 
+    // Null: none is idle.
+    std::unique_ptr<Session> take_idle() {
+        const std::lock_guard lock(mutex_);
+        if (idle_.empty()) return nullptr;
+        auto session = std::move(idle_.back());
+        idle_.pop_back();
+        return session;
+    }
+
     // Null: the connection is of no more use.
     void give_back(std::unique_ptr<Session> session) {
         const std::lock_guard lock(mutex_);
@@ -66,15 +76,23 @@ private:
 // A connection out of the pool with a transaction on it, which is rolled back unless committed.
 class Transaction {
 public:
-    explicit Transaction(Pool& pool) : pool_(pool), session_(pool.take()) {}
+    Transaction(const Engine& engine, Pool& pool, bool may_wait)
+        : engine_(engine),
+          pool_(pool),
+          session_(may_wait ? pool.take() : pool.take_idle()),
+          may_wait_(may_wait) {
+        if (!session_) throw Error(ErrorCode::Unavailable, "no connection is free at once");
+        if (!may_wait_) engine_.set_may_wait(*session_, false);
+    }
     ~Transaction() {
         if (open_) {
             try {
-                *session_ << "ROLLBACK";
+                engine_.end(*session_, "ROLLBACK");
             } catch (const std::exception&) {
                 session_.reset();  // SQLite has rolled back by itself, or the connection is broken
             }
         }
+        if (session_ && !may_wait_) engine_.set_may_wait(*session_, true);
         pool_.give_back(std::move(session_));
     }
     Transaction(const Transaction&) = delete;
@@ -84,14 +102,16 @@ public:
     void begun() { open_ = true; }
     void commit() {
         fault_point();
-        *session_ << "COMMIT";
+        engine_.end(*session_, "COMMIT");
         open_ = false;
         fault_point();
     }
 
 private:
+    const Engine& engine_;
     Pool& pool_;
     std::unique_ptr<Session> session_;
+    bool may_wait_;
     bool open_ = false;
 };
 
@@ -101,9 +121,9 @@ struct Catalog::Implementation {
     explicit Implementation(const std::string& url) : engine(make_engine(url)), pool(*engine) {}
 
     template <typename Begin>
-    void run(const Begin& begin, const std::function<void(soci::session&)>& work) {
+    void run(bool may_wait, const Begin& begin, const Work& work) {
         try {
-            Transaction transaction(pool);
+            Transaction transaction(*engine, pool, may_wait);
             begin(transaction.session());
             transaction.begun();
             work(transaction.session());
@@ -126,7 +146,7 @@ bool Catalog::Implementation::is_current() {
     try {
         int version = 0;
         const auto begin = [this](soci::session& session) { engine->begin_read(session); };
-        run(begin, [&](soci::session& session) {
+        run(true, begin, [&](soci::session& session) {
             session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
         });
         return version == static_cast<int>(migrations().size());
@@ -158,17 +178,40 @@ Catalog::Catalog(const std::string& url) : implementation_(new Implementation(ur
     transaction([this](soci::session& session) { implementation_->migrate(session); });
 }
 
+Catalog::Catalog(std::shared_ptr<Implementation> implementation, bool may_wait, Work note)
+    : implementation_(std::move(implementation)), may_wait_(may_wait), note_(std::move(note)) {}
+
 Catalog::~Catalog() = default;
 
-void Catalog::transaction(const std::function<void(soci::session&)>& work) {
-    Engine& engine = *implementation_->engine;
-    const auto turn = engine.wait_for_turn_to_write();
-    implementation_->run([&](soci::session& session) { engine.begin_write(session); }, work);
+Catalog Catalog::at_once() const { return {implementation_, false, note_}; }
+
+void Catalog::reserve(std::size_t num_connections) {
+    Pool& pool = implementation_->pool;
+    std::vector<std::unique_ptr<Session>> taken;
+    while (taken.size() < std::min(num_connections, kMaxConnections)) taken.push_back(pool.take());
+    for (auto& session : taken) pool.give_back(std::move(session));
 }
 
-void Catalog::read(const std::function<void(soci::session&)>& work) {
+Catalog Catalog::with_note(Work note) const {
+    return {implementation_, may_wait_, std::move(note)};
+}
+
+void Catalog::transaction(const Work& work) {
+    // The one writer at a time may be syncing a disk.
+    if (!may_wait_) throw Error(ErrorCode::Unavailable, "nothing can be written at once");
+    Engine& engine = *implementation_->engine;
+    const auto turn = engine.wait_for_turn_to_write();
+    const auto begin = [&](soci::session& session) { engine.begin_write(session); };
+    implementation_->run(true, begin, [&](soci::session& session) {
+        work(session);
+        if (note_) note_(session);
+    });
+}
+
+void Catalog::read(const Work& work) {
     const Engine& engine = *implementation_->engine;
-    implementation_->run([&](soci::session& session) { engine.begin_read(session); }, work);
+    const auto begin = [&](soci::session& session) { engine.begin_read(session); };
+    implementation_->run(may_wait_, begin, work);
 }
 
 std::int64_t Catalog::now_ms(soci::session& session) {

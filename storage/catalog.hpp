@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,6 +18,8 @@ namespace divemesh::storage {
 // connections, one per call under way.
 class Catalog {
 public:
+    using Work = std::function<void(soci::session&)>;
+
     // Opens or makes the database and brings its schema up to date (storage/migrations, compiled
     // in). Throws Error{Unavailable} when it cannot be opened, Error{Conflict} when it was written
     // by a newer version.
@@ -25,10 +28,20 @@ public:
     Catalog(const Catalog&) = delete;
     Catalog& operator=(const Catalog&) = delete;
 
+    // The same catalog for whoever must not wait: read() throws Error{Unavailable} where it would
+    // have to, for a connection or for another process, and so does every transaction().
+    Catalog at_once() const;
+    // Opens connections until there are so many (16 at most): one for each thread that may ask, so
+    // that at_once() finds one idle.
+    void reserve(std::size_t num_connections);
+    bool may_wait() const { return may_wait_; }
+    // The same catalog for a change that leaves a note: `note` runs in every transaction, last.
+    Catalog with_note(Work note) const;
+
     // Runs `work` in one write transaction: committed when it returns, rolled back when it throws.
-    void transaction(const std::function<void(soci::session&)>& work);
+    void transaction(const Work& work);
     // The same for reading: one consistent snapshot.
-    void read(const std::function<void(soci::session&)>& work);
+    void read(const Work& work);
 
     // The catalog's own clock, unix milliseconds; leases are compared with nothing else.
     static std::int64_t now_ms(soci::session& session);
@@ -38,7 +51,11 @@ public:
 
 private:
     struct Implementation;
-    std::unique_ptr<Implementation> implementation_;
+    Catalog(std::shared_ptr<Implementation> implementation, bool may_wait, Work note);
+
+    std::shared_ptr<Implementation> implementation_;
+    bool may_wait_ = true;
+    Work note_;  // empty: none
 };
 
 }  // namespace divemesh::storage

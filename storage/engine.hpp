@@ -20,6 +20,9 @@ public:
     virtual std::unique_lock<std::mutex> wait_for_turn_to_write() = 0;
     virtual void begin_write(soci::session& session) const = 0;
     virtual void begin_read(soci::session& session) const = 0;
+    virtual void end(soci::session& session, const char* how) const = 0;  // COMMIT, ROLLBACK
+    // Whether calls on this connection wait for other processes; they do when it is new.
+    virtual void set_may_wait(soci::session& session, bool may_wait) const = 0;
     virtual void run_script(soci::session& session, const std::string& sql) const = 0;
     virtual void copy_to(soci::session& session, const std::string& file) const = 0;
     // Throws Error{Unavailable} or Error{OutOfSpace} for what is no bug of ours; else returns.

@@ -9,6 +9,7 @@
 #include "storage/job_speeds.hpp"
 #include "storage/job_store.hpp"
 #include "storage/sql.hpp"
+#include "storage/stage_seconds.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -216,6 +217,7 @@ bool JobStore::report_stage(const Lease& lease, const StageRun& stage) {
                 "UPDATE jobs SET stages = :stages WHERE id = :id",
                 soci::use(text, "stages"),
                 soci::use(job.id, "id"));
+        count_stage(session, stage);
     });
 }
 

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_speeds.hpp"
@@ -131,22 +132,23 @@ struct QueueForecast::Picture {
     }
 };
 
-QueueForecast::QueueForecast(Catalog& catalog, std::chrono::milliseconds max_age)
-    : catalog_(catalog), max_age_(max_age) {}
+QueueForecast::QueueForecast(std::chrono::milliseconds max_age) : max_age_(max_age) {}
 
 QueueForecast::~QueueForecast() = default;
 
 // One thread takes the new picture; the others go on with the old one meanwhile.
-std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture() {
+std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture(Catalog& catalog) {
     using Clock = std::chrono::steady_clock;
     {
         const std::lock_guard lock(mutex_);
         if (newest_ && (being_taken_ || Clock::now() - taken_ < max_age_)) return newest_;
+        if (!catalog.may_wait())
+            throw Error(ErrorCode::Unavailable, "the queue has to be looked at first");
         being_taken_ = true;
     }
     std::shared_ptr<const Picture> taken;
     try {
-        catalog_.read([&](soci::session& session) { taken = Picture::taken_of(session); });
+        catalog.read([&](soci::session& session) { taken = Picture::taken_of(session); });
     } catch (...) {
         const std::lock_guard lock(mutex_);
         being_taken_ = false;
@@ -159,9 +161,9 @@ std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture() {
     return taken;
 }
 
-std::optional<Forecast> QueueForecast::of(const Job& job) {
+std::optional<Forecast> QueueForecast::of(const Job& job, Catalog& catalog) {
     if (job.state != JobState::Queued) return std::nullopt;
-    const auto now = picture();
+    const auto now = picture(catalog);
     const std::int64_t rank_ms = queue_rank_ms(job.created_at_ms, job.priority);
     const auto at = std::lower_bound(
         now->places.begin(), now->places.end(), job, [&](const auto& place, const Job& wanted) {

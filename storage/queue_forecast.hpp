@@ -17,19 +17,18 @@ namespace divemesh::storage {
 // are left out of it. Thread-safe.
 class QueueForecast {
 public:
-    explicit QueueForecast(Catalog& catalog,
-                           std::chrono::milliseconds max_age = std::chrono::seconds(2));
+    explicit QueueForecast(std::chrono::milliseconds max_age = std::chrono::seconds(2));
     ~QueueForecast();
 
-    // Nothing unless it is queued. Times are rounded to ten seconds.
-    std::optional<Forecast> of(const Job& job);
+    // Nothing unless it is queued. Times are rounded to ten seconds. A new picture is taken by
+    // `catalog`; Error{Unavailable} when one is due and that may not wait.
+    std::optional<Forecast> of(const Job& job, Catalog& catalog);
 
     struct Picture;
 
 private:
-    std::shared_ptr<const Picture> picture();
+    std::shared_ptr<const Picture> picture(Catalog& catalog);
 
-    Catalog& catalog_;
     std::chrono::milliseconds max_age_;
     std::mutex mutex_;
     std::shared_ptr<const Picture> newest_;

@@ -39,16 +39,17 @@ public:
     }
 
     // Immediate: a transaction that reads first and writes later could fail half way otherwise.
-    void begin_write(soci::session& session) const override { session << "BEGIN IMMEDIATE"; }
-    void begin_read(soci::session& session) const override { session << "BEGIN"; }
+    void begin_write(soci::session& session) const override { execute(session, "BEGIN IMMEDIATE"); }
+    void begin_read(soci::session& session) const override { execute(session, "BEGIN"); }
+    void end(soci::session& session, const char* how) const override { execute(session, how); }
+
+    void set_may_wait(soci::session& session, bool may_wait) const override {
+        sqlite_api::sqlite3_busy_timeout(connection_of(session),
+                                         may_wait ? 1000 * kBusyTimeoutSeconds : 0);
+    }
 
     void run_script(soci::session& session, const std::string& sql) const override {
-        char* message = nullptr;
-        const int result = sqlite_api::sqlite3_exec(
-            connection_of(session), sql.c_str(), nullptr, nullptr, &message);
-        const std::string text = message ? message : "";
-        sqlite_api::sqlite3_free(message);
-        if (result != SQLITE_OK) throw soci::sqlite3_soci_error(text, result);
+        execute(session, sql.c_str());
     }
 
     // Reads one snapshot; the copy has no free pages and no write-ahead log.
@@ -80,6 +81,15 @@ public:
     }
 
 private:
+    static void execute(soci::session& session, const char* sql) {
+        char* message = nullptr;
+        const int result =
+            sqlite_api::sqlite3_exec(connection_of(session), sql, nullptr, nullptr, &message);
+        const std::string text = message ? message : "";
+        sqlite_api::sqlite3_free(message);
+        if (result != SQLITE_OK) throw soci::sqlite3_soci_error(text, result);
+    }
+
     // Made here to keep others from reading it: it holds the tokens' hashes.
     void make_file() const {
         std::error_code failure;

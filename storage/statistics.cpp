@@ -40,6 +40,7 @@ Statistics read_statistics(Catalog& catalog) {
         all.attempts = counts(session, "COUNT(*)", "attempts");
         all.attempt_ms = counts(
             session, "SUM(finished_at_ms - started_at_ms)", "attempts WHERE finished_at_ms > 0");
+        all.stages = read_stage_seconds(session);
         const std::int64_t queued_at = number(
             session, "SELECT COALESCE(MIN(created_at_ms), 0) FROM jobs WHERE state = 'queued'");
         all.oldest_queued_ms = queued_at > 0 ? now_ms - queued_at : 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "storage/catalog.hpp"
+#include "storage/stage_seconds.hpp"
 
 namespace divemesh::storage {
 
@@ -17,6 +18,7 @@ struct Statistics {
     Counts dives;
     Counts attempts;
     Counts attempt_ms;                  // spent in attempts that have ended
+    std::vector<StageSeconds> stages;   // by name
     std::int64_t oldest_queued_ms = 0;  // age of the oldest job that is due; 0: none
     std::int64_t lease_overdue_ms =
         0;  // past its end, of the oldest lease; 0: none, negative: good

@@ -174,7 +174,7 @@ void TokenStore::record_use(const std::string& id, std::int64_t now_ms) {
                     soci::use(id, "id"));
         });
     } catch (const Error&) {
-        return;
+        if (!catalog_.may_wait()) throw;
     }
 }
 

@@ -39,7 +39,8 @@ public:
     // Throws Error{InvalidArgument} for a name, project, sensor or scope that is none. A token that
     // may push for a sensor may do nothing else: it is the one that is lost with the device.
     CreatedToken create(const NewToken& wanted);
-    // Neither revoked nor expired. The hashes are compared in constant time.
+    // Neither revoked nor expired. The hashes are compared in constant time. That it was used is
+    // written once a minute; a catalog that may not wait throws Error{Unavailable} then.
     std::optional<Token> find(const std::string& secret);
     bool is_valid(const std::string& id);  // the same question about a token that was found before
     std::vector<Token> list();

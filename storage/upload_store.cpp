@@ -1,5 +1,8 @@
 #include "storage/upload_store.hpp"
 
+#include <algorithm>
+#include <set>
+
 #include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
@@ -18,7 +21,8 @@ constexpr EnumText<UploadEnd> kEndTexts[] = {
 };
 
 const std::string kSelect =
-    "SELECT id, project, COALESCE(length_bytes, -1), offset_bytes, metadata, concat, blob,"
+    "SELECT id, project, token_id, COALESCE(length_bytes, -1), offset_bytes, metadata, concat, "
+    "blob,"
     " COALESCE(dive_id, ''), created_at_ms, lifetime_ms,"
     " CASE WHEN dive_id IS NULL THEN touched_at_ms + lifetime_ms ELSE 0 END, ended FROM uploads";
 
@@ -30,6 +34,7 @@ struct UploadRow {
     void define(soci::statement& statement) {
         statement.exchange(soci::into(upload.id));
         statement.exchange(soci::into(upload.project));
+        statement.exchange(soci::into(upload.token_id));
         statement.exchange(soci::into(length_bytes));
         statement.exchange(soci::into(upload.offset_bytes));
         statement.exchange(soci::into(upload.metadata));
@@ -89,40 +94,125 @@ void write_end(soci::session& session, const Upload& upload, UploadEnd end) {
     append_event(session, upload, end == UploadEnd::Expired ? "upload.expired" : "upload.removed");
 }
 
-}  // namespace
+constexpr const char* kOpen = " AND dive_id IS NULL AND ended = ''";
 
-Upload UploadStore::create(Upload upload,
-                           std::int64_t max_bytes_of_project,
-                           std::int64_t repeated_bytes) {
+void require_few_open(soci::session& session, const Upload& upload, const UploadLimits& limits) {
+    const struct {
+        const char* column;
+        const std::string& value;
+        std::int64_t most;
+        std::string whose;
+    } cases[] = {
+        {"project", upload.project, limits.max_open_of_project, "project " + upload.project},
+        {"token_id", upload.token_id, limits.max_open_of_token, "this token"}};
+    for (const auto& c : cases) {
+        if (c.most == 0 || c.value.empty()) continue;
+        std::int64_t count = 0;
+        session << "SELECT COUNT(*) FROM uploads WHERE " << c.column << " = :value" << kOpen,
+            soci::into(count), soci::use(c.value, "value");
+        if (count >= c.most)
+            throw Error(ErrorCode::TooMany,
+                        c.whose + " has " + std::to_string(c.most) +
+                            " unfinished uploads: finish or delete some");
+    }
+}
+
+std::optional<Upload> select_final(soci::session& session, const Upload& wanted) {
+    auto found = select_uploads(session,
+                                "project = :project AND concat = :concat AND metadata = :metadata"
+                                " AND ended = '' ORDER BY created_at_ms LIMIT 1",
+                                soci::use(wanted.project, "project"),
+                                soci::use(wanted.concat, "concat"),
+                                soci::use(wanted.metadata, "metadata"));
+    return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
+}
+
+bool is_claimed(soci::session& session, const std::string& part_id) {
+    std::int64_t num_claims = 0;
+    session << "SELECT COUNT(*) FROM upload_parts JOIN uploads ON id = final_id"
+               " WHERE part_id = :part AND offset_bytes < length_bytes"
+            << kOpen,
+        soci::into(num_claims), soci::use(part_id, "part");
+    return num_claims > 0;
+}
+
+// Of a final upload, what its parts do not account for.
+std::int64_t repeated_bytes(soci::session& session, const std::vector<std::string>& part_ids) {
+    std::int64_t bytes = 0;
+    std::set<std::string> seen;
+    for (const std::string& id : part_ids) {
+        const Upload part = read_open_upload(session, id);
+        if (!seen.insert(id).second || is_claimed(session, id))
+            bytes += part.length_bytes.value_or(0);
+    }
+    return bytes;
+}
+
+void claim_parts(soci::session& session,
+                 const std::string& final_id,
+                 const std::vector<std::string>& part_ids) {
+    for (const std::string& id : std::set<std::string>(part_ids.begin(), part_ids.end()))
+        execute(session,
+                "INSERT INTO upload_parts (final_id, part_id) VALUES (:final, :part)",
+                soci::use(final_id, "final"),
+                soci::use(id, "part"));
+}
+
+Upload insert(soci::session& session,
+              Upload upload,
+              std::int64_t repeated_bytes,
+              const UploadLimits& limits) {
     const std::int64_t length_bytes = upload.length_bytes.value_or(-1);
-    if (upload.length_bytes && length_bytes < 0)
-        throw Error(ErrorCode::InvalidArgument, "an upload cannot be shorter than nothing");
+    const std::int64_t more_bytes =
+        upload.is_final() ? repeated_bytes : std::max<std::int64_t>(length_bytes, 0);
+    require_few_open(session, upload, limits);
+    require_bytes_of_quota(session, upload.project, more_bytes, limits.max_bytes_of_project);
     upload.id = new_id("upload");
     upload.blob = "uploads/" + upload.id;
     upload.offset_bytes = 0;
     upload.dive_id.clear();
+    upload.created_at_ms = Catalog::now_ms(session);
+    upload.expires_at_ms = upload.created_at_ms + upload.lifetime_ms;
+    execute(session,
+            "INSERT INTO uploads (id, project, token_id, length_bytes, metadata, concat, blob,"
+            " repeated_bytes, created_at_ms, touched_at_ms, lifetime_ms)"
+            " VALUES (:id, :project, :token, NULLIF(:length, -1), :metadata, :concat, :blob,"
+            " :repeated, :now, :now, :lifetime)",
+            soci::use(upload.id, "id"),
+            soci::use(upload.project, "project"),
+            soci::use(upload.token_id, "token"),
+            soci::use(length_bytes, "length"),
+            soci::use(upload.metadata, "metadata"),
+            soci::use(upload.concat, "concat"),
+            soci::use(upload.blob, "blob"),
+            soci::use(repeated_bytes, "repeated"),
+            soci::use(upload.created_at_ms, "now"),
+            soci::use(upload.lifetime_ms, "lifetime"));
+    append_event(session, upload, "upload.created");
+    if (upload.complete()) append_event(session, upload, "upload.completed");
+    return upload;
+}
+
+}  // namespace
+
+Upload UploadStore::create(Upload upload, const UploadLimits& limits) {
+    if (upload.length_bytes.value_or(0) < 0)
+        throw Error(ErrorCode::InvalidArgument, "an upload cannot be shorter than nothing");
+    catalog_.transaction(
+        [&](soci::session& session) { upload = insert(session, upload, 0, limits); });
+    return upload;
+}
+
+Upload UploadStore::create_final(Upload upload,
+                                 const std::vector<std::string>& part_ids,
+                                 const UploadLimits& limits) {
     catalog_.transaction([&](soci::session& session) {
-        const std::int64_t more_bytes =
-            upload.is_final() ? repeated_bytes : upload.length_bytes.value_or(0);
-        require_bytes_of_quota(session, upload.project, more_bytes, max_bytes_of_project);
-        upload.created_at_ms = Catalog::now_ms(session);
-        upload.expires_at_ms = upload.created_at_ms + upload.lifetime_ms;
-        execute(session,
-                "INSERT INTO uploads (id, project, length_bytes, metadata, concat, blob,"
-                " repeated_bytes, created_at_ms, touched_at_ms, lifetime_ms)"
-                " VALUES (:id, :project, NULLIF(:length, -1), :metadata, :concat, :blob,"
-                " :repeated, :now, :now, :lifetime)",
-                soci::use(upload.id, "id"),
-                soci::use(upload.project, "project"),
-                soci::use(length_bytes, "length"),
-                soci::use(upload.metadata, "metadata"),
-                soci::use(upload.concat, "concat"),
-                soci::use(upload.blob, "blob"),
-                soci::use(repeated_bytes, "repeated"),
-                soci::use(upload.created_at_ms, "now"),
-                soci::use(upload.lifetime_ms, "lifetime"));
-        append_event(session, upload, "upload.created");
-        if (upload.complete()) append_event(session, upload, "upload.completed");
+        if (auto known = select_final(session, upload)) {
+            upload = std::move(*known);
+            return;
+        }
+        upload = insert(session, upload, repeated_bytes(session, part_ids), limits);
+        claim_parts(session, upload.id, part_ids);
     });
     return upload;
 }
@@ -181,16 +271,9 @@ Upload UploadStore::advance(const std::string& id, std::int64_t offset_bytes) {
 }
 
 std::optional<Upload> UploadStore::find_final(const Upload& wanted) {
-    std::vector<Upload> found;
-    catalog_.read([&](soci::session& session) {
-        found = select_uploads(session,
-                               "project = :project AND concat = :concat AND metadata = :metadata"
-                               " AND ended = '' ORDER BY created_at_ms LIMIT 1",
-                               soci::use(wanted.project, "project"),
-                               soci::use(wanted.concat, "concat"),
-                               soci::use(wanted.metadata, "metadata"));
-    });
-    return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
+    std::optional<Upload> found;
+    catalog_.read([&](soci::session& session) { found = select_final(session, wanted); });
+    return found;
 }
 
 void UploadStore::end(const std::string& id, UploadEnd end) {
@@ -257,16 +340,6 @@ std::vector<Upload> UploadStore::list_open() {
         uploads = select_uploads(session, "dive_id IS NULL AND ended = '' ORDER BY touched_at_ms");
     });
     return uploads;
-}
-
-std::int64_t UploadStore::num_open(const std::string& project) {
-    std::int64_t count = 0;
-    catalog_.read([&](soci::session& session) {
-        session << "SELECT COUNT(*) FROM uploads WHERE project = :project AND dive_id IS NULL"
-                   " AND ended = ''",
-            soci::into(count), soci::use(project, "project");
-    });
-    return count;
 }
 
 void require_open(const Upload& upload) {

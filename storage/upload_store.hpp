@@ -9,6 +9,13 @@
 
 namespace divemesh::storage {
 
+// How much a project or a token may have; 0: no limit.
+struct UploadLimits {
+    std::int64_t max_bytes_of_project = 0;  // with its dives
+    std::int64_t max_open_of_project = 0;   // uploads that are not complete or no dive yet
+    std::int64_t max_open_of_token = 0;
+};
+
 // The uploads table. The bytes are in the blob store's staging area; a row's offset is what the
 // server has made durable there. An upload that ended is remembered for a while, so that its client
 // learns so.
@@ -16,12 +23,17 @@ class UploadStore {
 public:
     explicit UploadStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // `upload.id`, `blob` and the times are set here. A final upload has the bytes of its parts,
-    // which count already, all but those that it repeats. Throws Error{OutOfQuota}. Event
-    // upload.created.
-    Upload create(Upload upload,
-                  std::int64_t max_bytes_of_project = 0,
-                  std::int64_t repeated_bytes = 0);
+    // `upload.id`, `blob` and the times are set here. Throws Error{OutOfQuota}, Error{TooMany}: of
+    // several that come at once none goes beyond the limits. Event upload.created.
+    Upload create(Upload upload, const UploadLimits& limits = {});
+    // A final upload has the bytes of its parts, which count already: all but those that it names
+    // again or that another final upload under way has claimed. The same parts and metadata again
+    // are the same upload. Throws Error{Gone} for a part that ended meanwhile, and as create().
+    Upload create_final(Upload upload,
+                        const std::vector<std::string>& part_ids,
+                        const UploadLimits& limits = {});
+    // The final upload of these very parts and metadata, when it was made before.
+    std::optional<Upload> find_final(const Upload& wanted);
     Upload get(const std::string& id);  // throws Error{NotFound}; one that ended is told too
     // Tells the length that was left open at creation. The same again changes nothing. Throws
     // Error{InvalidArgument} for another one, or one below the offset, Error{OutOfQuota}. Event
@@ -32,8 +44,6 @@ public:
     // Moves the offset forward, never back: a lower or equal value changes nothing.
     // Event upload.completed when it reaches the length.
     Upload advance(const std::string& id, std::int64_t offset_bytes);
-    // The final upload of these very parts and metadata, when it was made before.
-    std::optional<Upload> find_final(const Upload& wanted);
 
     void end(const std::string& id, UploadEnd end);  // throws Error{NotFound}, Error{Gone}
     bool expire(const std::string& id);  // false: it is not due, moved meanwhile, or is no more
@@ -43,7 +53,6 @@ public:
     void forget_ended(std::int64_t older_than_ms);
 
     std::vector<Upload> list_open();  // neither ended nor a dive
-    std::int64_t num_open(const std::string& project);
 
 private:
     Catalog& catalog_;

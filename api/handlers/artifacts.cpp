@@ -3,7 +3,9 @@
 #include "api/byte_range.hpp"
 #include "api/error_response.hpp"
 #include "api/etag.hpp"
+#include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/upload_metadata.hpp"
 #include "api/visible.hpp"
 #include "schemas/artifact.hpp"
 #include "storage/dive_store.hpp"
@@ -12,13 +14,15 @@
 namespace divemesh::api {
 namespace {
 
-constexpr std::string_view kFreshness = "private, no-cache";
+constexpr std::string_view kAskEachTime = "private, no-cache";
+constexpr std::string_view kForEver = "private, max-age=31536000, immutable";  // RFC 8246
 
 struct StoredFile {
     std::string name;
     std::string media_type;
     std::string etag;
     std::string sha256;  // "": not known
+    std::string_view freshness = kAskEachTime;
     std::shared_ptr<storage::BlobReader> reader;
 };
 
@@ -31,13 +35,26 @@ bool is_active(const std::string& media_type) {
 void describe(Response& response, const StoredFile& file) {
     response.set("ETag", file.etag);
     response.set("Accept-Ranges", "bytes");
-    response.set("Cache-Control", std::string(kFreshness));
+    response.set("Cache-Control", std::string(file.freshness));
     if (!file.sha256.empty()) response.set("Repr-Digest", digest_field(file.sha256));
     response.set("Content-Type", file.media_type);
     const bool active = is_active(file.media_type);
     response.set("Content-Disposition",
                  content_disposition(active ? "attachment" : "inline", file.name));
     if (active) response.set("Content-Security-Policy", "sandbox; default-src 'none'");
+}
+
+// An address that says which bytes it means (?sha256=) never means others; without, the bytes are
+// those of the name.
+std::string_view freshness_of(const Request& request, const Artifact& artifact) {
+    if (!request.query.contains("sha256")) return kAskEachTime;
+    const std::string wanted = query_value(request, "sha256");
+    check_sha256(wanted, "sha256");
+    if (wanted != artifact.sha256)
+        throw Error(
+            ErrorCode::NotFound,
+            "the sha256 of " + artifact.name + " is " + artifact.sha256 + ", not " + wanted);
+    return kForEver;
 }
 
 // Of a file, whose ETag is strong. There is no date of its last change that a client could send
@@ -53,7 +70,7 @@ Response file_response(const Request& request, const StoredFile& file) {
     if (matches_etag(request.header("if-none-match"), file.etag)) {
         Response response = empty_response(http::status::not_modified);
         response.set("ETag", file.etag);
-        response.set("Cache-Control", std::string(kFreshness));
+        response.set("Cache-Control", std::string(file.freshness));
         return response;
     }
     const std::int64_t size = file.reader->size_bytes();
@@ -83,13 +100,15 @@ Response file_response(const Request& request, const StoredFile& file) {
 
 Awaitable<Response> get_artifact(Request request, Services services) {
     auto work = [services, request] {
-        const Job job = visible_job(request, services);
+        const Job job = visible_job(request, services.catalog);
         const Artifact artifact = storage::JobStore(services.catalog)
                                       .artifact(job.id, request.parameter("artifact_name"));
+        const auto freshness = freshness_of(request, artifact);
         return StoredFile{artifact.name,
                           artifact.media_type,
                           '"' + artifact.sha256 + '"',
                           artifact.sha256,
+                          freshness,
                           services.blobs.open(artifact.blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));
@@ -99,12 +118,13 @@ Awaitable<Response> get_artifact(Request request, Services services) {
 // A dive has one thumbnail and keeps it: its key in the blob store serves as the tag.
 Awaitable<Response> get_thumbnail(Request request, Services services) {
     auto work = [services, request] {
-        const Dive dive = visible_dive(request, services);
+        const Dive dive = visible_dive(request, services.catalog);
         const std::string blob = storage::DiveStore(services.catalog).thumbnail_blob(dive.id);
         return StoredFile{"thumbnail.jpg",
                           "image/jpeg",
                           '"' + sha256_hex(blob).substr(0, 32) + '"',
                           "",
+                          kAskEachTime,
                           services.blobs.open(blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));

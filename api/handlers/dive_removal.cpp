@@ -1,5 +1,6 @@
 #include "api/handlers/dive_removal.hpp"
 
+#include "api/audit.hpp"
 #include "api/etag.hpp"
 #include "api/in_pool.hpp"
 #include "api/visible.hpp"
@@ -10,10 +11,11 @@ namespace divemesh::api {
 
 Awaitable<Response> delete_dive(Request request, Services services) {
     auto work = [services, request] {
-        const Dive seen = visible_dive(request, services);
+        const Dive seen = visible_dive(request, services.catalog);
         const auto unchanged = [&](const Dive& dive) { require_match(request, json_text(dive)); };
-        return storage::DiveRemoval(services.catalog)
-            .remove(seen.id, services.limits.keep_deleted, unchanged);
+        auto catalog = audited(services, request);
+        return storage::DiveRemoval(catalog).remove(
+            seen.id, services.limits.keep_deleted, unchanged);
     };
     const Dive dive = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, dive);
@@ -21,7 +23,8 @@ Awaitable<Response> delete_dive(Request request, Services services) {
 
 Awaitable<Response> restore_dive(Request request, Services services) {
     auto work = [services, request] {
-        return storage::DiveRemoval(services.catalog).restore(visible_dive(request, services).id);
+        auto catalog = audited(services, request);
+        return storage::DiveRemoval(catalog).restore(visible_dive(request, catalog).id);
     };
     const Dive dive = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, dive);

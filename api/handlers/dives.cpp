@@ -1,5 +1,7 @@
 #include "api/handlers/dives.hpp"
 
+#include "api/at_once.hpp"
+#include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
@@ -85,15 +87,16 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
 Awaitable<Response> dive_of_upload(Request request, Services services) {
     const DiveRequest wanted = dive_request(request);
     request.parameters.emplace("upload_id", wanted.upload_id);
-    auto look = [services, request] { visible_upload(request, services); };
+    auto look = [services, request] { visible_upload(request, services.catalog); };
     co_await in_pool(services.pool, std::move(look));
     auto turn = co_await services.turns.take(wanted.upload_id, [] {});
     auto work = [services, wanted, request] {
-        const Upload upload = reconciled(services, visible_upload(request, services));
+        const Upload upload = reconciled(services, visible_upload(request, services.catalog));
         UploadPlan plan = plan_of(upload.metadata);
         if (!wanted.name.empty()) plan.name = wanted.name;
         if (!wanted.preset.empty()) plan.preset = wanted.preset;
-        return make_dive(services, upload, plan);
+        auto catalog = audited(services, request);
+        return make_dive(services, catalog, upload, plan);
     };
     const MadeDive made = co_await in_pool(services.pool, std::move(work));
     Response response =
@@ -106,8 +109,9 @@ Awaitable<Response> dive_of_upload(Request request, Services services) {
 Awaitable<Response> new_job(Request request, Services services) {
     auto work = [services, request] {
         require_room(services);
-        const Dive dive = visible_dive(request, services);
-        return storage::JobStore(services.catalog).enqueue(job_request(request, dive));
+        const Dive dive = visible_dive(request, services.catalog);
+        auto catalog = audited(services, request);
+        return storage::JobStore(catalog).enqueue(job_request(request, dive));
     };
     const auto made = co_await in_pool(services.pool, std::move(work));
     Response response =
@@ -133,14 +137,15 @@ Awaitable<Response> create_dive(Request request, Services services) {
 }
 
 Awaitable<Response> get_dive(Request request, Services services) {
-    auto work = [services, request] { return visible_dive(request, services); };
-    const Dive dive = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, dive);
+    auto read = [request](storage::Catalog& catalog) { return visible_dive(request, catalog); };
+    const Dive dive = co_await at_once(services, std::move(read));
+    co_return resource_response(request, dive);
 }
 
 Awaitable<Response> list_findings(Request request, Services services) {
     auto work = [services, request] {
-        return storage::DiveStore(services.catalog).findings(visible_dive(request, services).id);
+        return storage::DiveStore(services.catalog)
+            .findings(visible_dive(request, services.catalog).id);
     };
     const auto findings = co_await in_pool(services.pool, std::move(work));
     co_return list_response(request, findings);

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "api/at_once.hpp"
+#include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
@@ -54,7 +56,7 @@ Awaitable<Response> list_jobs(Request request, Services services) {
     const auto page = page_request(request);
     auto work = [services, filter, page] {
         auto jobs = storage::JobStore(services.catalog).list(filter, page);
-        for (Job& job : jobs.items) job.forecast = services.forecast.of(job);
+        for (Job& job : jobs.items) job.forecast = services.forecast.of(job, services.catalog);
         return jobs;
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
@@ -62,19 +64,20 @@ Awaitable<Response> list_jobs(Request request, Services services) {
 }
 
 Awaitable<Response> get_job(Request request, Services services) {
-    auto work = [services, request] {
-        Job found = visible_job(request, services);
-        found.forecast = services.forecast.of(found);
+    auto read = [&forecast = services.forecast, request](storage::Catalog& catalog) {
+        Job found = visible_job(request, catalog);
+        found.forecast = forecast.of(found, catalog);
         return found;
     };
-    const Job job = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, job);
+    const Job job = co_await at_once(services, std::move(read));
+    co_return resource_response(request, job);
 }
 
 Awaitable<Response> change_job(Request request, Services services) {
     auto work = [services, request] {
-        const std::string id = visible_job(request, services).id;
-        return storage::JobStore(services.catalog).change(id, job_change(request));
+        const std::string id = visible_job(request, services.catalog).id;
+        auto catalog = audited(services, request);
+        return storage::JobStore(catalog).change(id, job_change(request));
     };
     const Job job = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, job);
@@ -82,7 +85,8 @@ Awaitable<Response> change_job(Request request, Services services) {
 
 Awaitable<Response> cancel_job(Request request, Services services) {
     auto work = [services, request] {
-        return storage::JobStore(services.catalog).cancel(visible_job(request, services).id);
+        auto catalog = audited(services, request);
+        return storage::JobStore(catalog).cancel(visible_job(request, catalog).id);
     };
     const Job job = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, job);
@@ -91,7 +95,8 @@ Awaitable<Response> cancel_job(Request request, Services services) {
 Awaitable<Response> retry_job(Request request, Services services) {
     auto work = [services, request] {
         require_room(services);
-        return storage::JobStore(services.catalog).retry(visible_job(request, services).id);
+        auto catalog = audited(services, request);
+        return storage::JobStore(catalog).retry(visible_job(request, catalog).id);
     };
     const Job job = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, job);
@@ -99,14 +104,15 @@ Awaitable<Response> retry_job(Request request, Services services) {
 
 Awaitable<Response> get_job_log(Request request, Services services) {
     auto work = [services, request] {
-        return storage::JobStore(services.catalog).log(visible_job(request, services).id);
+        return storage::JobStore(services.catalog).log(visible_job(request, services.catalog).id);
     };
     co_return text_response(co_await in_pool(services.pool, std::move(work)));
 }
 
 Awaitable<Response> list_attempts(Request request, Services services) {
     auto work = [services, request] {
-        return storage::JobStore(services.catalog).attempts(visible_job(request, services).id);
+        return storage::JobStore(services.catalog)
+            .attempts(visible_job(request, services.catalog).id);
     };
     const auto attempts = co_await in_pool(services.pool, std::move(work));
     co_return list_response(request, attempts);
@@ -114,7 +120,7 @@ Awaitable<Response> list_attempts(Request request, Services services) {
 
 Awaitable<Response> get_attempt_log(Request request, Services services) {
     auto work = [services, request, attempt = attempt_number(request)] {
-        const std::string id = visible_job(request, services).id;
+        const std::string id = visible_job(request, services.catalog).id;
         return storage::JobStore(services.catalog).log(id, attempt);
     };
     co_return text_response(co_await in_pool(services.pool, std::move(work)));
@@ -122,7 +128,8 @@ Awaitable<Response> get_attempt_log(Request request, Services services) {
 
 Awaitable<Response> list_artifacts(Request request, Services services) {
     auto work = [services, request] {
-        return storage::JobStore(services.catalog).artifacts(visible_job(request, services).id);
+        return storage::JobStore(services.catalog)
+            .artifacts(visible_job(request, services.catalog).id);
     };
     const auto artifacts = co_await in_pool(services.pool, std::move(work));
     co_return list_response(request, artifacts);

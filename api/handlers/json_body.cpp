@@ -1,5 +1,6 @@
 #include "api/handlers/json_body.hpp"
 
+#include <algorithm>
 #include <boost/beast/core/string.hpp>
 #include <cctype>
 
@@ -77,10 +78,27 @@ std::int64_t time_value(const Request& request, const std::string& name, std::in
     return *value;
 }
 
-Response list_response(const Request& request,
+FieldChoice::FieldChoice(const std::string& list, const nlohmann::json& example) {
+    for (std::size_t start = 0; start <= list.size();) {
+        const auto end = std::min(list.find(',', start), list.size());
+        names_.push_back(list.substr(start, end - start));
+        start = end + 1;
+        if (!example.contains(names_.back()))
+            throw Error(ErrorCode::InvalidArgument,
+                        "\"fields\" names \"" + names_.back() + "\", which there is not");
+    }
+}
+
+nlohmann::json FieldChoice::leave(nlohmann::json whole) const {
+    if (names_.empty()) return whole;
+    nlohmann::json chosen = nlohmann::json::object();
+    for (const std::string& name : names_) chosen[name] = whole.at(name);
+    return chosen;
+}
+
+Response page_response(const Request& request,
                        nlohmann::json items,
                        const std::string& next_cursor) {
-    if (items.is_null()) items = nlohmann::json::array();
     Response response = json_response(http::status::ok,
                                       {{"items", std::move(items)}, {"next_cursor", next_cursor}});
     if (next_cursor.empty()) return response;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "api/http.hpp"
 #include "schemas/error.hpp"
@@ -35,9 +36,45 @@ std::string query_value(const Request& request, const std::string& name);
 // ?name= in unix milliseconds, `otherwise` when it is missing. Throws Error{InvalidArgument}.
 std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise);
 
+// What ?fields=a,b leaves of objects: these alone, and all of them without it.
+class FieldChoice {
+public:
+    // Of GET alone. Throws Error{InvalidArgument} that names the field which T does not have.
+    template <typename T>
+    static FieldChoice of(const Request& request) {
+        const bool reads = request.method == verb::get || request.method == verb::head;
+        if (!reads || !request.query.contains("fields")) return {};
+        return FieldChoice(query_value(request, "fields"), T{});
+    }
+
+    nlohmann::json leave(nlohmann::json whole) const;
+
+private:
+    FieldChoice() = default;
+    FieldChoice(const std::string& list, const nlohmann::json& example);
+
+    std::vector<std::string> names_;  // empty: all
+};
+
 // {"items": [...], "next_cursor": "..."} and the link to the next page.
-Response list_response(const Request& request,
+Response page_response(const Request& request,
                        nlohmann::json items,
-                       const std::string& next_cursor = "");
+                       const std::string& next_cursor);
+
+// One object, and a page of them, with the fields that ?fields= leaves.
+template <typename T>
+Response resource_response(const Request& request, const T& value) {
+    return json_response(http::status::ok, FieldChoice::of<T>(request).leave(value));
+}
+
+template <typename T>
+Response list_response(const Request& request,
+                       const std::vector<T>& values,
+                       const std::string& next_cursor = "") {
+    const auto choice = FieldChoice::of<T>(request);
+    nlohmann::json items = nlohmann::json::array();
+    for (const T& value : values) items.push_back(choice.leave(value));
+    return page_response(request, std::move(items), next_cursor);
+}
 
 }  // namespace divemesh::api

@@ -1,5 +1,6 @@
 #include "api/handlers/queue.hpp"
 
+#include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
@@ -33,7 +34,7 @@ Awaitable<Response> get_queue(Request request, Services services) {
         return storage::QueueStore(catalog).get(project);
     };
     const Queue queue = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, queue);
+    co_return resource_response(request, queue);
 }
 
 // "max_": 0 is no limit.
@@ -57,7 +58,8 @@ Awaitable<Response> change_queue(Request request, Services services) {
     storage::QueueChange change;
     if (body.contains("paused")) change.paused = value_or<bool>(body, "paused", false);
     if (body.contains("max_running")) change.max_running = value_or<int>(body, "max_running", 0);
-    auto work = [&catalog = services.catalog, project, change] {
+    auto work = [services, request, project, change] {
+        auto catalog = audited(services, request);
         return storage::QueueStore(catalog).change(project, change);
     };
     const Queue queue = co_await in_pool(services.pool, std::move(work));
@@ -68,9 +70,10 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
     const auto body = json_body(request, {"project", "limit"});
     const std::string project = project_of(request, value_or<std::string>(body, "project", ""));
     const int limit = value_or<int>(body, "limit", 100);
-    auto work = [services, project, limit] {
+    auto work = [services, request, project, limit] {
         require_room(services);
-        return storage::JobStore(services.catalog).redrive(project, limit);
+        auto catalog = audited(services, request);
+        return storage::JobStore(catalog).redrive(project, limit);
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
     co_return list_response(request, jobs);
@@ -84,7 +87,8 @@ Awaitable<Response> list_workers(Request request, Services services) {
 
 Awaitable<Response> change_worker(Request request, Services services) {
     auto work = [services, request] {
-        storage::WorkerStore workers(services.catalog);
+        auto catalog = audited(services, request);
+        storage::WorkerStore workers(catalog);
         const std::string name = workers.get(request.parameter("worker_name")).name;
         const auto body = json_body(request, {"draining"});
         if (!body.contains("draining"))

@@ -1,5 +1,6 @@
 #include "api/handlers/tokens.hpp"
 
+#include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/router.hpp"
@@ -45,7 +46,8 @@ Awaitable<Response> list_tokens(Request request, Services services) {
 }
 
 Awaitable<Response> create_token(Request request, Services services) {
-    auto work = [&catalog = services.catalog, wanted = token_request(request)] {
+    auto work = [services, request, wanted = token_request(request)] {
+        auto catalog = audited(services, request);
         return storage::TokenStore(catalog).create(wanted);
     };
     const auto created = co_await in_pool(services.pool, std::move(work));
@@ -55,8 +57,9 @@ Awaitable<Response> create_token(Request request, Services services) {
 }
 
 Awaitable<Response> revoke_token(Request request, Services services) {
-    auto work = [&catalog = services.catalog, id = request.parameter("token_id")] {
-        storage::TokenStore(catalog).revoke(id);
+    auto work = [services, request] {
+        auto catalog = audited(services, request);
+        storage::TokenStore(catalog).revoke(request.parameter("token_id"));
     };
     co_await in_pool(services.pool, std::move(work));
     services.tokens.clear();
@@ -64,10 +67,10 @@ Awaitable<Response> revoke_token(Request request, Services services) {
 }
 
 Awaitable<Response> create_one_shot_token(Request request, Services services) {
-    auto work =
-        [&catalog = services.catalog, token = request.token, path = one_shot_path(request)] {
-            return storage::TokenStore(catalog).create_one_shot(token, path);
-        };
+    auto work = [services, request, path = one_shot_path(request)] {
+        auto catalog = audited(services, request);
+        return storage::TokenStore(catalog).create_one_shot(request.token, path);
+    };
     const auto made = co_await in_pool(services.pool, std::move(work));
     co_return secret_response(
         {{"secret", made.secret}, {"path", made.path}, {"expires_at_ms", made.expires_at_ms}});

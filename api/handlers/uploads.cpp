@@ -1,10 +1,14 @@
 #include "api/handlers/uploads.hpp"
 
+#include "api/at_once.hpp"
+#include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/concatenation.hpp"
 #include "api/error_response.hpp"
+#include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
+#include "api/metrics.hpp"
 #include "api/new_upload.hpp"
 #include "api/quota.hpp"
 #include "api/receive_body.hpp"
@@ -49,7 +53,12 @@ Awaitable<Response> with_dive(Response response,
     const Token token = co_await authenticate(request, services, false);
     require_scope(token, "dives:write");
     if (!plan.preset.empty()) require_scope(token, "jobs:write");
-    auto work = [services, upload, plan] { return make_dive(services, upload, plan); };
+    response.audited = upload.dive_id.empty();  // else it is a dive already, and nothing changes
+    auto work = [services, request, upload, plan, num_bytes = response.uploaded_bytes] {
+        auto catalog = audited(services, request, num_bytes);
+        return make_dive(
+            services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan);
+    };
     const MadeDive made = co_await in_pool(services.pool, std::move(work));
     upload.expires_at_ms = 0;
     set_progress(response, upload);
@@ -68,7 +77,7 @@ Awaitable<Response> arrived(Response response, Request request, Services service
 
 Awaitable<UploadTurns::Turn> take_turn(Request request, Services services) {
     // Whether it exists and may be seen comes first: others' requests are not to be stopped.
-    auto look = [services, request] { visible_upload(request, services); };
+    auto look = [services, request] { visible_upload(request, services.catalog); };
     co_await in_pool(services.pool, std::move(look));
     auto stop = [stream = request.stream] { stream->stop(); };
     co_return co_await services.turns.take(request.parameter("upload_id"), std::move(stop));
@@ -96,7 +105,10 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
     if (request.stream->length_bytes().value_or(1) > 0)
         throw Error(ErrorCode::InvalidArgument,
                     "a final upload has the bytes of its parts: send none with it");
-    auto enter = [services, wanted] { return enter_final(services, wanted); };
+    auto enter = [services, request, wanted] {
+        auto catalog = audited(services, request);
+        return enter_final(services, catalog, wanted);
+    };
     Upload upload = co_await in_pool(services.pool, std::move(enter));
     const auto stopped = std::make_shared<std::atomic<bool>>(false);
     auto stop = [stopped] { *stopped = true; };
@@ -170,7 +182,10 @@ Awaitable<Response> create_upload(Request request, Services services) {
     checksum_of(request);
     if (with_bytes) check_content_length(request, wanted, services);
     if (!with_bytes && request.stream->length_bytes().value_or(1) > 0) require_bytes(request);
-    auto enter = [services, wanted] { return enter_upload(services, wanted); };
+    auto enter = [services, request, wanted] {
+        auto catalog = audited(services, request);
+        return enter_upload(services, catalog, wanted);
+    };
     const Upload upload = co_await in_pool(services.pool, std::move(enter));
     auto stop = [stream = request.stream] { stream->stop(); };
     auto turn = co_await services.turns.take(upload.id, std::move(stop));
@@ -180,21 +195,23 @@ Awaitable<Response> create_upload(Request request, Services services) {
 
 Awaitable<Response> get_upload_offset(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
-    auto look = [services, request] { return visible_upload(request, services); };
+    auto look = [services, request] { return visible_upload(request, services.catalog); };
     Upload upload = co_await in_pool(services.pool, std::move(look));
     if (upload.is_final()) co_return describe(upload);  // not to be stopped, and told when done
     auto turn = co_await take_turn(request, services);
     auto fresh = [services, request] {
-        return reconciled(services, visible_upload(request, services));
+        return reconciled(services, visible_upload(request, services.catalog));
     };
     upload = co_await in_pool(services.pool, std::move(fresh));
+    if (upload.offset_bytes > 0 && !upload.complete())
+        services.metrics.resumed_bytes.observe(static_cast<double>(upload.offset_bytes));
     co_return describe(upload);
 }
 
 Awaitable<Response> get_upload(Request request, Services services) {
-    auto work = [services, request] { return visible_upload(request, services); };
-    const Upload upload = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, upload);
+    auto read = [request](storage::Catalog& catalog) { return visible_upload(request, catalog); };
+    const Upload upload = co_await at_once(services, std::move(read));
+    co_return resource_response(request, upload);
 }
 
 Awaitable<Response> append_to_upload(Request request, Services services) {
@@ -204,7 +221,7 @@ Awaitable<Response> append_to_upload(Request request, Services services) {
     checksum_of(request);
     auto turn = co_await take_turn(request, services);
     auto fresh = [services, request] {
-        const Upload upload = visible_upload(request, services);
+        const Upload upload = visible_upload(request, services.catalog);
         if (upload.is_final())
             throw Error(ErrorCode::Forbidden,
                         "a final upload takes no bytes but those of its parts");
@@ -225,8 +242,9 @@ Awaitable<Response> terminate_upload(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
     auto turn = co_await take_turn(request, services);
     auto work = [services, request] {
-        const Upload upload = visible_upload(request, services);
-        storage::UploadStore(services.catalog).end(upload.id, UploadEnd::Terminated);
+        const Upload upload = visible_upload(request, services.catalog);
+        auto catalog = audited(services, request);
+        storage::UploadStore(catalog).end(upload.id, UploadEnd::Terminated);
         free_bytes(services, upload);
     };
     co_await in_pool(services.pool, std::move(work));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/webhook_signature.hpp"
@@ -58,9 +59,10 @@ Awaitable<Response> list_webhooks(Request request, Services services) {
 
 Awaitable<Response> create_webhook(Request request, Services services) {
     const std::string secret = webhook_secret(storage::random_hex(kSecretBytes));
-    auto work = [&catalog = services.catalog,
-                 wanted = webhook_request(request, services.limits),
-                 secret] { return storage::WebhookStore(catalog).create(wanted, secret); };
+    auto work = [services, request, wanted = webhook_request(request, services.limits), secret] {
+        auto catalog = audited(services, request);
+        return storage::WebhookStore(catalog).create(wanted, secret);
+    };
     nlohmann::json body = co_await in_pool(services.pool, std::move(work));
     body["secret"] = secret;
     Response response = json_response(http::status::created, body);
@@ -69,16 +71,18 @@ Awaitable<Response> create_webhook(Request request, Services services) {
 }
 
 Awaitable<Response> delete_webhook(Request request, Services services) {
-    auto work = [&catalog = services.catalog, id = request.parameter("webhook_id")] {
-        storage::WebhookStore(catalog).remove(id);
+    auto work = [services, request] {
+        auto catalog = audited(services, request);
+        storage::WebhookStore(catalog).remove(request.parameter("webhook_id"));
     };
     co_await in_pool(services.pool, std::move(work));
     co_return empty_response(http::status::no_content);
 }
 
 Awaitable<Response> enable_webhook(Request request, Services services) {
-    auto work = [&catalog = services.catalog, id = request.parameter("webhook_id")] {
-        return storage::WebhookStore(catalog).enable(id);
+    auto work = [services, request] {
+        auto catalog = audited(services, request);
+        return storage::WebhookStore(catalog).enable(request.parameter("webhook_id"));
     };
     const Webhook webhook = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, webhook);
@@ -95,7 +99,8 @@ Awaitable<Response> list_webhook_deliveries(Request request, Services services) 
 }
 
 Awaitable<Response> redeliver_webhook(Request request, Services services) {
-    auto work = [&catalog = services.catalog, request] {
+    auto work = [services, request] {
+        auto catalog = audited(services, request);
         return storage::WebhookStore(catalog).redeliver(request.parameter("webhook_id"),
                                                         request.parameter("delivery_id"));
     };

@@ -71,11 +71,11 @@ void get_job(benchmark::State& state) {
 BENCHMARK(get_job)->Threads(1)->Threads(2)->UseRealTime();
 
 void get_job_as_json(benchmark::State& state) {
-    static QueueForecast forecast(full().catalog);
+    static QueueForecast forecast;
     JobStore jobs(full().catalog);
     for (auto _ : state) {
         Job job = jobs.get(random_id());
-        job.forecast = forecast.of(job);
+        job.forecast = forecast.of(job, full().catalog);
         benchmark::DoNotOptimize(nlohmann::json(job).dump());
     }
     state.SetItemsProcessed(state.iterations());
@@ -90,9 +90,9 @@ void list_jobs(benchmark::State& state) {
 BENCHMARK(list_jobs);
 
 void take_forecast(benchmark::State& state) {
-    QueueForecast forecast(full().catalog, std::chrono::milliseconds(0));
+    QueueForecast forecast(std::chrono::milliseconds(0));
     const Job job = JobStore(full().catalog).get(full().ids.back());
-    for (auto _ : state) benchmark::DoNotOptimize(forecast.of(job));
+    for (auto _ : state) benchmark::DoNotOptimize(forecast.of(job, full().catalog));
 }
 BENCHMARK(take_forecast)->Unit(benchmark::kMillisecond);
 

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "storage/event_store.hpp"
 #include "tests/end_to_end/service.hpp"
 #include "tests/paths.hpp"
 
@@ -79,6 +80,26 @@ TEST_F(CommandLineTest, TakesOptionsFromVariablesAndAConfigFile) {
     EXPECT_EQ(preset_of(run({"reconstruct", "--explain", "--json"})), "pairwise");
     EXPECT_EQ(preset_of(run({"reconstruct", "--explain", "--json", "--preset", "standard"})),
               "window");
+}
+
+TEST_F(CommandLineTest, TokensMadeAndRevokedAtTheServerAreNotedWithTheUser) {
+    const std::string data = (folder / "data").string();
+    const auto made = run({"token", "create", "--data", data, "--name", "laptop"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const std::string id = made.err.substr(0, made.err.find(':'));
+    EXPECT_EQ(run({"token", "revoke", "--data", data, id}).exit_code, 0);
+    EXPECT_EQ(run({"token", "revoke", "--data", data, "token_none"}).exit_code, 1);
+
+    storage::Catalog catalog("sqlite://" + data + "/catalog.db");
+    const auto events = storage::EventStore(catalog).since(0, "", 10);
+    ASSERT_EQ(events.size(), 2U) << "what was refused leaves none";
+    EXPECT_EQ(events[0].data["path"], "token create laptop");
+    EXPECT_EQ(events[1].data["path"], "token revoke " + id);
+    for (const Event& event : events) {
+        EXPECT_EQ(event.topic, "audit");
+        EXPECT_TRUE(event.data["token_name"].get<std::string>().starts_with("command line, "));
+        EXPECT_EQ(event.data.dump().find("dm_"), std::string::npos) << "no secret";
+    }
 }
 
 // The figure is evo's own, published with its test data.

@@ -43,7 +43,7 @@ private:
     server::EventHub events_{catalog_, pool_};
     api::UploadTurns turns_{io_.get_executor()};
     api::HashCache hashes_;
-    storage::QueueForecast forecast_{catalog_};
+    storage::QueueForecast forecast_;
     api::KeysInFlight keys_;
     api::TokenCache tokens_;
     api::RateLimiter rates_{0.0, 0.0};

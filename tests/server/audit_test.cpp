@@ -1,11 +1,14 @@
 // Who changed what: every route that changes something leaves an audit event.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
+#include <soci/soci.h>
 
 #include "api/routes.hpp"
 #include "storage/event_store.hpp"
+#include "storage/upload_store.hpp"
 #include "storage/worker_store.hpp"
 #include "tests/server/tus_fixture.hpp"
 
@@ -14,10 +17,12 @@ namespace {
 
 class AuditTest : public TusTest {
 protected:
+    // Of requests: what the server does by itself has no method.
     std::vector<Event> audits() {
         std::vector<Event> found;
         for (Event& event : storage::EventStore(server.catalog()).since(0, "", 1000))
-            if (event.topic == "audit") found.push_back(std::move(event));
+            if (event.topic == "audit" && event.data["method"] != "")
+                found.push_back(std::move(event));
         return found;
     }
     RawResponse ask(const std::string& method,
@@ -153,7 +158,11 @@ TEST_F(AuditTest, EveryRouteThatChangesSomethingLeavesAnEvent) {
         EXPECT_EQ(answer.status / 100, 2) << change->first << ": " << answer.body;
         const auto all = audits();
         ASSERT_FALSE(all.empty()) << change->first;
-        EXPECT_EQ(all.back().data["request_id"], answer.header("x-request-id")) << change->first;
+        const auto is_its = [&](const Event& event) {
+            return event.data["request_id"] == answer.header("x-request-id");
+        };
+        EXPECT_TRUE(is_its(all.back())) << change->first;
+        EXPECT_EQ(std::count_if(all.begin(), all.end(), is_its), 1) << change->first;
         EXPECT_EQ(all.back().data["method"], method) << change->first;
     }
 }
@@ -175,10 +184,50 @@ TEST_F(AuditTest, AnUploadThatIsWholeAtOnceSaysSo) {
     const auto part = make_part("part");
     create({{"Upload-Concat", final_of({part, part})}});
     const auto all = audits();
-    ASSERT_EQ(all.size(), 3U);
-    EXPECT_EQ(all[0].data["uploaded_bytes"], 5);
-    EXPECT_EQ(all[1].data["uploaded_bytes"], 4);
-    EXPECT_EQ(all[2].data["uploaded_bytes"], 8);
+    ASSERT_EQ(all.size(), 6U) << "the upload, and that its bytes are there";
+    for (const auto i : {0U, 2U, 4U}) EXPECT_FALSE(all[i].data.contains("uploaded_bytes"));
+    EXPECT_EQ(all[1].data["uploaded_bytes"], 5);
+    EXPECT_EQ(all[3].data["uploaded_bytes"], 4);
+    EXPECT_EQ(all[5].data["uploaded_bytes"], 8);
+}
+
+TEST_F(AuditTest, ADiveThatItsLastBytesMakeIsToldOnceAndWithThem) {
+    const auto path = create_upload(server.port(), token, 5, "commit");
+    const auto made = patch(path, 0, "bytes");
+    EXPECT_EQ(patch(path, 5, "").status, 204);  // again: it is a dive already
+    const auto all = audits();
+    ASSERT_EQ(all.size(), 2U);
+    EXPECT_EQ(all[1].data["uploaded_bytes"], 5);
+    EXPECT_EQ(all[1].data["request_id"], made.header("x-request-id"));
+}
+
+// The event is part of the change: a catalog that takes no such event takes no change.
+TEST_F(AuditTest, WhatCannotBeNotedDoesNotHappen) {
+    const auto job = new_job();
+    const auto dive = new_dive();
+    const auto upload = create_upload(server.port(), token, 4);
+    const auto tokens = ask("GET", "/api/v1/tokens").json();
+    server.catalog().transaction([](soci::session& session) {
+        session << "CREATE TRIGGER no_audits BEFORE INSERT ON events WHEN NEW.topic = 'audit'"
+                   " BEGIN SELECT RAISE(ABORT, 'no'); END";
+    });
+    EXPECT_EQ(ask("POST", job + "/cancel").status, 500);
+    EXPECT_EQ(ask("PATCH", job, {{"priority", 7}}).status, 500);
+    EXPECT_EQ(ask("DELETE", dive).status, 500);
+    EXPECT_EQ(ask("PATCH", "/api/v1/queue", {{"max_running", 3}}).status, 500);
+    EXPECT_EQ(ask("POST", "/api/v1/tokens", {{"name", "x"}, {"scopes", {"admin"}}}).status, 500);
+    EXPECT_EQ(ask("POST", "/api/v1/webhooks", {{"url", "https://example.org/"}}).status, 500);
+    EXPECT_EQ(create({{"Upload-Length", "9"}}).status, 500);
+    EXPECT_EQ(terminate(upload).status, 500);
+
+    EXPECT_EQ(ask("GET", job).json()["state"], "queued");
+    EXPECT_EQ(ask("GET", job).json()["priority"], 0);
+    EXPECT_EQ(ask("GET", dive).json()["deleted_at_ms"], 0);
+    EXPECT_EQ(ask("GET", "/api/v1/queue").json()["max_running"], 0);
+    EXPECT_EQ(ask("GET", "/api/v1/tokens").json()["items"].size(), tokens["items"].size());
+    EXPECT_TRUE(ask("GET", "/api/v1/webhooks").json()["items"].empty());
+    EXPECT_EQ(head(upload).status, 200);
+    EXPECT_EQ(storage::UploadStore(server.catalog()).list_open().size(), 1U);
 }
 
 TEST_F(AuditTest, WhatIsRefusedOrReadLeavesNone) {

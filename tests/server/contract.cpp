@@ -1,8 +1,10 @@
 #include "tests/server/contract.hpp"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -10,6 +12,7 @@
 
 #include "api/openapi_document.hpp"
 #include "api/router.hpp"
+#include "api/target.hpp"
 
 namespace divemesh {
 namespace {
@@ -45,23 +48,56 @@ const json* operation_of(const std::string& method, const std::string& target) {
     return &item.at(name);
 }
 
+bool takes_fields(const json& operation) {
+    const auto parameters = operation.value("parameters", json::array());
+    return std::any_of(parameters.begin(), parameters.end(), [](const json& parameter) {
+        return resolved(parameter).value("name", "") == "fields";
+    });
+}
+
+std::string fields_of(const std::string& target) {
+    const auto query = api::parse_target(target).query;
+    const auto found = query.find("fields");
+    return found == query.end() ? "" : found->second;
+}
+
+std::unique_ptr<valijson::Schema> parsed(const json& node) {
+    auto schema = std::make_unique<valijson::Schema>();
+    const json rooted = {{"allOf", {node}}, {"components", contract().at("components")}};
+    valijson::SchemaParser().populateSchema(Adapter(rooted), *schema);
+    return schema;
+}
+
 // The compiled schema of the node, which has to live as long as the document.
 const valijson::Schema& compiled(const json& node) {
     static std::mutex mutex;
     static std::map<const json*, std::unique_ptr<valijson::Schema>> schemas;
     const std::lock_guard lock(mutex);
     auto& schema = schemas[&node];
-    if (!schema) {
-        schema = std::make_unique<valijson::Schema>();
-        const json rooted = {{"allOf", {node}}, {"components", contract().at("components")}};
-        valijson::SchemaParser().populateSchema(Adapter(rooted), *schema);
-    }
+    if (!schema) schema = parsed(node);
     return *schema;
 }
 
-std::string schema_breach(const json& schema, const json& value) {
+// The schema of an answer to ?fields=: of the object, or each of the list, these and no others.
+json with_fields_alone(const json& schema, const std::string& names) {
+    json whole = resolved(schema);
+    if (whole["properties"].contains("next_cursor")) {
+        auto& items = whole["properties"]["items"]["items"];
+        items = with_fields_alone(items, names);
+        return whole;
+    }
+    json sparse = {{"type", "object"}, {"additionalProperties", false}};
+    std::istringstream list(names);
+    for (std::string name; std::getline(list, name, ',');) {
+        sparse["required"].push_back(name);
+        sparse["properties"][name] = whole.at("properties").at(name);
+    }
+    return sparse;
+}
+
+std::string breach_of(const valijson::Schema& schema, const json& value) {
     valijson::ValidationResults results;
-    if (valijson::Validator().validate(compiled(schema), Adapter(value), &results)) return "";
+    if (valijson::Validator().validate(schema, Adapter(value), &results)) return "";
     std::string text;
     for (valijson::ValidationResults::Error error; results.popError(error);) {
         for (const auto& step : error.context) text += step;
@@ -70,7 +106,9 @@ std::string schema_breach(const json& schema, const json& value) {
     return text;
 }
 
-std::string body_breach(const json& content, const RawResponse& response) {
+std::string body_breach(const json& content,
+                        const std::string& fields,
+                        const RawResponse& response) {
     const std::string type = response.header("content-type");
     const std::string plain = type.substr(0, type.find(';'));
     auto found = content.find(plain);
@@ -79,7 +117,9 @@ std::string body_breach(const json& content, const RawResponse& response) {
     if (plain.find("json") == std::string::npos || found.key() != plain) return "";
     const json body = json::parse(response.body, nullptr, false);
     if (body.is_discarded()) return "the body is not JSON";
-    return schema_breach(found->at("schema"), body);
+    const json& schema = found->at("schema");
+    return breach_of(fields.empty() ? compiled(schema) : *parsed(with_fields_alone(schema, fields)),
+                     body);
 }
 
 std::string header_breach(const json& headers, const RawResponse& response) {
@@ -89,13 +129,16 @@ std::string header_breach(const json& headers, const RawResponse& response) {
     return "";
 }
 
-std::string answer_breach(const json& documented, bool head, const RawResponse& response) {
+std::string answer_breach(const json& documented,
+                          bool head,
+                          const std::string& fields,
+                          const RawResponse& response) {
     if (documented.contains("headers")) {
         auto breach = header_breach(documented["headers"], response);
         if (!breach.empty()) return breach;
     }
     if (head) return "";
-    if (documented.contains("content")) return body_breach(documented["content"], response);
+    if (documented.contains("content")) return body_breach(documented["content"], fields, response);
     return response.body.empty() ? "" : "a body is not documented";
 }
 
@@ -111,13 +154,15 @@ std::string contract_breach(const std::string& method,
     const json* operation = operation_of(method, target);
     if (operation == nullptr)
         return response.status < 400 ? "nothing is documented here"
-                                     : answer_breach(problem, method == "HEAD", response);
+                                     : answer_breach(problem, method == "HEAD", "", response);
     const json& responses = operation->at("responses");
+    const bool sparse = response.status == 200 && takes_fields(*operation);
+    const std::string fields = sparse ? fields_of(target) : "";
     const auto exact = responses.find(std::to_string(response.status));
     if (exact != responses.end())
-        return answer_breach(resolved(*exact), method == "HEAD", response);
+        return answer_breach(resolved(*exact), method == "HEAD", fields, response);
     if (response.status < 400) return "the status is not documented";
-    return answer_breach(problem, method == "HEAD", response);
+    return answer_breach(problem, method == "HEAD", "", response);
 }
 
 }  // namespace divemesh

@@ -66,7 +66,15 @@ TEST_F(DownloadTest, SaysHowLongTheFileIsWhenTheRangeLiesOutside) {
 TEST_F(DownloadTest, S22AnswersSeveralRangesWithTheWhole) {
     std::string many = "bytes=0-0";
     for (int i = 0; i < 1000; ++i) many += ",5-6";
-    EXPECT_EQ(get({{"Range", many}}).status, 200);
+    for (const std::string& ranges : {many,
+                                      std::string("bytes=0-0,5-6"),
+                                      std::string("bytes=0-,-1"),
+                                      std::string("bytes=,0-0")}) {
+        const auto response = get({{"Range", ranges}});  // RFC 9110, 14.2: a server may
+        EXPECT_EQ(response.status, 200) << ranges.substr(0, 30);
+        EXPECT_EQ(response.body.size(), bytes.size());
+        EXPECT_EQ(response.header("content-range"), "");
+    }
 }
 
 TEST_F(DownloadTest, S22ResumesOnlyTheSameFile) {
@@ -92,6 +100,28 @@ TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
     EXPECT_TRUE(response.body.empty());
     EXPECT_EQ(response.header("etag"), etag);
     EXPECT_EQ(response.header("cache-control"), "private, no-cache");
+}
+
+// RFC 8246: who says which bytes it means need never ask again.
+TEST_F(DownloadTest, AnAddressThatSaysWhichBytesMayBeKept) {
+    const auto ask = [&](const std::string& query, const Headers& headers = {}) {
+        return server.request("GET", path + query, server.admin(), headers);
+    };
+    const std::string sha256 = sha256_hex(bytes);
+    EXPECT_EQ(ask("").header("cache-control"), "private, no-cache");
+    const std::string for_ever = "private, max-age=31536000, immutable";
+    const auto whole = ask("?sha256=" + sha256);
+    EXPECT_EQ(whole.body, bytes);
+    EXPECT_EQ(whole.header("cache-control"), for_ever);
+    EXPECT_EQ(ask("?sha256=" + sha256, {{"Range", "bytes=5-6"}}).header("cache-control"), for_ever);
+    EXPECT_EQ(ask("?sha256=" + sha256, {{"If-None-Match", etag}}).header("cache-control"),
+              for_ever);
+    const auto other = ask("?sha256=" + sha256_hex("other"));
+    EXPECT_EQ(other.status, 404);
+    EXPECT_EQ(other.header("cache-control").find("immutable"), std::string::npos);
+    for (const char* wrong : {"?sha256=", "?sha256=abc", "?sha256='OR"})
+        EXPECT_EQ(ask(wrong).status, 400) << wrong;
+    EXPECT_EQ(server.request("GET", path + "?sha256=" + sha256, "").status, 401);
 }
 
 // RFC 9110, 14.2: a Range is of GET alone.

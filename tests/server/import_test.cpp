@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "storage/event_store.hpp"
 #include "tests/server/tus_fixture.hpp"
 
 namespace divemesh {
@@ -37,6 +38,15 @@ protected:
         return names;
     }
 
+    // What was noted of the import: the names, as they come.
+    static std::vector<std::string> audits(TestServer& server) {
+        std::vector<std::string> names;
+        for (const Event& event : storage::EventStore(server.catalog()).since(0, "", 1000))
+            if (event.topic == "audit" && event.data["token_name"] == "serve --import")
+                names.push_back(event.data["path"]);
+        return names;
+    }
+
     static nlohmann::json dive(TestServer& server, const std::string& name) {
         const auto items = server.request("GET", "/api/v1/dives", server.admin()).json()["items"];
         for (const auto& item : items)
@@ -58,6 +68,9 @@ TEST_F(ImportTest, TakesArchivesAndDiveFoldersAndTouchesNothing) {
     const auto stored = dive(server, "wreck.zip");
     EXPECT_EQ(stored["archive_sha256"], sha256_hex(archive));
     EXPECT_EQ(stored["state"], "checking") << "its intake job will open it";
+    EXPECT_EQ(audits(server),
+              (std::vector<std::string>{"reef.tar", "reef.tar", "wreck.zip", "wreck.zip"}))
+        << "each time the upload and the dive";
     EXPECT_TRUE(fs::exists(home / "disk/wreck.zip"));
     EXPECT_TRUE(fs::exists(home / "disk/reef/mav0/cam0/data.csv"));
 }

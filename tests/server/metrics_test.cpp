@@ -1,8 +1,13 @@
+#include <fstream>
 #include <gmock/gmock.h>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
+#include "schemas/content_hash.hpp"
+#include "storage/job_store.hpp"
+#include "tests/paths.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace divemesh {
@@ -48,6 +53,90 @@ TEST(MetricsTest, CountWhatHappened) {
     EXPECT_EQ(values["divemesh_artifact_bytes"], 4);
     EXPECT_GT(values["divemesh_disk_free_bytes"], 0);
     EXPECT_GE(values["divemesh_connections"], 1);
+}
+
+TEST(MetricsTest, TellHowLargeUploadsAreAndHowMuchNeedNotComeAgain) {
+    TestServer server;
+    const auto& token = server.admin();
+    const auto path = create_upload(server.port(), token, 20'000);
+    upload_offset(server.port(), token, path);  // nothing there: nothing resumed
+    const auto patch = [&](std::int64_t offset, std::size_t size) {
+        return RawClient(server.port())
+            .request("PATCH", path, patch_headers(token, offset), std::string(size, 'x'))
+            .status;
+    };
+    EXPECT_EQ(patch(0, 15'000), 204);
+    upload_offset(server.port(), token, path);
+    EXPECT_EQ(patch(15'000, 5'000), 204);
+    upload_offset(server.port(), token, path);  // whole: nothing is missing
+
+    auto values = parse(server.request("GET", "/metrics", token).body);
+    EXPECT_EQ(values["divemesh_upload_resumed_bytes_count"], 1);
+    EXPECT_EQ(values["divemesh_upload_resumed_bytes_sum"], 15'000);
+    EXPECT_EQ(values["divemesh_upload_bytes_count"], 1);
+    EXPECT_EQ(values["divemesh_upload_bytes_sum"], 20'000);
+    EXPECT_EQ(values[R"(divemesh_upload_bytes_bucket{le="10000"})"], 0);
+    EXPECT_EQ(values[R"(divemesh_upload_bytes_bucket{le="1e+06"})"], 1);
+}
+
+TEST(MetricsTest, TellHowLongTheStagesOfAllJobsTook) {
+    TestServer server;
+    storage::JobStore jobs(server.catalog());
+    const auto dive = server.make_dive("default", sha256_hex("1"));
+    jobs.enqueue({.dive_id = dive, .preset = "fast"});
+    const auto lease = jobs.claim("boat:1", std::chrono::minutes(1))->lease;
+    jobs.report_stage(lease, {.name = "track", .seconds = 0.1});
+    jobs.report_stage(lease, {.name = "track", .seconds = 40.0});
+    jobs.report_stage(lease, {.name = "track", .seconds = 0.01, .from_cache = true});
+    jobs.report_stage(lease, {.name = "fuse", .seconds = 1e6});
+    jobs.report_stage(lease, {.name = "x\"} 1\nevil{y=\"", .seconds = 1.0});
+
+    auto values = parse(server.request("GET", "/metrics", server.admin()).body);
+    const auto track = [&](const std::string& bound) {
+        return values["divemesh_stage_seconds_bucket{stage=\"track\",le=\"" + bound + "\"}"];
+    };
+    EXPECT_EQ(track("0.1"), 1);
+    EXPECT_EQ(track("30"), 1);
+    EXPECT_EQ(track("60"), 2);
+    EXPECT_EQ(track("+Inf"), 2);
+    EXPECT_DOUBLE_EQ(values[R"(divemesh_stage_seconds_sum{stage="track"})"], 40.1);
+    EXPECT_EQ(values[R"(divemesh_stage_seconds_count{stage="track"})"], 2);
+    EXPECT_EQ(values[R"(divemesh_stages_cached_total{stage="track"})"], 1);
+    EXPECT_EQ(values[R"(divemesh_stage_seconds_bucket{stage="fuse",le="14400"})"], 0);
+    EXPECT_EQ(values[R"(divemesh_stage_seconds_count{stage="fuse"})"], 1);
+}
+
+// What A10 asks for, and what the dashboard shows, is there.
+TEST(MetricsTest, TheDashboardAsksForNothingThatThereIsNot) {
+    TestServer server;
+    const auto text = server.request("GET", "/metrics", server.admin()).body;
+    std::ifstream file(source_directory() / "deploy/grafana/divemesh.json");
+    const auto dashboard = nlohmann::json::parse(file);
+    static const std::regex name("divemesh_[a-z_]+");
+    std::set<std::string> shown;
+    for (const auto& panel : dashboard["panels"])
+        for (const auto& target : panel.value("targets", nlohmann::json::array())) {
+            const auto expression = target["expr"].get<std::string>();
+            for (std::sregex_iterator found(expression.begin(), expression.end(), name), end;
+                 found != end;
+                 ++found)
+                shown.insert(found->str());
+        }
+    for (const auto& series : shown) {
+        const auto family = std::regex_replace(series, std::regex("_(bucket|count|sum)$"), "");
+        EXPECT_NE(text.find("# TYPE " + family + " "), std::string::npos) << series;
+    }
+    for (const char* series : {"divemesh_http_request_seconds_bucket",
+                               "divemesh_upload_bytes_bucket",
+                               "divemesh_uploads_open",
+                               "divemesh_upload_resumed_bytes_count",
+                               "divemesh_lease_oldest_seconds",
+                               "divemesh_jobs",
+                               "divemesh_attempts",
+                               "divemesh_stage_seconds_bucket",
+                               "divemesh_event_streams_dropped_total",
+                               "divemesh_disk_free_bytes"})
+        EXPECT_TRUE(shown.contains(series)) << series;
 }
 
 // S26

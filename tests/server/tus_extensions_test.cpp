@@ -53,6 +53,33 @@ protected:
     }
 };
 
+class TokenLimitTest : public TusTest {
+protected:
+    TokenLimitTest() : TusTest(config()) {}
+    static server::ServerConfig config() {
+        server::ServerConfig config;
+        config.max_token_uploads = 3;
+        return config;
+    }
+};
+
+TEST_F(TokenLimitTest, U15OneTokenCannotTakeAllThatItsProjectMayHaveOpen) {
+    const auto laptop = server.make_token("default", {"dives:write"});
+    const auto tablet = server.make_token("default", {"dives:write"});
+    const auto begin = [&](const std::string& whose) {
+        return RawClient(server.port())
+            .request("POST", "/api/v1/uploads", tus_headers(whose, {{"Upload-Length", "9"}}));
+    };
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(begin(laptop).status, 201);
+    const auto refused = begin(laptop);
+    EXPECT_EQ(refused.status, 429) << refused.body;
+    EXPECT_NE(refused.body.find("this token has 3"), std::string::npos) << refused.body;
+    const auto other = begin(tablet);
+    EXPECT_EQ(other.status, 201);
+    EXPECT_EQ(terminate(other.header("location")).status, 204);
+    EXPECT_EQ(begin(laptop).status, 429) << "that was not one of its own";
+}
+
 TEST_F(SmallServerTest, S11AStreamWithoutLengthIsBounded) {
     const auto path = create({{"Upload-Defer-Length", "1"}}).header("location");
     EXPECT_EQ(patch(path, 0, std::string(1001, 'x')).status, 413);

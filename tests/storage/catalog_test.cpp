@@ -61,6 +61,77 @@ TEST(Catalog, LosesNothingThatWasCommittedToAPowerCut) {
     EXPECT_EQ(text_of(catalog, "PRAGMA foreign_keys"), "1");
 }
 
+TEST(Catalog, WhoMustNotWaitReadsBesideAWriterAndNeverForOne) {
+    const TemporaryFolder folder;
+    const std::string url = (folder / "catalog.db").string();
+    Catalog catalog(url);
+    Catalog other(url);
+    Catalog at_once = catalog.at_once();
+    other.transaction([&](soci::session& session) {  // another connection holds the write lock
+        session << "UPDATE event_sequence SET newest = 7";
+        EXPECT_EQ(text_of(at_once, "SELECT newest FROM event_sequence"), "0");
+        EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
+                                [&] { at_once.transaction([](soci::session&) {}); }));
+    });
+    EXPECT_EQ(text_of(at_once, "SELECT newest FROM event_sequence"), "7");
+}
+
+TEST(Catalog, WhoMustNotWaitGetsNoConnectionThatIsInUse) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+    Catalog at_once = catalog.at_once();
+    catalog.read([&](soci::session&) {  // has the only one that was opened
+        EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
+                                [&] { text_of(at_once, "SELECT newest FROM event_sequence"); }));
+        EXPECT_EQ(text_of(catalog, "SELECT newest FROM event_sequence"), "0");
+    });
+    EXPECT_EQ(text_of(at_once, "SELECT newest FROM event_sequence"), "0");
+}
+
+TEST(Catalog, WhoMustNotWaitFindsAConnectionOfThoseThatAreReserved) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+    Catalog at_once = catalog.at_once();
+    const auto newest = [&] { return text_of(at_once, "SELECT newest FROM event_sequence"); };
+    catalog.reserve(2);
+    catalog.transaction([&](soci::session&) { EXPECT_EQ(newest(), "0"); });
+    catalog.read([&](soci::session&) {
+        catalog.read([&](soci::session&) {
+            EXPECT_TRUE(throws_code(ErrorCode::Unavailable, [&] { newest(); }));
+        });
+    });
+}
+
+// Whoever read at once left the connection as it was: writers on it wait again.
+TEST(Catalog, AConnectionWaitsAgainAfterSomebodyWhoMustNot) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+    Catalog at_once = catalog.at_once();
+    EXPECT_EQ(text_of(at_once, "PRAGMA busy_timeout"), "0");
+    EXPECT_EQ(text_of(catalog, "PRAGMA busy_timeout"), "15000");
+}
+
+TEST(Catalog, ANoteIsWrittenWithItsChangeOrNotAtAll) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+    Catalog noted = catalog.with_note(
+        [](soci::session& session) { session << "UPDATE event_sequence SET newest = newest + 1"; });
+    const auto notes = [&] { return text_of(catalog, "SELECT newest FROM event_sequence"); };
+    noted.transaction([](soci::session&) {});
+    EXPECT_EQ(notes(), "1");
+    EXPECT_THROW(noted.transaction([](soci::session&) { throw std::runtime_error("no"); }),
+                 std::runtime_error);
+    noted.read([](soci::session&) {});
+    catalog.transaction([](soci::session&) {});
+    EXPECT_EQ(notes(), "1");
+    Catalog failing =
+        catalog.with_note([](soci::session&) { throw std::runtime_error("cannot be noted"); });
+    EXPECT_THROW(failing.transaction(
+                     [](soci::session& session) { session << "DELETE FROM event_sequence"; }),
+                 std::runtime_error);
+    EXPECT_EQ(notes(), "1");
+}
+
 TEST(Catalog, RollsBackWhatThrows) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());

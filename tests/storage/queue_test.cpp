@@ -37,7 +37,7 @@ protected:
 
     QueueStore queues_{catalog_};
     WorkerStore workers_{catalog_};
-    QueueForecast forecast_{catalog_, std::chrono::milliseconds(0)};
+    QueueForecast forecast_{std::chrono::milliseconds(0)};
 };
 
 TEST_F(QueueTest, TenMinutesOfWaitingAreWorthAStepOfPriority) {
@@ -195,33 +195,33 @@ TEST_F(QueueTest, SaysWhereAJobStandsAndWhenItStarts) {
     std::vector<Job> waiting;
     for (int i = 0; i < 5; ++i) waiting.push_back(enqueue(dive));
 
-    const auto last = forecast_.of(waiting[4]);
+    const auto last = forecast_.of(waiting[4], catalog_);
     ASSERT_TRUE(last);
     EXPECT_EQ(last->position, 5);
     EXPECT_EQ(last->takes_s, 50.0);
     EXPECT_EQ(last->starts_in_s, 100.0);  // two at a time, two rounds of 50 s before it
-    EXPECT_EQ(forecast_.of(waiting[0])->position, 1);
-    EXPECT_EQ(forecast_.of(waiting[0])->starts_in_s, 0.0);
+    EXPECT_EQ(forecast_.of(waiting[0], catalog_)->position, 1);
+    EXPECT_EQ(forecast_.of(waiting[0], catalog_)->starts_in_s, 0.0);
 
     const Job moved = jobs_.change(waiting[4].id, {.priority = 5});
-    EXPECT_EQ(forecast_.of(moved)->position, 1);
-    EXPECT_FALSE(forecast_.of(claim().job));
+    EXPECT_EQ(forecast_.of(moved, catalog_)->position, 1);
+    EXPECT_FALSE(forecast_.of(claim().job, catalog_));
 }
 
 TEST_F(QueueTest, SaysNothingOfWhatIsNotKnown) {
     const Dive dive = ready_dive_of("lab", "wreck");
     const Job first = enqueue(dive);
     const Job second = enqueue(dive);
-    EXPECT_EQ(forecast_.of(first)->starts_in_s, -1.0);  // nobody works
+    EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, -1.0);  // nobody works
     workers_.report("worker", 1);
 
-    EXPECT_EQ(forecast_.of(first)->starts_in_s, 0.0);
-    EXPECT_EQ(forecast_.of(first)->takes_s, -1.0);  // nothing was measured yet
-    EXPECT_EQ(forecast_.of(second)->starts_in_s, -1.0);
+    EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, 0.0);
+    EXPECT_EQ(forecast_.of(first, catalog_)->takes_s, -1.0);  // nothing was measured yet
+    EXPECT_EQ(forecast_.of(second, catalog_)->starts_in_s, -1.0);
     set_speed(0.5);
-    EXPECT_EQ(forecast_.of(second)->starts_in_s, 50.0);
+    EXPECT_EQ(forecast_.of(second, catalog_)->starts_in_s, 50.0);
     queues_.change("lab", {.paused = true});
-    EXPECT_EQ(forecast_.of(first)->starts_in_s, -1.0);
+    EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, -1.0);
 }
 
 TEST_F(QueueTest, LearnsHowLongJobsTake) {
@@ -240,11 +240,11 @@ TEST_F(QueueTest, LearnsHowLongJobsTake) {
 
     run(200'000, false);
     run(1'000, true);  // tells nothing
-    EXPECT_EQ(forecast_.of(enqueue(dive))->takes_s, 200.0);
+    EXPECT_EQ(forecast_.of(enqueue(dive), catalog_)->takes_s, 200.0);
     claim();
     run(400'000, false);
 
-    EXPECT_EQ(forecast_.of(enqueue(dive))->takes_s, 250.0);
+    EXPECT_EQ(forecast_.of(enqueue(dive), catalog_)->takes_s, 250.0);
 }
 
 TEST_F(QueueTest, DeadLettersAreListedAndDriven) {

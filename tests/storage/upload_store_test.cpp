@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <limits>
 
+#include "storage/project_usage.hpp"
 #include "tests/storage/store_fixture.hpp"
 
 namespace divemesh::storage {
@@ -117,8 +118,63 @@ TEST_F(UploadStoreTest, CountsWhatIsNeitherEndedNorADive) {
     uploads_.end(ended.id, UploadEnd::Terminated);
     create_dive("wreck");
 
-    EXPECT_EQ(uploads_.num_open("p"), 1);
+    const auto open_in_p = [&](std::int64_t most) {
+        uploads_.create({.project = "p", .length_bytes = 10}, {.max_open_of_project = most});
+    };
+    EXPECT_TRUE(throws_code(ErrorCode::TooMany, [&] { open_in_p(1); }));
     EXPECT_EQ(uploads_.list_open().size(), 2u);
+    EXPECT_NO_THROW(open_in_p(2));
+}
+
+TEST_F(UploadStoreTest, U15OneTokenHasOnlySoManyOpen) {
+    const UploadLimits limits{.max_open_of_project = 4, .max_open_of_token = 2};
+    const auto create = [&](const std::string& token) {
+        return uploads_.create({.project = "p", .token_id = token, .length_bytes = 10}, limits);
+    };
+    const Upload first = create("a");
+    create("a");
+    EXPECT_TRUE(throws_code(ErrorCode::TooMany, [&] { create("a"); }));
+    create("b");
+    uploads_.end(first.id, UploadEnd::Terminated);
+    create("a");
+    create("");  // where no token is asked for only the project counts
+    EXPECT_TRUE(throws_code(ErrorCode::TooMany, [&] { create(""); }));
+    EXPECT_EQ(uploads_.list_open().size(), 4u);
+}
+
+// Between the look at its parts and its own entry another final upload may have taken them.
+TEST_F(UploadStoreTest, S11FinalUploadsOfTheSamePartsAtOnceCountEach) {
+    const UploadLimits limits{.max_bytes_of_project = 250};
+    std::vector<std::string> parts;
+    for (int i = 0; i < 2; ++i) {
+        const Upload part =
+            uploads_.create({.project = "p", .length_bytes = 50, .concat = "partial"});
+        parts.push_back(uploads_.advance(part.id, 50).id);
+    }
+    const auto final_of = [&](const std::string& metadata) {
+        return uploads_.create_final({.project = "p",
+                                      .length_bytes = 100,
+                                      .metadata = metadata,
+                                      .concat = "final;/api/v1/uploads/" + parts[0] +
+                                                " /api/v1/uploads/%75" + parts[1].substr(1)},
+                                     parts,
+                                     limits);
+    };
+    const auto stored = [&] { return read_usage(catalog_, "p").stored_bytes; };
+    const Upload first = final_of("a");
+    EXPECT_EQ(stored(), 100) << "the parts account for it";
+    EXPECT_EQ(final_of("a").id, first.id);
+    const Upload second = final_of("b");
+    EXPECT_EQ(stored(), 200);
+    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { final_of("c"); }));
+
+    uploads_.end(second.id, UploadEnd::Terminated);
+    EXPECT_EQ(stored(), 100);
+    const Upload third = final_of("c");
+    for (const Upload& whole : {first, third}) uploads_.advance(whole.id, 100);
+    for (const auto& part : parts) uploads_.end(part, UploadEnd::Concatenated);
+    EXPECT_EQ(stored(), 200) << "both are there";
+    EXPECT_TRUE(throws_code(ErrorCode::Gone, [&] { final_of("d"); }));
 }
 
 TEST_F(UploadStoreTest, FindsTheFinalUploadOfTheSameParts) {
@@ -135,22 +191,21 @@ TEST_F(UploadStoreTest, FindsTheFinalUploadOfTheSameParts) {
     EXPECT_FALSE(find("p", "commit", "final;/a /b"));
 }
 
-// Quota 1000: two finals of a part of 300, each of which names it twice, and no third before one
-// ends.
+// Quota 1000: one final of a part of 300 that names it twice, and no second one before that ends.
 TEST_F(UploadStoreTest, WhatAFinalUploadRepeatsCountsBeforeItsBytesAreThere) {
-    uploads_.create({.project = "p", .length_bytes = 300, .concat = "partial"});
+    const Upload part = uploads_.create({.project = "p", .length_bytes = 300, .concat = "partial"});
     const auto create_final = [&](const std::string& metadata) {
-        return uploads_.create(
+        return uploads_.create_final(
             {.project = "p", .length_bytes = 600, .metadata = metadata, .concat = "final;/a /a"},
-            1000,
-            300);
+            {part.id, part.id},
+            {.max_bytes_of_project = 1000});
     };
     const Upload first = create_final("first");
-    create_final("second");
+    EXPECT_EQ(read_usage(catalog_, "p").stored_bytes, 600);
 
-    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { create_final("third"); }));
+    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { create_final("second"); }));
     uploads_.end(first.id, UploadEnd::Terminated);
-    create_final("third");
+    create_final("second");
 }
 
 }  // namespace

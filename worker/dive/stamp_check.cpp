@@ -52,8 +52,10 @@ void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double sho
          "_row_malformed",
          "not what the columns say (whole nanoseconds first, then the values)",
          "Write the stamp as an integer of nanoseconds and every column as a number.");
-    tell(
-        not_finite_, "_not_finite", "NaN or infinite", "Repair the recorder or remove these rows.");
+    tell(not_finite_,
+         "_not_finite",
+         "NaN, infinite or beyond all measure",
+         "Repair the recorder or remove these rows.");
     tell(repeated_,
          "_timestamp_repeated",
          "stamped like the row before",

@@ -97,7 +97,7 @@ TEST_F(BadArchiveTest, S4LinksAndDevicesAreRefused) {
                 HasFinding(Severity::Error, "archive_entry_kind", "mav0/odd"));
 }
 
-TEST_F(BadArchiveTest, S5TwoEntriesOfOneNameAreRefused) {
+TEST_F(BadArchiveTest, S5S6TwoEntriesOfOneNameAreRefused) {
     for (const std::string name : {"mav0/cam0/data.csv", "mav0/cam0/DATA.csv"})
         EXPECT_THAT(examine(Container::Tar, [&](TestArchive& a) { a.add(name, "1,a.png\n"); }),
                     HasFinding(Severity::Error, "archive_duplicate", "mav0/cam0/data.csv"));
@@ -118,7 +118,7 @@ TEST_F(BadArchiveTest, S5ABombIsRefusedBeforeItIsUnpacked) {
                 HasFinding(Severity::Error, "archive_bomb", "mav0/zeros"));
 }
 
-TEST_F(BadArchiveTest, S5LimitsOfCountAndSizeHold) {
+TEST_F(BadArchiveTest, S5S6LimitsOfCountAndSizeHold) {
     examine(Container::Tar, [](TestArchive& a) { a.add("mav0/big", std::string(5000, 'x')); });
     DiveLimits few;
     few.max_entries = 3;
@@ -145,7 +145,7 @@ TEST_F(BadArchiveTest, S5CompressedTwiceIsRefused) {
     EXPECT_THAT(examine_file(), HasFinding(Severity::Error, "archive_nested", "dive.archive"));
 }
 
-TEST_F(BadArchiveTest, S5ASizeThatLiesInAZipIsRefused) {
+TEST_F(BadArchiveTest, S5S6ASizeThatLiesInAZipIsRefused) {
     { TestArchive(file_, Container::Zip).add_folder(tiny_.folder()); }
     std::string bytes;
     {

@@ -209,6 +209,70 @@ TEST_F(BadRecordingTest, S17NanInTheImuIsToldWithItsLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_not_finite", "imu0/data.csv:1"));
 }
 
+TEST_F(BadRecordingTest, S17NumbersBeyondAllMeasureAreToldWithTheirLine) {
+    for (const char* absurd : {"1e308", "-1e308", "2e9"}) {
+        const std::string rows = tiny_.read(kImuRows);
+        tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", std::string("0.01,") + absurd + ",0.03,0.1");
+        EXPECT_THAT(findings(), HasFinding(Severity::Warning, "imu_not_finite", "imu0/data.csv:2"))
+            << absurd;
+        tiny_.write(kImuRows, rows);
+    }
+    write_imu("0,0,0,1e400,0,9.8");  // is no double
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_row_malformed", "imu0/data.csv:1"));
+}
+
+TEST_F(BadRecordingTest, S17StampsBelowZeroOrBeyondAllNumbersAreTold) {
+    for (const char* stamp : {"-1600000000000000000", "99999999999999999999", "1.6e18", "0x10"}) {
+        std::string rows = tiny_.read(kImuRows);
+        const auto line = rows.find('\n', rows.find('\n') + 1) + 1;  // no heading
+        tiny_.write(kImuRows, rows.insert(line, std::string(stamp) + ",0,0,0,0,0,9.8\n"));
+        EXPECT_THAT(findings(),
+                    HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:3"))
+            << stamp;
+        tiny_.replace(kImuRows, std::string(stamp) + ",0,0,0,0,0,9.8\n", "");
+    }
+}
+
+TEST_F(BadRecordingTest, S17ACellThatASpreadsheetWouldRunIsNoNumber) {
+    for (const char* cell : {"=cmd|' /C calc'!A0", "(1)", "+1+1", "-1+1", "=1"}) {
+        const std::string rows = tiny_.read(kImuRows);
+        tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", std::string("0.01,") + cell + ",0.03,0.1");
+        const auto told = findings();
+        EXPECT_THAT(told, HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:2"))
+            << cell;
+        for (const Finding& finding : told)
+            EXPECT_EQ((finding.where + finding.message + finding.remedy).find(cell),
+                      std::string::npos)
+                << "what is told quotes it: " << finding.message;
+        tiny_.write(kImuRows, rows);
+    }
+}
+
+TEST_F(BadRecordingTest, S17LinesWithNulAndLinesWithoutEndAreMalformedRows) {
+    const std::string rows = tiny_.read(kImuRows);
+    const std::string nul("1600000001000000000,0,0\0,0,0,0,9.8\n", 35);
+    tiny_.write(kImuRows, rows + nul);
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:112"));
+
+    tiny_.write(kImuRows, rows + std::string(50'000'000, '1'));
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:112"));
+    tiny_.write(kImuRows, rows + std::string(50'000'000, ','));
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:112"));
+}
+
+// One path in two rows, or in two writings of it: each row is what it says, none stands for
+// another.
+TEST_F(BadRecordingTest, S6NamesThatDifferByCaseAreTwoFiles) {
+    tiny_.write("DIVE.JSON", R"({"name": "Impostor"})");
+    EXPECT_EQ(report().name, "Tiny");
+
+    tiny_.replace(kCam0Rows, TinyDive::picture_name(1), "A.PNG");
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", "A.PNG"));
+}
+
 TEST_F(BadRecordingTest, AGapInTheImuIsTold) {
     std::string rows;
     for (int i = -10; i < 100; ++i)
@@ -293,7 +357,7 @@ TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "dive_empty", kCam0Rows));
 }
 
-TEST_F(BadRecordingTest, APictureThatIsNotThereIsSkippedAndNamed) {
+TEST_F(BadRecordingTest, S6APictureThatIsNotThereIsSkippedAndNamed) {
     tiny_.remove(picture(3));
 
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", picture(3)));
