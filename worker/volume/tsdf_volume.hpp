@@ -19,9 +19,10 @@ namespace divemesh::worker {
 // A view's distance is to its tangent plane; its weight is one over the variance of the depth that
 // it measures at the sample's own range, sigma_z = z^2 sigma_d / (f b), which leaves no bias toward
 // far readings, times a ramp at depth discontinuities and the cosine of incidence. Samples are
-// truncated at the larger of three voxels and two sigma. Views that look through a sample pull it
-// to the front with the same weight: what was there in a few views, snow or fish, goes. Blocks that
-// were not in view of late go to disk when there are many.
+// truncated at the larger of three voxels and two sigma. Views whose surface is farther behind a
+// sample than three voxels and four sigma look through it: they pull it to the front with the same
+// weight, and what was there in a few views, snow or fish, goes. Blocks that were not in view of
+// late go to disk when there are many.
 class TsdfVolume : public Volume {
 public:
     explicit TsdfVolume(VolumeSettings settings);
