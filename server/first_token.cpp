@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "api/audit.hpp"
 #include "schemas/error.hpp"
 #include "storage/token_store.hpp"
 
@@ -29,8 +30,9 @@ void write_secret(const std::filesystem::path& file, const std::string& secret) 
 
 }  // namespace
 
-std::string make_first_token(storage::Catalog& catalog, const std::filesystem::path& file) {
-    storage::TokenStore tokens(catalog);
+std::string make_first_token(const storage::Catalog& catalog, const std::filesystem::path& file) {
+    auto noted = api::audited(catalog, "serve", "first token");
+    storage::TokenStore tokens(noted);
     if (!tokens.empty()) return "";
     const auto created = tokens.create({.name = "first", .scopes = {"admin"}});
     try {

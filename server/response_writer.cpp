@@ -6,7 +6,9 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
+#include <cerrno>
 #include <ctime>
+#include <sys/sendfile.h>
 #include <vector>
 
 #include "api/in_pool.hpp"
@@ -19,6 +21,7 @@ namespace asio = boost::asio;
 namespace http = boost::beast::http;
 
 constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
+constexpr std::int64_t kDirectBytes = 1 << 20;  // between two pieces, so that others have a turn
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 template <typename Body>
@@ -67,6 +70,26 @@ asio::awaitable<Piece> read_piece(api::FilePart part, api::Services services, Pi
     co_return piece;
 }
 
+// From the file into the socket, as much as that takes now: none over TLS, or of what is no file.
+// Pieces go before and between: a disk is waited for in the pool, a full socket with a time limit.
+void send_directly(api::Stream& stream, api::FilePart& part) {
+    const int file = part.reader->descriptor();
+    if (file < 0 || stream.tls() != nullptr) return;
+    boost::beast::error_code closed;
+    stream.socket().native_non_blocking(true, closed);
+    if (closed) return;
+    off_t offset = part.offset;
+    const off_t end = part.offset + std::min(part.length, kDirectBytes);
+    while (offset < end) {
+        const auto size = static_cast<std::size_t>(end - offset);
+        const auto sent = sendfile(stream.socket().native_handle(), file, &offset, size);
+        if (sent < 0 && errno == EINTR) continue;
+        if (sent <= 0) break;  // what is wrong, the next piece will say
+    }
+    part.length -= offset - part.offset;
+    part.offset = offset;
+}
+
 asio::awaitable<bool> write_file(std::shared_ptr<Connection> connection,
                                  api::Response response,
                                  api::Services services,
@@ -89,6 +112,7 @@ asio::awaitable<bool> write_file(std::shared_ptr<Connection> connection,
         if (failure) co_return false;
         part.offset += static_cast<std::int64_t>(sent);
         part.length -= static_cast<std::int64_t>(sent);
+        send_directly(connection->stream, part);
     }
     co_return true;
 }

@@ -57,7 +57,6 @@ void say_token(const Server& server) {
 }  // namespace
 
 void run_server(const ServerConfig& config) {
-    std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow is an error of write()
     start_log();
     Server server(config);

@@ -9,6 +9,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <csignal>
 #include <thread>
 #include <vector>
 
@@ -266,6 +267,7 @@ const std::string& Server::first_token() const { return implementation_->first_t
 const ServerConfig& Server::config() const { return implementation_->config; }
 
 void Server::run() {
+    std::signal(SIGPIPE, SIG_IGN);  // sendfile() cannot be told to raise none
     Implementation& self = *implementation_;
     asio::post(self.pool, [services = self.context().services] { api::make_owed_dives(services); });
     asio::co_spawn(self.io, self.accept(), asio::detached);

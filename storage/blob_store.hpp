@@ -26,6 +26,8 @@ public:
     virtual ~BlobReader() = default;
     virtual std::int64_t size_bytes() const = 0;
     virtual std::size_t read_at(std::int64_t offset, std::span<char> buffer) = 0;  // 0 at the end
+    // Of the open file whose bytes these are, for sendfile(); -1: they are in none of this machine.
+    virtual int descriptor() const { return -1; }
 };
 
 // Where archives and artifacts are: a directory (write to temp, fsync, rename, fsync the

@@ -29,6 +29,7 @@ public:
     explicit DirectoryReader(FileDescriptor file) : file_(std::move(file)) {}
 
     std::int64_t size_bytes() const override { return size_of(file_); }
+    int descriptor() const override { return file_.get(); }
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) override {
         for (;;) {
             const auto n = pread(file_.get(), buffer.data(), buffer.size(), offset);

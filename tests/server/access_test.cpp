@@ -180,12 +180,14 @@ TEST(AccessTest, S24ATokenInAnAddressIsRefused) {
 
 TEST(AccessTest, AdministratorsAreToldWhoChangedWhat) {
     TestServer server;
+    storage::EventStore events(server.catalog());
+    const auto before = events.newest_sequence();
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "laptop"}, {"scopes", {"dives:read"}}});
     server.request("GET", "/api/v1/tokens", server.admin());
     server.post_json("/api/v1/tokens", made.json()["secret"], {{"name", "more"}});
     std::vector<Event> audits;
-    for (const Event& event : storage::EventStore(server.catalog()).since(0, "", 100))
+    for (const Event& event : events.since(before, "", 100))
         if (event.topic == "audit") audits.push_back(event);
     ASSERT_EQ(audits.size(), 1U);
     EXPECT_EQ(audits[0].project, "");

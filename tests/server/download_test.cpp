@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <optional>
+#include <thread>
+
 #include "api/byte_range.hpp"
 #include "schemas/content_hash.hpp"
 #include "tests/server/test_server.hpp"
@@ -136,6 +140,42 @@ TEST_F(DownloadTest, KeepsTheConnectionForTheNextRequest) {
     RawClient client(server.port());
     const Headers headers = {{"Authorization", "Bearer " + server.admin()}};
     for (int i = 0; i < 3; ++i) EXPECT_EQ(client.request("GET", path, headers).body, bytes);
+}
+
+class LargeDownloadTest : public testing::Test {
+protected:
+    std::string ask() const {
+        return request_head("GET",
+                            path,
+                            {{"Range", "bytes=5-"}, {"Authorization", "Bearer " + server.admin()}},
+                            std::nullopt);
+    }
+
+    TestServer server;
+    const std::string bytes = random_bytes(48 << 20);
+    const std::string path =
+        "/api/v1/jobs/" + server.make_job("default", "mesh.glb", bytes) + "/artifacts/mesh.glb";
+};
+
+TEST_F(LargeDownloadTest, ArrivesWholeThroughASocketThatIsFullMostOfTheTime) {
+    RawClient client(server.port(), 16 << 10);
+    ASSERT_TRUE(client.send(ask()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const auto response = client.receive();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->status, 206);
+    EXPECT_EQ(sha256_hex(response->body), sha256_hex(bytes.substr(5)));
+    EXPECT_EQ(client.request("GET", "/healthz/live").status, 200);  // nothing was left over
+}
+
+TEST_F(LargeDownloadTest, WhoVanishesInTheMidstIsMissedByNobody) {
+    for (int i = 0; i < 5; ++i) {
+        RawClient client(server.port());
+        ASSERT_TRUE(client.send(ask()));
+        EXPECT_NE(client.read_available(), "");
+        client.reset();
+    }
+    EXPECT_EQ(RawClient(server.port()).request("GET", "/healthz/live").status, 200);
 }
 
 // S1

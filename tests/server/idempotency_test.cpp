@@ -1,3 +1,6 @@
+#include <algorithm>
+
+#include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "tests/server/tus_fixture.hpp"
 
@@ -14,6 +17,12 @@ protected:
                               secret.empty() ? token : secret,
                               {{"Content-Type", "application/json"}, {"Idempotency-Key", key}},
                               body.dump());
+    }
+    std::int64_t num_audits() {
+        const auto events = storage::EventStore(server.catalog()).since(0, "", 1000);
+        return std::count_if(events.begin(), events.end(), [](const Event& event) {
+            return event.topic == "audit" && event.data["method"] == "POST";
+        });
     }
     std::size_t num_jobs() {
         return server.request("GET", "/api/v1/jobs?kind=reconstruct", token).json()["items"].size();
@@ -35,6 +44,7 @@ TEST_F(IdempotencyTest, ARepeatedRequestIsAnsweredAgainAndNotDoneAgain) {
         EXPECT_EQ(again.header("idempotency-replayed"), "true");
     }
     EXPECT_EQ(num_jobs(), 1U);
+    EXPECT_EQ(num_audits(), 1);  // what is not done again is not noted again
 }
 
 TEST_F(IdempotencyTest, S30AKeyIsNoExcuseForAnotherBody) {

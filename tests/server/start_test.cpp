@@ -5,6 +5,7 @@
 #include "schemas/error.hpp"
 #include "server/listen_address.hpp"
 #include "server/server.hpp"
+#include "storage/event_store.hpp"
 #include "storage/token_store.hpp"
 #include "storage/upload_store.hpp"
 #include "tests/server/test_server.hpp"
@@ -46,6 +47,16 @@ TEST(StartTest, MakesOneTokenThatItsOwnerAloneCanRead) {
               fs::perms::owner_read | fs::perms::owner_write);
     const Server again(config_at(data, "127.0.0.1:0"));
     EXPECT_EQ(again.first_token(), "");
+}
+
+TEST(StartTest, TheFirstTokenIsNotedOnce) {
+    const TemporaryFolder data;
+    for (int i = 0; i < 2; ++i) const Server server(config_at(data, "127.0.0.1:0"));
+    storage::Catalog catalog("sqlite://" + (data / "catalog.db").string());
+    const auto events = storage::EventStore(catalog).since(0, "", 100);
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events[0].topic, "audit");
+    EXPECT_EQ(events[0].data["path"], "first token");
 }
 
 TEST(StartTest, DoesNotServeTheNetworkWithoutATokenOrWithoutAskingForOne) {

@@ -9,9 +9,12 @@
 #include <boost/asio/write.hpp>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 
+#include "api/client/download.hpp"
 #include "api/client/event_stream.hpp"
 #include "api/client/tus_upload.hpp"
+#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "tests/bytes_in_memory.hpp"
 #include "tests/server/test_server.hpp"
@@ -124,6 +127,20 @@ TEST_F(TlsClientTest, UploadsAndWatches) {
     const auto upload = client::RestClient(believer()).get(path);
     EXPECT_EQ(upload["offset_bytes"], 3'000'000);
     EXPECT_TRUE(events.next(std::chrono::seconds(10)).has_value());
+}
+
+TEST_F(TlsClientTest, DownloadsOverTls) {
+    const std::string bytes = random_bytes(5'000'000);
+    const std::string job = server.make_job("default", "mesh.glb", bytes);
+    Artifact artifact;
+    artifact.job_id = job;
+    artifact.name = "mesh.glb";
+    artifact.sha256 = sha256_hex(bytes);
+    artifact.size_bytes = std::ssize(bytes);
+    client::download_artifacts(believer(), {artifact}, folder / "model", {});
+    std::ostringstream file;
+    file << std::ifstream(folder / "model" / "mesh.glb", std::ios::binary).rdbuf();
+    EXPECT_EQ(sha256_hex(file.str()), sha256_hex(bytes));
 }
 
 TEST_F(TlsClientTest, LeavesAServerThatDoesNotProveToBeTheOne) {

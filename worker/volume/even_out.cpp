@@ -56,14 +56,22 @@ private:
     std::vector<std::uint32_t> end_neighbour_;
 };
 
+// A bijection without pattern (the end of SplitMix64; Steele, Lea and Flood 2014).
+std::uint64_t scattered(std::uint64_t number) {
+    number = (number + 0x9e3779b97f4a7c15) * 0xbf58476d1ce4e5b9;
+    number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
+    return number ^ (number >> 31);
+}
+
 // Vertices that are known badly enough. The triangles around one inside the surface arrive at every
-// neighbour once and leave it once.
+// neighbour as often as they leave it. Of a border the numbers themselves may cancel: where two
+// parts of the surface meet in a vertex, they do now and then.
 void Membrane::choose() {
-    std::vector<std::int64_t> balance(mesh_.vertices.size(), 0);
+    std::vector<std::uint64_t> balance(mesh_.vertices.size(), 0);
     for (const auto& triangle : mesh_.triangles)
         for (int k = 0; k < 3; ++k)
-            balance[triangle[k]] += static_cast<std::int64_t>(triangle[(k + 1) % 3]) -
-                                    static_cast<std::int64_t>(triangle[(k + 2) % 3]);
+            balance[triangle[k]] +=
+                scattered(triangle[(k + 1) % 3]) - scattered(triangle[(k + 2) % 3]);
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
         const float sigma_voxels = mesh_.sigma_m[i] / voxel_m_;
         if (sigma_voxels <= kLeastSigma_voxels) continue;

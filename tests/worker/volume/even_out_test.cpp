@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "tests/worker/volume/analytic_field.hpp"
 #include "worker/volume/surface_nets.hpp"
@@ -59,6 +62,55 @@ TEST(EvenOut, WhatIsKnownWellStaysPut) {
     Mesh mesh = sharp;
     even_out(mesh, kVoxel_m, 1);
     EXPECT_EQ(mesh.vertices, sharp.vertices);
+}
+
+struct AtRest {
+    Eigen::VectorXd heights_m;
+    std::vector<bool> on_border;
+};
+
+// Where the membrane comes to rest, by a direct solution.
+AtRest at_rest(const Mesh& mesh) {
+    const auto num = static_cast<Eigen::Index>(mesh.vertices.size());
+    Eigen::MatrixXi arrives = Eigen::MatrixXi::Zero(num, num);  // triangles that go from i to j
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) ++arrives(t[k], t[(k + 1) % 3]);
+    std::vector<bool> on_border;
+    Eigen::MatrixXd system = Eigen::MatrixXd::Identity(num, num);
+    for (Eigen::Index i = 0; i < num; ++i) {
+        const Eigen::VectorXi once = arrives.row(i).transpose() + arrives.col(i);
+        const bool border = arrives.row(i).transpose() != arrives.col(i);
+        on_border.push_back(border);
+        const Eigen::VectorXd weights = border ? (once.array() == 1).cast<double>().matrix().eval()
+                                               : arrives.row(i).transpose().cast<double>().eval();
+        if (weights.sum() == 0.0) continue;
+        const double reach = std::min(12.0, mesh.sigma_m[i] / kVoxel_m / 0.2);
+        system.row(i) -= weights.transpose() / weights.sum() / (1.0 + 1.0 / (reach * reach));
+        system.row(i) *= 1.0 + reach * reach;
+    }
+    Eigen::VectorXd measured(num);
+    for (Eigen::Index i = 0; i < num; ++i) measured[i] = mesh.vertices[i].z();
+    const Eigen::PartialPivLU<Eigen::MatrixXd> solver(system);
+    const Eigen::VectorXd once = solver.solve(measured);
+    return {once + solver.solve(measured - once), on_border};
+}
+
+// A grid of which some triangles are missing has borders of every kind, and vertices where two
+// parts of it meet.
+TEST(EvenOut, ComesToRestOnATornSurface) {
+    constexpr std::uint32_t kCells = 22;
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        Mesh mesh = noisy_plane(kCells, 0.02F);
+        std::mt19937 random(seed);
+        std::erase_if(mesh.triangles, [&](const auto&) { return random() % 5 == 0; });
+        const AtRest expected = at_rest(mesh);
+        even_out(mesh, kVoxel_m, 1);
+        double worst_m = 0.0;
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+            if (!expected.on_border[i])  // which move along their normals alone
+                worst_m = std::max(worst_m, std::abs(mesh.vertices[i].z() - expected.heights_m[i]));
+        EXPECT_LT(worst_m, 0.5 * 0.02) << "seed " << seed;
+    }
 }
 
 TEST(EvenOut, BordersAreEvenedOutButKeepTheirOutline) {
