@@ -56,7 +56,7 @@ private:
     std::vector<std::uint32_t> end_neighbour_;
 };
 
-// A bijection without pattern (the end of SplitMix64; Steele, Lea and Flood 2014).
+// A bijection without pattern, after SplitMix64 (Steele, Lea and Flood 2014).
 std::uint64_t scattered(std::uint64_t number) {
     number = (number + 0x9e3779b97f4a7c15) * 0xbf58476d1ce4e5b9;
     number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
