@@ -91,8 +91,8 @@ AtRest at_rest(const Mesh& mesh) {
     Eigen::VectorXd measured(num);
     for (Eigen::Index i = 0; i < num; ++i) measured[i] = mesh.vertices[i].z();
     const Eigen::PartialPivLU<Eigen::MatrixXd> solver(system);
-    const Eigen::VectorXd once = solver.solve(measured);
-    return {once + solver.solve(measured - once), on_border};
+    const Eigen::VectorXd places = solver.solve(measured);
+    return {places + solver.solve(measured - places), on_border};
 }
 
 // A grid of which some triangles are missing has borders of every kind, and vertices where two
