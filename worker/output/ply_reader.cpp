@@ -216,6 +216,7 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
         return std::find(targets.begin(), targets.end(), target) != targets.end();
     };
     if (!has(Target::X) || !has(Target::Y) || !has(Target::Z)) fail(name, "PLY without x, y, z");
+    if (!mesh.vertices.empty()) fail(name, "PLY with two lists of vertices");
     mesh.vertices.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Nx)) mesh.normals.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Red)) mesh.colors.resize(element.count);
@@ -243,7 +244,7 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
                 mesh.sigma_m[i] = static_cast<float>(value);
             else if (target == Target::NumObservations)
                 mesh.num_observations[i] =
-                    static_cast<std::uint32_t>(std::clamp(value, 0.0, 4294967295.0));
+                    static_cast<std::uint32_t>(value > 0.0 ? std::min(value, 4294967295.0) : 0.0);
         }
         if (!mesh.vertices[i].allFinite())
             fail(name, "PLY vertex " + std::to_string(i) + " is not finite");

@@ -97,6 +97,24 @@ TEST_F(PlyTest, DamagedFilesAreRefused) {
     }
 }
 
+// The faces in between would name vertices that the second list takes away.
+TEST_F(PlyTest, ASecondListOfVerticesIsRefused) {
+    const std::string vertex = "property float x\nproperty float y\nproperty float z\n";
+    const std::string text = "ply\nformat ascii 1.0\nelement vertex 3\n" + vertex +
+                             "element face 1\nproperty list uchar int vertex_indices\n"
+                             "element vertex 1\n" +
+                             vertex + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0 0 0\n";
+    EXPECT_EQ(error_of([&] { parse_ply(text, "two.ply"); }).code(), ErrorCode::BadData);
+}
+
+TEST_F(PlyTest, ANumberOfObservationsThatIsNoneIsZero) {
+    const Mesh mesh = parse_ply(
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float num_observations\nend_header\n0 0 0 nan\n",
+        "nan.ply");
+    EXPECT_EQ(mesh.num_observations.at(0), 0U);
+}
+
 TEST_F(PlyTest, ATriangleOfMissingVerticesIsNotWritten) {
     Mesh mesh = tetrahedron();
     mesh.triangles[0][0] = 4;
