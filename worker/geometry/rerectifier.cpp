@@ -22,6 +22,25 @@ float row_at(const cv::Mat& image, float u, int v) {
     return (1.0F - share) * row[0] + share * row[1];
 }
 
+constexpr float kOneSurface_px = 1.0F;  // neighbours on it differ by no more
+
+// The disparity between four pixels that see one surface; that of the nearest where they do not.
+float disparity_at(const cv::Mat& disparity, float u, float v, float nearest) {
+    const auto left = static_cast<int>(u);
+    const auto top = static_cast<int>(v);
+    if (u < 0.0F || v < 0.0F || left + 1 >= disparity.cols || top + 1 >= disparity.rows)
+        return nearest;
+    const float* above = disparity.ptr<float>(top) + left;
+    const float* below = disparity.ptr<float>(top + 1) + left;
+    const auto [least, most] = std::minmax({above[0], above[1], below[0], below[1]});
+    if (least <= 0.0F || most - least > kOneSurface_px) return nearest;
+    const float share = u - static_cast<float>(left);
+    const float upper = (1.0F - share) * above[0] + share * above[1];
+    const float lower = (1.0F - share) * below[0] + share * below[1];
+    const float down = v - static_cast<float>(top);
+    return (1.0F - down) * upper + down * lower;
+}
+
 }  // namespace
 
 Rerectifier::Rerectifier(const Rig& rig,
@@ -77,12 +96,14 @@ KeyframeImages KeyframeRerectifier::moved(const KeyframeImages& images) const {
     const float* old_sigma_px = images.depth.sigma_disparity_px.ptr<float>();
     for (int v = 0; v < disparity.rows; ++v) {
         const float* source_x = source_x_.ptr<float>(v);
+        const float* source_y = source_y_.ptr<float>(v);
         const int* nearest = nearest_.ptr<int>(v);
         float* new_px = result.depth.disparity_px.ptr<float>(v);
         float* new_sigma_px = result.depth.sigma_disparity_px.ptr<float>(v);
         for (int u = 0; u < disparity.cols; ++u) {
             if (nearest[u] < 0 || old_px[nearest[u]] <= 0.0F) continue;
-            const float right = source_x[u] - old_px[nearest[u]];
+            const float right =
+                source_x[u] - disparity_at(disparity, source_x[u], source_y[u], old_px[nearest[u]]);
             if (right < 0.0F || right > static_cast<float>(disparity.cols - 1)) continue;
             const int row = nearest[u] / disparity.cols;
             const float moved_px =

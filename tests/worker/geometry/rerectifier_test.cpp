@@ -77,6 +77,38 @@ TEST(RerectifierTest, MovesAKeyframesDepthAsItMovesObservations) {
     }
 }
 
+// Taken from the nearest pixel alone, a slope would come out as a staircase.
+TEST(RerectifierTest, LeavesASlopeSmooth) {
+    const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
+    const Rerectifier rerectifier(rig_with(kStated), rectified, change_of_k1(kTrue - kStated));
+    const auto slope_px = [](double u, double v) { return 30.0 + 0.05 * u + 0.1 * v; };
+    KeyframeImages images;
+    images.left_color = cv::Mat::zeros(480, 640, CV_8UC3);
+    images.depth.disparity_px = cv::Mat(480, 640, CV_32F);
+    for (int v = 0; v < 480; ++v)
+        for (int u = 0; u < 640; ++u)
+            images.depth.disparity_px.at<float>(v, u) = static_cast<float>(slope_px(u, v));
+    images.depth.sigma_disparity_px = cv::Mat(480, 640, CV_32F, cv::Scalar(0.2));
+
+    const KeyframeImages moved = KeyframeRerectifier(rectified, rerectifier).moved(images);
+
+    double largest_error_px = 0.0;
+    for (int v = 100; v < 400; v += 7)
+        for (int u = 150; u < 500; u += 7) {
+            Eigen::Vector2d old(u, v);  // that comes to lie at u, v
+            for (int i = 0; i < 10; ++i) {
+                const Eigen::Vector3d there =
+                    rerectifier.moved({old.x(), old.y(), slope_px(old.x(), old.y())});
+                old -= there.head<2>() - Eigen::Vector2d(u, v);
+            }
+            const double expected_px =
+                rerectifier.moved({old.x(), old.y(), slope_px(old.x(), old.y())}).z();
+            largest_error_px = std::max(
+                largest_error_px, std::abs(moved.depth.disparity_px.at<float>(v, u) - expected_px));
+        }
+    EXPECT_LT(largest_error_px, 0.01);
+}
+
 TEST(ShiftOfChangeTest, IsWhereTheChangedLensShowsARay) {
     const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const auto lenses = rectified_lenses(rig_with(kStated));
