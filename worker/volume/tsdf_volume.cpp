@@ -13,7 +13,9 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kLargestSigma_voxels = 6.0F;  // of a depth that may make surface
+constexpr float kWidestStep_voxels = 6.0F;       // between rays that miss no block
+constexpr float kLeastDisparitySigma_px = 0.1F;  // less than is ever stated
+constexpr float kLargestSigma_voxels = 6.0F;     // of a depth that may make surface
 // How far from the surface a point may lie: where as many views looked through as saw something,
 // the zero is farther off.
 constexpr float kConfirmed_voxels = 1.5F;
@@ -76,6 +78,16 @@ TsdfView view_of(const Keyframe& keyframe, const DepthView& depth, const VolumeS
     return view;
 }
 
+// How many pixels apart rays may be that come through every block of a surface, however far it may
+// be seen.
+int allocation_step_px(const TsdfView& view) {
+    const float farthest_m =
+        std::min(view.max_depth_m,
+                 std::sqrt(view.max_sigma_m / (kLeastDisparitySigma_px * view.depth_sigma_scale)));
+    const float apart_m = kAllocationStep_px * farthest_m / view.focal_px;
+    return apart_m <= kWidestStep_voxels * view.voxel_m ? kAllocationStep_px : 1;
+}
+
 }  // namespace
 
 TsdfVolume::TsdfVolume(VolumeSettings settings)
@@ -104,9 +116,10 @@ void TsdfVolume::allocate(const TsdfView& view, const Keyframe& keyframe, const 
         (Eigen::Scaling(1.0F / view.voxel_m) * keyframe.T_world_cam.cast<float>()).matrix());
     const Eigen::Vector3f eye = T_voxel_cam.translation();
     const float step = 0.5F * kBlockEdge * view.voxel_m;
+    const int step_px = allocation_step_px(view);
     RecentBlocks recent;
-    for (int v = 0; v < view.height_px; v += kAllocationStep_px)
-        for (int u = 0; u < view.width_px; u += kAllocationStep_px) {
+    for (int v = 0; v < view.height_px; v += step_px)
+        for (int u = 0; u < view.width_px; u += step_px) {
             const SurfacePixel& pixel = depth.pixel(u, v);
             if (!makes_surface(view, pixel)) continue;
             const Eigen::Vector3f ray =

@@ -38,8 +38,12 @@ struct SyntheticView {
     KeyframeImages images;
 };
 
+// What a place is painted with: red, green and blue rise with world x, y and z.
+inline Eigen::Vector3d paint_at(const Eigen::Vector3d& p_world) {
+    return 100.0 * p_world + Eigen::Vector3d(120.0, 100.0, 60.0);
+}
+
 // What a stereo camera there would see of a scene given as a signed distance, by sphere tracing.
-// The texture is world x, y, z in the three channels.
 inline SyntheticView render_view(const SceneDistance& scene,
                                  const RectifiedRig& rig,
                                  const Eigen::Isometry3d& T_world_cam,
@@ -48,7 +52,7 @@ inline SyntheticView render_view(const SceneDistance& scene,
     SyntheticView view;
     view.keyframe.T_world_cam = T_world_cam;
     const cv::Size size(rig.width_px, rig.height_px);
-    view.images.left_color = cv::Mat(size, CV_8UC3, cv::Scalar(40, 80, 120));
+    view.images.left_color = cv::Mat(size, CV_8UC3, cv::Scalar(0, 0, 0));
     view.images.depth.disparity_px = cv::Mat(size, CV_32F, cv::Scalar(0.0));
     view.images.depth.sigma_disparity_px = cv::Mat(size, CV_32F, cv::Scalar(noise.stated_sigma_px));
     std::mt19937 random(seed);
@@ -63,6 +67,11 @@ inline SyntheticView render_view(const SceneDistance& scene,
                 depth += distance / ray.norm();
             }
             if (depth >= 6.0) continue;
+            const Eigen::Vector3d paint = paint_at(T_world_cam * (depth * ray));
+            view.images.left_color.at<cv::Vec3b>(v, u) =
+                cv::Vec3b(cv::saturate_cast<std::uint8_t>(paint.z()),
+                          cv::saturate_cast<std::uint8_t>(paint.y()),
+                          cv::saturate_cast<std::uint8_t>(paint.x()));
             view.images.depth.disparity_px.at<float>(v, u) =
                 static_cast<float>(rig.disparity_px(depth) + error(random));
         }

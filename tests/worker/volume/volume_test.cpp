@@ -70,6 +70,22 @@ TEST_P(BothVolumes, ExactDepthOfAnAnalyticSceneComesOutToAFifthOfAVoxel) {
     EXPECT_EQ(check_topology(mesh).num_nonmanifold_edges, 0);
 }
 
+TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
+    const auto options = options_for(GetParam());
+    const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
+    const Mesh mesh = extract_surface(*volume, options);
+    ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
+    std::vector<double> errors;  // 1 is a centimetre
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const Eigen::Vector3d paint = paint_at(mesh.vertices[i].cast<double>());
+        for (int c = 0; c < 3; ++c)
+            errors.push_back(std::abs(mesh.colors[i][static_cast<std::size_t>(c)] - paint[c]));
+    }
+    std::sort(errors.begin(), errors.end());
+    EXPECT_LT(errors[errors.size() / 2], 1.0);
+    EXPECT_LT(errors[errors.size() * 98 / 100], 4.0);
+}
+
 TEST_P(BothVolumes, NormalsAndTrianglesFaceTheCameras) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
