@@ -8,6 +8,7 @@ namespace divemesh::api {
 namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
+constexpr int kCopiesAtATime = 32;
 
 }  // namespace
 
@@ -37,17 +38,22 @@ void ChunkWriter::write(std::span<const char> bytes) {
     staged_->write(bytes);
     checksum_.update(bytes);
     room_bytes_ -= static_cast<std::int64_t>(bytes.size());
+    disk_.wrote(services_, bytes.size());
 }
 
-void ChunkWriter::append_to(UploadWriter& writer) {
-    staged_->flush();
-    const auto reader = services_.blobs.read_staged(key_);
-    std::vector<char> buffer(kCopyBytes);
-    std::int64_t offset = 0;
-    while (const std::size_t n = reader->read_at(offset, buffer)) {
-        writer.write({buffer.data(), n});
-        offset += static_cast<std::int64_t>(n);
+bool ChunkWriter::append_some(UploadWriter& writer) {
+    if (!reader_) {
+        staged_->flush();
+        reader_ = services_.blobs.read_staged(key_);
     }
+    std::vector<char> buffer(kCopyBytes);
+    for (int i = 0; i < kCopiesAtATime; ++i) {
+        const std::size_t n = reader_->read_at(appended_, buffer);
+        if (n == 0) return false;
+        writer.write({buffer.data(), n});
+        appended_ += static_cast<std::int64_t>(n);
+    }
+    return true;
 }
 
 }  // namespace divemesh::api

@@ -20,7 +20,8 @@ public:
     std::int64_t room_bytes() const override { return room_bytes_; }
     void write(std::span<const char> bytes) override;
     bool is_right() { return checksum_.matches(); }  // asked once, at the end
-    void append_to(UploadWriter& writer);
+    // A stretch at a time, so that others have their turn in the pool; false: all of it is there.
+    bool append_some(UploadWriter& writer);
 
 private:
     Services services_;
@@ -28,6 +29,9 @@ private:
     std::unique_ptr<storage::StagedBlob> staged_;
     UploadChecksum checksum_;
     std::int64_t room_bytes_;
+    RoomWatch disk_;
+    std::unique_ptr<storage::BlobReader> reader_;  // from the first append_some() on
+    std::int64_t appended_ = 0;
 };
 
 // Where the bytes whose checksum is not known yet are.

@@ -49,16 +49,6 @@ public:
     }
     const Upload& finish() { return writer_.finish(); }
 
-    // What the parts hold is part of the final upload now.
-    void free_parts() {
-        std::set<std::string> freed;
-        for (const Part& part : parts_) {
-            if (!freed.insert(part.upload.id).second) continue;
-            storage::UploadStore(services_.catalog).end(part.upload.id, UploadEnd::Concatenated);
-            free_bytes(services_, part.upload);
-        }
-    }
-
 private:
     struct Part {
         Upload upload;
@@ -122,12 +112,27 @@ Awaitable<Upload> concatenate(Services services,
         auto copy = [concatenation] { return concatenation->copy_some(); };
         more = co_await in_pool(services.pool, std::move(copy));
     }
-    auto finish = [concatenation] {
+    auto finish = [services, concatenation] {
         const Upload whole = concatenation->finish();
-        concatenation->free_parts();
+        free_parts(services, whole);
         return whole;
     };
     co_return co_await in_pool(services.pool, std::move(finish));
+}
+
+void free_parts(const Services& services, const Upload& whole) {
+    storage::UploadStore uploads(services.catalog);
+    const std::vector<std::string> ids = parts_of(whole);
+    for (const std::string& id : std::set<std::string>(ids.begin(), ids.end())) {
+        const auto part = uploads.find(id);
+        if (!part || part->end) continue;
+        try {
+            uploads.end(id, UploadEnd::Concatenated);
+            free_bytes(services, *part);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::Locked) throw;
+        }
+    }
 }
 
 }  // namespace divemesh::api

@@ -22,4 +22,8 @@ Awaitable<Upload> concatenate(Services services,
                               Upload upload,
                               std::shared_ptr<std::atomic<bool>> stop);
 
+// What the parts hold is part of the final upload now, which is complete: they end, but for those
+// that another final upload still needs. Changes nothing when it was done before. Blocks.
+void free_parts(const Services& services, const Upload& whole);
+
 }  // namespace divemesh::api

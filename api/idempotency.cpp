@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "api/error_response.hpp"
 #include "api/in_pool.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
@@ -94,7 +95,12 @@ Awaitable<Response> answer_once(Request request, Services services, Handler work
     const std::string key = key_of(request);
     const std::string fingerprint = fingerprint_of(request);
     const auto turn = services.keys.enter(request.token.id + "\n" + key);
-    if (!turn) throw Error(ErrorCode::Conflict, "a request with this Idempotency-Key is under way");
+    if (!turn) {
+        Response wait = problem_response(
+            request, http::status::conflict, "a request with this Idempotency-Key is under way");
+        wait.set("Retry-After", "2");
+        co_return wait;
+    }
     auto find = [&catalog = services.catalog, request, key] {
         return storage::IdempotencyStore(catalog).find(request.token.id, key);
     };

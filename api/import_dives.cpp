@@ -132,10 +132,14 @@ public:
         return offset_ < source_->size_bytes();
     }
 
-    MadeDive end() {
+    Upload finish() {
         if (writer_) upload_ = writer_->finish();
+        return upload_;
+    }
+
+    MadeDive enter_dive(const std::string& sha256) {
         auto catalog = audited_import();
-        return make_dive(services_, catalog, upload_, plan_of(upload_.metadata));
+        return make_dive(services_, catalog, upload_, plan_of(upload_.metadata), sha256);
     }
 
 private:
@@ -183,8 +187,12 @@ Awaitable<void> import_one(Services services, const ImportRequest& request, fs::
         auto copy = [import] { return import->copy_some(); };
         more = co_await in_pool(services.pool, std::move(copy));
     }
-    auto end = [import] { return import->end(); };
-    const MadeDive made = co_await in_pool(services.pool, std::move(end));
+    auto finish = [import] { return import->finish(); };
+    const Upload upload = co_await in_pool(services.pool, std::move(finish));
+    const auto never = std::make_shared<std::atomic<bool>>(false);
+    const std::string sha256 = co_await hash_archive(services, upload, never);
+    auto make = [import, sha256] { return import->enter_dive(sha256); };
+    const MadeDive made = co_await in_pool(services.pool, std::move(make));
     log_import({{"event", "import_taken"},
                 {"name", name},
                 {"dive", made.dive.id},

@@ -1,38 +1,49 @@
 #include "api/make_dive.hpp"
 
-#include <spdlog/spdlog.h>
 #include <vector>
 
-#include "api/audit.hpp"
+#include "api/in_pool.hpp"
 #include "schemas/error.hpp"
 #include "storage/dive_store.hpp"
-#include "storage/upload_store.hpp"
 
 namespace divemesh::api {
 namespace {
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr int kReadsAtATime = 32;  // in the pool, before others have their turn
 
-std::string hash_of(storage::BlobReader& reader, const std::atomic<bool>& stopping) {
-    Sha256 hash;
-    std::vector<char> buffer(kReadBytes);
-    for (std::int64_t offset = 0;;) {
-        if (stopping) throw Error(ErrorCode::Unavailable, "the server stops: ask again");
-        const std::size_t n = reader.read_at(offset, buffer);
-        if (n == 0) return hash.hex();
-        hash.update({buffer.data(), n});
-        offset += static_cast<std::int64_t>(n);
+class ArchiveHash {
+public:
+    ArchiveHash(const Services& services, const Upload& upload) {
+        if (auto known = services.hashes.take(upload.id, upload.offset_bytes)) {
+            hash_ = std::move(*known);
+            return;
+        }
+        const std::string key = archive_key(upload);
+        // A server killed before the catalog knew has left the bytes where the dive's blob is.
+        reader_ = services.blobs.exists(key) ? services.blobs.open(key)
+                                             : services.blobs.read_staged(upload.blob);
+        buffer_.resize(kReadBytes);
     }
-}
 
-std::string archive_sha256(const Services& services, const Upload& upload) {
-    if (const auto hash = services.hashes.take(upload.id, upload.offset_bytes)) return hash->hex();
-    const std::string key = archive_key(upload);
-    // A server killed before the catalog knew has left the bytes where the dive's blob is.
-    const auto reader = services.blobs.exists(key) ? services.blobs.open(key)
-                                                   : services.blobs.read_staged(upload.blob);
-    return hash_of(*reader, services.stopping);
-}
+    // False: all of it is hashed.
+    bool hash_some() {
+        for (int i = 0; i < kReadsAtATime && reader_; ++i) {
+            const std::size_t n = reader_->read_at(offset_, buffer_);
+            hash_.update({buffer_.data(), n});
+            offset_ += static_cast<std::int64_t>(n);
+            if (n == 0) reader_.reset();
+        }
+        return reader_ != nullptr;
+    }
+    std::string hex() { return hash_.hex(); }
+
+private:
+    Sha256 hash_;
+    std::unique_ptr<storage::BlobReader> reader_;  // null: there is nothing more to read
+    std::vector<char> buffer_;
+    std::int64_t offset_ = 0;
+};
 
 std::string name_of(const Upload& upload, const UploadPlan& plan) {
     return plan.name.empty() ? upload.id : plan.name;
@@ -42,10 +53,25 @@ std::string name_of(const Upload& upload, const UploadPlan& plan) {
 
 std::string archive_key(const Upload& upload) { return "dives/" + upload.id + "/archive"; }
 
+Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag stopped) {
+    const bool is_archive = upload.complete() && !upload.is_partial() && upload.offset_bytes > 0;
+    if (!is_archive || !upload.dive_id.empty()) co_return "";
+    auto begin = [services, upload] { return std::make_shared<ArchiveHash>(services, upload); };
+    const auto hash = co_await in_pool(services.pool, std::move(begin));
+    for (bool more = true; more;) {
+        if (*stopped) throw Error(ErrorCode::Conflict, "a newer request took this upload over");
+        if (services.stopping) throw Error(ErrorCode::Unavailable, "the server stops: ask again");
+        auto some = [hash] { return hash->hash_some(); };
+        more = co_await in_pool(services.pool, std::move(some));
+    }
+    co_return hash->hex();
+}
+
 MadeDive make_dive(const Services& services,
                    storage::Catalog& catalog,
                    const Upload& upload,
-                   const UploadPlan& plan) {
+                   const UploadPlan& plan,
+                   const std::string& sha256) {
     if (!upload.complete())
         throw Error(ErrorCode::Conflict,
                     "upload " + upload.id + " has " + std::to_string(upload.offset_bytes) + " of " +
@@ -66,7 +92,7 @@ MadeDive make_dive(const Services& services,
                           plan.preset,
                           services.limits.max_project_dives};
     if (upload.dive_id.empty()) {
-        dive.archive_sha256 = archive_sha256(services, upload);
+        dive.archive_sha256 = sha256;
         if (!plan.archive_sha256.empty() && plan.archive_sha256 != dive.archive_sha256)
             throw Error(ErrorCode::BadData,
                         "the archive's sha256 is " + dive.archive_sha256 + ", not " +
@@ -76,21 +102,6 @@ MadeDive make_dive(const Services& services,
     const auto created = storage::DiveStore(catalog).create(dive);
     if (created.existed) services.blobs.remove(dive.blob);
     return {created.dive, !created.existed && upload.dive_id.empty(), created.job_id};
-}
-
-void make_owed_dives(const Services& services) {
-    for (const Upload& upload : storage::UploadStore(services.catalog).list_open()) {
-        try {
-            const UploadPlan plan = plan_of(upload.metadata);
-            if (!plan.commit || !upload.complete() || upload.is_partial()) continue;
-            auto catalog = audited(services.catalog, "serve", "owed dive of " + upload.id);
-            make_dive(services, catalog, upload, plan);
-        } catch (const std::exception& error) {
-            spdlog::warn(nlohmann::json{
-                {"event", "dive_owed"}, {"upload", upload.id}, {"what", error.what()}}
-                             .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
-        }
-    }
 }
 
 }  // namespace divemesh::api

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <string>
 
+#include "api/http.hpp"
 #include "api/services.hpp"
 #include "api/upload_metadata.hpp"
 #include "schemas/dive.hpp"
@@ -15,19 +18,24 @@ struct MadeDive {
     std::string job_id;   // the reconstruction that `plan` asked for; "": none
 };
 
-// Makes a dive of a complete upload: checks its hash, turns the staged bytes into a blob, enters it
-// in the catalog. Safe to repeat after any crash. The caller has the upload's turn. Throws
+// Set when a newer request wants the upload.
+using StopFlag = std::shared_ptr<std::atomic<bool>>;
+
+// SHA-256 of what a complete upload holds, from memory or the disk, there in stretches that leave
+// the pool to others; "" for an upload that is no archive yet, or a dive already. The caller has
+// the upload's turn. Throws Error{Conflict} when it is stopped, Error{Unavailable} with the server.
+Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag stopped);
+
+// Makes a dive of a complete upload: compares the hash, turns the staged bytes into a blob, enters
+// it in the catalog. Safe to repeat after any crash. The caller has the upload's turn. Throws
 // Error{Conflict} for an upload that is not complete, Error{OutOfQuota}, Error{BadData} for one
-// that is not what its sha256 said. The dive is entered by `catalog` (api/audit). Blocks, as long
-// as reading the archive takes: for the pool.
+// that is not what its sha256 said, Error{Gone} when the dive was deleted since. The dive is
+// entered by `catalog` (api/audit). Blocks: for the pool.
 MadeDive make_dive(const Services& services,
                    storage::Catalog& catalog,
                    const Upload& upload,
-                   const UploadPlan& plan);
-
-// Makes the dives that a server killed between the last byte and the catalog still owes. Failures
-// are logged: whoever sends the upload's last request again learns them. Blocks.
-void make_owed_dives(const Services& services);
+                   const UploadPlan& plan,
+                   const std::string& sha256);
 
 // Where the archive of a dive made of this upload is.
 std::string archive_key(const Upload& upload);

@@ -137,13 +137,17 @@ Awaitable<std::optional<Upload>> receive_checked(std::shared_ptr<BodyStream> str
     };
     auto chunk = co_await in_pool(services.pool, std::move(open));
     throw_unless_whole(co_await stream_into(chunk, stream, services));
-    auto append = [services, upload, chunk]() -> std::optional<Upload> {
-        if (!chunk->is_right()) return std::nullopt;
-        UploadWriter writer(services, upload);
-        chunk->append_to(writer);
-        return writer.finish();
+    auto begin = [services, upload, chunk]() -> std::shared_ptr<UploadWriter> {
+        return chunk->is_right() ? std::make_shared<UploadWriter>(services, upload) : nullptr;
     };
-    co_return co_await in_pool(services.pool, std::move(append));
+    const auto writer = co_await in_pool(services.pool, std::move(begin));
+    if (!writer) co_return std::nullopt;
+    for (bool more = true; more;) {
+        auto append = [chunk, writer] { return chunk->append_some(*writer); };
+        more = co_await in_pool(services.pool, std::move(append));
+    }
+    auto finish = [writer] { return writer->finish(); };
+    co_return co_await in_pool(services.pool, std::move(finish));
 }
 
 }  // namespace

@@ -35,10 +35,11 @@ void UploadWriter::write(std::span<const char> bytes) {
     staged_->write(bytes);
     written_ += static_cast<std::int64_t>(bytes.size());
     if (hash_) hash_->update(bytes);
+    room_.wrote(services_, bytes.size());
     const bool is_time = std::chrono::steady_clock::now() - flushed_ >= kFlushEvery;
     if (!is_time && written_ - upload_.offset_bytes < kFlushEveryBytes) return;
     advance();
-    require_space();
+    if (!upload_.length_bytes) require_bytes_of_quota(services_, upload_.project, 0);
 }
 
 const Upload& UploadWriter::finish() {
@@ -54,15 +55,6 @@ void UploadWriter::advance() {
     if (durable > upload_.offset_bytes)
         upload_ = storage::UploadStore(services_.catalog).advance(upload_.id, durable);
     flushed_ = std::chrono::steady_clock::now();
-}
-
-// The catalog needs room too: a disk that is full to the last byte lets nobody delete.
-void UploadWriter::require_space() const {
-    if (services_.blobs.free_bytes() < services_.limits.min_free_bytes)
-        throw Error(ErrorCode::OutOfSpace,
-                    "the server's disk is nearly full: what came is kept, go on when there is "
-                    "room again");
-    if (!upload_.length_bytes) require_bytes_of_quota(services_, upload_.project, 0);
 }
 
 Upload reconciled(const Services& services, const Upload& upload) {

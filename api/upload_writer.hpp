@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "api/disk_guard.hpp"
 #include "api/services.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/upload.hpp"
@@ -37,7 +38,6 @@ public:
 
 private:
     void advance();
-    void require_space() const;
 
     Services services_;
     Upload upload_;
@@ -45,6 +45,7 @@ private:
     std::optional<Sha256> hash_;  // of everything so far, when that is known
     std::int64_t written_ = 0;    // offset after the last byte that was handed over
     std::chrono::steady_clock::time_point flushed_;
+    RoomWatch room_;
 };
 
 // The upload with the offset that is really on disk. The caller has its turn. Blocks.

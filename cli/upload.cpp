@@ -85,6 +85,10 @@ std::chrono::milliseconds milliseconds_of(double seconds) {
     return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
 }
 
+client::UploadState state_of(const client::Account& account, const HashedSource& source) {
+    return {client::default_state_folder(), account.server.url(), source.hashes.archive_sha256};
+}
+
 std::string send(const client::Account& account,
                  HashedSource& source,
                  const UploadOptions& options,
@@ -104,10 +108,8 @@ std::string send(const client::Account& account,
     settings.give_up_after = milliseconds_of(options.give_up_after_s);
     settings.stall = milliseconds_of(options.stall_timeout_s);
     settings.num_parts = options.parallel;
-    const client::UploadState state(
-        client::default_state_folder(), account.server.url(), source.hashes.archive_sha256);
-    const auto upload_path =
-        client::upload_by_tus(account, *source.bytes, metadata, state, observer, settings);
+    const auto upload_path = client::upload_by_tus(
+        account, *source.bytes, metadata, state_of(account, source), observer, settings);
     return upload_path.substr(upload_path.rfind('/') + 1);
 }
 
@@ -123,12 +125,36 @@ Dive make_dive(client::RestClient& rest,
         .get<Dive>();
 }
 
-// Whether the server holds what is here: the very bytes, or the same recording packed otherwise,
-// which it has opened and hashed file by file.
+// Whether the server holds what is here, and means to keep it: the very bytes, or the same
+// recording packed otherwise, which it has opened and hashed file by file.
 bool is_verified(const Dive& dive, const client::DiveHashes& hashes) {
+    if (dive.state == DiveState::Refused || dive.deleted_at_ms > 0) return false;
     if (dive.archive_sha256 == hashes.archive_sha256) return true;
     return dive.state == DiveState::Ready && !hashes.content_sha256.empty() &&
            dive.content_sha256 == hashes.content_sha256;
+}
+
+// What was remembered of an upload may be of one whose dive was deleted since, or that the server
+// no longer knows: then all is sent anew, once.
+Dive send_and_make(client::RestClient& rest,
+                   HashedSource& source,
+                   const UploadOptions& options,
+                   client::Backoff& backoff,
+                   ProgressBar& bar) {
+    const client::UploadState state = state_of(rest.account(), source);
+    for (bool again = false;; again = true) {
+        const auto upload_id = send(rest.account(), source, options, bar);
+        backoff.moved();
+        try {
+            Dive dive = make_dive(rest, upload_id, source.bytes->size_bytes(), backoff);
+            state.forget();
+            return dive;
+        } catch (const Error& error) {
+            if (again || error.code() != ErrorCode::NotFound) throw;
+            bar.say(std::string("sending it anew: ") + error.what());
+        }
+        state.forget();
+    }
 }
 
 // The reconstruction that was asked for: one that is there already, else a new one.
@@ -178,9 +204,7 @@ Sent send_dive(client::RestClient& rest, const UploadOptions& options) {
         bar.say("the server has this dive already");
         sent.dive = std::move(*known);
     } else {
-        const auto upload_id = send(rest.account(), source, options, bar);
-        backoff.moved();
-        sent.dive = make_dive(rest, upload_id, source.bytes->size_bytes(), backoff);
+        sent.dive = send_and_make(rest, source, options, backoff, bar);
     }
     sent.verified = is_verified(sent.dive, source.hashes);
     bar.say(sent.verified ? "verified: the server holds what is here"

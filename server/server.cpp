@@ -17,8 +17,8 @@
 #include "api/idempotency.hpp"
 #include "api/import_dives.hpp"
 #include "api/in_pool.hpp"
-#include "api/make_dive.hpp"
 #include "api/metrics.hpp"
+#include "api/owed_dives.hpp"
 #include "api/upload_sweeper.hpp"
 #include "schemas/error.hpp"
 #include "server/connection.hpp"
@@ -135,6 +135,7 @@ struct Server::Implementation {
     asio::awaitable<void> accept();
     asio::awaitable<void> drain();
     asio::awaitable<void> sweep();
+    asio::awaitable<void> make_owed_dives();
     asio::awaitable<void> import();
     asio::awaitable<void> clean_up();
     void spawn_session(tcp::socket socket);
@@ -215,6 +216,16 @@ asio::awaitable<void> Server::Implementation::sweep() {
     }
 }
 
+asio::awaitable<void> Server::Implementation::make_owed_dives() {
+    std::string failure;
+    try {
+        co_await api::make_owed_dives(context().services);
+    } catch (const std::exception& error) {
+        failure = error.what();
+    }
+    if (!failure.empty()) log_warning({{"event", "owed_dives_failed"}, {"what", failure}});
+}
+
 asio::awaitable<void> Server::Implementation::clean_up() {
     asio::steady_timer pause(io);
     while (!stopping) {
@@ -269,7 +280,7 @@ const ServerConfig& Server::config() const { return implementation_->config; }
 void Server::run() {
     std::signal(SIGPIPE, SIG_IGN);  // sendfile() cannot be told to raise none
     Implementation& self = *implementation_;
-    asio::post(self.pool, [services = self.context().services] { api::make_owed_dives(services); });
+    asio::co_spawn(self.io, self.make_owed_dives(), asio::detached);
     asio::co_spawn(self.io, self.accept(), asio::detached);
     asio::co_spawn(self.io, self.sweep(), asio::detached);
     asio::co_spawn(self.io, self.import(), asio::detached);

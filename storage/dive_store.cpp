@@ -13,13 +13,26 @@
 namespace divemesh::storage {
 namespace {
 
+// "": it is none yet.
 std::string dive_of_upload(soci::session& session, const std::string& upload_id) {
-    const auto dive_id =
-        select_one<TextRow>(session,
-                            "SELECT COALESCE(dive_id, '') FROM uploads WHERE id = :id",
-                            soci::use(upload_id, "id"));
+    const auto dive_id = select_one<TextRow>(
+        session,
+        "SELECT COALESCE(dive_id, '') FROM uploads WHERE id = :id AND ended = ''",
+        soci::use(upload_id, "id"));
     if (!dive_id) throw Error(ErrorCode::NotFound, "no upload " + upload_id);
     return *dive_id;
+}
+
+// What an upload has become; not to be given as the answer to a new commit once it was deleted.
+Dive read_bound_dive(soci::session& session,
+                     const std::string& upload_id,
+                     const std::string& dive_id) {
+    Dive dive = read_dive(session, dive_id);
+    if (dive.deleted_at_ms > 0)
+        throw Error(ErrorCode::Gone,
+                    "upload " + upload_id + " became dive " + dive_id +
+                        ", which was deleted: restore that, or begin a new upload");
+    return dive;
 }
 
 void bind_upload(soci::session& session, const std::string& upload_id, const std::string& dive_id) {
@@ -95,7 +108,7 @@ CreatedDive DiveStore::create(const NewDive& request) {
             bound.empty()
                 ? find_recording(
                       session, request.project, request.archive_sha256, request.content_sha256)
-                : std::optional<Dive>(read_dive(session, bound));
+                : std::optional<Dive>(read_bound_dive(session, request.upload_id, bound));
         if (!known) require_dive_of_quota(session, request);
         created.existed = known && known->blob != request.blob;
         created.dive = known ? std::move(*known) : insert_dive(session, request);

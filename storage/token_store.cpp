@@ -164,6 +164,19 @@ bool TokenStore::is_valid(const std::string& id) {
     return valid;
 }
 
+std::optional<Token> TokenStore::get_valid(const std::string& id) {
+    std::optional<Token> token;
+    catalog_.read([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        token = select_one<TokenRow>(session,
+                                     "SELECT " TOKEN_COLUMNS
+                                     " FROM tokens WHERE id = :id AND " IS_VALID,
+                                     soci::use(id, "id"),
+                                     soci::use(now_ms, "now"));
+    });
+    return token;
+}
+
 // A full disk or a busy catalog must not keep anybody out who may come in.
 void TokenStore::record_use(const std::string& id, std::int64_t now_ms) {
     try {

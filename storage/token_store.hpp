@@ -43,6 +43,7 @@ public:
     // written once a minute; a catalog that may not wait throws Error{Unavailable} then.
     std::optional<Token> find(const std::string& secret);
     bool is_valid(const std::string& id);  // the same question about a token that was found before
+    std::optional<Token> get_valid(const std::string& id);
     std::vector<Token> list();
     void revoke(const std::string& id);  // throws Error{NotFound}
     bool empty();                        // none that is valid

@@ -127,6 +127,7 @@ std::optional<Upload> select_final(soci::session& session, const Upload& wanted)
     return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
 }
 
+// By a final upload that is still to get its bytes.
 bool is_claimed(soci::session& session, const std::string& part_id) {
     std::int64_t num_claims = 0;
     session << "SELECT COUNT(*) FROM upload_parts JOIN uploads ON id = final_id"
@@ -223,6 +224,14 @@ Upload UploadStore::get(const std::string& id) {
     return upload;
 }
 
+std::optional<Upload> UploadStore::find(const std::string& id) {
+    std::optional<Upload> upload;
+    catalog_.read([&](soci::session& session) {
+        upload = select_one<UploadRow>(session, kSelect + " WHERE id = :id", soci::use(id, "id"));
+    });
+    return upload;
+}
+
 Upload UploadStore::set_length(const std::string& id,
                                std::int64_t length_bytes,
                                std::int64_t max_bytes_of_project) {
@@ -277,8 +286,14 @@ std::optional<Upload> UploadStore::find_final(const Upload& wanted) {
 }
 
 void UploadStore::end(const std::string& id, UploadEnd end) {
-    catalog_.transaction(
-        [&](soci::session& session) { write_end(session, read_open_upload(session, id), end); });
+    catalog_.transaction([&](soci::session& session) {
+        const Upload upload = read_open_upload(session, id);
+        if (is_claimed(session, id))
+            throw Error(
+                ErrorCode::Locked,
+                "upload " + id + " is being joined with others: end the final upload first");
+        write_end(session, upload, end);
+    });
 }
 
 bool UploadStore::expire(const std::string& id) {
@@ -290,7 +305,7 @@ bool UploadStore::expire(const std::string& id) {
                                         " AND touched_at_ms + lifetime_ms <= :now",
                                         soci::use(id, "id"),
                                         soci::use(now_ms, "now"));
-        expired = !due.empty();
+        expired = !due.empty() && !is_claimed(session, id);
         if (expired) write_end(session, due.front(), UploadEnd::Expired);
     });
     return expired;

@@ -35,6 +35,7 @@ public:
     // The final upload of these very parts and metadata, when it was made before.
     std::optional<Upload> find_final(const Upload& wanted);
     Upload get(const std::string& id);  // throws Error{NotFound}; one that ended is told too
+    std::optional<Upload> find(const std::string& id);  // the same, nothing when there is none
     // Tells the length that was left open at creation. The same again changes nothing. Throws
     // Error{InvalidArgument} for another one, or one below the offset, Error{OutOfQuota}. Event
     // upload.completed when the offset is there already.
@@ -45,8 +46,9 @@ public:
     // Event upload.completed when it reaches the length.
     Upload advance(const std::string& id, std::int64_t offset_bytes);
 
-    void end(const std::string& id, UploadEnd end);  // throws Error{NotFound}, Error{Gone}
-    bool expire(const std::string& id);  // false: it is not due, moved meanwhile, or is no more
+    // Throws Error{NotFound}, Error{Gone}, and Error{Locked} for a part that is being joined.
+    void end(const std::string& id, UploadEnd end);
+    bool expire(const std::string& id);  // false: it is not due, being joined, or is no more
     std::vector<std::string> list_expired();
     std::vector<Upload> list_unfreed();  // ended, and their bytes are still on disk
     void set_freed(const std::string& id);

@@ -17,17 +17,21 @@ ErrorCode code_of(int status) {
         case 403: return ErrorCode::Forbidden;
         case 404:
         case 410: return ErrorCode::NotFound;
-        case 409:
-        case 423: return ErrorCode::Conflict;
+        case 409: return ErrorCode::Conflict;
         case 412:
         case 415: return ErrorCode::Unsupported;
         case 413: return ErrorCode::TooLarge;
         case 422: return ErrorCode::BadData;
         case 507: return ErrorCode::OutOfSpace;
         default:
-            return status == 429 || status >= 500 ? ErrorCode::Unavailable
-                                                  : ErrorCode::InvalidArgument;
+            return status == 423 || status == 429 || status >= 500 ? ErrorCode::Unavailable
+                                                                   : ErrorCode::InvalidArgument;
     }
+}
+
+// A conflict that passes by itself: our own request before this one is still under way.
+bool is_to_wait(const HttpResponse& response) {
+    return response.status == 409 && !response.header("retry-after").empty();
 }
 
 std::string text_of(const nlohmann::json& problem, const char* key) {
@@ -78,7 +82,7 @@ Error error_of(const HttpResponse& response) {
         break;
     }
     if (response.status == 401) message += " (give a token by DIVEMESH_TOKEN or --token-file)";
-    return Error(code_of(response.status), message);
+    return Error(is_to_wait(response) ? ErrorCode::Unavailable : code_of(response.status), message);
 }
 
 std::vector<std::pair<std::string, std::string>> authorization(const Account& account) {

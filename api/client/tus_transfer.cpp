@@ -10,9 +10,10 @@ namespace {
 
 const std::string kUploadsPath = "/api/v1/uploads";
 
-// 409: another offset than we thought; 423: an older request still holds the upload.
+// 409: another offset than we thought; 423: an older request still holds the upload; 507: the disk
+// is full, which somebody will mend before this laptop has anything better to do.
 [[noreturn]] void refuse(const HttpResponse& response) {
-    if (response.status == 409 || response.status == 423)
+    if (response.status == 409 || response.status == 423 || response.status == 507)
         throw Error(ErrorCode::Unavailable, error_of(response).what());
     throw error_of(response);
 }
@@ -121,6 +122,11 @@ private:
             before = sent;
         };
         const HttpResponse response = connection_.send(patch, body);
+        if (response.status == 404 || response.status == 410) {  // it expired meanwhile
+            set_path("");
+            offset_.reset();
+            return;
+        }
         if (response.status != 204) refuse(response);
         moved_to(offset_in(response));
         if (*offset_ <= start)

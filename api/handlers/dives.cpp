@@ -89,14 +89,21 @@ Awaitable<Response> dive_of_upload(Request request, Services services) {
     request.parameters.emplace("upload_id", wanted.upload_id);
     auto look = [services, request] { visible_upload(request, services.catalog); };
     co_await in_pool(services.pool, std::move(look));
-    auto turn = co_await services.turns.take(wanted.upload_id, [] {});
-    auto work = [services, wanted, request] {
-        const Upload upload = reconciled(services, visible_upload(request, services.catalog));
-        UploadPlan plan = plan_of(upload.metadata);
-        if (!wanted.name.empty()) plan.name = wanted.name;
-        if (!wanted.preset.empty()) plan.preset = wanted.preset;
+    const StopFlag stopped = std::make_shared<std::atomic<bool>>(false);
+    auto stop = [stopped] { *stopped = true; };
+    auto turn = co_await services.turns.take(wanted.upload_id, std::move(stop));
+    auto fresh = [services, request] {
+        return reconciled(services, visible_upload(request, services.catalog));
+    };
+    const Upload upload = co_await in_pool(services.pool, std::move(fresh));
+    UploadPlan plan = plan_of(upload.metadata);
+    if (!wanted.name.empty()) plan.name = wanted.name;
+    if (!wanted.preset.empty()) plan.preset = wanted.preset;
+    if (!plan.preset.empty()) require_scope(request.token, "jobs:write");
+    const std::string sha256 = co_await hash_archive(services, upload, stopped);
+    auto work = [services, upload, plan, sha256, request] {
         auto catalog = audited(services, request);
-        return make_dive(services, catalog, upload, plan);
+        return make_dive(services, catalog, upload, plan, sha256);
     };
     const MadeDive made = co_await in_pool(services.pool, std::move(work));
     Response response =

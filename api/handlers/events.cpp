@@ -10,6 +10,22 @@
 #include "storage/event_store.hpp"
 
 namespace divemesh::api {
+namespace {
+
+// After a restored backup a client may have seen more than there is, after a long time less: it
+// would be told nothing, or not all, without a word. Since 0 is from the oldest that there is.
+void require_known(storage::EventStore events, std::int64_t since) {
+    if (since > events.newest_sequence())
+        throw Error(ErrorCode::Gone,
+                    "there is no such event yet, the catalog was put back since: read the lists "
+                    "and connect without since");
+    if (since > 0 && since + 1 < events.oldest_sequence())
+        throw Error(ErrorCode::Gone,
+                    "events after that one were removed with age: read the lists and connect "
+                    "without since");
+}
+
+}  // namespace
 
 Awaitable<Response> watch_events(Request request, Services services) {
     if (!boost::beast::iequals(request.header("upgrade"), "websocket")) {
@@ -24,6 +40,10 @@ Awaitable<Response> watch_events(Request request, Services services) {
         if (!since)
             throw Error(ErrorCode::InvalidArgument, "since has to be the sequence of an event");
         feed.since = *since;
+        auto check = [&catalog = services.catalog, since = *since] {
+            require_known(storage::EventStore(catalog), since);
+        };
+        co_await in_pool(services.pool, std::move(check));
     } else {
         auto newest = [&catalog = services.catalog] {
             return storage::EventStore(catalog).newest_sequence();

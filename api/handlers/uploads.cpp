@@ -45,21 +45,20 @@ bool becomes_dive(const Upload& upload) {
 
 // Whoever brings the last byte has the dive made, so its token is asked anew: it may have been
 // revoked since the request began, or be another than that of the creation.
-Awaitable<Response> with_dive(Response response,
-                              Request request,
-                              Services services,
-                              Upload upload) {
+Awaitable<Response> with_dive(
+    Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const UploadPlan plan = plan_of(upload.metadata);
     const Token token = co_await authenticate(request, services, false);
     require_scope(token, "dives:write");
     if (!plan.preset.empty()) require_scope(token, "jobs:write");
-    response.audited = upload.dive_id.empty();  // else it is a dive already, and nothing changes
-    auto work = [services, request, upload, plan, num_bytes = response.uploaded_bytes] {
+    const std::string sha256 = co_await hash_archive(services, upload, stopped);
+    auto work = [services, request, upload, plan, sha256, num_bytes = response.uploaded_bytes] {
         auto catalog = audited(services, request, num_bytes);
         return make_dive(
-            services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan);
+            services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan, sha256);
     };
     const MadeDive made = co_await in_pool(services.pool, std::move(work));
+    response.audited = upload.dive_id.empty();  // else it was a dive already, and nothing changed
     upload.expires_at_ms = 0;
     set_progress(response, upload);
     response.set("Divemesh-Dive", made.dive.id);
@@ -68,22 +67,58 @@ Awaitable<Response> with_dive(Response response,
 }
 
 // The answer to a request that brought what it should.
-Awaitable<Response> arrived(Response response, Request request, Services services, Upload upload) {
+Awaitable<Response> arrived(
+    Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     if (becomes_dive(upload))
-        co_return co_await with_dive(std::move(response), request, services, upload);
+        co_return co_await with_dive(std::move(response), request, services, upload, stopped);
     set_progress(response, upload);
     co_return response;
 }
 
-Awaitable<UploadTurns::Turn> take_turn(Request request, Services services) {
-    // Whether it exists and may be seen comes first: others' requests are not to be stopped.
-    auto look = [services, request] { visible_upload(request, services.catalog); };
+// The same for the request that made the upload whole: that is to be told also when there is no
+// dive of it.
+Awaitable<Response> completed(
+    Response response, Request request, Services services, Upload upload, StopFlag stopped) {
+    response.uploaded_bytes = upload.offset_bytes;
+    std::exception_ptr failure;
+    try {
+        co_return co_await arrived(std::move(response), request, services, upload, stopped);
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    auto audit = [services, request, num_bytes = upload.offset_bytes] {
+        audit_uploaded(services, request, num_bytes);
+    };
+    co_await in_pool(services.pool, std::move(audit));
+    std::rethrow_exception(failure);
+}
+
+StopFlag new_flag() { return std::make_shared<std::atomic<bool>>(false); }
+
+// What a newer request does to this one.
+std::function<void()> stopper(const Request& request, const StopFlag& stopped) {
+    return [stream = request.stream, stopped] {
+        *stopped = true;
+        stream->stop();
+    };
+}
+
+Awaitable<UploadTurns::Turn> take_turn(Request request, Services services, StopFlag stopped) {
+    // Whether it exists and may be seen, and takes bytes when there are some, comes first: others'
+    // requests are not to be stopped.
+    auto look = [services, request] {
+        const Upload upload = visible_upload(request, services.catalog);
+        if (upload.is_final() && request.method == verb::patch)
+            throw Error(ErrorCode::Forbidden,
+                        "a final upload takes no bytes but those of its parts");
+    };
     co_await in_pool(services.pool, std::move(look));
-    auto stop = [stream = request.stream] { stream->stop(); };
+    auto stop = stopper(request, stopped);
     co_return co_await services.turns.take(request.parameter("upload_id"), std::move(stop));
 }
 
-Awaitable<Response> receive(Response response, Request request, Services services, Upload upload) {
+Awaitable<Response> receive(
+    Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const auto received =
         co_await receive_body(request.stream, services, upload, checksum_of(request));
     if (!received)
@@ -91,8 +126,9 @@ Awaitable<Response> receive(Response response, Request request, Services service
                                    kChecksumMismatch,
                                    "Upload-Checksum says that other bytes came than were sent: "
                                    "none is kept, send them again");
-    if (received->complete()) response.uploaded_bytes = received->offset_bytes;
-    co_return co_await arrived(std::move(response), request, services, *received);
+    if (received->complete())
+        co_return co_await completed(std::move(response), request, services, *received, stopped);
+    co_return co_await arrived(std::move(response), request, services, *received, stopped);
 }
 
 Response created(const Upload& upload) {
@@ -110,17 +146,20 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
         return enter_final(services, catalog, wanted);
     };
     Upload upload = co_await in_pool(services.pool, std::move(enter));
-    const auto stopped = std::make_shared<std::atomic<bool>>(false);
+    const StopFlag stopped = new_flag();
     auto stop = [stopped] { *stopped = true; };
     auto turn = co_await services.turns.take(upload.id, std::move(stop));
     auto fresh = [services, upload] {
-        return reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
+        const Upload whole =
+            reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
+        if (whole.complete()) free_parts(services, whole);  // of a server killed before it could
+        return whole;
     };
     upload = co_await in_pool(services.pool, std::move(fresh));
-    if (!upload.complete()) upload = co_await concatenate(services, upload, stopped);
-    Response response = created(upload);
-    response.uploaded_bytes = upload.offset_bytes;
-    co_return co_await arrived(std::move(response), request, services, upload);
+    if (upload.complete())
+        co_return co_await arrived(created(upload), request, services, upload, stopped);
+    upload = co_await concatenate(services, upload, stopped);
+    co_return co_await completed(created(upload), request, services, upload, stopped);
 }
 
 Response describe(const Upload& upload) {
@@ -144,6 +183,13 @@ Response offset_conflict(const Request& request, const Upload& upload) {
         "the next byte is number " + std::to_string(upload.offset_bytes) + ": ask by HEAD");
     response.set("Upload-Offset", std::to_string(upload.offset_bytes));
     return response;
+}
+
+// As it would be: a request that is refused must not fix the length.
+Upload with_told_length(const Request& request, Upload upload) {
+    if (!upload.length_bytes && request.has_header("upload-length"))
+        upload.length_bytes = std::max(count_header(request, "upload-length"), upload.offset_bytes);
+    return upload;
 }
 
 // The length that creation left open, when this request tells it.
@@ -178,6 +224,8 @@ Awaitable<Response> create_upload(Request request, Services services) {
     const Upload wanted = announced_upload(request, services.limits);
     if (!plan_of(wanted.metadata).preset.empty()) require_scope(request.token, "jobs:write");
     if (wanted.is_final()) co_return co_await create_final(request, services, wanted);
+    if (wanted.length_bytes == 0 && plan_of(wanted.metadata).commit)
+        throw Error(ErrorCode::BadData, "an upload of no bytes holds no dive");
     const bool with_bytes = brings_bytes(request);
     checksum_of(request);
     if (with_bytes) check_content_length(request, wanted, services);
@@ -187,18 +235,20 @@ Awaitable<Response> create_upload(Request request, Services services) {
         return enter_upload(services, catalog, wanted);
     };
     const Upload upload = co_await in_pool(services.pool, std::move(enter));
-    auto stop = [stream = request.stream] { stream->stop(); };
+    const StopFlag stopped = new_flag();
+    auto stop = stopper(request, stopped);
     auto turn = co_await services.turns.take(upload.id, std::move(stop));
-    if (with_bytes) co_return co_await receive(created(upload), request, services, upload);
-    co_return co_await arrived(created(upload), request, services, upload);
+    if (with_bytes) co_return co_await receive(created(upload), request, services, upload, stopped);
+    co_return co_await arrived(created(upload), request, services, upload, stopped);
 }
 
 Awaitable<Response> get_upload_offset(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
     auto look = [services, request] { return visible_upload(request, services.catalog); };
     Upload upload = co_await in_pool(services.pool, std::move(look));
-    if (upload.is_final()) co_return describe(upload);  // not to be stopped, and told when done
-    auto turn = co_await take_turn(request, services);
+    // Not to be stopped: a join, and the hashing of what is complete.
+    if (upload.is_final() || upload.complete()) co_return describe(upload);
+    auto turn = co_await take_turn(request, services, new_flag());
     auto fresh = [services, request] {
         return reconciled(services, visible_upload(request, services.catalog));
     };
@@ -219,28 +269,25 @@ Awaitable<Response> append_to_upload(Request request, Services services) {
     require_bytes(request);
     const std::int64_t offset = count_header(request, "upload-offset");
     checksum_of(request);
-    auto turn = co_await take_turn(request, services);
+    const StopFlag stopped = new_flag();
+    auto turn = co_await take_turn(request, services, stopped);
     auto fresh = [services, request] {
-        const Upload upload = visible_upload(request, services.catalog);
-        if (upload.is_final())
-            throw Error(ErrorCode::Forbidden,
-                        "a final upload takes no bytes but those of its parts");
-        return reconciled(services, upload);
+        return reconciled(services, visible_upload(request, services.catalog));
     };
     Upload upload = co_await in_pool(services.pool, std::move(fresh));
     if (offset != upload.offset_bytes) co_return offset_conflict(request, upload);
+    check_content_length(request, with_told_length(request, upload), services);
     auto lengthen = [services, request, upload] { return with_length(request, services, upload); };
     upload = co_await in_pool(services.pool, std::move(lengthen));
-    check_content_length(request, upload, services);
     Response response = empty_response(http::status::no_content);
     if (upload.complete())
-        co_return co_await arrived(std::move(response), request, services, upload);
-    co_return co_await receive(std::move(response), request, services, upload);
+        co_return co_await arrived(std::move(response), request, services, upload, stopped);
+    co_return co_await receive(std::move(response), request, services, upload, stopped);
 }
 
 Awaitable<Response> terminate_upload(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
-    auto turn = co_await take_turn(request, services);
+    auto turn = co_await take_turn(request, services, new_flag());
     auto work = [services, request] {
         const Upload upload = visible_upload(request, services.catalog);
         auto catalog = audited(services, request);

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "api/client/http_connection.hpp"
 #include "schemas/content_hash.hpp"
 #include "tests/end_to_end/service.hpp"
 #include "tests/flaky_proxy.hpp"
@@ -77,6 +78,27 @@ TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
     EXPECT_NE(packed.err.find("has this dive already"), std::string::npos) << packed.err;
     EXPECT_EQ(packed.out, folder.out);
     expect_one_ready_dive();
+}
+
+TEST_F(UploadTest, U22ADiveThatWasDeletedIsSentAnewAndNotCalledVerified) {
+    service.start_server(0);
+    const Outcome first =
+        service.run({"upload", small_dive().string(), "--no-job", "--json"}, 120s);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const std::string dive = nlohmann::json::parse(first.out).at("dive");
+    api::client::HttpConnection connection(api::client::parse_server_url(service.address()), 60s);
+    const auto deleted =
+        connection.send({"DELETE",
+                         "/api/v1/dives/" + dive,
+                         {{"If-Match", "*"}, {"Authorization", "Bearer " + service.token()}},
+                         ""});
+    ASSERT_EQ(deleted.status, 200);
+    const Outcome again =
+        service.run({"upload", small_dive().string(), "--no-job", "--json"}, 120s);
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_NE(nlohmann::json::parse(again.out).at("dive"), dive);
+    EXPECT_EQ(nlohmann::json::parse(again.out).at("verified"), true);
+    EXPECT_EQ(service.dives().size(), 1U);
 }
 
 TEST_F(UploadTest, WorksWithAStockTusClientInTwoSittings) {

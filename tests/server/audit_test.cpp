@@ -201,6 +201,15 @@ TEST_F(AuditTest, ADiveThatItsLastBytesMakeIsToldOnceAndWithThem) {
     EXPECT_EQ(all[1].data["request_id"], made.header("x-request-id"));
 }
 
+TEST_F(AuditTest, BytesThatMakeNoDiveAreToldAllTheSame) {
+    const auto path = create_upload(
+        server.port(), token, 5, "commit,sha256 " + base64(sha256_hex("something else")));
+    EXPECT_EQ(patch(path, 0, "bytes").status, 422);
+    const auto all = audits();
+    ASSERT_EQ(all.size(), 2U);
+    EXPECT_EQ(all[1].data["uploaded_bytes"], 5);
+}
+
 // The event is part of the change: a catalog that takes no such event takes no change.
 TEST_F(AuditTest, WhatCannotBeNotedDoesNotHappen) {
     const auto job = new_job();

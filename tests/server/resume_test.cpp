@@ -65,6 +65,13 @@ std::string read_token(const std::filesystem::path& data) {
     return token;
 }
 
+std::size_t num_files(const std::filesystem::path& folder) {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) ++count;
+    return count;
+}
+
 // Waits until a HEAD tells an offset of at least `wanted`.
 std::int64_t offset_reaches(int port,
                             const std::string& token,
@@ -288,6 +295,7 @@ TEST(ResumeTest, U13AServerKilledWhileItJoinsPartsGoesOn) {
                      {{"Authorization", "Bearer " + token}, {"Content-Type", "application/json"}},
                      nlohmann::json{{"upload_id", path.substr(path.rfind('/') + 1)}}.dump());
     EXPECT_EQ(made.json()["archive_sha256"], sha256_hex(bytes + bytes + bytes));
+    EXPECT_EQ(num_files(data.path() / "blobs" / "staged"), 0U);
 }
 
 TEST(ResumeTest, AFullDiskIsToldAndWhatFittedIsKept) {

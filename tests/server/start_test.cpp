@@ -114,36 +114,54 @@ TEST(StartTest, ReadsBothFamiliesOfAddresses) {
     EXPECT_EQ(url_of(parse_listen_address("localhost:81")), "http://127.0.0.1:81");
 }
 
-TEST(StartTest, MakesTheDiveThatAKilledServerStillOwed) {
+// Entered, received, and the server is killed before the dive.
+std::string owe_dive(const ServerConfig& config,
+                     const std::string& token_id,
+                     const std::string& metadata) {
+    storage::Catalog catalog(config.catalog_url);
+    const auto blobs = storage::open_blob_store(config.blobs_url);
+    Upload upload;
+    upload.project = "default";
+    upload.token_id = token_id;
+    upload.length_bytes = 5;
+    upload.metadata = metadata;
+    upload = storage::UploadStore(catalog).create(upload);
+    const auto staged = blobs->open_staged(upload.blob);
+    staged->write(std::string_view("hello"));
+    staged->flush();
+    storage::UploadStore(catalog).advance(upload.id, 5);
+    return upload.id;
+}
+
+TEST(StartTest, S12MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHaveThem) {
     const TemporaryFolder data;
     const auto config = config_at(data, "127.0.0.1:0");
-    std::string upload_id;
+    std::string wrong;
+    std::string revoked;
+    std::string good;
     {
-        const Server server(config);  // entered, received, and then killed before the dive
+        const Server server(config);
         storage::Catalog catalog(server.config().catalog_url);
-        const auto blobs = storage::open_blob_store(server.config().blobs_url);
-        Upload upload;
-        upload.project = "default";
-        upload.length_bytes = 5;
-        upload.metadata = "commit";
-        upload = storage::UploadStore(catalog).create(upload);
-        const auto staged = blobs->open_staged(upload.blob);
-        staged->write(std::string_view("hello"));
-        staged->flush();
-        storage::UploadStore(catalog).advance(upload.id, 5);
-        upload_id = upload.id;
+        storage::TokenStore tokens(catalog);
+        const auto lost = tokens.create({.name = "lost", .scopes = {"dives:write"}}).token.id;
+        const auto kept = tokens.create({.name = "kept", .scopes = {"dives:write"}}).token.id;
+        wrong = owe_dive(server.config(), kept, "commit,sha256 " + base64(std::string(64, '0')));
+        revoked = owe_dive(server.config(), lost, "commit");
+        tokens.revoke(lost);
+        good = owe_dive(server.config(), kept, "commit");
     }
     Server server(config);
     std::thread running([&] { server.run(); });
     storage::Catalog catalog(server.config().catalog_url);
-    std::string dive_id;
-    for (int i = 0; i < 500 && dive_id.empty(); ++i) {
-        dive_id = storage::UploadStore(catalog).get(upload_id).dive_id;
+    storage::UploadStore uploads(catalog);
+    for (int i = 0; i < 500 && uploads.get(good).dive_id.empty(); ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
     server.stop();
     running.join();
-    EXPECT_FALSE(dive_id.empty());
+    EXPECT_FALSE(uploads.get(good).dive_id.empty());
+    EXPECT_TRUE(uploads.get(revoked).dive_id.empty());
+    EXPECT_FALSE(uploads.get(revoked).end) << "its bytes are kept";
+    EXPECT_EQ(uploads.get(wrong).end, UploadEnd::Terminated);
 }
 
 }  // namespace

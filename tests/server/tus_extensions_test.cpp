@@ -33,6 +33,26 @@ TEST_F(TusTest, U9ALengthThatIsToldLaterIsToldOnce) {
     EXPECT_EQ(archive_of(last.header("divemesh-dive")), bytes);
 }
 
+TEST_F(TusTest, U9ARefusedRequestDoesNotFixTheLength) {
+    const auto path = create({{"Upload-Defer-Length", "1"}}).header("location");
+    EXPECT_EQ(patch(path, 0, bytes, {{"Upload-Length", "100"}}).status, 413);
+    EXPECT_EQ(head(path).header("upload-defer-length"), "1");
+    EXPECT_EQ(patch(path, 0, bytes, {{"Upload-Length", "300000"}}).status, 204);
+}
+
+TEST_F(TusTest, U13APartIsKeptAsLongAsAJoinNeedsIt) {
+    const auto part = make_part(bytes);
+    storage::UploadStore uploads(server.catalog());
+    Upload whole;  // entered, and its bytes are still to be copied
+    whole.project = "default";
+    whole.concat = final_of({part});
+    whole.length_bytes = 300'000;
+    const auto joining = uploads.create_final(whole, {id_of(part)});
+    EXPECT_EQ(terminate(part).status, 423);
+    uploads.end(joining.id, UploadEnd::Terminated);
+    EXPECT_EQ(terminate(part).status, 204);
+}
+
 TEST_F(TusTest, U9AnUploadMayEndWhereItIsWhenItsLengthIsTold) {
     const auto path = create({{"Upload-Defer-Length", "1"}}).header("location");
     patch(path, 0, bytes);

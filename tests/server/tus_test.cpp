@@ -1,3 +1,4 @@
+#include "storage/upload_store.hpp"
 #include "tests/server/tus_fixture.hpp"
 
 namespace divemesh {
@@ -248,6 +249,36 @@ TEST_F(TusTest, AnEmptyUploadIsNoDive) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
     const auto id = path.substr(path.rfind('/') + 1);
     EXPECT_EQ(server.post_json("/api/v1/dives", token, {{"upload_id", id}}).status, 422);
+    EXPECT_EQ(create({{"Upload-Length", "0"}, {"Upload-Metadata", "commit"}}).status, 422);
+    EXPECT_EQ(storage::UploadStore(server.catalog()).list_open().size(), 1U);
+}
+
+TEST_F(TusTest, AnUploadWhoseDiveWasDeletedIsNoDiveAnyMore) {
+    const auto path = create_upload(server.port(), token, 300'000);
+    ASSERT_EQ(patch(path, 0, bytes).status, 204);
+    const nlohmann::json wanted = {{"upload_id", path.substr(path.rfind('/') + 1)},
+                                   {"job", "standard"}};
+    const auto made = server.post_json("/api/v1/dives", token, wanted);
+    ASSERT_EQ(made.status, 201) << made.body;
+    const std::string dive = "/api/v1/dives/" + made.json()["id"].get<std::string>();
+    ASSERT_EQ(server.request("DELETE", dive, token, {{"If-Match", "*"}}).status, 200);
+    EXPECT_EQ(server.post_json("/api/v1/dives", token, wanted).status, 410);
+    EXPECT_EQ(server.request("GET", "/api/v1/jobs?state=queued", token).json()["items"].size(), 0U);
+}
+
+TEST_F(TusTest, S24AnUploadersPresetNeedsTheScopeOfWhoCommits) {
+    const auto path = create_upload(server.port(), token, 300'000, "job c3RhbmRhcmQ=");
+    storage::UploadStore uploads(server.catalog());
+    const auto id = path.substr(path.rfind('/') + 1);
+    const auto stranger = server.make_token("default", {"dives:write"});
+    EXPECT_EQ(patch(path, 0, bytes.substr(0, 1000)).status, 204);
+    const auto part =
+        RawClient(server.port())
+            .request("PATCH", path, patch_headers(stranger, 1000), bytes.substr(1000));
+    EXPECT_EQ(part.status, 403) << part.body;
+    EXPECT_TRUE(uploads.get(id).complete());
+    EXPECT_EQ(server.post_json("/api/v1/dives", stranger, {{"upload_id", id}}).status, 403);
+    EXPECT_EQ(server.post_json("/api/v1/dives", token, {{"upload_id", id}}).status, 201);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST_F(TusUploadTest, GoesOnWhereTheConnectionWasCut) {
 }
 
 TEST_F(TusUploadTest, GoesOnAfterTheClientWasKilled) {
-    server.script_patches({{}, {507, -1, false}});
+    server.script_patches({{}, {403, -1, false}});
     EXPECT_THROW(upload(), Error);
     upload();
     EXPECT_EQ(server.stored(), bytes);
@@ -82,8 +82,21 @@ TEST_F(TusUploadTest, TriesAgainWhileTheUploadIsLockedOrTheServerBroken) {
     EXPECT_EQ(num_waits, 2);
 }
 
-TEST_F(TusUploadTest, StartsAnewWhenTheServerForgotTheUpload) {
+TEST_F(TusUploadTest, WaitsForRoomOnAFullDisk) {
     server.script_patches({{}, {507, -1, false}});
+    upload();
+    EXPECT_EQ(server.stored(), bytes);
+    EXPECT_EQ(num_waits, 1);
+}
+
+TEST_F(TusUploadTest, StartsAnewWhenTheUploadExpiresUnderWay) {
+    server.script_patches({{}, {410, -1, false}});
+    EXPECT_EQ(upload(), "/api/v1/uploads/u2");
+    EXPECT_EQ(server.stored(), bytes);
+}
+
+TEST_F(TusUploadTest, StartsAnewWhenTheServerForgotTheUpload) {
+    server.script_patches({{}, {403, -1, false}});
     EXPECT_THROW(upload(), Error);
     server.forget_upload();
     EXPECT_EQ(upload(), "/api/v1/uploads/u2");

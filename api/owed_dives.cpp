@@ -1,0 +1,86 @@
+#include "api/owed_dives.hpp"
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+#include <vector>
+
+#include "api/audit.hpp"
+#include "api/authorization.hpp"
+#include "api/concatenation.hpp"
+#include "api/in_pool.hpp"
+#include "api/make_dive.hpp"
+#include "api/upload_writer.hpp"
+#include "schemas/error.hpp"
+#include "storage/token_store.hpp"
+#include "storage/upload_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+// Whoever is no longer trusted gets no dive by a restart.
+void require_begun_by_right(const Services& services,
+                            const Upload& upload,
+                            const UploadPlan& plan) {
+    if (upload.token_id.empty()) return;  // an import, or a server that asks nobody
+    const auto token = storage::TokenStore(services.catalog).get_valid(upload.token_id);
+    if (!token)
+        throw Error(ErrorCode::Unauthorized, "the token that began this upload is no longer valid");
+    require_scope(*token, "dives:write");
+    if (!plan.preset.empty()) require_scope(*token, "jobs:write");
+}
+
+// The caller has the turn.
+Awaitable<void> make_one(Services services, std::string upload_id) {
+    auto read = [services, upload_id] {
+        return storage::UploadStore(services.catalog).get(upload_id);
+    };
+    const Upload upload = co_await in_pool(services.pool, std::move(read));
+    const bool ended = upload.end.has_value();
+    if (ended || !upload.complete() || upload.is_partial()) co_return;
+    const UploadPlan plan = plan_of(upload.metadata);
+    auto prepare = [services, upload, plan] {
+        if (upload.is_final()) free_parts(services, upload);
+        if (plan.commit) require_begun_by_right(services, upload, plan);
+    };
+    co_await in_pool(services.pool, std::move(prepare));
+    if (!plan.commit || !upload.dive_id.empty()) co_return;
+    const auto never = std::make_shared<std::atomic<bool>>(false);
+    const std::string sha256 = co_await hash_archive(services, upload, never);
+    auto make = [services, upload, plan, sha256] {
+        auto catalog = audited(services.catalog, "serve", "owed dive of " + upload.id);
+        try {
+            make_dive(services, catalog, upload, plan, sha256);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::BadData) throw;
+            storage::UploadStore(services.catalog).end(upload.id, UploadEnd::Terminated);
+            free_bytes(services, upload);
+            throw;
+        }
+    };
+    co_await in_pool(services.pool, std::move(make));
+}
+
+}  // namespace
+
+Awaitable<void> make_owed_dives(Services services) {
+    auto list = [services] { return storage::UploadStore(services.catalog).list_open(); };
+    const auto uploads = co_await in_pool(services.pool, std::move(list));
+    for (const Upload& upload : uploads) {
+        if (services.stopping) co_return;
+        if (!upload.complete() || upload.is_partial()) continue;
+        const auto turn = co_await services.turns.take_if_free(upload.id);
+        if (!turn) continue;
+        std::string failure;
+        try {
+            co_await make_one(services, upload.id);
+        } catch (const std::exception& error) {
+            failure = error.what();
+        }
+        if (!failure.empty())
+            spdlog::warn(
+                nlohmann::json{{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}}
+                    .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+    }
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "api/http.hpp"
+#include "api/services.hpp"
+
+namespace divemesh::api {
+
+// Makes the dives that a server killed between the last byte and the catalog still owes, beside
+// requests: an upload that one of them has is left to it. The token that began the upload has to be
+// valid still. What is not what its sha256 said ends, as if it had been terminated; other failures
+// are logged: whoever sends the upload's last request again learns them.
+Awaitable<void> make_owed_dives(Services services);
+
+}  // namespace divemesh::api
