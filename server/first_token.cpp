@@ -38,7 +38,9 @@ std::string make_first_token(const storage::Catalog& catalog, const std::filesys
     try {
         write_secret(file, created.secret);
     } catch (const Error&) {
-        tokens.revoke(created.token.id);
+        auto withdrawn =
+            api::audited(catalog, "serve", "first token withdrawn: nobody was told it");
+        storage::TokenStore(withdrawn).revoke(created.token.id);
         throw;
     }
     return created.secret;

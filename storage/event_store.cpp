@@ -81,4 +81,12 @@ std::int64_t EventStore::newest_sequence() {
     return newest;
 }
 
+std::int64_t EventStore::oldest_sequence() {
+    std::int64_t oldest = 0;
+    catalog_.read([&](soci::session& session) {
+        session << "SELECT COALESCE(MIN(sequence), 0) FROM events", soci::into(oldest);
+    });
+    return oldest;
+}
+
 }  // namespace divemesh::storage

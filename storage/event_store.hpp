@@ -24,6 +24,7 @@ public:
     // In order of sequence; project "" sees all. At most `limit`.
     std::vector<Event> since(std::int64_t sequence, const std::string& project, int limit);
     std::int64_t newest_sequence();
+    std::int64_t oldest_sequence();  // that is kept; 0: none is
 
 private:
     Catalog& catalog_;

@@ -4,6 +4,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
+#include <soci/soci.h>
 
 #include "schemas/content_hash.hpp"
 #include "schemas/json.hpp"
@@ -54,14 +55,16 @@ private:
     websocket::stream<asio::ip::tcp::socket> socket_{context_};
 };
 
-RawResponse open_socket(RawClient& client, const std::string& token) {
+RawResponse open_socket(RawClient& client,
+                        const std::string& token,
+                        const std::string& query = "") {
     const Headers headers = {{"Upgrade", "websocket"},
                              {"Connection", "Upgrade"},
                              {"Sec-WebSocket-Version", "13"},
                              {"Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ=="},
                              {"Sec-WebSocket-Extensions", "permessage-deflate"},
                              {"Authorization", "Bearer " + token}};
-    client.send(request_head("GET", "/api/v1/events", headers, std::nullopt));
+    client.send(request_head("GET", "/api/v1/events" + query, headers, std::nullopt));
     return client.receive().value_or(RawResponse{});
 }
 
@@ -75,6 +78,25 @@ TEST(EventsTest, TellsWhatHappensInOrderAndResumesAfterTheLastSeen) {
     EventClient resumed(
         server.port(), server.admin(), "?since=" + std::to_string(seen[0].sequence));
     EXPECT_EQ(resumed.next().sequence, seen[1].sequence);
+}
+
+// After a restored backup, or after a long time: silence would be taken for nothing new.
+TEST(EventsTest, SinceAnEventThatThereIsNotIsRefused) {
+    TestServer server;
+    server.make_dive("default", sha256_hex("1"));
+    const auto status_since = [&](std::int64_t sequence) {
+        RawClient client(server.port());
+        return open_socket(client, server.admin(), "?since=" + std::to_string(sequence)).status;
+    };
+    const auto newest = storage::EventStore(server.catalog()).newest_sequence();
+    EXPECT_EQ(status_since(newest), 101);
+    EXPECT_EQ(status_since(newest + 1), 410);
+    EXPECT_EQ(status_since(1), 101);
+    server.catalog().transaction(
+        [](soci::session& session) { session << "DELETE FROM events WHERE sequence < 3"; });
+    EXPECT_EQ(status_since(1), 410);
+    EXPECT_EQ(status_since(2), 101);
+    EXPECT_EQ(status_since(0), 101);
 }
 
 TEST(EventsTest, WithoutSinceTellsOnlyWhatIsNew) {
