@@ -12,7 +12,7 @@ namespace {
 template <typename Options, typename Visit>
 void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
-    visit("stereo", options.stereo, "block (SSD, the paper), sgm, opencv_sgbm");
+    visit("stereo", options.stereo, "block (sum of absolute differences, as the paper), sgm, opencv_sgbm");
     visit("num_disparities_px", options.num_disparities_px, "disparity search range, multiple of 16");
     visit("num_features", options.num_features, "salient features tracked per frame");
     visit("estimator", options.estimator, "pairwise (the paper) or window (sliding-window adjustment)");
