@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "storage/dive_removal.hpp"
+#include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
 #include "storage/webhook_store.hpp"
 
@@ -48,6 +49,10 @@ void clean_up(const Services& services) {
     attempt("webhooks", services, [&] {
         storage::WebhookStore(catalog).forget_older_than(kDeliveriesKept);
     });
+}
+
+void end_lost_leases(const Services& services) {
+    attempt("leases", services, [&] { storage::JobStore(services.catalog).requeue_expired(); });
 }
 
 }  // namespace divemesh::api

@@ -9,4 +9,8 @@ namespace divemesh::api {
 // the next round. Blocks: for the pool.
 void clean_up(const Services& services);
 
+// Ends the leases of workers that are gone, so that their jobs are queued again, or cancelled when
+// that was asked for, though no worker polls. As above.
+void end_lost_leases(const Services& services);
+
 }  // namespace divemesh::api

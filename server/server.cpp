@@ -137,7 +137,8 @@ struct Server::Implementation {
     asio::awaitable<void> sweep();
     asio::awaitable<void> make_owed_dives();
     asio::awaitable<void> import();
-    asio::awaitable<void> clean_up();
+    asio::awaitable<void> repeat(void (*round)(const api::Services&),
+                                 std::chrono::milliseconds pause);
     void spawn_session(tcp::socket socket);
 
     ServerConfig config;
@@ -226,13 +227,15 @@ asio::awaitable<void> Server::Implementation::make_owed_dives() {
     if (!failure.empty()) log_warning({{"event", "owed_dives_failed"}, {"what", failure}});
 }
 
-asio::awaitable<void> Server::Implementation::clean_up() {
-    asio::steady_timer pause(io);
+// What blocks and throws nothing, in the pool.
+asio::awaitable<void> Server::Implementation::repeat(void (*round)(const api::Services&),
+                                                     std::chrono::milliseconds pause) {
+    asio::steady_timer timer(io);
     while (!stopping) {
-        auto round = [services = context().services] { api::clean_up(services); };
-        co_await api::in_pool(pool, std::move(round));
-        pause.expires_after(10min);
-        co_await pause.async_wait(kAwaitErrors);
+        auto work = [round, services = context().services] { round(services); };
+        co_await api::in_pool(pool, std::move(work));
+        timer.expires_after(pause);
+        co_await timer.async_wait(kAwaitErrors);
     }
 }
 
@@ -285,7 +288,9 @@ void Server::run() {
     asio::co_spawn(self.io, self.sweep(), asio::detached);
     asio::co_spawn(self.io, self.import(), asio::detached);
     asio::co_spawn(self.io, self.events.run(), asio::detached);
-    asio::co_spawn(self.io, self.clean_up(), asio::detached);
+    asio::co_spawn(self.io, self.repeat(api::clean_up, 10min), asio::detached);
+    asio::co_spawn(
+        self.io, self.repeat(api::end_lost_leases, self.config.timeouts.leases), asio::detached);
     asio::co_spawn(self.io, self.webhooks.run(), asio::detached);
     {
         std::vector<std::jthread> threads;

@@ -18,6 +18,7 @@ struct Timeouts {
     std::chrono::milliseconds web_socket = std::chrono::seconds(30);  // without a sign of life
     std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
     std::chrono::milliseconds sweep = std::chrono::seconds(60);       // between two sweeps
+    std::chrono::milliseconds leases = std::chrono::seconds(5);       // between two looks at them
 };
 
 struct ServerConfig {

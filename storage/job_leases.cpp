@@ -55,6 +55,14 @@ bool has_work(soci::session& session, const std::string& worker, std::int64_t pa
     return work.has_value();
 }
 
+bool has_lost_jobs(soci::session& session) {
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    return select_one<TextRow>(session,
+                               "SELECT '' WHERE EXISTS (SELECT 1" + kEndingWrong + ")",
+                               soci::use(now_ms, "now"))
+        .has_value();
+}
+
 int end_expired(soci::session& session) {
     const std::int64_t now_ms = Catalog::now_ms(session);
     execute(session,
@@ -277,6 +285,10 @@ bool JobStore::release(const Lease& lease) {
 }
 
 int JobStore::requeue_expired() {
+    bool found = false;  // without the writers' lock, as in claim()
+    catalog_.read([&](soci::session& session) { found = has_lost_jobs(session); });
+    if (!found) return 0;
+
     int num_expired = 0;
     catalog_.transaction([&](soci::session& session) { num_expired = end_expired(session); });
     return num_expired;
