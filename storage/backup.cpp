@@ -52,6 +52,13 @@ private:
     fs::path file_;
 };
 
+// With the secrets of webhooks and the hashes of tokens in it.
+FileDescriptor make_private(const fs::path& file) {
+    FileDescriptor made(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (!made.is_open()) throw_errno("making " + file.string());
+    return made;
+}
+
 // What the catalog says of its blobs: key -> sha256, "" where it knows none.
 std::map<std::string, std::string> named_blobs(Catalog& catalog) {
     struct Row {
@@ -92,9 +99,10 @@ void check(int result, archive* tar, ErrorCode code, const std::string& doing) {
 
 class TarWriter {
 public:
-    explicit TarWriter(const fs::path& file) : tar_(archive_write_new(), archive_write_free) {
+    explicit TarWriter(const fs::path& file)
+        : file_(make_private(file)), tar_(archive_write_new(), archive_write_free) {
         archive_write_set_format_pax_restricted(tar_.get());
-        check(archive_write_open_filename(tar_.get(), file.c_str()),
+        check(archive_write_open_fd(tar_.get(), file_.get()),
               tar_.get(),
               ErrorCode::Unavailable,
               "writing " + file.string());
@@ -124,6 +132,7 @@ private:
         check(result, tar_.get(), ErrorCode::Unavailable, "writing " + what + " to the backup");
     }
 
+    FileDescriptor file_;
     Archive tar_;
     std::vector<char> buffer_ = std::vector<char>(kPieceBytes);
 };
@@ -232,10 +241,21 @@ void check_end(TarReader& tar, const std::string& name, std::int64_t num_blobs) 
         throw Error(ErrorCode::BadData, "the backup is damaged: its end is missing");
 }
 
+// Null: it is gone, or goes this very moment.
+std::unique_ptr<BlobReader> open_if_there(BlobStore& blobs, const std::string& key) {
+    try {
+        return blobs.open(key);
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::NotFound) return nullptr;
+        throw;
+    }
+}
+
 }  // namespace
 
 BackupSummary write_backup(Catalog& catalog, BlobStore& blobs, const fs::path& file) {
     const Part snapshot(file.string() + ".catalog");
+    make_private(snapshot.path());
     catalog.copy_to(snapshot.path().string());
     std::map<std::string, std::string> named;
     {
@@ -249,11 +269,11 @@ BackupSummary write_backup(Catalog& catalog, BlobStore& blobs, const fs::path& f
     tar.add(kCatalogName, reader);
     BackupSummary summary;
     for (const auto& [key, sha256] : named) {
-        if (!blobs.exists(key)) {
+        const auto blob = open_if_there(blobs, key);
+        if (!blob) {
             ++summary.num_missing;
             continue;
         }
-        const auto blob = blobs.open(key);
         tar.add(std::string(kBlobsFolder) + key, *blob);
         ++summary.num_blobs;
         summary.num_bytes += blob->size_bytes();

@@ -17,7 +17,7 @@ struct BackupSummary {
 
 // Writes one tar: a snapshot of the catalog and every blob that it names, while everybody goes on
 // working. Unfinished uploads are left out: their clients send them again. `file` is there when it
-// is whole and durable. Throws Error{OutOfSpace}, Error{Unavailable}.
+// is whole and durable, for its owner alone to read. Throws Error{OutOfSpace}, Error{Unavailable}.
 BackupSummary write_backup(Catalog& catalog, BlobStore& blobs, const std::filesystem::path& file);
 
 // Makes catalog and blobs of a backup. `catalog_file` must not exist, and does only when every blob

@@ -24,6 +24,7 @@ public:
     // Whether calls on this connection wait for other processes; they do when it is new.
     virtual void set_may_wait(soci::session& session, bool may_wait) const = 0;
     virtual void run_script(soci::session& session, const std::string& sql) const = 0;
+    // Into a file that is not there, or is empty and keeps its mode.
     virtual void copy_to(soci::session& session, const std::string& file) const = 0;
     // Throws Error{Unavailable} or Error{OutOfSpace} for what is no bug of ours; else returns.
     virtual void translate(const soci::soci_error& error) const = 0;

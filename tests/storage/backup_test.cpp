@@ -1,6 +1,10 @@
 #include "storage/backup.hpp"
 
+#include <atomic>
 #include <fstream>
+#include <set>
+#include <sys/stat.h>
+#include <thread>
 
 #include "storage/blob_store.hpp"
 #include "tests/storage/store_fixture.hpp"
@@ -9,6 +13,46 @@ namespace divemesh::storage {
 namespace {
 
 namespace fs = std::filesystem;
+
+// As if somebody removed each blob between two calls of the backup.
+class VanishingBlobs : public BlobStore {
+public:
+    explicit VanishingBlobs(BlobStore& blobs) : blobs_(blobs) {}
+
+    std::unique_ptr<StagedBlob> open_staged(const std::string& key) override {
+        return blobs_.open_staged(key);
+    }
+    std::int64_t staged_size_bytes(const std::string& key) override {
+        return blobs_.staged_size_bytes(key);
+    }
+    std::unique_ptr<BlobReader> read_staged(const std::string& key) override {
+        return blobs_.read_staged(key);
+    }
+    void remove_staged(const std::string& key) override { blobs_.remove_staged(key); }
+    void commit_staged(const std::string& staged_key, const std::string& key) override {
+        blobs_.commit_staged(staged_key, key);
+    }
+    void put_file(const std::string& key, const fs::path& file) override {
+        blobs_.put_file(key, file);
+    }
+    std::unique_ptr<BlobReader> open(const std::string& key) override {
+        blobs_.remove(key);
+        return blobs_.open(key);
+    }
+    fs::path local_copy(const std::string& key, const fs::path& scratch) override {
+        return blobs_.local_copy(key, scratch);
+    }
+    bool exists(const std::string& key) override { return blobs_.exists(key); }
+    void remove(const std::string& key) override { blobs_.remove(key); }
+    void remove_prefix(const std::string& prefix) override { blobs_.remove_prefix(prefix); }
+    std::vector<std::string> children(const std::string& prefix) override {
+        return blobs_.children(prefix);
+    }
+    std::int64_t free_bytes() override { return blobs_.free_bytes(); }
+
+private:
+    BlobStore& blobs_;
+};
 
 class BackupTest : public StoreTest {
 protected:
@@ -99,6 +143,40 @@ TEST_F(BackupTest, SaysWhatWasGoneAlready) {
     blobs_->remove(dive.blob);
     EXPECT_EQ(backup().num_missing, 1);
     EXPECT_EQ(restore("copy").num_missing, 1);
+}
+
+TEST_F(BackupTest, WhatGoesWhileItIsMadeIsMissing) {
+    stored_dive("a");
+    VanishingBlobs blobs(*blobs_);
+
+    const auto made = write_backup(catalog_, blobs, file_);
+
+    EXPECT_EQ(made.num_missing, 1);
+    EXPECT_EQ(made.num_blobs, 0);
+    EXPECT_EQ(restore("copy").num_missing, 1);
+}
+
+TEST_F(BackupTest, ItsOwnerAloneMayReadItWhateverTheUmask) {
+    stored_dive(std::string(3'000'000, 'a'));
+    std::set<fs::perms> seen;
+    std::atomic<bool> done = false;
+    std::thread watcher([&] {
+        while (!done)
+            for (const char* suffix : {".catalog", ".catalog-wal", ".part"}) {
+                std::error_code absent;
+                const auto status = fs::status(file_.string() + suffix, absent);
+                if (fs::is_regular_file(status)) seen.insert(status.permissions());
+            }
+    });
+    const mode_t umask_before = umask(0);
+    for (int i = 0; i < 5; ++i) backup();
+    umask(umask_before);
+    done = true;
+    watcher.join();
+
+    const auto private_mode = fs::perms::owner_read | fs::perms::owner_write;
+    EXPECT_EQ(fs::status(file_).permissions(), private_mode);
+    EXPECT_EQ(seen, std::set<fs::perms>{private_mode});
 }
 
 }  // namespace
