@@ -1,6 +1,5 @@
 #include "api/quota.hpp"
 
-#include "schemas/error.hpp"
 #include "storage/project_usage.hpp"
 
 namespace divemesh::api {
@@ -16,11 +15,13 @@ void require_bytes_of_quota(const Services& services,
 }
 
 void require_dive_of_quota(const Services& services, const std::string& project) {
-    const std::int64_t most = services.limits.max_project_dives;
-    if (most == 0 || storage::read_usage(services.catalog, project).num_dives < most) return;
-    throw Error(ErrorCode::OutOfQuota,
-                "project " + project + " has " + std::to_string(most) +
-                    " dives and may have no more: delete some, or ask the server's administrator");
+    if (services.limits.max_project_dives == 0) return;
+    services.catalog.read([&](soci::session& session) {
+        storage::require_dive_of_quota(session,
+                                       project,
+                                       services.limits.max_project_dives,
+                                       "delete some, or ask the server's administrator");
+    });
 }
 
 }  // namespace divemesh::api

@@ -3,6 +3,7 @@
 #include "schemas/error.hpp"
 #include "storage/dive_rows.hpp"
 #include "storage/job_changes.hpp"
+#include "storage/project_usage.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -61,7 +62,7 @@ Dive DiveRemoval::remove(const std::string& id,
     return dive;
 }
 
-Dive DiveRemoval::restore(const std::string& id) {
+Dive DiveRemoval::restore(const std::string& id, std::int64_t max_dives_of_project) {
     Dive dive;
     catalog_.transaction([&](soci::session& session) {
         dive = read_dive(session, id);
@@ -73,6 +74,8 @@ Dive DiveRemoval::restore(const std::string& id) {
         if (again && dive.state != DiveState::Refused)
             throw Error(ErrorCode::Conflict,
                         "the recording was uploaded again meanwhile: use dive " + again->id);
+        require_dive_of_quota(
+            session, dive.project, max_dives_of_project, "delete one, then restore this one");
         dive.deleted_at_ms = 0;
         dive.expires_at_ms = 0;
         write_times(session, dive);
@@ -107,9 +110,11 @@ std::vector<std::string> DiveRemoval::blob_prefixes(const Dive& dive) {
     return prefixes;
 }
 
-void DiveRemoval::forget(const std::string& id) {
+bool DiveRemoval::forget(const std::string& id) {
+    bool forgotten = false;
     catalog_.transaction([&](soci::session& session) {
         const Dive dive = read_dive(session, id);
+        if (!jobs_of(session, id, "'running'").empty()) return;
         const std::string jobs = "(SELECT id FROM jobs WHERE dive_id = :id)";
         for (const std::string& statement :
              {"DELETE FROM artifacts WHERE job_id IN " + jobs,
@@ -121,7 +126,9 @@ void DiveRemoval::forget(const std::string& id) {
               std::string("DELETE FROM dives WHERE id = :id")})
             execute(session, statement, soci::use(id, "id"));
         append_dive_event(session, dive, "dive.removed");
+        forgotten = true;
     });
+    return forgotten;
 }
 
 }  // namespace divemesh::storage

@@ -22,14 +22,17 @@ public:
     Dive remove(const std::string& id,
                 std::chrono::milliseconds keep,
                 const std::function<void(const Dive&)>& check);
-    // Throws Error{NotFound}, Error{Conflict} when it has expired or was uploaded again meanwhile.
-    Dive restore(const std::string& id);
+    // Throws Error{NotFound}, Error{Conflict} when it has expired or was uploaded again meanwhile,
+    // Error{OutOfQuota} when its project has as many other dives as it may (0: no limit).
+    Dive restore(const std::string& id, std::int64_t max_dives_of_project = 0);
 
     // Deleted, expired and without a job that runs; at most `limit`.
     std::vector<Dive> expired(int limit);
     // The prefixes and keys in the blob store that are the dive's own.
     std::vector<std::string> blob_prefixes(const Dive& dive);
-    void forget(const std::string& id);  // its rows: after its blobs
+    // Its rows: after its blobs. False: one of its jobs was begun meanwhile, and nothing is
+    // changed.
+    bool forget(const std::string& id);
 
 private:
     Catalog& catalog_;

@@ -42,16 +42,6 @@ void bind_upload(soci::session& session, const std::string& upload_id, const std
             soci::use(upload_id, "id"));
 }
 
-// Inside the transaction: of two that come at once the second one is refused.
-void require_dive_of_quota(soci::session& session, const NewDive& request) {
-    const std::int64_t most = request.max_dives_of_project;
-    if (most > 0 && read_usage(session, request.project).num_dives >= most)
-        throw Error(ErrorCode::OutOfQuota,
-                    "project " + request.project + " has " + std::to_string(most) +
-                        " dives and may have no more: the upload is kept, delete a dive and commit "
-                        "it again");
-}
-
 Dive insert_dive(soci::session& session, const NewDive& request) {
     const Dive dive{.id = new_id("dive"),
                     .project = request.project,
@@ -109,7 +99,11 @@ CreatedDive DiveStore::create(const NewDive& request) {
                 ? find_recording(
                       session, request.project, request.archive_sha256, request.content_sha256)
                 : std::optional<Dive>(read_bound_dive(session, request.upload_id, bound));
-        if (!known) require_dive_of_quota(session, request);
+        if (!known)
+            require_dive_of_quota(session,
+                                  request.project,
+                                  request.max_dives_of_project,
+                                  "the upload is kept, delete a dive and commit it again");
         created.existed = known && known->blob != request.blob;
         created.dive = known ? std::move(*known) : insert_dive(session, request);
         if (bound.empty()) bind_upload(session, request.upload_id, created.dive.id);

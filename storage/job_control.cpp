@@ -141,6 +141,8 @@ std::vector<Job> JobStore::redrive(const std::string& project, int limit) {
         const auto dead = select_all<TextRow>(session,
                                               "SELECT id FROM jobs WHERE state = 'dead'"
                                               " AND (:project = '' OR project = :project)"
+                                              " AND dive_id IN (SELECT id FROM dives WHERE"
+                                              "   state <> 'refused' AND deleted_at_ms = 0)"
                                               " ORDER BY created_at_ms, id LIMIT :limit",
                                               soci::use(project, "project"),
                                               soci::use(limit, "limit"));

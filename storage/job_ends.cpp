@@ -31,11 +31,10 @@ AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t re
     } else if (job.cancel_requested) {
         end.attempt = AttemptState::Cancelled;
         end.job = JobState::Cancelled;
-    } else if (job.num_attempts >= job.max_attempts) {
+    } else if (failure.code == ErrorCode::OutOfMemory && !job.lowered) {
+        end.lowered = true;  // once more, beyond max_attempts if need be
+    } else if (failure.code == ErrorCode::OutOfMemory || job.num_attempts >= job.max_attempts) {
         end.job = JobState::Dead;
-    } else if (failure.code == ErrorCode::OutOfMemory) {
-        if (job.lowered) end.job = JobState::Dead;
-        end.lowered = true;
     } else {
         end.not_before_ms = retry_at_ms;
     }

@@ -99,7 +99,8 @@ public:
                                         // failed only because of it is held behind it again
     Job change(const std::string& id, const JobChange& change);  // Error{Conflict} when it does
                                                                  // not wait any more
-    // Puts the oldest dead jobs of a project ("": of all) back into the queue, `limit` at most.
+    // Puts the oldest dead jobs of a project ("": of all) back into the queue, `limit` at most;
+    // none of a dive that was deleted or refused.
     std::vector<Job> redrive(const std::string& project, int limit);
 
     // For workers. claim() first frees the jobs of expired leases (storage/job_ends.hpp), then
@@ -117,7 +118,8 @@ public:
     bool fail(const Lease& lease, const Failure& failure);  // as storage/job_ends.hpp says
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
 
-    int requeue_expired();  // what claim() does first; how many
+    // What claim() does first, for when no worker claims: how many jobs lost their lease.
+    int requeue_expired();
     std::vector<std::pair<JobState, std::int64_t>> count_by_state();
 
 private:

@@ -55,4 +55,14 @@ void require_bytes_of_quota(soci::session& session,
                         "count until it expires), or ask the server's administrator");
 }
 
+void require_dive_of_quota(soci::session& session,
+                           const std::string& project,
+                           std::int64_t most_dives,
+                           const std::string& remedy) {
+    if (most_dives == 0 || read_usage(session, project).num_dives < most_dives) return;
+    throw Error(ErrorCode::OutOfQuota,
+                "project " + project + " has " + std::to_string(most_dives) +
+                    " dives and may have no more: " + remedy);
+}
+
 }  // namespace divemesh::storage

@@ -25,4 +25,11 @@ void require_bytes_of_quota(soci::session& session,
                             std::int64_t more_bytes,
                             std::int64_t most_bytes);
 
+// Throws Error{OutOfQuota} when a project may not have another dive, saying what to do about it.
+// As above.
+void require_dive_of_quota(soci::session& session,
+                           const std::string& project,
+                           std::int64_t most_dives,
+                           const std::string& remedy);
+
 }  // namespace divemesh::storage

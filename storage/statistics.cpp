@@ -48,7 +48,9 @@ Statistics read_statistics(Catalog& catalog) {
             session,
             "SELECT COALESCE(MIN(lease_expires_at_ms), 0) FROM jobs WHERE state = 'running'");
         all.lease_overdue_ms = lease_ends > 0 ? now_ms - lease_ends : 0;
-        const std::string open = " FROM uploads WHERE dive_id IS NULL";
+        const std::string open =
+            " FROM uploads WHERE dive_id IS NULL AND ended = ''"
+            " AND (length_bytes IS NULL OR offset_bytes < length_bytes)";
         all.uploads_open = number(session, "SELECT COUNT(*)" + open);
         all.uploads_open_bytes = number(session, "SELECT COALESCE(SUM(offset_bytes), 0)" + open);
         all.archive_bytes = number(session, "SELECT COALESCE(SUM(archive_bytes), 0) FROM dives");

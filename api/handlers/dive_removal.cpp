@@ -24,7 +24,8 @@ Awaitable<Response> delete_dive(Request request, Services services) {
 Awaitable<Response> restore_dive(Request request, Services services) {
     auto work = [services, request] {
         auto catalog = audited(services, request);
-        return storage::DiveRemoval(catalog).restore(visible_dive(request, catalog).id);
+        return storage::DiveRemoval(catalog).restore(visible_dive(request, catalog).id,
+                                                     services.limits.max_project_dives);
     };
     const Dive dive = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, dive);

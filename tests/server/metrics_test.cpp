@@ -55,6 +55,25 @@ TEST(MetricsTest, CountWhatHappened) {
     EXPECT_GE(values["divemesh_connections"], 1);
 }
 
+TEST(MetricsTest, AnUploadThatEndedOrIsWholeIsNotOpen) {
+    TestServer server;
+    const auto& token = server.admin();
+    const auto send = [&](std::int64_t length) {
+        const auto path = create_upload(server.port(), token, length);
+        RawClient(server.port()).request("PATCH", path, patch_headers(token, 0), "12345");
+        return path;
+    };
+    const auto terminated = send(10);
+    send(5);
+    send(20);
+    EXPECT_EQ(RawClient(server.port()).request("DELETE", terminated, tus_headers(token)).status,
+              204);
+
+    auto values = parse(server.request("GET", "/metrics", token).body);
+    EXPECT_EQ(values["divemesh_uploads_open"], 1);
+    EXPECT_EQ(values["divemesh_uploads_open_bytes"], 5);
+}
+
 TEST(MetricsTest, TellHowLargeUploadsAreAndHowMuchNeedNotComeAgain) {
     TestServer server;
     const auto& token = server.admin();

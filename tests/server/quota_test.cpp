@@ -116,6 +116,7 @@ TEST_F(DiveQuotaTest, RefusesTheDiveBeyondItAndKeepsItsUpload) {
     const auto dive = "/api/v1/dives/" + made.header("divemesh-dive");
     EXPECT_EQ(server.request("DELETE", dive, token, {{"If-Match", "*"}}).status, 200);
     EXPECT_EQ(server.post_json("/api/v1/dives", token, commit).status, 201);
+    expect_out_of_quota(server.request("POST", dive + "/restore", token));
 }
 
 }  // namespace

@@ -55,6 +55,38 @@ TEST_F(DiveRemovalTest, ARunningJobIsWaitedFor) {
     EXPECT_EQ(removal_.expired(10).size(), 1U);
 }
 
+TEST_F(DiveRemovalTest, WhatRunsAgainMeanwhileIsNotForgotten) {
+    const Dive dive = ready_dive();
+    const Job job = enqueue(dive);
+    remove(dive, std::chrono::milliseconds(0));
+    ASSERT_EQ(removal_.expired(10).size(), 1U);
+    catalog_.transaction([&](soci::session& session) {
+        session << "UPDATE jobs SET state = 'queued' WHERE id = :id", soci::use(job.id, "id");
+    });
+    const Claim claimed = claim();
+
+    EXPECT_FALSE(removal_.forget(dive.id));
+    EXPECT_EQ(jobs_.get(job.id).state, JobState::Running);
+    EXPECT_EQ(dives_.get(dive.id).id, dive.id);
+
+    jobs_.release(claimed.lease);
+    EXPECT_TRUE(removal_.forget(dive.id)) << "what waits goes with it";
+    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { dives_.get(dive.id); }));
+}
+
+TEST_F(DiveRemovalTest, WhatIsBroughtBackCountsAsADiveOfItsProject) {
+    const Dive dive = ready_dive("wreck");
+    remove(dive);
+    const Dive other = ready_dive("reef");
+
+    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { removal_.restore(dive.id, 1); }));
+    EXPECT_GT(dives_.get(dive.id).deleted_at_ms, 0);
+    EXPECT_EQ(removal_.restore(other.id, 1).id, other.id) << "it was never gone";
+
+    remove(other);
+    EXPECT_EQ(removal_.restore(dive.id, 1).deleted_at_ms, 0);
+}
+
 TEST_F(DiveRemovalTest, WhoseCheckThrowsStays) {
     const Dive dive = ready_dive();
     EXPECT_THROW(

@@ -64,9 +64,9 @@ public:
         const bool was_lowered = job.lowered;
         if (code == ErrorCode::BadData) return finish(id, JobState::Failed);
         if (job.cancel_requested) return finish(id, JobState::Cancelled);
-        if (job.num_attempts >= job.max_attempts) return finish(id, JobState::Dead);
         if (code == ErrorCode::OutOfMemory) job.lowered = true;
-        const bool hopeless = code == ErrorCode::OutOfMemory && was_lowered;
+        const bool hopeless =
+            code == ErrorCode::OutOfMemory ? was_lowered : job.num_attempts >= job.max_attempts;
         finish(id, hopeless ? JobState::Dead : JobState::Queued);
     }
 

@@ -1,6 +1,7 @@
 // Order, limits, pauses, drains, forecasts: what the queue does with more than one job.
 #include <gmock/gmock.h>
 
+#include "storage/dive_removal.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/queue_forecast.hpp"
 #include "storage/queue_store.hpp"
@@ -263,6 +264,26 @@ TEST_F(QueueTest, DeadLettersAreListedAndDriven) {
     EXPECT_EQ(jobs_.redrive("", 1000).size(), 1u);
     EXPECT_EQ(claim().job.id, dead[0]);
     EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { jobs_.redrive("", 0); }));
+}
+
+TEST_F(QueueTest, NothingIsDrivenOfADiveThatWasDeletedOrRefused) {
+    const Dive deleted = ready_dive("deleted");
+    const Dive refused = ready_dive("refused");
+    std::vector<std::string> dead;
+    for (const Dive& dive : {deleted, refused}) {
+        dead.push_back(enqueue(dive, 1).id);
+        jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
+    }
+    DiveRemoval(catalog_).remove(deleted.id, kLong, [](const Dive&) {});
+    catalog_.transaction([&](soci::session& session) {
+        session << "UPDATE dives SET state = 'refused' WHERE id = :id", soci::use(refused.id, "id");
+    });
+
+    EXPECT_TRUE(jobs_.redrive("", 10).empty());
+    for (const std::string& id : dead) EXPECT_EQ(jobs_.get(id).state, JobState::Dead);
+
+    DiveRemoval(catalog_).restore(deleted.id);
+    EXPECT_EQ(jobs_.redrive("", 10).size(), 1u);
 }
 
 TEST_F(QueueTest, KeepsTheLogOfEveryAttempt) {

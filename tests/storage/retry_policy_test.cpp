@@ -41,6 +41,20 @@ TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     EXPECT_FALSE(jobs_.retry(job.id).lowered);
 }
 
+TEST_F(RetryPolicyTest, WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
+    const Job job = enqueue(ready_dive(), 2);
+    jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});
+
+    jobs_.fail(claim().lease, {ErrorCode::OutOfMemory, "killed"});
+    EXPECT_EQ(jobs_.get(job.id).state, JobState::Queued);
+    const Claim last = claim();
+    EXPECT_TRUE(last.job.lowered);
+    jobs_.fail(last.lease, {ErrorCode::Unavailable, "no network"});
+
+    EXPECT_EQ(jobs_.get(job.id).state, JobState::Dead);
+    EXPECT_EQ(jobs_.attempts(job.id).size(), 3u);
+}
+
 TEST_F(RetryPolicyTest, AJobTakesLittleMemoryToTheEndOnceItRanOut) {
     enqueue(ready_dive(), 10);
     jobs_.fail(claim().lease, {ErrorCode::OutOfMemory, "killed"});
@@ -65,7 +79,7 @@ TEST_F(RetryPolicyTest, EveryFailureSaysWhatToDo) {
                                  ErrorCode::OutOfMemory,
                                  ErrorCode::Unavailable}) {
         const Job job = enqueue(dive, 1);
-        jobs_.fail(claim().lease, {code, "why"});
+        while (!is_finished(jobs_.get(job.id).state)) jobs_.fail(claim().lease, {code, "why"});
 
         EXPECT_EQ(jobs_.get(job.id).failure.remedy, usual_remedy(code));
         EXPECT_NE(jobs_.attempts(job.id).at(0).failure.remedy, "");
