@@ -16,7 +16,7 @@ bool lists(std::string_view list, std::string_view etag, bool weakly) {
         while (!tag.empty() && tag.front() == ' ') tag.remove_prefix(1);
         while (!tag.empty() && tag.back() == ' ') tag.remove_suffix(1);
         if (weakly && tag.starts_with("W/")) tag.remove_prefix(2);
-        if (tag == etag || tag == "*") return true;
+        if (!tag.empty() && (tag == etag || tag == "*")) return true;
     }
     return false;
 }

@@ -55,6 +55,7 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::post,    "/api/v1/queue/redrive",          "jobs:write",  redrive_queue},
     {Plain,      verb::get,     "/api/v1/usage",                  "dives:read",  get_usage},
     {Plain,      verb::get,     "/api/v1/workers",                "admin",       list_workers},
+    {Plain,      verb::get,     "/api/v1/workers/{worker_name}",  "admin",       get_worker},
     {Plain,      verb::patch,   "/api/v1/workers/{worker_name}",  "admin",       change_worker},
 
     {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},

@@ -178,12 +178,18 @@ Catalog::Catalog(const std::string& url) : implementation_(new Implementation(ur
     transaction([this](soci::session& session) { implementation_->migrate(session); });
 }
 
-Catalog::Catalog(std::shared_ptr<Implementation> implementation, bool may_wait, Work note)
-    : implementation_(std::move(implementation)), may_wait_(may_wait), note_(std::move(note)) {}
+Catalog::Catalog(std::shared_ptr<Implementation> implementation,
+                 bool may_wait,
+                 std::function<void()> check,
+                 Work note)
+    : implementation_(std::move(implementation)),
+      may_wait_(may_wait),
+      check_(std::move(check)),
+      note_(std::move(note)) {}
 
 Catalog::~Catalog() = default;
 
-Catalog Catalog::at_once() const { return {implementation_, false, note_}; }
+Catalog Catalog::at_once() const { return {implementation_, false, check_, note_}; }
 
 void Catalog::reserve(std::size_t num_connections) {
     Pool& pool = implementation_->pool;
@@ -193,7 +199,11 @@ void Catalog::reserve(std::size_t num_connections) {
 }
 
 Catalog Catalog::with_note(Work note) const {
-    return {implementation_, may_wait_, std::move(note)};
+    return {implementation_, may_wait_, check_, std::move(note)};
+}
+
+Catalog Catalog::with_check(std::function<void()> check) const {
+    return {implementation_, may_wait_, std::move(check), note_};
 }
 
 void Catalog::transaction(const Work& work) {
@@ -203,6 +213,7 @@ void Catalog::transaction(const Work& work) {
     const auto turn = engine.wait_for_turn_to_write();
     const auto begin = [&](soci::session& session) { engine.begin_write(session); };
     implementation_->run(true, begin, [&](soci::session& session) {
+        if (check_) check_();
         work(session);
         if (note_) note_(session);
     });

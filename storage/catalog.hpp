@@ -37,6 +37,9 @@ public:
     bool may_wait() const { return may_wait_; }
     // The same catalog for a change that leaves a note: `note` runs in every transaction, last.
     Catalog with_note(Work note) const;
+    // The same for a change that depends on what is there: `check` runs in every transaction,
+    // first, and may throw. Nobody else writes then, so it may read by the catalog itself.
+    Catalog with_check(std::function<void()> check) const;
 
     // Runs `work` in one write transaction: committed when it returns, rolled back when it throws.
     void transaction(const Work& work);
@@ -51,11 +54,15 @@ public:
 
 private:
     struct Implementation;
-    Catalog(std::shared_ptr<Implementation> implementation, bool may_wait, Work note);
+    Catalog(std::shared_ptr<Implementation> implementation,
+            bool may_wait,
+            std::function<void()> check,
+            Work note);
 
     std::shared_ptr<Implementation> implementation_;
     bool may_wait_ = true;
-    Work note_;  // empty: none
+    std::function<void()> check_;  // empty: none
+    Work note_;                    // empty: none
 };
 
 }  // namespace divemesh::storage

@@ -3,6 +3,7 @@
 #include "api/audit.hpp"
 #include "api/etag.hpp"
 #include "api/in_pool.hpp"
+#include "api/preconditions.hpp"
 #include "api/visible.hpp"
 #include "schemas/json.hpp"
 #include "storage/dive_removal.hpp"
@@ -23,7 +24,9 @@ Awaitable<Response> delete_dive(Request request, Services services) {
 
 Awaitable<Response> restore_dive(Request request, Services services) {
     auto work = [services, request] {
-        auto catalog = audited(services, request);
+        auto catalog = audited_if_match(services, request, [services, request] {
+            return visible_dive(request, services.catalog);
+        });
         return storage::DiveRemoval(catalog).restore(visible_dive(request, catalog).id,
                                                      services.limits.max_project_dives);
     };

@@ -3,11 +3,11 @@
 #include <limits>
 
 #include "api/at_once.hpp"
-#include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/preconditions.hpp"
 #include "api/target.hpp"
 #include "api/visible.hpp"
 #include "schemas/json.hpp"
@@ -42,6 +42,19 @@ int attempt_number(const Request& request) {
     return static_cast<int>(*number);
 }
 
+// As GET answers it.
+Job shown_job(const Request& request, const Services& services, storage::Catalog& catalog) {
+    Job job = visible_job(request, catalog);
+    job.forecast = services.forecast.of(job, catalog);
+    return job;
+}
+
+storage::Catalog audited_if_match(const Services& services, const Request& request) {
+    return audited_if_match(services, request, [services, request] {
+        return shown_job(request, services, services.catalog);
+    });
+}
+
 Response text_response(std::string text) {
     Response response = empty_response(http::status::ok);
     response.body = std::move(text);
@@ -64,10 +77,8 @@ Awaitable<Response> list_jobs(Request request, Services services) {
 }
 
 Awaitable<Response> get_job(Request request, Services services) {
-    auto read = [&forecast = services.forecast, request](storage::Catalog& catalog) {
-        Job found = visible_job(request, catalog);
-        found.forecast = forecast.of(found, catalog);
-        return found;
+    auto read = [services, request](storage::Catalog& catalog) {
+        return shown_job(request, services, catalog);
     };
     const Job job = co_await at_once(services, std::move(read));
     co_return resource_response(request, job);
@@ -76,7 +87,7 @@ Awaitable<Response> get_job(Request request, Services services) {
 Awaitable<Response> change_job(Request request, Services services) {
     auto work = [services, request] {
         const std::string id = visible_job(request, services.catalog).id;
-        auto catalog = audited(services, request);
+        auto catalog = audited_if_match(services, request);
         return storage::JobStore(catalog).change(id, job_change(request));
     };
     const Job job = co_await in_pool(services.pool, std::move(work));
@@ -85,7 +96,7 @@ Awaitable<Response> change_job(Request request, Services services) {
 
 Awaitable<Response> cancel_job(Request request, Services services) {
     auto work = [services, request] {
-        auto catalog = audited(services, request);
+        auto catalog = audited_if_match(services, request);
         return storage::JobStore(catalog).cancel(visible_job(request, catalog).id);
     };
     const Job job = co_await in_pool(services.pool, std::move(work));
@@ -95,7 +106,7 @@ Awaitable<Response> cancel_job(Request request, Services services) {
 Awaitable<Response> retry_job(Request request, Services services) {
     auto work = [services, request] {
         require_room(services);
-        auto catalog = audited(services, request);
+        auto catalog = audited_if_match(services, request);
         return storage::JobStore(catalog).retry(visible_job(request, catalog).id);
     };
     const Job job = co_await in_pool(services.pool, std::move(work));

@@ -1,10 +1,11 @@
 #include "api/handlers/queue.hpp"
 
-#include "api/audit.hpp"
+#include "api/at_once.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/preconditions.hpp"
 #include "schemas/json.hpp"
 #include "storage/job_store.hpp"
 #include "storage/project_usage.hpp"
@@ -24,6 +25,14 @@ std::string project_of(const Request& request, const std::string& wanted) {
     if (visible.empty()) return wanted;
     require_visible(request.token, wanted.empty() ? visible : wanted, "project " + wanted);
     return visible;
+}
+
+storage::Catalog audited_if_match(const Services& services,
+                                  const Request& request,
+                                  const std::string& project) {
+    return audited_if_match(services, request, [&catalog = services.catalog, project] {
+        return storage::QueueStore(catalog).get(project);
+    });
 }
 
 }  // namespace
@@ -59,7 +68,7 @@ Awaitable<Response> change_queue(Request request, Services services) {
     if (body.contains("paused")) change.paused = value_or<bool>(body, "paused", false);
     if (body.contains("max_running")) change.max_running = value_or<int>(body, "max_running", 0);
     auto work = [services, request, project, change] {
-        auto catalog = audited(services, request);
+        auto catalog = audited_if_match(services, request, project);
         return storage::QueueStore(catalog).change(project, change);
     };
     const Queue queue = co_await in_pool(services.pool, std::move(work));
@@ -72,7 +81,7 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
     const int limit = value_or<int>(body, "limit", 100);
     auto work = [services, request, project, limit] {
         require_room(services);
-        auto catalog = audited(services, request);
+        auto catalog = audited_if_match(services, request, project);
         return storage::JobStore(catalog).redrive(project, limit);
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
@@ -85,11 +94,22 @@ Awaitable<Response> list_workers(Request request, Services services) {
     co_return list_response(request, workers);
 }
 
+Awaitable<Response> get_worker(Request request, Services services) {
+    auto read = [name = request.parameter("worker_name")](storage::Catalog& catalog) {
+        return storage::WorkerStore(catalog).get(name);
+    };
+    const Worker worker = co_await at_once(services, std::move(read));
+    co_return resource_response(request, worker);
+}
+
 Awaitable<Response> change_worker(Request request, Services services) {
     auto work = [services, request] {
-        auto catalog = audited(services, request);
+        const std::string name = request.parameter("worker_name");
+        auto catalog = audited_if_match(services, request, [&all = services.catalog, name] {
+            return storage::WorkerStore(all).get(name);
+        });
         storage::WorkerStore workers(catalog);
-        const std::string name = workers.get(request.parameter("worker_name")).name;
+        workers.get(name);
         const auto body = json_body(request, {"draining"});
         if (!body.contains("draining"))
             throw Error(ErrorCode::InvalidArgument, "\"draining\" is missing: give true or false");

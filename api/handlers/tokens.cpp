@@ -3,6 +3,7 @@
 #include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/preconditions.hpp"
 #include "api/router.hpp"
 #include "api/target.hpp"
 #include "schemas/json.hpp"
@@ -57,6 +58,7 @@ Awaitable<Response> create_token(Request request, Services services) {
 }
 
 Awaitable<Response> revoke_token(Request request, Services services) {
+    require_no_tag(request);
     auto work = [services, request] {
         auto catalog = audited(services, request);
         storage::TokenStore(catalog).revoke(request.parameter("token_id"));

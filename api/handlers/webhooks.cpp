@@ -6,6 +6,7 @@
 #include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/preconditions.hpp"
 #include "api/webhook_signature.hpp"
 #include "api/webhook_target.hpp"
 #include "schemas/json.hpp"
@@ -71,6 +72,7 @@ Awaitable<Response> create_webhook(Request request, Services services) {
 }
 
 Awaitable<Response> delete_webhook(Request request, Services services) {
+    require_no_tag(request);
     auto work = [services, request] {
         auto catalog = audited(services, request);
         storage::WebhookStore(catalog).remove(request.parameter("webhook_id"));
@@ -80,6 +82,7 @@ Awaitable<Response> delete_webhook(Request request, Services services) {
 }
 
 Awaitable<Response> enable_webhook(Request request, Services services) {
+    require_no_tag(request);
     auto work = [services, request] {
         auto catalog = audited(services, request);
         return storage::WebhookStore(catalog).enable(request.parameter("webhook_id"));
@@ -99,6 +102,7 @@ Awaitable<Response> list_webhook_deliveries(Request request, Services services) 
 }
 
 Awaitable<Response> redeliver_webhook(Request request, Services services) {
+    require_no_tag(request);
     auto work = [services, request] {
         auto catalog = audited(services, request);
         return storage::WebhookStore(catalog).redeliver(request.parameter("webhook_id"),

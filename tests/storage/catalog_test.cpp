@@ -132,6 +132,28 @@ TEST(Catalog, ANoteIsWrittenWithItsChangeOrNotAtAll) {
     EXPECT_EQ(notes(), "1");
 }
 
+TEST(Catalog, ACheckSeesWhatTheChangeWillFindAndCanRefuseIt) {
+    const TemporaryFolder folder;
+    Catalog catalog((folder / "catalog.db").string());
+    Catalog another((folder / "catalog.db").string());
+    const auto newest = [&] { return text_of(catalog, "SELECT newest FROM event_sequence"); };
+    const auto add = [](soci::session& session) {
+        session << "UPDATE event_sequence SET newest = newest + 1";
+    };
+    std::thread late;
+    Catalog checked = catalog.with_check([&] {
+        if (newest() != "0") throw Error(ErrorCode::PreconditionFailed, "changed");
+        late = std::thread([&] { another.transaction(add); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        EXPECT_EQ(newest(), "0");
+    });
+    checked.transaction(add);
+    late.join();
+    EXPECT_EQ(newest(), "2");
+    EXPECT_TRUE(throws_code(ErrorCode::PreconditionFailed, [&] { checked.transaction(add); }));
+    EXPECT_EQ(newest(), "2");
+}
+
 TEST(Catalog, RollsBackWhatThrows) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
