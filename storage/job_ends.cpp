@@ -32,7 +32,8 @@ AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t re
         end.attempt = AttemptState::Cancelled;
         end.job = JobState::Cancelled;
     } else if (failure.code == ErrorCode::OutOfMemory && !job.lowered) {
-        end.lowered = true;  // once more, beyond max_attempts if need be
+        end.lowered = true;
+        end.counts = job.num_attempts < job.max_attempts;  // once more in any case
     } else if (failure.code == ErrorCode::OutOfMemory || job.num_attempts >= job.max_attempts) {
         end.job = JobState::Dead;
     } else {

@@ -64,7 +64,10 @@ public:
         const bool was_lowered = job.lowered;
         if (code == ErrorCode::BadData) return finish(id, JobState::Failed);
         if (job.cancel_requested) return finish(id, JobState::Cancelled);
-        if (code == ErrorCode::OutOfMemory) job.lowered = true;
+        if (code == ErrorCode::OutOfMemory && !was_lowered) {
+            job.lowered = true;
+            if (job.num_attempts >= job.max_attempts) --job.num_attempts;
+        }
         const bool hopeless =
             code == ErrorCode::OutOfMemory ? was_lowered : job.num_attempts >= job.max_attempts;
         finish(id, hopeless ? JobState::Dead : JobState::Queued);

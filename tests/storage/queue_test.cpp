@@ -266,21 +266,14 @@ TEST_F(QueueTest, DeadLettersAreListedAndDriven) {
     EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { jobs_.redrive("", 0); }));
 }
 
-TEST_F(QueueTest, NothingIsDrivenOfADiveThatWasDeletedOrRefused) {
+TEST_F(QueueTest, NothingIsDrivenOfADiveThatWasDeleted) {
     const Dive deleted = ready_dive("deleted");
-    const Dive refused = ready_dive("refused");
-    std::vector<std::string> dead;
-    for (const Dive& dive : {deleted, refused}) {
-        dead.push_back(enqueue(dive, 1).id);
-        jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
-    }
+    const Job dead = enqueue(deleted, 1);
+    jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
     DiveRemoval(catalog_).remove(deleted.id, kLong, [](const Dive&) {});
-    catalog_.transaction([&](soci::session& session) {
-        session << "UPDATE dives SET state = 'refused' WHERE id = :id", soci::use(refused.id, "id");
-    });
 
     EXPECT_TRUE(jobs_.redrive("", 10).empty());
-    for (const std::string& id : dead) EXPECT_EQ(jobs_.get(id).state, JobState::Dead);
+    EXPECT_EQ(jobs_.get(dead.id).state, JobState::Dead);
 
     DiveRemoval(catalog_).restore(deleted.id);
     EXPECT_EQ(jobs_.redrive("", 10).size(), 1u);
