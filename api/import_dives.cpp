@@ -50,7 +50,14 @@ void require_single_name(const fs::path& file) {
     struct stat status {};
     if (lstat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink != 1)
         throw Error(ErrorCode::InvalidArgument,
-                    "it is a link or has a second name: copy it here as a file of its own");
+                    file.filename().string() +
+                        " is a link or has a second name: copy it here as a file of its own");
+}
+
+void require_single_names(const fs::path& folder) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (entry.symlink_status().type() == fs::file_type::regular)
+            require_single_name(entry.path());
 }
 
 std::vector<fs::path> candidates(const fs::path& given) {
@@ -71,6 +78,7 @@ public:
         name_ = path.filename().string();
         const auto watch = [this](std::int64_t) { throw_if_stopping(services_); };
         if (type == fs::file_type::directory) {
+            require_single_names(path);
             auto tar = std::make_unique<client::DiveTar>(path);
             hashes_ = tar->hash(watch);
             name_ += ".tar";

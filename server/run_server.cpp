@@ -14,8 +14,14 @@ namespace divemesh::server {
 namespace {
 
 std::vector<std::string> worker_command(const ServerConfig& config) {
-    return {
-        "/proc/self/exe", "worker", "--catalog", config.catalog_url, "--blobs", config.blobs_url};
+    return {"/proc/self/exe",
+            "worker",
+            "--catalog",
+            config.catalog_url,
+            "--blobs",
+            config.blobs_url,
+            "--min-free",
+            std::to_string(config.min_free_bytes)};
 }
 
 // Calls `stop` on a thread of its own at the first SIGTERM or SIGINT, `reload` at each SIGHUP.

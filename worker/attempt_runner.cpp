@@ -7,12 +7,12 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 #include <thread>
 
 #include "schemas/error.hpp"
 #include "worker/artifact_files.hpp"
 #include "worker/scratch_usage.hpp"
+#include "worker/worker_log.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -82,7 +82,7 @@ void AttemptRunner::run(const std::stop_token& stop) {
         const bool full = error.code() == std::errc::no_space_on_device;
         fail({full ? ErrorCode::OutOfSpace : ErrorCode::Unavailable, error.what()});
     } catch (const std::exception& error) {
-        spdlog::error("job {}: {}", claim_.job.id, error.what());
+        log_warning({{"event", "worker_failed"}, {"job", claim_.job.id}, {"what", error.what()}});
         fail({ErrorCode::Unavailable, "internal error of the worker; its log says more"});
     }
     std::error_code ignored;
@@ -116,9 +116,12 @@ ProcessLimits AttemptRunner::limits() {
     const auto space = std::filesystem::space(folder(), unknown);
     scratch_bytes_ = config_.scratch_bytes;
     if (scratch_bytes_ <= 0)
-        scratch_bytes_ = unknown ? std::numeric_limits<std::int64_t>::max()
-                                 : static_cast<std::int64_t>(space.available / 10 * 9) /
-                                       std::max(1, config_.num_slots);
+        scratch_bytes_ =
+            unknown ? std::numeric_limits<std::int64_t>::max()
+                    : std::max<std::int64_t>(0,
+                                             static_cast<std::int64_t>(space.available) / 10 * 9 -
+                                                 config_.min_free_bytes) /
+                          std::max(1, config_.num_slots);
     ProcessLimits limits = config_.limits;
     if (limits.max_file_bytes <= 0) limits.max_file_bytes = scratch_bytes_;
     return limits;
@@ -166,7 +169,8 @@ void AttemptRunner::take(const AttemptMessage& message) {
     try {  // a catalog that is out of reach for a moment must not end hours of work
         if (!report(message)) stop_ = Stop::LeaseLost;
     } catch (const std::exception& error) {
-        spdlog::warn("job {}: progress not written: {}", claim_.job.id, error.what());
+        log_warning(
+            {{"event", "progress_not_written"}, {"job", claim_.job.id}, {"what", error.what()}});
     }
 }
 
@@ -212,8 +216,9 @@ void AttemptRunner::end_child(ChildProcess& child) {
 void AttemptRunner::conclude_stopped() {
     switch (stop_) {
         case Stop::LeaseLost:
-            spdlog::warn(
-                "job {}: lease lost, attempt {} dropped", claim_.job.id, claim_.lease.attempt);
+            log_warning({{"event", "lease_lost"},
+                         {"job", claim_.job.id},
+                         {"attempt", claim_.lease.attempt}});
             return;
         case Stop::Cancelled: return fail({ErrorCode::Cancelled, "cancelled"});
         case Stop::ScratchFull:
@@ -276,7 +281,11 @@ std::vector<Artifact> AttemptRunner::store_artifacts(const AttemptRequest& reque
 }
 
 void AttemptRunner::fail(const Failure& failure) {
-    spdlog::info("job {}: attempt {}: {}", claim_.job.id, claim_.lease.attempt, failure.message);
+    log_info({{"event", "attempt_failed"},
+              {"job", claim_.job.id},
+              {"attempt", claim_.lease.attempt},
+              {"code", to_string(failure.code)},
+              {"what", failure.message}});
     remove_blobs();
     persist([&] { return jobs_.fail(claim_.lease, failure); });
 }
@@ -290,7 +299,7 @@ void AttemptRunner::remove_blobs() const {
                 return;
         blobs_.remove_prefix(blob_prefix());
     } catch (const std::exception& error) {
-        spdlog::warn("job {}: {}", claim_.job.id, error.what());
+        log_warning({{"event", "leftovers"}, {"job", claim_.job.id}, {"what", error.what()}});
     }
 }
 
@@ -302,7 +311,8 @@ bool AttemptRunner::persist(const std::function<bool()>& write) const {
             return write();
         } catch (const Error& error) {
             if (error.code() != ErrorCode::Unavailable || Clock::now() > give_up) throw;
-            spdlog::warn("job {}: result not written yet: {}", claim_.job.id, error.what());
+            log_warning(
+                {{"event", "result_not_written"}, {"job", claim_.job.id}, {"what", error.what()}});
         }
         std::this_thread::sleep_for(config_.poll_every);
     }

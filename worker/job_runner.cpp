@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <mutex>
 #include <random>
-#include <spdlog/spdlog.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "storage/worker_store.hpp"
 #include "worker/attempt_runner.hpp"
 #include "worker/work_folder.hpp"
+#include "worker/worker_log.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -48,7 +48,7 @@ public:
         try {
             workers_.remove(name_);
         } catch (const std::exception& error) {
-            spdlog::warn("worker: {}", error.what());
+            log_warning({{"event", "not_registered"}, {"what", error.what()}});
         }
     }
     Registration(const Registration&) = delete;
@@ -65,7 +65,7 @@ private:
             try {
                 workers_.report(name_, num_slots_);
             } catch (const std::exception& error) {
-                spdlog::warn("worker: {}", error.what());
+                log_warning({{"event", "not_registered"}, {"what", error.what()}});
             }
         }
     }
@@ -90,8 +90,32 @@ void isolate(WorkerConfig& config) {
                            std::max(1U, std::thread::hardware_concurrency());
     limits.no_network = can_cut_network();
     if (!limits.no_network)
-        spdlog::warn("attempts keep the network: neither root nor user namespaces are at hand");
+        log_warning(
+            {{"event", "network_kept"},
+             {"what", "attempts keep the network: neither root nor user namespaces are at hand"}});
 }
+
+// Nothing is begun on a disk that is nearly full: reading and deleting need the rest.
+class RoomOnDisk {
+public:
+    explicit RoomOnDisk(const WorkerConfig& config) : config_(config) {}
+
+    bool is_there() {
+        std::error_code unknown;
+        const auto space = std::filesystem::space(config_.work_folder, unknown);
+        const bool full =
+            !unknown && static_cast<std::int64_t>(space.available) < config_.min_free_bytes;
+        if (full != was_full_)
+            log_warning({{"event", full ? "disk_nearly_full" : "disk_has_room"},
+                         {"folder", config_.work_folder.string()}});
+        was_full_ = full;
+        return !full;
+    }
+
+private:
+    const WorkerConfig& config_;
+    bool was_full_ = false;
+};
 
 void run_slot(const WorkerConfig& config,
               const std::string& name,
@@ -100,16 +124,20 @@ void run_slot(const WorkerConfig& config,
               const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any wake;
+    RoomOnDisk room(config);
     while (!stop.stop_requested()) {
         bool worked = false;
         try {
-            if (auto claim = jobs.claim(name, config.lease)) {
-                spdlog::info("job {}: attempt {}", claim->job.id, claim->lease.attempt);
+            auto claim = room.is_there() ? jobs.claim(name, config.lease) : std::nullopt;
+            if (claim) {
+                log_info({{"event", "attempt_began"},
+                          {"job", claim->job.id},
+                          {"attempt", claim->lease.attempt}});
                 AttemptRunner(config, jobs, blobs, std::move(*claim)).run(stop);
                 worked = true;
             }
         } catch (const std::exception& error) {  // the catalog is out of reach: try again
-            spdlog::error("worker: {}", error.what());
+            log_warning({{"event", "worker_failed"}, {"what", error.what()}});
         }
         if (worked) continue;
         std::unique_lock lock(mutex);

@@ -26,6 +26,8 @@ struct WorkerConfig {
     std::chrono::milliseconds stall = std::chrono::hours(2);      // without a word from the child
     std::chrono::milliseconds cancel_grace = std::chrono::seconds(5);  // SIGTERM, then SIGKILL
     std::int64_t scratch_bytes = 0;  // of one attempt; 0: its share of what is free as it starts
+    std::int64_t min_free_bytes = std::int64_t{256}
+                                  << 20;  // nothing is begun with less on the disk
     ProcessLimits limits;
 };
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <exception>
-#include <spdlog/spdlog.h>
+
+#include "worker/worker_log.hpp"
 
 namespace divemesh::worker {
 
@@ -34,7 +35,7 @@ void LeaseKeeper::ask() {
         if (news == LeaseNews::CancelRequested) cancel_requested_ = true;
         if (due) renewed_ = now;
     } catch (const std::exception& error) {
-        spdlog::warn("lease not renewed: {}", error.what());
+        log_warning({{"event", "lease_not_renewed"}, {"what", error.what()}});
         if (std::chrono::steady_clock::now() - renewed_ > times_.lease) lost_ = true;
     }
 }

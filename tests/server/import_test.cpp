@@ -107,6 +107,9 @@ TEST_F(ImportTest, S3S4LinksAndSpecialFilesLeadNowhere) {
     write(home / "disk/dive/mav0/cam0/data.csv", "1,1.png\n");
     fs::create_symlink(home / "disk10", home / "disk/dive/mav0/cam1");
     fs::create_symlink("/etc/passwd", home / "disk/dive/mav0/cam0/data.png");
+    write(home / "disk/twin/mav0/cam0/data.csv", "2,2.png\n");
+    fs::create_directories(home / "disk/twin/mav0/cam1");
+    fs::create_hard_link(home / "disk10/outside.tar", home / "disk/twin/mav0/cam1/data.csv");
     write(home / "disk/..x\n\x1b[31m.tar", archive + "2");
     TestServer server(config());
     const auto names = dives(server, 3);

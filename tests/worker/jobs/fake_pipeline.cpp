@@ -120,6 +120,8 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     progress({.stage = "track", .fraction = 0.1});
     if (script.word == "wait-once") wait_once(script.marker, progress);
     if (script.word == "bad") throw Error(ErrorCode::BadData, "mav0/cam1 is missing");
+    if (script.word == "hostile")
+        throw Error(ErrorCode::BadData, "no\x1b[31m\n{\"event\": \"all_is_well\"}");
     if (script.word == "bug") throw std::logic_error("index out of range");
     if (script.word == "abort") std::abort();
     if (script.word == "exit") _exit(7);

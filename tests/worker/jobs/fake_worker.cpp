@@ -1,5 +1,5 @@
 // A worker with short times: fake_worker worker CATALOG BLOBS WORK LEASE_MS DEADLINE_MS FILE_LIMIT
-// SCRATCH, and its child: fake_worker attempt REQUEST.
+// SCRATCH MIN_FREE, and its child: fake_worker attempt REQUEST.
 #include <csignal>
 #include <stop_token>
 #include <string>
@@ -26,7 +26,8 @@ int run_worker(char** arguments) {
         .poll_every = milliseconds(100),
         .deadline = milliseconds(std::stol(arguments[6])),
         .cancel_grace = milliseconds(1000),
-        .scratch_bytes = std::stol(arguments[8])};
+        .scratch_bytes = std::stol(arguments[8]),
+        .min_free_bytes = std::stol(arguments[9])};
     rlimit limit{};
     getrlimit(RLIMIT_FSIZE, &limit);
     limit.rlim_cur = std::stoul(arguments[7]);
@@ -51,6 +52,6 @@ int run_worker(char** arguments) {
 int main(int argc, char** argv) {
     const std::string command = argc > 1 ? argv[1] : "";
     if (command == "attempt" && argc == 3) return divemesh::worker::run_attempt(argv[2]);
-    if (command == "worker" && argc == 9) return run_worker(argv);
+    if (command == "worker" && argc == 10) return run_worker(argv);
     return 2;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -31,7 +32,8 @@ class JobRunnerTest : public testing::Test {
 protected:
     Process start_worker(const std::string& deadline_ms = "600000",
                          const std::string& file_limit_bytes = "1000000000",
-                         const std::string& scratch_bytes = "1000000000") {
+                         const std::string& scratch_bytes = "1000000000",
+                         const std::string& min_free_bytes = "0") {
         const fs::path output = folder_ / ("worker-" + std::to_string(++num_workers_));
         fs::create_directories(output);
         return Process({FAKE_WORKER,
@@ -42,7 +44,8 @@ protected:
                         "2000",
                         deadline_ms,
                         file_limit_bytes,
-                        scratch_bytes},
+                        scratch_bytes,
+                        min_free_bytes},
                        output);
     }
 
@@ -112,6 +115,37 @@ protected:
         storage::open_blob_store((folder_ / "blobs").string());
     int num_workers_ = 0;
 };
+
+TEST_F(JobRunnerTest, A14BeginsNothingOnADiskThatIsNearlyFull) {
+    const Job job = make_job("ok");
+    {
+        Process worker = start_worker("600000", "1000000000", "1000000000", "4000000000000000000");
+        ASSERT_TRUE(wait_until(seconds(10), [&] {
+            return worker.stdout_text().find("disk_nearly_full") != std::string::npos;
+        }));
+        EXPECT_EQ(jobs_.get(job.id).state, JobState::Held);
+        EXPECT_EQ(dives_.get(job.dive_id).state, DiveState::Checking);
+    }
+    Process worker = start_worker();
+    EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+}
+
+// What a recording is called is in the message of its failure.
+TEST_F(JobRunnerTest, A9S29LogsOneLineForEachEventWhateverAMessageHolds) {
+    const Job job = make_job("hostile");
+    Process worker = start_worker();
+    ASSERT_TRUE(reaches(job, JobState::Failed)) << worker.stderr_text();
+
+    std::istringstream lines(worker.stdout_text());
+    bool told = false;
+    for (std::string line; std::getline(lines, line);) {
+        const auto fields = nlohmann::json::parse(line.substr(line.find('{')), nullptr, false);
+        ASSERT_FALSE(fields.is_discarded()) << line;
+        told = told || fields.value("what", "").find("\n{\"event\"") != std::string::npos;
+        EXPECT_EQ(line.find('\x1b'), std::string::npos) << line;
+    }
+    EXPECT_TRUE(told) << worker.stdout_text();
+}
 
 TEST_F(JobRunnerTest, TakesADiveThroughIntakeAndReconstruction) {
     const Job job = make_job("ok");
