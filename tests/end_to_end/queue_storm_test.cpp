@@ -7,7 +7,7 @@
 namespace divemesh {
 namespace {
 
-TEST(QueueStormTest, KillsOfWorkersAndServerLoseNoJobAndDoNoneTwice) {
+TEST(QueueStormTest, Q14KillsOfWorkersAndServerLoseNoJobAndDoNoneTwice) {
     const StormReport report = run_queue_storm({.program = DIVEMESH_PROGRAM,
                                                 .fake_worker = FAKE_WORKER,
                                                 .num_jobs = 300,

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 // S32: foreign code finds our signatures good.
-TEST(WebhookTest, MessagesPassTheLibraryOfStandardWebhooks) {
+TEST(WebhookTest, A12MessagesPassTheLibraryOfStandardWebhooks) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/standardwebhooks"))
         GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";

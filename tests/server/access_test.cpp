@@ -152,7 +152,7 @@ TEST(AccessTest, WhatBelongsToAnotherProjectLooksAsIfItWereNotThere) {
     EXPECT_EQ(upload_offset(server.port(), mine, upload), 0);
 }
 
-TEST(AccessTest, ARevokedTokenOpensNothingAnyMore) {
+TEST(AccessTest, A8ARevokedTokenOpensNothingAnyMore) {
     TestServer server;
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "laptop"}, {"scopes", {"dives:read"}}});

@@ -31,7 +31,7 @@ RawResponse open_socket(TestServer& server, const Headers& more) {
     return client.receive().value_or(RawResponse{});
 }
 
-TEST(BrowserTest, S25NoOtherOriginIsLetInByDefault) {
+TEST(BrowserTest, A13S25NoOtherOriginIsLetInByDefault) {
     TestServer server;
     EXPECT_EQ(preflight(server, kLab, "/api/v1/dives").status, 405);
     const auto response = server.request("GET", "/healthz/live", "", {{"Origin", kLab}});
@@ -70,7 +70,7 @@ TEST(BrowserTest, S23S25AStreamIsForOurOwnPagesAndThoseOnTheList) {
     EXPECT_EQ(open_socket(server, {{"Origin", "null"}}).status, 403);
 }
 
-TEST(BrowserTest, ATraceIsCarriedOnUnlessItIsMalformed) {
+TEST(BrowserTest, A9ATraceIsCarriedOnUnlessItIsMalformed) {
     TestServer server;
     const auto echoed = [&](const std::string& trace) {
         return server.request("GET", "/healthz/live", "", {{"traceparent", trace}})
@@ -84,7 +84,7 @@ TEST(BrowserTest, ATraceIsCarriedOnUnlessItIsMalformed) {
 }
 
 // S24
-TEST(BrowserTest, WhoKeepsGuessingTokensIsToldToWait) {
+TEST(BrowserTest, A7WhoKeepsGuessingTokensIsToldToWait) {
     server::ServerConfig config;
     config.max_failed_logins_per_s = 0.02;  // two at once
     TestServer server(config);
@@ -96,7 +96,7 @@ TEST(BrowserTest, WhoKeepsGuessingTokensIsToldToWait) {
     EXPECT_EQ(server.request("GET", "/api/v1/dives", server.admin()).status, 200);
 }
 
-TEST(BrowserTest, ATokenThatAsksTooOftenIsToldToWait) {
+TEST(BrowserTest, A7ATokenThatAsksTooOftenIsToldToWait) {
     server::ServerConfig config;
     config.max_requests_per_s = 0.5;  // one at once
     TestServer server(config);

@@ -25,7 +25,7 @@ protected:
     const std::string dive = "/api/v1/dives/" + id;
 };
 
-TEST_F(DiveRemovalTest, NeedsToKnowWhatItDeletes) {
+TEST_F(DiveRemovalTest, A4NeedsToKnowWhatItDeletes) {
     const std::string etag = get(dive).header("etag");
     EXPECT_EQ(server.request("DELETE", dive, server.admin()).status, 428);
     EXPECT_EQ(remove("\"other\"").status, 412);

@@ -98,7 +98,7 @@ TEST_F(DownloadTest, GoesOnOnlyWithTheFileThatTheClientMeans) {
     EXPECT_EQ(get({{"If-Match", "W/" + etag}}).status, 412);
 }
 
-TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
+TEST_F(DownloadTest, A5SendsNothingThatTheClientHas) {
     const auto response = get({{"If-None-Match", "\"other\", " + etag}});
     EXPECT_EQ(response.status, 304);
     EXPECT_TRUE(response.body.empty());
@@ -201,7 +201,7 @@ TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
 }
 
 // S9, S20
-TEST(DownloadNamesTest, S20HandsPagesOverAsFilesInASandbox) {
+TEST(DownloadNamesTest, A13S20HandsPagesOverAsFilesInASandbox) {
     TestServer server;
     const auto response =
         server.request("GET",

@@ -121,7 +121,7 @@ TEST(EventsTest, TellsOnlyOfTheTokensProject) {
     EXPECT_EQ(event.subject, mine);
 }
 
-TEST(EventsTest, S23ASlowReaderDelaysNobodyAndLosesNothing) {
+TEST(EventsTest, A15S23ASlowReaderDelaysNobodyAndLosesNothing) {
     server::ServerConfig config;
     config.timeouts.web_socket = 300s;  // the slow one answers no ping while it does not read
     TestServer server(config);

@@ -71,7 +71,7 @@ TEST_F(IdempotencyTest, S30HugeAndUnprintableKeysAreRefused) {
     EXPECT_EQ(num_jobs(), 0U);
 }
 
-TEST_F(IdempotencyTest, ARefusalIsNotKept) {
+TEST_F(IdempotencyTest, A6ARefusalIsNotKept) {
     const auto path = create_upload(server.port(), token, 300'000);
     const auto commit = [&] {
         const auto id = path.substr(path.rfind('/') + 1);

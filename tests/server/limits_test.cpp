@@ -17,7 +17,7 @@ std::string status_line(RawClient& client) {
     return text.substr(0, text.find("\r\n"));
 }
 
-TEST(LimitsTest, RefusesAHeaderThatIsTooLarge) {
+TEST(LimitsTest, A15RefusesAHeaderThatIsTooLarge) {
     TestServer server;
     RawClient client(server.port());
     client.send("GET /healthz/live HTTP/1.1\r\nX: " + std::string(40'000, 'x') + "\r\n\r\n");
@@ -35,7 +35,7 @@ TEST(LimitsTest, RefusesABodyThatIsTooLargeBeforeItIsSent) {
     EXPECT_EQ(client.receive()->status, 413);
 }
 
-TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
+TEST(LimitsTest, A15RefusesAnEndlessChunkedBody) {
     TestServer server;
     RawClient client(server.port());
     client.send(request_head("POST",
@@ -148,7 +148,7 @@ TEST(LimitsTest, S22TakesNoMoreConnectionsThanItMay) {
     EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
 }
 
-TEST(LimitsTest, StopsThoughClientsAreIdleOrInTheMidst) {
+TEST(LimitsTest, A11StopsThoughClientsAreIdleOrInTheMidst) {
     server::ServerConfig config;
     config.timeouts.stop = 2s;
     TestServer server(config);

@@ -30,7 +30,7 @@ std::map<std::string, double> parse(const std::string& text) {
     return values;
 }
 
-TEST(MetricsTest, CountWhatHappened) {
+TEST(MetricsTest, A10CountWhatHappened) {
     TestServer server;
     const std::string token = server.make_token("default", {"metrics:read"});
     server.make_job("default", "mesh.glb", "glTF");

@@ -17,7 +17,7 @@ protected:
     const std::string token = server.admin();
 };
 
-TEST_F(RestTest, PagesThroughAListByItsLinks) {
+TEST_F(RestTest, A3PagesThroughAListByItsLinks) {
     for (int i = 0; i < 5; ++i) server.make_dive("default", sha256_hex(std::to_string(i)));
     std::vector<std::string> seen;
     std::string target = "/api/v1/dives?limit=2&state=ready";
@@ -90,7 +90,7 @@ TEST_F(RestTest, RefusesJobsThatCannotBeDone) {
     EXPECT_EQ(post(jobs, nlohmann::json::array()), 400);
 }
 
-TEST_F(RestTest, RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
+TEST_F(RestTest, A2RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
     const auto send = [&](const std::string& type, std::string_view body) {
         return server.request("POST", "/api/v1/dives", token, {{"Content-Type", type}}, body)
             .status;
@@ -114,14 +114,14 @@ TEST_F(RestTest, TellsTheLogAndTheArtifactsOfAJob) {
     EXPECT_FALSE(artifacts[0].contains("blob"));
 }
 
-TEST_F(RestTest, SendsNoResourceThatHasNotChanged) {
+TEST_F(RestTest, A4SendsNoResourceThatHasNotChanged) {
     const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
     const std::string etag = get(dive).header("etag");
     ASSERT_FALSE(etag.empty());
     EXPECT_EQ(server.request("GET", dive, token, {{"If-None-Match", etag}}).status, 304);
 }
 
-TEST_F(RestTest, AnswersHealthAndItsOwnContractToAnybody) {
+TEST_F(RestTest, A1AnswersHealthAndItsOwnContractToAnybody) {
     EXPECT_EQ(server.request("GET", "/healthz/live", "").json()["status"], "live");
     EXPECT_EQ(server.request("GET", "/healthz/ready", "").json()["status"], "ready");
     EXPECT_EQ(server.request("GET", "/openapi.json", "").json()["openapi"], "3.1.0");

@@ -113,7 +113,7 @@ TEST_F(TokenTest, AOneShotTokenIsTooOldAfterAWhile) {
 }
 
 // S23, S24
-TEST_F(TokenTest, S24NoSecretReachesTheLog) {
+TEST_F(TokenTest, A9S24NoSecretReachesTheLog) {
     std::ostringstream log;
     const auto before = spdlog::default_logger();
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(

@@ -240,7 +240,7 @@ TEST_F(TusTest, MakesADiveOfAFinishedUploadAndAnswersTheSameWhenAskedAgain) {
     EXPECT_EQ(archive_of(made.json()["id"]), bytes);
 }
 
-TEST_F(TusTest, RefusesAnUploadThatTheDiskCannotHold) {
+TEST_F(TusTest, A14RefusesAnUploadThatTheDiskCannotHold) {
     EXPECT_EQ(create({{"Upload-Length", "4000000000000"}}).status, 507);
 }
 

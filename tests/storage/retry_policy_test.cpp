@@ -25,7 +25,7 @@ protected:
     }
 };
 
-TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
+TEST_F(RetryPolicyTest, Q6AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     const Job job = enqueue(ready_dive(), 10);
 
     jobs_.fail(claim().lease, {ErrorCode::OutOfMemory, "killed"});
@@ -41,7 +41,7 @@ TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     EXPECT_FALSE(jobs_.retry(job.id).lowered);
 }
 
-TEST_F(RetryPolicyTest, WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
+TEST_F(RetryPolicyTest, Q6WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
     const Job job = enqueue(ready_dive(), 2);
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});
 
@@ -90,7 +90,7 @@ TEST_F(RetryPolicyTest, EveryFailureSaysWhatToDo) {
     EXPECT_EQ(jobs_.retry(job.id).failure.remedy, "");
 }
 
-TEST_F(RetryPolicyTest, AJobThatTakesItsWorkersDownAtOnceIsDeadAfterThree) {
+TEST_F(RetryPolicyTest, Q7AJobThatTakesItsWorkersDownAtOnceIsDeadAfterThree) {
     const Job job = enqueue(ready_dive(), 20);
 
     for (int i = 0; i < 3; ++i) {

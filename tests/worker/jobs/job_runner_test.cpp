@@ -170,7 +170,7 @@ TEST_F(JobRunnerTest, TakesADiveThroughIntakeAndReconstruction) {
     EXPECT_TRUE(fs::is_empty(folder_ / "work"));
 }
 
-TEST_F(JobRunnerTest, AJobOfAKilledWorkerRunsAgain) {
+TEST_F(JobRunnerTest, Q5AJobOfAKilledWorkerRunsAgain) {
     const Job job = make_job(wait_once());
     Process victim = start_worker();
     const pid_t child = child_of_marker();
@@ -189,7 +189,7 @@ TEST_F(JobRunnerTest, AJobOfAKilledWorkerRunsAgain) {
     EXPECT_TRUE(fs::is_empty(folder_ / "work")) << "the killed worker's scratch is still there";
 }
 
-TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
+TEST_F(JobRunnerTest, Q4AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     const Job job = make_job(wait_once());
     Process frozen = start_worker();
     const pid_t child = child_of_marker();
@@ -214,7 +214,7 @@ TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     }
 }
 
-TEST_F(JobRunnerTest, ARunningJobIsCancelled) {
+TEST_F(JobRunnerTest, Q8ARunningJobIsCancelled) {
     const Job job = make_job(wait_once());
     Process worker = start_worker();
     const pid_t child = child_of_marker();
@@ -227,7 +227,7 @@ TEST_F(JobRunnerTest, ARunningJobIsCancelled) {
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
 
-TEST_F(JobRunnerTest, AChildThatDoesNotListenIsKilled) {
+TEST_F(JobRunnerTest, Q8AChildThatDoesNotListenIsKilled) {
     const Job job = make_job("deaf " + marker_.string());
     Process worker = start_worker();
     const pid_t child = child_of_marker();
@@ -238,7 +238,7 @@ TEST_F(JobRunnerTest, AChildThatDoesNotListenIsKilled) {
     EXPECT_TRUE(is_gone(child));
 }
 
-TEST_F(JobRunnerTest, AnAttemptPastItsDeadlineIsEnded) {
+TEST_F(JobRunnerTest, Q5AnAttemptPastItsDeadlineIsEnded) {
     const Job job = make_job("deaf " + marker_.string(), 1);
     Process worker = start_worker("500");
 
@@ -313,7 +313,7 @@ TEST_F(JobRunnerTest, S19AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second on one thread
 }
 
-TEST_F(JobRunnerTest, S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
+TEST_F(JobRunnerTest, Q13S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     const Job job = make_job("fill", 1);
     Process worker = start_worker("600000", "1000000000", "4194304");
 
@@ -321,7 +321,7 @@ TEST_F(JobRunnerTest, S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
 }
 
-TEST_F(JobRunnerTest, S19AnAttemptHasLimitsAndNoNetwork) {
+TEST_F(JobRunnerTest, Q13S19AnAttemptHasLimitsAndNoNetwork) {
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
@@ -357,7 +357,7 @@ TEST_F(JobRunnerTest, TheStagesOfAnAttemptAreTold) {
     EXPECT_EQ(stages[1].name, "publish");
 }
 
-TEST_F(JobRunnerTest, AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
+TEST_F(JobRunnerTest, Q11AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
     const Job first = make_job(wait_once());
     Process worker = start_worker();
     child_of_marker();
@@ -379,7 +379,7 @@ TEST_F(JobRunnerTest, AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
     EXPECT_TRUE(workers.list().empty());
 }
 
-TEST_F(JobRunnerTest, TwoWorkersShareTheJobsAndEachRunsOnce) {
+TEST_F(JobRunnerTest, Q14TwoWorkersShareTheJobsAndEachRunsOnce) {
     std::vector<Job> made;
     for (int i = 0; i < 6; ++i) made.push_back(make_job("ok " + std::to_string(i)));
     Process first = start_worker();
