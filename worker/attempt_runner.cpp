@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "schemas/error.hpp"
 #include "worker/artifact_files.hpp"
@@ -20,6 +21,9 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kReadTimeout = 100ms;
 constexpr auto kMeasureEvery = 2s;
+constexpr auto kReportEvery = 500ms;
+constexpr std::size_t kMostLogBytes = std::size_t{512} << 10;  // more than is kept
+constexpr int kMostStages = 64;
 constexpr std::int64_t kLeastFusionMemory_bytes = std::int64_t{64} << 20;
 constexpr int kExitOutOfMemory = 137;  // what shells and containers say of SIGKILL
 
@@ -138,6 +142,7 @@ void AttemptRunner::supervise(const LeaseKeeper& keeper, const std::stop_token& 
         else
             std::this_thread::sleep_for(kReadTimeout / 10);  // it is on its way out
         read_lines(buffer);
+        report_pending(kReportEvery);
         if (stop_ == Stop::None) stop_ = reason_to_stop(keeper, stop, child);
         if (stop_ != Stop::None && !child.poll_end()) end_child(child);
     }
@@ -147,6 +152,7 @@ void AttemptRunner::supervise(const LeaseKeeper& keeper, const std::stop_token& 
         read = buffer.size() - before;
     }
     read_lines(buffer);
+    report_pending(0ms);
     end_ = *child.poll_end();
 }
 
@@ -164,26 +170,47 @@ void AttemptRunner::read_lines(std::string& buffer) {
         throw Error(ErrorCode::Unavailable, "an attempt sent a line without an end");
 }
 
+// A child that talks without end must not keep the catalog's one writer busy: of progress the
+// newest is written, of the log as much as is kept, both now and then.
 void AttemptRunner::take(const AttemptMessage& message) {
     heard_ = Clock::now();
-    try {  // a catalog that is out of reach for a moment must not end hours of work
-        if (!report(message)) stop_ = Stop::LeaseLost;
+    if (const auto* progress = std::get_if<Progress>(&message)) {
+        progress_ = *progress;
+    } else if (const auto* log = std::get_if<LogText>(&message)) {
+        if (num_log_bytes_ <= kMostLogBytes) log_ += log->text;
+        num_log_bytes_ += log->text.size();
+    } else if (const auto* stage = std::get_if<StageRun>(&message)) {
+        report(*stage);
+    } else {
+        result_ = message;
+    }
+    report_pending(kReportEvery);
+}
+
+void AttemptRunner::report(const StageRun& stage) {
+    if (++num_stages_ > kMostStages)
+        throw Error(ErrorCode::Unavailable, "an attempt told of more stages than there are");
+    report_pending(0ms);
+    report([&] { return jobs_.report_stage(claim_.lease, stage); });
+}
+
+void AttemptRunner::report_pending(std::chrono::milliseconds at_least_after) {
+    if (Clock::now() - reported_ < at_least_after || (!progress_ && log_.empty())) return;
+    reported_ = Clock::now();
+    if (const auto progress = std::exchange(progress_, std::nullopt))
+        report([&] { return jobs_.report_progress(claim_.lease, *progress); });
+    if (const std::string log = std::exchange(log_, ""); !log.empty())
+        report([&] { return jobs_.append_log(claim_.lease, log); });
+}
+
+// A catalog that is out of reach for a moment must not end hours of work.
+void AttemptRunner::report(const std::function<bool()>& write) {
+    try {
+        if (!write()) stop_ = Stop::LeaseLost;
     } catch (const std::exception& error) {
         log_warning(
             {{"event", "progress_not_written"}, {"job", claim_.job.id}, {"what", error.what()}});
     }
-}
-
-// False when the lease is lost.
-bool AttemptRunner::report(const AttemptMessage& message) {
-    if (const auto* progress = std::get_if<Progress>(&message))
-        return jobs_.report_progress(claim_.lease, *progress);
-    if (const auto* log = std::get_if<LogText>(&message))
-        return jobs_.append_log(claim_.lease, log->text);
-    if (const auto* stage = std::get_if<StageRun>(&message))
-        return jobs_.report_stage(claim_.lease, *stage);
-    result_ = message;
-    return true;
 }
 
 Stop AttemptRunner::reason_to_stop(const LeaseKeeper& keeper,

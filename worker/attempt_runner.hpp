@@ -39,7 +39,9 @@ private:
     void supervise(const LeaseKeeper& keeper, const std::stop_token& stop);
     void read_lines(std::string& buffer);
     void take(const AttemptMessage& message);
-    bool report(const AttemptMessage& message);
+    void report(const StageRun& stage);
+    void report_pending(std::chrono::milliseconds at_least_after);
+    void report(const std::function<bool()>& write);
     Stop reason_to_stop(const LeaseKeeper& keeper,
                         const std::stop_token& stop,
                         const ChildProcess& child);
@@ -69,6 +71,11 @@ private:
     Stop stop_ = Stop::None;
     std::optional<Clock::time_point> asked_to_end_;
     std::optional<AttemptMessage> result_;
+    std::optional<Progress> progress_;  // that the catalog does not know yet
+    std::string log_;                   // the same
+    Clock::time_point reported_ = {};
+    std::size_t num_log_bytes_ = 0;  // in all
+    int num_stages_ = 0;
     ProcessEnd end_;
 };
 

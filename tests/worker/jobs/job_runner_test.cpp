@@ -15,6 +15,7 @@
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
 #include "storage/dive_store.hpp"
+#include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/upload_store.hpp"
 #include "storage/worker_store.hpp"
@@ -128,6 +129,15 @@ TEST_F(JobRunnerTest, A14BeginsNothingOnADiskThatIsNearlyFull) {
     }
     Process worker = start_worker();
     EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+}
+
+TEST_F(JobRunnerTest, S19AnAttemptThatTalksWithoutEndHoldsUpNobody) {
+    const Job job = make_job("talk");
+    Process worker = start_worker();
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+
+    EXPECT_EQ(jobs_.get(job.id).progress.stage, "evaluate") << "the last word is never lost";
+    EXPECT_LT(storage::EventStore(catalog_).newest_sequence(), 200);
 }
 
 // What a recording is called is in the message of its failure.
