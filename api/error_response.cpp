@@ -33,6 +33,18 @@ http::status status_of(ErrorCode code) {
     return http::status::internal_server_error;
 }
 
+// Seconds; "": trying again does not help.
+std::string retry_after(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::Locked:
+        case ErrorCode::OutOfMemory:
+        case ErrorCode::Unavailable: return "2";
+        case ErrorCode::OutOfSpace:
+        case ErrorCode::TooMany: return "60";
+        default: return "";
+    }
+}
+
 Response problem(const Request& request,
                  http::status status,
                  const std::string& type,
@@ -71,12 +83,11 @@ Response error_response(const Request& request, const std::exception_ptr& failur
                                     "urn:divemesh:error:" + std::string(to_string(error.code())),
                                     error.what());
         if (error.code() == ErrorCode::Unauthorized) response.set("WWW-Authenticate", "Bearer");
-        if (error.code() == ErrorCode::Unavailable || error.code() == ErrorCode::Locked)
-            response.set("Retry-After", "2");
+        const std::string wait = retry_after(error.code());
         if (const auto* often = dynamic_cast<const TooOften*>(&error))
             advise(response, often->advice());
-        else if (error.code() == ErrorCode::TooMany)
-            response.set("Retry-After", "60");
+        else if (!wait.empty())
+            response.set("Retry-After", wait);
         return response;
     } catch (const std::exception& error) {
         spdlog::error(nlohmann::json{{"event", "internal_error"},

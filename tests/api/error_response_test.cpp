@@ -48,6 +48,22 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
     }
 }
 
+TEST(ErrorResponseTest, A7SaysWhenToComeBackWhereThatHelps) {
+    const auto wait_of = [](ErrorCode code) {
+        const auto response = response_to(std::make_exception_ptr(Error(code, "why")));
+        std::string wait;
+        for (const auto& [name, value] : response.headers)
+            if (name == "Retry-After") wait = value;
+        return wait;
+    };
+    for (const auto code : {ErrorCode::Locked, ErrorCode::OutOfMemory, ErrorCode::Unavailable})
+        EXPECT_EQ(wait_of(code), "2");
+    for (const auto code : {ErrorCode::OutOfSpace, ErrorCode::TooMany})
+        EXPECT_EQ(wait_of(code), "60");
+    for (const auto code : {ErrorCode::BadData, ErrorCode::OutOfQuota, ErrorCode::Conflict})
+        EXPECT_EQ(wait_of(code), "");
+}
+
 // S27
 TEST(ErrorResponseTest, S27ShowsNothingOfAnErrorThatIsNotOurs) {
     const auto response =
