@@ -121,11 +121,11 @@ ProcessLimits AttemptRunner::limits() {
     scratch_bytes_ = config_.scratch_bytes;
     if (scratch_bytes_ <= 0)
         scratch_bytes_ =
-            unknown ? std::numeric_limits<std::int64_t>::max()
-                    : std::max<std::int64_t>(0,
-                                             static_cast<std::int64_t>(space.available) / 10 * 9 -
-                                                 config_.min_free_bytes) /
-                          std::max(1, config_.num_slots);
+            unknown
+                ? std::numeric_limits<std::int64_t>::max()
+                : std::max(kLeastScratch_bytes,
+                           (static_cast<std::int64_t>(space.available) - config_.min_free_bytes) /
+                               10 * 9 / std::max(1, config_.num_slots));
     ProcessLimits limits = config_.limits;
     if (limits.max_file_bytes <= 0) limits.max_file_bytes = scratch_bytes_;
     return limits;

@@ -10,6 +10,9 @@
 
 namespace divemesh::worker {
 
+// Beyond min_free_bytes: what an attempt may take at the least.
+inline constexpr std::int64_t kLeastScratch_bytes = std::int64_t{64} << 20;
+
 struct WorkerConfig {
     std::string catalog_url;
     std::string blobs_url;

@@ -136,7 +136,7 @@ Awaitable<Response> list_dives(Request request, Services services) {
         return storage::DiveStore(catalog).list(filter, page);
     };
     const auto dives = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, dives.items, dives.next_cursor);
+    co_return list_response<Dive>(request, dives.items, dives.next_cursor);
 }
 
 Awaitable<Response> create_dive(Request request, Services services) {
@@ -155,7 +155,7 @@ Awaitable<Response> list_findings(Request request, Services services) {
             .findings(visible_dive(request, services.catalog).id);
     };
     const auto findings = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, findings);
+    co_return whole_list_response(request, findings);
 }
 
 Awaitable<Response> create_job(Request request, Services services) {

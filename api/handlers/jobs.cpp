@@ -73,7 +73,7 @@ Awaitable<Response> list_jobs(Request request, Services services) {
         return jobs;
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, jobs.items, jobs.next_cursor);
+    co_return list_response<Job>(request, jobs.items, jobs.next_cursor);
 }
 
 Awaitable<Response> get_job(Request request, Services services) {
@@ -126,7 +126,7 @@ Awaitable<Response> list_attempts(Request request, Services services) {
             .attempts(visible_job(request, services.catalog).id);
     };
     const auto attempts = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, attempts);
+    co_return whole_list_response(request, attempts);
 }
 
 Awaitable<Response> get_attempt_log(Request request, Services services) {
@@ -143,7 +143,7 @@ Awaitable<Response> list_artifacts(Request request, Services services) {
             .artifacts(visible_job(request, services.catalog).id);
     };
     const auto artifacts = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, artifacts);
+    co_return whole_list_response(request, artifacts);
 }
 
 }  // namespace divemesh::api

@@ -65,6 +65,21 @@ storage::PageRequest page_request(const Request& request) {
     return page;
 }
 
+// Its cursor is how many were given before.
+Stretch stretch_of(const Request& request, std::size_t num_values) {
+    const storage::PageRequest page = page_request(request);
+    const auto before = parse_count(page.cursor.empty() ? "0" : page.cursor);
+    if (!before || *before > static_cast<std::int64_t>(num_values))
+        throw Error(ErrorCode::InvalidArgument,
+                    "not a cursor of this list: give next_cursor of the page before, as it came");
+    const auto first = static_cast<std::size_t>(*before);
+    const std::size_t left = num_values - first;
+    const std::size_t num = request.query.contains("limit")
+                                ? std::min(left, static_cast<std::size_t>(page.limit))
+                                : left;
+    return {first, num, num < left ? std::to_string(first + num) : ""};
+}
+
 std::string query_value(const Request& request, const std::string& name) {
     const auto found = request.query.find(name);
     return found == request.query.end() ? "" : found->second;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,12 +70,28 @@ Response resource_response(const Request& request, const T& value) {
 
 template <typename T>
 Response list_response(const Request& request,
-                       const std::vector<T>& values,
-                       const std::string& next_cursor = "") {
+                       std::span<const T> values,
+                       const std::string& next_cursor) {
     const auto choice = FieldChoice::of<T>(request);
     nlohmann::json items = nlohmann::json::array();
     for (const T& value : values) items.push_back(choice.leave(value));
     return page_response(request, std::move(items), next_cursor);
+}
+
+// Of a short list that was read as a whole: all of it unless ?limit= says otherwise.
+struct Stretch {
+    std::size_t first = 0;
+    std::size_t num = 0;
+    std::string next_cursor;  // "" at the end
+};
+
+Stretch stretch_of(const Request& request, std::size_t num_values);
+
+template <typename T>
+Response whole_list_response(const Request& request, const std::vector<T>& values) {
+    const Stretch part = stretch_of(request, values.size());
+    const auto shown = std::span(values).subspan(part.first, part.num);
+    return list_response<T>(request, shown, part.next_cursor);
 }
 
 }  // namespace divemesh::api

@@ -85,13 +85,13 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
         return storage::JobStore(catalog).redrive(project, limit);
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, jobs);
+    co_return whole_list_response(request, jobs);
 }
 
 Awaitable<Response> list_workers(Request request, Services services) {
     auto work = [&catalog = services.catalog] { return storage::WorkerStore(catalog).list(); };
     const auto workers = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, workers);
+    co_return whole_list_response(request, workers);
 }
 
 Awaitable<Response> get_worker(Request request, Services services) {

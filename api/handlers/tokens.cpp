@@ -43,7 +43,7 @@ Response secret_response(const nlohmann::json& body) {
 Awaitable<Response> list_tokens(Request request, Services services) {
     auto work = [&catalog = services.catalog] { return storage::TokenStore(catalog).list(); };
     const auto tokens = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, tokens);
+    co_return whole_list_response(request, tokens);
 }
 
 Awaitable<Response> create_token(Request request, Services services) {

@@ -55,7 +55,7 @@ Webhook webhook_request(const Request& request, const ServiceLimits& limits) {
 Awaitable<Response> list_webhooks(Request request, Services services) {
     auto work = [&catalog = services.catalog] { return storage::WebhookStore(catalog).list(); };
     const auto webhooks = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, webhooks);
+    co_return whole_list_response(request, webhooks);
 }
 
 Awaitable<Response> create_webhook(Request request, Services services) {
@@ -98,7 +98,7 @@ Awaitable<Response> list_webhook_deliveries(Request request, Services services) 
         return storage::WebhookStore(catalog).deliveries(id, page);
     };
     const auto page = co_await in_pool(services.pool, std::move(work));
-    co_return list_response(request, page.items, page.next_cursor);
+    co_return list_response<WebhookDelivery>(request, page.items, page.next_cursor);
 }
 
 Awaitable<Response> redeliver_webhook(Request request, Services services) {

@@ -60,6 +60,26 @@ TEST_F(RestTest, S29RefusesListsThatMakeNoSense) {
     EXPECT_EQ(get("/api/v1/jobs?kind=none").status, 400);
 }
 
+TEST_F(RestTest, A3ShortListsArePagedToo) {
+    for (int i = 0; i < 4; ++i) server.make_token("default", {"dives:read"});
+    const std::string list = "/api/v1/tokens";
+    const auto all = get(list).json()["items"];
+    nlohmann::json paged = nlohmann::json::array();
+    std::string next = list + "?limit=2";
+    for (int pages = 0; !next.empty() && pages < 10; ++pages) {
+        const auto page = get(next);
+        const auto items = page.json()["items"];
+        for (const auto& item : items) paged.push_back(item);
+        EXPECT_LE(items.size(), 2U);
+        const std::string link = page.header("link");
+        next = link.empty() ? "" : link.substr(1, link.find('>') - 1);
+    }
+    EXPECT_EQ(paged, all);
+    for (const char* path : {"tokens", "workers", "webhooks"})
+        for (const char* query : {"?limit=0", "?limit=-1", "?limit=201", "?cursor=x", "?cursor=99"})
+            EXPECT_EQ(get(std::string("/api/v1/") + path + query).status, 400) << path << query;
+}
+
 TEST_F(RestTest, QueuesCancelsAndRetriesAJob) {
     const auto dive = server.make_dive("default", std::string(64, 'a'));
     const auto made = server.post_json("/api/v1/dives/" + dive + "/jobs",
