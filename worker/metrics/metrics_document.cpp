@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <iomanip>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -140,8 +142,10 @@ json stereo(const SearchStatistics& dense) {
     const auto num_frames = static_cast<double>(dense.num_frames);
     json result = {{"num_frames", dense.num_frames},
                    {"mean_range_px", static_cast<double>(dense.sum_ranges_px) / num_frames}};
-    if (dense.num_clear > 0)
-        result["clipped_share"] = rate(dense.num_clipped, static_cast<double>(dense.num_clear));
+    const auto num_patches = static_cast<double>(dense.num_patches);
+    if (dense.num_patches == 0) return result;
+    result["clipped_share"] = rate(dense.num_too_far + dense.num_too_near, num_patches);
+    result["too_near_share"] = rate(dense.num_too_near, num_patches);
     return result;
 }
 
@@ -228,6 +232,26 @@ void add_evaluation(const Evaluation& evaluation, json& document) {
         document["known_distances"] = to_metrics(*evaluation.known_distances);
 }
 
+// Nothing is made of what comes nearer than the largest disparity that is looked for.
+std::optional<Finding> find_too_near(const MetricsInput& input) {
+    constexpr double kTolerated = 0.02;
+    const SearchStatistics& dense = input.track.dense;
+    if (dense.num_patches == 0) return std::nullopt;
+    const double share =
+        static_cast<double>(dense.num_too_near) / static_cast<double>(dense.num_patches);
+    if (share <= kTolerated) return std::nullopt;
+    std::ostringstream message;
+    message << std::fixed << std::setprecision(0) << 100.0 * share
+            << " % of the scene was nearer than the stereo search reaches ("
+            << input.options.num_disparities_px << " px of disparity): it is missing from the mesh";
+    return Finding{Severity::Warning,
+                   "scene_too_near",
+                   "",
+                   message.str(),
+                   "reconstruct again with a larger num_disparities_px, and keep more distance "
+                   "on the next dive"};
+}
+
 }  // namespace
 
 json metrics_document(const MetricsInput& input) {
@@ -255,6 +279,7 @@ json metrics_document(const MetricsInput& input) {
     std::vector<Finding> findings = input.findings;
     findings.insert(
         findings.end(), input.evaluation.findings.begin(), input.evaluation.findings.end());
+    if (const auto too_near = find_too_near(input)) findings.push_back(*too_near);
     document["findings"] = findings;
     return document;
 }

@@ -7,6 +7,7 @@
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/range_survey.hpp"
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/speckles.hpp"
 
@@ -60,33 +61,35 @@ private:
 }  // namespace
 
 struct StereoMatcher::Implementation {
+    explicit Implementation(int num_disparities)
+        : num_disparities_px(num_disparities), survey(num_disparities) {}
+
     int num_disparities_px;
+    RangeSurvey survey;
+    bool searches_within_range = false;
     std::function<void(const RectifiedFrame& frame, const DisparityRange& range, DepthMap& depth)>
         compute;
     std::optional<DisparityRefiner> refiner;
 
     void use_sgm() {
+        searches_within_range = true;
         compute = [matcher = CensusSgm(num_disparities_px)](const RectifiedFrame& frame,
                                                             const DisparityRange& range,
                                                             DepthMap& depth) mutable {
             depth.disparity_px = matcher.compute(frame.left, frame.right, range);
-            depth.search = matcher.outcome();
         };
         refiner.emplace();
     }
 };
 
 StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& options)
-    : implementation_(std::make_unique<Implementation>()) {
+    : implementation_(std::make_unique<Implementation>(options.num_disparities_px)) {
     const int num_disparities = options.num_disparities_px;
-    implementation_->num_disparities_px = num_disparities;
     const auto use = [&](auto matcher) {
-        implementation_->compute = [matcher, num_disparities](const RectifiedFrame& frame,
-                                                              const DisparityRange&,
-                                                              DepthMap& depth) mutable {
-            depth.disparity_px = matcher.compute(frame.left, frame.right);
-            depth.search.range = {0, num_disparities};
-        };
+        implementation_->compute =
+            [matcher](const RectifiedFrame& frame, const DisparityRange&, DepthMap& depth) mutable {
+                depth.disparity_px = matcher.compute(frame.left, frame.right);
+            };
     };
     if (options.stereo == "block")
         use(BlockMatcher(num_disparities));
@@ -104,9 +107,15 @@ DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
 
 DepthMap StereoMatcher::match(const RectifiedFrame& frame, const DisparityRange& range) {
     DepthMap depth;
-    implementation_->compute(frame, range, depth);
-    if (implementation_->refiner)
-        refine(frame, *implementation_->refiner, depth);
+    auto& own = *implementation_;
+    const auto surveyed = own.survey.survey(frame.left, frame.right);
+    const DisparityRange searched = own.searches_within_range
+                                        ? widen(range, surveyed, own.num_disparities_px)
+                                        : DisparityRange{0, own.num_disparities_px};
+    depth.search = outcome_of(searched, surveyed);
+    own.compute(frame, searched, depth);
+    if (own.refiner)
+        refine(frame, *own.refiner, depth);
     else
         rate_by_texture(frame, depth);
     depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);

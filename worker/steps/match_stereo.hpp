@@ -18,7 +18,7 @@ public:
     StereoMatcher& operator=(const StereoMatcher&) = delete;
 
     DepthMap match(const RectifiedFrame& frame);
-    // sgm looks within `range` alone.
+    // sgm looks within `range`, and where a survey at a quarter of the size shows something beyond.
     DepthMap match(const RectifiedFrame& frame, const DisparityRange& range);
 
 private:

@@ -87,7 +87,6 @@ cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right) {
 cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range) {
     first_disparity_ = range.first_px;
     num_disparities_ = (range.num_px + 31) / 32 * 32;
-    outcome_ = {{first_disparity_, num_disparities_}};
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
     if (left.cols <= kRadiusX_px || left.rows <= kRadiusY_px) return disparity;
     prepare(left);
@@ -112,7 +111,7 @@ void CensusSgm::prepare(const cv::Mat& left) {
         row.sum.resize(row.cost.size());
         row.least.resize(width);
         row.least_at.resize(width);
-        row.clarity.resize(width);
+        row.is_unique.resize(width);
         row.around.resize(3 * width);
         for (auto& penalty : row.penalty) penalty.resize(width);
         for (auto& plane : row.right_reversed)
@@ -195,7 +194,7 @@ void CensusSgm::select_winners(int num_rows) {
         backward[i].from_right = row.from_right.data();
         backward[i].least = row.least.data();
         backward[i].least_at = row.least_at.data();
-        backward[i].clarity = row.clarity.data();
+        backward[i].is_unique = row.is_unique.data();
         backward[i].around = row.around.data();
     }
     sgm_kernels(instructions_, num_disparities_).backward(backward, num_rows);
@@ -213,10 +212,7 @@ void CensusSgm::write_row(const Row& row, float* disparity_px) {
     for (int x = 0; x < width_; ++x) {
         const int d = first_disparity_ + row.least_at[x];
         if (d >= x) continue;
-        if (row.clarity[x] != Clarity::None) ++outcome_.num_clear;
-        // Nothing is farther than a disparity of 0.
-        if (row.clarity[x] == Clarity::AtEnd && d > 0) ++outcome_.num_clipped;
-        const bool confirmed = row.clarity[x] == Clarity::Unique &&
+        const bool confirmed = row.is_unique[x] != 0 &&
                                std::abs(right_best_disparity_[x - d] - d) <= kLeftRightTolerance_px;
         const std::uint8_t* around = row.around.data() + 3 * static_cast<std::size_t>(x);
         disparity_px[x] = confirmed ? interpolate(around, d) : -static_cast<float>(d);

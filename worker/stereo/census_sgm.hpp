@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "worker/instructions.hpp"
-#include "worker/stereo/search_outcome.hpp"
+#include "worker/stereo/disparity_range.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
 
 namespace divemesh::worker {
@@ -24,8 +24,6 @@ public:
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
     // The same within a range, whose number is rounded up likewise.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range);
-    // Of the last compute().
-    const SearchOutcome& outcome() const { return outcome_; }
 
 private:
     static constexpr int kRowsAtOnce = 2;  // as the kernels take them
@@ -39,7 +37,7 @@ private:
         std::vector<std::uint8_t> from_right;
         std::vector<std::uint8_t> least;  // of the sums, by x, and where and how
         std::vector<std::int16_t> least_at;
-        std::vector<Clarity> clarity;
+        std::vector<std::uint8_t> is_unique;
         std::vector<std::uint8_t> around;
     };
     // Costs of one path, see VerticalPath.
@@ -59,7 +57,6 @@ private:
     int whole_num_disparities_;
     int first_disparity_ = 0;
     Instructions instructions_;
-    SearchOutcome outcome_;
     int width_ = 0;
     std::vector<std::uint8_t> left_census_[4];  // byte planes of the signatures
     std::vector<std::uint8_t> right_census_[4];

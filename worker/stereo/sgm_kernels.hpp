@@ -29,10 +29,6 @@ struct VerticalPath {
     int first_slot = 0;  // of x = 0
 };
 
-// Of a winner: something comes near it, nothing does, or nothing does but it lies at an end of the
-// range.
-enum class Clarity : std::uint8_t { None, Unique, AtEnd };
-
 struct ForwardRow {
     int width = 0;
     int first_disparity = 0;
@@ -57,7 +53,7 @@ struct BackwardRow {
     // Out, by x:
     std::uint8_t* least = nullptr;     // of the sums
     std::int16_t* least_at = nullptr;  // the first d that has it
-    Clarity* clarity = nullptr;
+    std::uint8_t* is_unique = nullptr;
     std::uint8_t* around = nullptr;  // three each: the sums at d - 1, d, d + 1 where Unique
 };
 

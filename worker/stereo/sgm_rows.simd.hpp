@@ -152,7 +152,7 @@ void forward(const ForwardRow* rows, int num_rows) {
 
 struct Winner {
     int d;
-    Clarity clarity;
+    std::uint8_t is_unique;
 };
 
 // The first place of `best` in sums[0, num), and whether anything but its neighbours comes near it.
@@ -170,15 +170,15 @@ DIVEMESH_INLINE_BODY Winner find_winner(const std::uint8_t* sums, int num, int b
     int winner = 0;
     for (int i = (num - 1) / 64; i >= 0; --i)
         winner = equal[i] != 0 ? 64 * i + __builtin_ctzll(equal[i]) : winner;
-    if (best == 255) return {winner, Clarity::None};
+    if (best == 255) return {winner, 0};
     const int first = std::max(0, winner - 1);
     const std::uint64_t neighbours = winner == 0 ? 3 : 7;
     near[first / 64] &= ~(neighbours << (first % 64));
     near[first / 64 + 1] &= ~(neighbours >> 1 >> (63 - first % 64));
     std::uint64_t any = 0;
     for (int i = 0; i <= (num - 1) / 64; ++i) any |= near[i];
-    if (any != 0) return {winner, Clarity::None};
-    return {winner, winner == 0 || winner == num - 1 ? Clarity::AtEnd : Clarity::Unique};
+    const bool at_end = winner == 0 || winner == num - 1;
+    return {winner, static_cast<std::uint8_t>(any == 0 && !at_end)};
 }
 
 // One row on its way from right to left.
@@ -219,7 +219,7 @@ DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x) {
     const Winner winner = find_winner(sums, num, lowest);
     row.least[x] = static_cast<std::uint8_t>(lowest);
     row.least_at[x] = static_cast<std::int16_t>(winner.d);
-    row.clarity[x] = winner.clarity;
+    row.is_unique[x] = winner.is_unique;
     std::memcpy(row.around + 3 * x, sums + winner.d - 1, 3);
 }
 

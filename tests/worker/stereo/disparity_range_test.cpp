@@ -1,8 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include "tests/worker/stereo/warped_pair.hpp"
 #include "worker/steps/choose_range.hpp"
+#include "worker/steps/match_stereo.hpp"
 #include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/range_survey.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -44,15 +51,94 @@ TEST(CensusSgm, FindsTheSameWithinARangeThatHoldsTheSurface) {
     cv::Mat differs = cv::abs(whole - part) > 1.0F;
     differs.colRange(0, 100).setTo(0);
     EXPECT_LT(cv::countNonZero(differs), differs.total() / 200);
-    EXPECT_LT(matcher.outcome().num_clipped, matcher.outcome().num_clear / 40);
 }
 
-TEST(CensusSgm, CountsWhatARangeCutsOff) {
-    const WarpedPair pair = make_warped_pair([](double, double) { return 40.5; });
-    CensusSgm matcher(128);
-    matcher.compute(pair.left, pair.right, {9, 32});  // 40 is the last
-    EXPECT_GT(matcher.outcome().num_clear, 20'000);
-    EXPECT_GT(10 * matcher.outcome().num_clipped, 9 * matcher.outcome().num_clear);
+// A floor at 20 px, a block at 90 before it in the middle third.
+double block_on_floor(double x, double) { return x > 213.0 && x < 427.0 ? 90.0 : 20.0; }
+
+const WarpedPairOptions kLarge{.width_px = 640, .height_px = 480};
+
+TEST(RangeSurvey, FindsWhereThePatchesLie) {
+    const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
+    const auto patches = RangeSurvey(128).survey(pair.left, pair.right);
+    ASSERT_GT(patches.size(), 8'000U);  // of 160 x 120
+    const auto around = [&](float px) {
+        return std::count_if(
+            patches.begin(), patches.end(), [&](float d) { return std::abs(d - px) < 4.0F; });
+    };
+    EXPECT_GT(around(20.0F) + around(90.0F), std::ssize(patches) * 19 / 20);
+    EXPECT_NEAR(
+        static_cast<double>(around(90.0F)) / static_cast<double>(patches.size()), 1.0 / 3.0, 0.12);
+}
+
+TEST(RangeSurvey, CountsWhatNoSearchWithinTheRangeCanFind) {
+    const WarpedPair pair = make_warped_pair([](double, double) { return 60.0; }, kLarge);
+    const auto patches = RangeSurvey(128).survey(pair.left, pair.right);
+    const SearchOutcome too_near = outcome_of({9, 32}, patches);
+    EXPECT_GT(too_near.num_patches, 8'000);
+    EXPECT_GT(100 * too_near.num_too_near, 98 * too_near.num_patches);
+    EXPECT_EQ(too_near.num_too_far, 0);
+    const SearchOutcome too_far = outcome_of({80, 48}, patches);
+    EXPECT_GT(100 * too_far.num_too_far, 98 * too_far.num_patches);
+    const SearchOutcome held = outcome_of({32, 64}, patches);
+    EXPECT_LT(held.num_too_near + held.num_too_far, held.num_patches / 50);
+}
+
+TEST(RangeSurvey, SeesBeyondTheWholeRange) {
+    const WarpedPair pair = make_warped_pair([](double, double) { return 100.0; }, kLarge);
+    const auto patches = RangeSurvey(64).survey(pair.left, pair.right);
+    const SearchOutcome outcome = outcome_of({0, 64}, patches);
+    EXPECT_GT(outcome.num_patches, 8'000);
+    EXPECT_GT(100 * outcome.num_too_near, 98 * outcome.num_patches);
+}
+
+TEST(RangeSurvey, WidensARangeToHoldWhatItShows) {
+    std::vector<float> patches(1'000, 30.0F);
+    const auto holds = [](const DisparityRange& range, int px) {
+        return range.first_px < px && px < range.first_px + range.num_px - 1;
+    };
+    const DisparityRange narrow{10, 64};
+    EXPECT_EQ(widen(narrow, patches, 256).num_px, 64);
+    EXPECT_EQ(widen(narrow, {}, 256).first_px, 10);
+    std::fill(patches.end() - 10, patches.end(), 200.0F);  // one in a hundred may be wrong
+    EXPECT_EQ(widen(narrow, patches, 256).num_px, 64);
+    std::fill(patches.end() - 100, patches.end(), 120.0F);
+    EXPECT_TRUE(holds(widen(narrow, patches, 256), 30));
+    EXPECT_TRUE(holds(widen(narrow, patches, 256), 120));
+    EXPECT_LT(widen(narrow, patches, 256).num_px, 256);
+    EXPECT_EQ(widen(narrow, patches, 96).num_px, 96);
+    std::fill(patches.begin(), patches.begin() + 100, 5.0F);
+    const DisparityRange both = widen({20, 64}, patches, 256);
+    EXPECT_TRUE(holds(both, 5) && holds(both, 120));
+}
+
+// Features on the floor alone ask for a range that leaves the block out.
+TEST(StereoMatcher, FindsWhatTheRangeLeavesOut) {
+    const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
+    for (const std::string stereo : {"sgm", "block", "opencv_sgbm"}) {
+        ReconstructionOptions options;
+        options.stereo = stereo;
+        options.num_disparities_px = 128;
+        const DepthMap depth =
+            StereoMatcher({}, options).match({0, 0, pair.left, pair.right}, {0, 64});
+        EXPECT_EQ(depth.search.range.num_px, 128) << stereo;
+        EXPECT_GT(depth.search.num_patches, 8'000) << stereo;
+        EXPECT_LT(depth.search.num_too_near, depth.search.num_patches / 50) << stereo;
+        const cv::Rect block(240, 20, 160, 440);
+        const cv::Mat found = cv::abs(depth.disparity_px(block) - 90.0F) < 1.0F;
+        EXPECT_GT(cv::countNonZero(found), block.area() * 2 / 3) << stereo;
+    }
+}
+
+TEST(StereoMatcher, TellsWhatIsTooNearForAllItSearches) {
+    const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
+    ReconstructionOptions options;
+    options.num_disparities_px = 64;
+    const DepthMap depth = StereoMatcher({}, options).match({0, 0, pair.left, pair.right});
+    EXPECT_NEAR(static_cast<double>(depth.search.num_too_near) /
+                    static_cast<double>(depth.search.num_patches),
+                1.0 / 3.0,
+                0.12);
 }
 
 TEST(CensusSgm, EveryInstructionSetGivesTheSameWithinARange) {
