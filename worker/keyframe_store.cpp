@@ -18,6 +18,7 @@ namespace {
 
 constexpr float kDisparityStep_px = 1.0F / 128.0F;
 constexpr float kSigmaStep_px = 1.0F / 64.0F;
+constexpr char kViewMagic[4] = {'D', 'M', 'V', '1'};
 
 struct Header {
     char magic[4] = {'D', 'M', 'K', '2'};
@@ -160,6 +161,26 @@ cv::Mat KeyframeStore::read_left(int frame_index) const {
         throw Error(ErrorCode::BadData,
                     "keyframe picture damaged: " + file_of(frame_index, "jpg").string());
     return left;
+}
+
+void KeyframeStore::write_view(int frame_index, const DescribedView& view) const {
+    write_file(file_of(frame_index, "view"),
+               {{kViewMagic, sizeof kViewMagic}, {view.data(), view.size() * sizeof view[0]}});
+}
+
+DescribedView KeyframeStore::read_view(int frame_index) const {
+    const std::vector<std::uint8_t> bytes = read_file(file_of(frame_index, "view"));
+    const std::size_t num_bytes = bytes.size() - std::min(bytes.size(), sizeof kViewMagic);
+    if (bytes.size() < sizeof kViewMagic ||
+        std::memcmp(bytes.data(), kViewMagic, sizeof kViewMagic) != 0 ||
+        num_bytes % sizeof(DescribedPoint) != 0)
+        throw Error(ErrorCode::BadData,
+                    "keyframe description damaged: " + file_of(frame_index, "view").string());
+    DescribedView view(num_bytes / sizeof(DescribedPoint));
+    std::copy(bytes.begin() + sizeof kViewMagic,
+              bytes.end(),
+              reinterpret_cast<std::uint8_t*>(view.data()));
+    return view;
 }
 
 KeyframeImages KeyframeStore::read(int frame_index) const {

@@ -4,13 +4,15 @@
 #include <functional>
 #include <memory>
 
+#include "worker/estimation/loops/described_view.hpp"
 #include "worker/geometry/rerectifier.hpp"
 #include "worker/keyframe.hpp"
 
 namespace divemesh::worker {
 
-// Depth of the mapped frames and grey pictures of the keyframes on disk, one file each, so that
-// memory does not grow with the dive and every later stage can start from them. Disparity is kept
+// Depth of the mapped frames, grey pictures of the keyframes and what these are recognised by on
+// disk, one file each, so that memory does not grow with the dive and every later stage can start
+// from them. Disparity is kept
 // to 1/128 px, sigma to 1/64 px. Colour comes from the recording again, as it is there: to encode
 // and keep it here would cost more than to decode it twice. Any number of threads may read and
 // write, each frame written by one.
@@ -33,6 +35,10 @@ public:
     // The left picture alone, grey, in a file of its own; as rectified while the dive was tracked.
     void write_left(int frame_index, const cv::Mat& left) const;
     cv::Mat read_left(int frame_index) const;
+
+    // What a keyframe is recognised by.
+    void write_view(int frame_index, const DescribedView& view) const;
+    DescribedView read_view(int frame_index) const;  // throws Error{BadData}
 
 private:
     std::filesystem::path file_of(int frame_index, const char* extension) const;

@@ -10,7 +10,7 @@ KeyframeWriter::KeyframeWriter(const RectifiedRig& rig,
                                const ReconstructionOptions& options,
                                const KeyframeStore& store,
                                Workers& workers)
-    : loops_(options.close_loops), surface_(options.surface), store_(store) {
+    : surface_(options.surface), store_(store) {
     for (auto& lane : lanes_) lane.emplace(rig, options, workers);
 }
 
@@ -45,7 +45,10 @@ SearchStatistics KeyframeWriter::statistics() const {
 
 void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
     const RectifiedFrame& frame = waiting.frame;
-    if (loops_ && waiting.seen.is_keyframe) store_.write_left(frame.index, frame.left);
+    if (waiting.seen.view) {
+        store_.write_left(frame.index, frame.left);
+        store_.write_view(frame.index, *waiting.seen.view);
+    }
     if (!surface_) return;
     if (waiting.depth.disparity_px.empty())
         waiting.depth = waiting.seen.range ? lane.stereo.match(frame, *waiting.seen.range)

@@ -13,8 +13,8 @@
 namespace divemesh::worker {
 
 // Puts what later stages will ask for of a frame into the store, beside the caller: the grey
-// picture of a keyframe, to close loops with; picture and dense depth, to make the surface. At most
-// five frames wait or are worked on.
+// picture of a keyframe and what it is recognised by, to close loops with; picture and dense depth,
+// to make the surface. At most five frames wait or are worked on.
 class KeyframeWriter {
 public:
     KeyframeWriter(const RectifiedRig& rig,
@@ -24,7 +24,7 @@ public:
 
     // What the tracking saw in a frame.
     struct Seen {
-        bool is_keyframe = false;
+        std::optional<DescribedView> view;    // of a keyframe that loops may be closed with
         Features moving;                      // by themselves: the surface is kept free of them
         Features scene;                       // that went with the camera's motion
         std::optional<DisparityRange> range;  // nothing: the whole one
@@ -59,7 +59,6 @@ private:
     };
     void store(Waiting& waiting, Lane& lane) const;
 
-    bool loops_;
     bool surface_;
     const KeyframeStore& store_;
     std::optional<Waiting> waiting_;

@@ -126,15 +126,16 @@ Track track(Recording& recording,
         if (keep || !vision.found)
             add_new_features(rig, frame, depth, options.num_disparities_px, tracker, features);
         if (!vision.found) memory.lose_sight();
+        std::optional<DescribedView> view;
         if (keep) {
             memory.recognise(frame, seed, features, motion);
             map.add(frame, features, motion, inertial);
-            memory.keep(frame, features, motion.T_world_cam());
+            view = memory.keep(frame, features, motion.T_world_cam());
         }
         if (keep || (vision.found && mapping.due(features))) {
             mapping.taken(features);
             const DisparityRange range = choose_range(features, options.num_disparities_px);  // 1
-            writer.write(frame, depth, {keep, moving.now(), gone_along(vision), range});
+            writer.write(frame, depth, {std::move(view), moving.now(), gone_along(vision), range});
             result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
         }
         result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});
@@ -144,7 +145,6 @@ Track track(Recording& recording,
     writer.finish();
     map.move_to(result);
     result.imu_alignment = aligner.alignment();
-    result.views = memory.take_views();
     result.statistics = summary.statistics(recording.num_skipped_frames());
     result.statistics.dense = writer.statistics();
     return result;
@@ -168,8 +168,9 @@ OptimisedTrack optimise(const Track& track,
     Progress at;
     at.fraction = 0.1;
     const DriftBound drift(track.keyframes, track.landmarks, &inertial);
-    const FoundLoops found =
-        find_loops(track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
+    FoundLoops found;
+    if (options.close_loops)
+        found = find_loops(track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
     result.statistics.loops = found.statistics;
     Track closed;  // what changes from here on
     closed.rig = track.rig;

@@ -9,7 +9,6 @@
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/imu_alignment.hpp"
-#include "worker/estimation/loops/described_view.hpp"
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/estimation/refined_calibration.hpp"
 #include "worker/geometry/rectified_rig.hpp"
@@ -62,8 +61,7 @@ struct Track {
     std::vector<Keyframe> keyframes;
     std::vector<Keyframe> mapped;  // whose depth is in the store: keyframes and some between
     std::vector<Landmark> landmarks;
-    std::vector<DescribedView> views;  // of the keyframes; none: no loop is looked for
-    ImuAlignment imu_alignment;        // as found on the way
+    ImuAlignment imu_alignment;  // as found on the way
     TrackStatistics statistics;
 };
 

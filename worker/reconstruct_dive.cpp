@@ -207,7 +207,6 @@ void DiveRun::optimise() {
     // An hour's dive needs the room for what follows.
     num_landmarks_ = std::ssize(track_.landmarks);
     track_.landmarks = {};
-    track_.views = {};
     track_.odometry = {};
     stage_done(watch, "optimise", reused);
 }

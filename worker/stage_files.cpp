@@ -172,8 +172,6 @@ void save_track(const std::filesystem::path& path, const std::string& key, const
         file.put_vector(landmark.observations);
     }
     put_alignment(file, track.imu_alignment);
-    file.put(static_cast<std::uint64_t>(track.views.size()));
-    for (const DescribedView& view : track.views) file.put_vector(view);
     file.put(track.statistics);
     file.commit();
 }
@@ -195,9 +193,6 @@ std::optional<Track> load_track(const std::filesystem::path& path, const std::st
         track.landmarks.push_back(std::move(landmark));
     }
     track.imu_alignment = get_alignment(*file);
-    const auto num_views = file->get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < num_views && file->ok(); ++i)
-        track.views.push_back(file->get_vector<DescribedPoint>());
     track.statistics = file->get<TrackStatistics>();
     return complete(*file, std::move(track));
 }

@@ -27,17 +27,36 @@ RectifiedFrame wall(int index) {
     return frame;
 }
 
+DescribedView view_of(int num_points) {
+    DescribedView view(static_cast<std::size_t>(num_points));
+    for (int i = 0; i < num_points; ++i) {
+        view[static_cast<std::size_t>(i)].u_px = static_cast<float>(i);
+        view[static_cast<std::size_t>(i)].descriptor.fill(0x9E3779B97F4A7C15ULL >> i);
+    }
+    return view;
+}
+
 TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
     Workers workers(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
-    for (int i = 0; i < 5; ++i) writer.write(wall(i), {}, {i % 2 == 0, {}, {}});
+    for (int i = 0; i < 5; ++i) {
+        KeyframeWriter::Seen seen;
+        if (i % 2 == 0) seen.view = view_of(i);
+        writer.write(wall(i), {}, seen);
+    }
     writer.finish();
     for (int i = 0; i < 5; ++i)
         EXPECT_NEAR(store.read(i).depth.disparity_px.at<float>(60, 100), 12.0F, 0.1F);
     EXPECT_LT(cv::norm(store.read_left(2), wall(2).left, cv::NORM_INF), 20.0);
+    const DescribedView view = store.read_view(4);
+    ASSERT_EQ(view.size(), 4U);
+    EXPECT_EQ(view[3].u_px, 3.0F);
+    EXPECT_EQ(view[3].descriptor, view_of(4)[3].descriptor);
+    EXPECT_TRUE(store.read_view(0).empty());
     EXPECT_THROW(store.read_left(1), Error);  // no keyframe
+    EXPECT_THROW(store.read_view(1), Error);
 }
 
 TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
@@ -60,7 +79,7 @@ TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyPictureAlone) {
     ReconstructionOptions options;
     options.surface = false;
     KeyframeWriter writer(small_rig(), options, store, workers);
-    writer.write(wall(0), {}, {true, {}, {}});
+    writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     writer.finish();
     EXPECT_EQ(store.read_left(0).size(), cv::Size(160, 120));
     EXPECT_THROW(store.read(0), Error);
@@ -73,7 +92,7 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     std::filesystem::remove(gone);
     Workers workers(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
-    writer.write(wall(0), {}, {true, {}, {}});
+    writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     EXPECT_THROW(writer.finish(), Error);
 }
 

@@ -41,7 +41,7 @@ class Gate {
 public:
     Gate(const RectifiedRig& rig,
          const std::vector<Keyframe>& keyframes,
-         const std::vector<DescribedView>& views,
+         const StoredViews& views,
          const DriftBound& drift)
         : drift_(drift) {
         for (std::size_t k = 0; k < keyframes.size(); ++k)
@@ -70,10 +70,9 @@ private:
 
 std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
                                            const std::vector<Keyframe>& keyframes,
-                                           const std::vector<DescribedView>& views,
+                                           const StoredViews& views,
                                            const DriftBound& drift,
                                            const std::vector<bool>& wanted) {
-    if (views.size() != keyframes.size()) return {};
     const PlaceIndex index(views);
     const Gate gate(rig, keyframes, views, drift);
     std::vector<LoopCandidate> candidates;

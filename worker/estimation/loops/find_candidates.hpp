@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "worker/estimation/loops/described_view.hpp"
 #include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/stored_views.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 
 namespace divemesh::worker {
@@ -19,7 +19,7 @@ struct LoopCandidate {
 // same place. None without views.
 std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
                                            const std::vector<Keyframe>& keyframes,
-                                           const std::vector<DescribedView>& views,
+                                           const StoredViews& views,
                                            const DriftBound& drift,
                                            const std::vector<bool>& wanted);
 

@@ -27,7 +27,7 @@ public:
     LoopSearch(const Track& track, const KeyframeStore& store, const DriftBound& drift)
         : track_(track),
           drift_(drift),
-          meter_(track.rig, track.keyframes, track.landmarks, track.views, store),
+          meter_(track.rig, track.keyframes, track.landmarks, store),
           spacing_(1 + track.keyframes.size() / (kMostLoops + 1)),
           loop_of_(track.keyframes.size()) {}
 
@@ -160,7 +160,6 @@ FoundLoops find_loops(const Track& track,
                       std::uint64_t seed,
                       const ProgressCallback& progress) {
     FoundLoops found;
-    if (track.views.empty()) return found;
     LoopSearch search(track, store, drift);
     Progress at;
     for (std::size_t k = 0; k < track.keyframes.size(); ++k) {
@@ -169,7 +168,8 @@ FoundLoops find_loops(const Track& track,
     }
     std::vector<bool> untied(track.keyframes.size());
     for (std::size_t k = 0; k < untied.size(); ++k) untied[k] = !search.is_tied(k);
-    const auto candidates = find_candidates(track.rig, track.keyframes, track.views, drift, untied);
+    const auto candidates = find_candidates(
+        track.rig, track.keyframes, StoredViews(store, track.keyframes), drift, untied);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         at.fraction = 0.5 * static_cast<double>(i) / static_cast<double>(candidates.size());
         progress(at);

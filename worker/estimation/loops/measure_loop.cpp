@@ -31,13 +31,12 @@ bool same(const Eigen::Isometry3d& T_to_from, const Eigen::Isometry3d& T_from_to
 LoopMeter::LoopMeter(const RectifiedRig& rig,
                      const std::vector<Keyframe>& keyframes,
                      const std::vector<Landmark>& landmarks,
-                     const std::vector<DescribedView>& views,
                      const KeyframeStore& store)
     : rig_(rig),
       keyframes_(keyframes),
       landmarks_(landmarks),
-      views_(views),
       store_(store),
+      views_(store, keyframes),
       seen_(keyframes.size()) {
     for (std::size_t i = 0; i < landmarks.size(); ++i)
         for (const LandmarkObservation& observation : landmarks[i].observations)

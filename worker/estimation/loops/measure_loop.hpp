@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "worker/estimation/loops/described_view.hpp"
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/estimation/loops/observe_again.hpp"
+#include "worker/estimation/loops/stored_views.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/reconstruct.hpp"
 
@@ -21,7 +21,6 @@ public:
     LoopMeter(const RectifiedRig& rig,
               const std::vector<Keyframe>& keyframes,
               const std::vector<Landmark>& landmarks,
-              const std::vector<DescribedView>& views,
               const KeyframeStore& store);
 
     // From nothing but what the two look like.
@@ -47,8 +46,8 @@ private:
     const RectifiedRig& rig_;
     const std::vector<Keyframe>& keyframes_;
     const std::vector<Landmark>& landmarks_;
-    const std::vector<DescribedView>& views_;
     const KeyframeStore& store_;
+    StoredViews views_;
     std::vector<std::vector<Seen>> seen_;      // by each keyframe
     std::map<std::size_t, cv::Mat> pictures_;  // the last ones used
 };

@@ -5,7 +5,7 @@
 
 namespace divemesh::worker {
 
-PlaceIndex::PlaceIndex(const std::vector<DescribedView>& views) {
+PlaceIndex::PlaceIndex(const StoredViews& views) {
     const Vocabulary vocabulary = Vocabulary::learn(views);
     views_of_word_.resize(static_cast<std::size_t>(vocabulary.num_words()));
     words_of_view_.resize(views.size());

@@ -12,7 +12,7 @@ namespace divemesh::worker {
 // and Zisserman 2003), words weighted by how rare they are.
 class PlaceIndex {
 public:
-    explicit PlaceIndex(const std::vector<DescribedView>& views);
+    explicit PlaceIndex(const StoredViews& views);
 
     // Likeness of view `view` with every view, 0 to 1: the shared part of their histograms of
     // words.

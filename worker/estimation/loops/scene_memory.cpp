@@ -44,28 +44,29 @@ void SceneMemory::recognise(const RectifiedFrame& frame,
     if (!used_) return;
     view_ = describe_view(frame.left);
     measure_disparities(frame, num_disparities_px_, view_);
-    if (!std::exchange(lost_, false) || views_.empty()) return;
+    if (!std::exchange(lost_, false) || last_left_.empty()) return;
     const auto known = find_last(frame, seed);
     if (!known) return;
     motion.correct(T_world_last_ * known->T_now_then.inverse());
     join(known->features, features);
 }
 
-void SceneMemory::keep(const RectifiedFrame& frame,
-                       const Features& features,
-                       const Eigen::Isometry3d& T_world_cam) {
-    if (!used_) return;
-    views_.push_back(std::move(view_));
+std::optional<DescribedView> SceneMemory::keep(const RectifiedFrame& frame,
+                                               const Features& features,
+                                               const Eigen::Isometry3d& T_world_cam) {
+    if (!used_) return std::nullopt;
+    last_view_ = std::move(view_);
     last_left_ = frame.left;
     last_features_.clear();
     for (const Feature& feature : features)
         if (has_depth(feature)) last_features_.push_back(feature);
     T_world_last_ = T_world_cam;
+    return last_view_;
 }
 
 std::optional<SceneMemory::Known> SceneMemory::find_last(const RectifiedFrame& frame,
                                                          std::uint64_t seed) const {
-    const auto rough = register_views(rig_, views_.back(), view_, seed);
+    const auto rough = register_views(rig_, last_view_, view_, seed);
     if (!rough) return std::nullopt;
     Known known;
     known.T_now_then = *rough;

@@ -15,8 +15,8 @@
 
 namespace divemesh::worker {
 
-// What the keyframes are recognised by, and the last of them in full: when the scene was out of
-// sight, and what comes into sight again overlaps with it, the dive goes on where it is.
+// The last keyframe in full, and what each is recognised by: when the scene was out of sight, and
+// what comes into sight again overlaps with it, the dive goes on where it is.
 class SceneMemory {
 public:
     SceneMemory(const RectifiedRig& rig, const ReconstructionOptions& options);
@@ -30,12 +30,10 @@ public:
                    std::uint64_t seed,
                    Features& features,
                    Motion& motion);
-    // It was kept, at this pose.
-    void keep(const RectifiedFrame& frame,
-              const Features& features,
-              const Eigen::Isometry3d& T_world_cam);
-
-    std::vector<DescribedView>&& take_views() { return std::move(views_); }
+    // It was kept, at this pose. What it is recognised by; nothing: no loop is looked for.
+    std::optional<DescribedView> keep(const RectifiedFrame& frame,
+                                      const Features& features,
+                                      const Eigen::Isometry3d& T_world_cam);
 
 private:
     struct Known {
@@ -48,8 +46,8 @@ private:
     bool used_;
     int num_disparities_px_;
     bool lost_ = false;
-    std::vector<DescribedView> views_;  // of all keyframes
-    DescribedView view_;                // of the frame about to be kept
+    DescribedView view_;       // of the frame about to be kept
+    DescribedView last_view_;  // of the last keyframe, as what follows
     cv::Mat last_left_;
     Features last_features_;
     Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();

@@ -51,14 +51,14 @@ Clusters cluster(const std::vector<Descriptor>& descriptors, std::vector<Descrip
 
 }  // namespace
 
-Vocabulary Vocabulary::learn(const std::vector<DescribedView>& views) {
+Vocabulary Vocabulary::learn(const StoredViews& views) {
     std::size_t num_descriptors = 0;
-    for (const DescribedView& view : views) num_descriptors += view.size();
+    for (std::size_t k = 0; k < views.size(); ++k) num_descriptors += views[k].size();
     const std::size_t stride = 1 + num_descriptors / kMostSamples;
     std::vector<Descriptor> samples;
     std::size_t i = 0;
-    for (const DescribedView& view : views)
-        for (const DescribedPoint& point : view)
+    for (std::size_t k = 0; k < views.size(); ++k)
+        for (const DescribedPoint& point : views[k])
             if (i++ % stride == 0) samples.push_back(point.descriptor);
     Vocabulary vocabulary;
     vocabulary.nodes_.emplace_back();

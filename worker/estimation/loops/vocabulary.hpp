@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "worker/estimation/loops/described_view.hpp"
+#include "worker/estimation/loops/stored_views.hpp"
 
 namespace divemesh::worker {
 
@@ -12,7 +13,7 @@ namespace divemesh::worker {
 // The same descriptors give the same tree.
 class Vocabulary {
 public:
-    static Vocabulary learn(const std::vector<DescribedView>& views);
+    static Vocabulary learn(const StoredViews& views);
 
     std::int32_t word_of(const Descriptor& descriptor) const;
     std::int32_t num_words() const { return num_words_; }

@@ -50,7 +50,7 @@ struct Swim {
             cv::Mat left;
             cv::extractChannel(images.left_color, left, 0);
             store.write_left(static_cast<int>(k), left);
-            track.views.push_back(SeaFloor::view(path[k], images));
+            store.write_view(static_cast<int>(k), SeaFloor::view(path[k], images));
             for (int i = 0; i < 80; ++i)
                 start_landmark(k, 20.0 + 31.0 * (i % 10), 20.0 + 28.0 * (i / 10), kLife);
         }

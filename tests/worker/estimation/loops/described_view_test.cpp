@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/synthetic/sea_floor.hpp"
+#include "tests/temporary_folder.hpp"
 #include "worker/estimation/loops/match_views.hpp"
 #include "worker/estimation/loops/place_index.hpp"
 
@@ -64,11 +65,17 @@ TEST(DescribedViewTest, AFlatPictureHasNoPoints) {
 }
 
 TEST(PlaceIndexTest, AViewIsMostLikeTheOneFromNearby) {
-    std::vector<DescribedView> views;
-    for (int i = 0; i < 12; ++i) views.push_back(view_of(camera(3.0 * i, 0.0, 2.0, 0.0)));
-    views.push_back(view_of(camera(3.0 * 7 + 0.2, 0.1, 2.0, 0.3)));
-    views.emplace_back();
-    const PlaceIndex index(views);
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    std::vector<Keyframe> keyframes;
+    const auto keep = [&](const DescribedView& view) {
+        keyframes.push_back({static_cast<int>(keyframes.size())});
+        store.write_view(keyframes.back().frame_index, view);
+    };
+    for (int i = 0; i < 12; ++i) keep(view_of(camera(3.0 * i, 0.0, 2.0, 0.0)));
+    keep(view_of(camera(3.0 * 7 + 0.2, 0.1, 2.0, 0.3)));
+    keep({});
+    const PlaceIndex index(StoredViews(store, keyframes));
     const auto likeness = index.likeness(12);
     const auto best = std::max_element(likeness.begin(), likeness.begin() + 12);
     EXPECT_EQ(best - likeness.begin(), 7);
