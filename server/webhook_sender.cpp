@@ -23,6 +23,7 @@
 #include "api/webhook_target.hpp"
 #include "schemas/error.hpp"
 #include "server/log.hpp"
+#include "server/resolve.hpp"
 
 namespace divemesh::server {
 namespace {
@@ -33,8 +34,9 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 
-constexpr int kMaxUnderWay = 8;
+constexpr std::size_t kMaxUnderWay = 64;
 constexpr auto kLookEvery = 500ms;
+constexpr auto kResolvePatience = 5s;
 constexpr auto kPatience = 15s;
 constexpr auto kLease = 60s;  // longer than an attempt may take
 constexpr std::uint32_t kMaxHeaderBytes = 8 << 10;
@@ -62,11 +64,11 @@ http::request<http::string_body> message_of(const storage::DueDelivery& due,
     return message;
 }
 
-void check_addresses(const tcp::resolver::results_type& found,
+void check_addresses(const Addresses& found,
                      const api::WebhookTarget& target,
                      const api::AllowedNetworks& allowed) {
-    for (const auto& entry : found) {
-        const auto address = entry.endpoint().address();
+    for (const tcp::endpoint& endpoint : found) {
+        const auto address = endpoint.address();
         if (allowed.contains(address)) continue;
         if (!api::is_public(address))
             throw Error(ErrorCode::Forbidden, "leads to an address that webhooks may not reach");
@@ -90,9 +92,7 @@ asio::awaitable<int> send(storage::DueDelivery due,
     const auto executor = co_await asio::this_coro::executor;
     const api::WebhookTarget target = api::parse_webhook_url(due.url);
     auto message = message_of(due, target);
-    tcp::resolver resolver(executor);
-    const auto found =
-        co_await resolver.async_resolve(target.host, target.port, asio::use_awaitable);
+    const Addresses found = co_await resolve_within(target.host, target.port, kResolvePatience);
     check_addresses(found, target, services.limits.webhook_networks);
     api::Stream::Tls stream(executor, *tls);
     auto& plain = beast::get_lowest_layer(stream);
@@ -128,14 +128,17 @@ asio::awaitable<void> WebhookSender::run() {
     asio::steady_timer pause(executor);
     while (!stopping_) {
         try {
-            const int room = kMaxUnderWay - num_under_way_;
-            auto claim = [this, room] {
-                return storage::WebhookStore(services_.catalog).claim_due(room, kLease);
+            auto claim = [this, busy = busy()] {
+                return storage::WebhookStore(services_.catalog)
+                    .claim_due(kMaxUnderWay - busy.size(), kLease, busy);
             };
             const auto due = co_await api::in_pool(services_.pool, std::move(claim));
             for (const auto& delivery : due) {
-                ++num_under_way_;
-                asio::co_spawn(asio::make_strand(executor), deliver(delivery), asio::detached);
+                {
+                    const std::lock_guard lock(mutex_);
+                    busy_.insert(delivery.webhook_id);
+                }
+                asio::co_spawn(asio::make_strand(executor), deliver_all(delivery), asio::detached);
             }
         } catch (const std::exception& error) {
             log_warning({{"event", "webhooks_unavailable"}, {"what", error.what()}});
@@ -145,7 +148,29 @@ asio::awaitable<void> WebhookSender::run() {
     }
 }
 
-asio::awaitable<void> WebhookSender::deliver(storage::DueDelivery due) {
+std::set<std::string> WebhookSender::busy() {
+    const std::lock_guard lock(mutex_);
+    return busy_;
+}
+
+asio::awaitable<void> WebhookSender::deliver_all(storage::DueDelivery due) {
+    const std::string webhook = due.webhook_id;
+    try {
+        std::optional<storage::DueDelivery> next = std::move(due);
+        while (next && co_await deliver(*next) && !stopping_) {
+            auto claim = [this, webhook] {
+                return storage::WebhookStore(services_.catalog).claim_next(webhook, kLease);
+            };
+            next = co_await api::in_pool(services_.pool, std::move(claim));
+        }
+    } catch (const std::exception& error) {
+        log_warning({{"event", "webhooks_unavailable"}, {"what", error.what()}});
+    }
+    const std::lock_guard lock(mutex_);
+    busy_.erase(webhook);
+}
+
+asio::awaitable<bool> WebhookSender::deliver(storage::DueDelivery due) {
     const Outcome outcome = co_await attempt(due, services_, &tls_);
     if (!outcome.error.empty()) ++services_.metrics.webhook_failures;
     try {
@@ -160,7 +185,7 @@ asio::awaitable<void> WebhookSender::deliver(storage::DueDelivery due) {
               {"id", due.id},
               {"status", outcome.status},
               {"error", outcome.error}});
-    --num_under_way_;
+    co_return outcome.status != 0;
 }
 
 }  // namespace divemesh::server

@@ -16,6 +16,8 @@ namespace {
 // Until the next attempt, after the first, second ... has failed.
 constexpr std::array<std::int64_t, 8> kPausesSeconds = {
     5, 300, 1800, 7200, 18'000, 36'000, 50'400, 86'400};
+constexpr std::int64_t kSilencePause_ms = 30'000;
+
 #define WEBHOOK_COLUMNS "id, project, url, topics, state, created_at_ms"
 #define DELIVERY_COLUMNS                                                              \
     "id, webhook_id, type, state, num_attempts, next_at_ms, last_status, last_error," \
@@ -66,6 +68,7 @@ struct DueRow {
 
     void define(soci::statement& statement) {
         statement.exchange(soci::into(due.id));
+        statement.exchange(soci::into(due.webhook_id));
         statement.exchange(soci::into(due.url));
         statement.exchange(soci::into(due.secret));
         statement.exchange(soci::into(due.body));
@@ -105,6 +108,47 @@ void finish(soci::session& session,
             soci::use(state, "state"),
             soci::use(now_ms, "now"),
             soci::use(delivery.id, "id"));
+}
+
+const std::string kSelectDue =
+    "SELECT webhook_deliveries.id, webhook_id, url, secret, body"
+    " FROM webhook_deliveries, webhooks WHERE webhooks.id = webhook_id"
+    " AND webhook_deliveries.state = 'waiting' AND webhooks.state = 'enabled'"
+    " AND next_at_ms <= :now";
+
+std::vector<DueDelivery> oldest_of_each(soci::session& session, std::size_t limit) {
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    const auto most = static_cast<std::int64_t>(limit);
+    return select_all<DueRow>(
+        session,
+        kSelectDue +
+            " AND webhook_deliveries.id = (SELECT first.id FROM webhook_deliveries AS first"
+            " WHERE first.webhook_id = webhooks.id AND first.state = 'waiting'"
+            " AND first.next_at_ms <= :now ORDER BY first.next_at_ms, first.id LIMIT 1)"
+            " ORDER BY next_at_ms, webhook_deliveries.id LIMIT :limit",
+        soci::use(now_ms, "now"),
+        soci::use(most, "limit"));
+}
+
+void lease_delivery(soci::session& session,
+                    const DueDelivery& delivery,
+                    std::chrono::milliseconds lease) {
+    const std::int64_t until_ms = Catalog::now_ms(session) + lease.count();
+    execute(session,
+            "UPDATE webhook_deliveries SET next_at_ms = :until,"
+            " num_attempts = num_attempts + 1 WHERE id = :id",
+            soci::use(until_ms, "until"),
+            soci::use(delivery.id, "id"));
+}
+
+// Nobody answers there: what else is due waits as well, and is not counted as tried.
+void postpone_all(soci::session& session, const std::string& webhook_id, std::int64_t now_ms) {
+    const std::int64_t later_ms = now_ms + kSilencePause_ms;
+    execute(session,
+            "UPDATE webhook_deliveries SET next_at_ms = :later"
+            " WHERE webhook_id = :webhook AND state = 'waiting' AND next_at_ms < :later",
+            soci::use(later_ms, "later"),
+            soci::use(webhook_id, "webhook"));
 }
 
 }  // namespace
@@ -218,31 +262,38 @@ WebhookDelivery WebhookStore::redeliver(const std::string& webhook_id,
     return std::move(*delivery);
 }
 
-std::vector<DueDelivery> WebhookStore::claim_due(int limit, std::chrono::milliseconds lease) {
+std::vector<DueDelivery> WebhookStore::claim_due(std::size_t limit,
+                                                 std::chrono::milliseconds lease,
+                                                 const std::set<std::string>& busy) {
     std::vector<DueDelivery> due;
-    std::int64_t now_ms = 0;
     const auto look = [&](soci::session& session) {
-        now_ms = Catalog::now_ms(session);
-        due = select_all<DueRow>(
-            session,
-            "SELECT webhook_deliveries.id, url, secret, body FROM webhook_deliveries, webhooks"
-            " WHERE webhooks.id = webhook_id AND webhook_deliveries.state = 'waiting'"
-            " AND webhooks.state = 'enabled' AND next_at_ms <= :now"
-            " ORDER BY next_at_ms, webhook_deliveries.id LIMIT :limit",
-            soci::use(now_ms, "now"),
-            soci::use(limit, "limit"));
+        // The busy ones may be among those that are read.
+        due = oldest_of_each(session, limit + busy.size());
+        std::erase_if(due,
+                      [&](const DueDelivery& found) { return busy.contains(found.webhook_id); });
+        if (due.size() > limit) due.resize(limit);
     };
     catalog_.read(look);
     if (due.empty()) return due;  // no write where there is nothing to do
     catalog_.transaction([&](soci::session& session) {
         look(session);
-        const std::int64_t until_ms = now_ms + lease.count();
-        for (const DueDelivery& delivery : due)
-            execute(session,
-                    "UPDATE webhook_deliveries SET next_at_ms = :until,"
-                    " num_attempts = num_attempts + 1 WHERE id = :id",
-                    soci::use(until_ms, "until"),
-                    soci::use(delivery.id, "id"));
+        for (const DueDelivery& delivery : due) lease_delivery(session, delivery, lease);
+    });
+    return due;
+}
+
+std::optional<DueDelivery> WebhookStore::claim_next(const std::string& webhook_id,
+                                                    std::chrono::milliseconds lease) {
+    std::optional<DueDelivery> due;
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        due = select_one<DueRow>(session,
+                                 kSelectDue +
+                                     " AND webhook_id = :webhook"
+                                     " ORDER BY next_at_ms, webhook_deliveries.id LIMIT 1",
+                                 soci::use(now_ms, "now"),
+                                 soci::use(webhook_id, "webhook"));
+        if (due) lease_delivery(session, *due, lease);
     });
     return due;
 }
@@ -271,6 +322,7 @@ void WebhookStore::record(const std::string& delivery_id, int status, const std:
                 "UPDATE webhook_deliveries SET next_at_ms = :next WHERE id = :id",
                 soci::use(next_at_ms, "next"),
                 soci::use(delivery_id, "id"));
+        if (status == 0) postpone_all(session, delivery->webhook_id, now_ms);
     });
 }
 

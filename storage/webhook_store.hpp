@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
+#include <set>
 #include <soci/soci.h>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@ namespace divemesh::storage {
 // What whoever delivers needs.
 struct DueDelivery {
     std::string id;
+    std::string webhook_id;
     std::string url;
     std::string secret;
     std::string body;
@@ -40,10 +43,17 @@ public:
     // To be delivered at once, with all its attempts. Throws Error{NotFound}.
     WebhookDelivery redeliver(const std::string& webhook_id, const std::string& delivery_id);
 
-    // Takes what is due; others leave it alone for the length of the lease.
-    std::vector<DueDelivery> claim_due(int limit, std::chrono::milliseconds lease);
+    // Takes the oldest that is due of each webhook but the `busy` ones; others leave them alone for
+    // the length of the lease. What waits for a webhook that is disabled goes on waiting.
+    std::vector<DueDelivery> claim_due(std::size_t limit,
+                                       std::chrono::milliseconds lease,
+                                       const std::set<std::string>& busy);
+    // The same of one webhook.
+    std::optional<DueDelivery> claim_next(const std::string& webhook_id,
+                                          std::chrono::milliseconds lease);
     // How an attempt ended; `status` 0: there was no answer. 2xx delivers; 410 gives up and
     // disables the webhook; anything else is tried again, up to a day later, nine times in all.
+    // Where nobody answered, the webhook's other deliveries wait for half a minute, too.
     void record(const std::string& delivery_id, int status, const std::string& error);
     // Takes finished ones out of the log.
     void forget_older_than(std::chrono::milliseconds age);

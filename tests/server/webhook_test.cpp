@@ -78,6 +78,37 @@ private:
     std::jthread thread_;
 };
 
+// Takes connections and never answers.
+class SilentReceiver {
+public:
+    SilentReceiver() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
+    ~SilentReceiver() {
+        thread_.request_stop();
+        asio::io_context io;
+        asio::ip::tcp::socket socket(io);
+        beast::error_code ignored;
+        socket.connect(acceptor_.local_endpoint(), ignored);  // wakes it
+    }
+    std::string url() const {
+        return "http://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port()) + "/hook";
+    }
+    int num_connections() const { return num_connections_; }
+
+private:
+    void run(const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+            sockets_.push_back(acceptor_.accept());
+            ++num_connections_;
+        }
+    }
+
+    asio::io_context io_;
+    asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::make_address("127.0.0.1"), 0}};
+    std::vector<asio::ip::tcp::socket> sockets_;
+    std::atomic<int> num_connections_ = 0;
+    std::jthread thread_;
+};
+
 server::ServerConfig loopback_may() {
     server::ServerConfig config;
     config.webhook_networks = {"127.0.0.1"};
@@ -152,6 +183,45 @@ TEST_F(WebhookTest, TriesAgainLaterAndRedeliversOnDemand) {
         path(webhook) + "/deliveries/" + failed["id"].get<std::string>() + "/redeliver",
         server.admin());
     EXPECT_EQ(again.status, 200) << again.body;
+    EXPECT_EQ(delivery(webhook, "state", "delivered")["id"], failed["id"]);
+}
+
+TEST_F(WebhookTest, ADeadReceiverDelaysNobodyElse) {
+    const SilentReceiver dead;
+    const auto to_dead = create(dead.url());
+    const Receiver receiver(204);
+    create(receiver.url());
+    // Two messages each: more than all that is under way at once would be held up.
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < 40; ++i)
+        server.make_dive("default", sha256_hex("dive " + std::to_string(i)));
+    receiver.wait_for(80);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 10s);  // the dead one is given 15
+    EXPECT_EQ(dead.num_connections(), 1);
+    EXPECT_EQ(deliveries(to_dead)[0]["state"], "waiting");
+}
+
+TEST_F(WebhookTest, WhatWaitsForADisabledWebhookIsSentWhenItIsEnabled) {
+    Receiver receiver(500);
+    const auto webhook = create(receiver.url());
+    server.make_dive("default", sha256_hex("1"));
+    const auto failed = delivery(webhook, "last_status", 500);
+    receiver.answer(410);
+    server.make_dive("default", sha256_hex("2"));
+    for (int i = 0; i < 1000; ++i) {
+        const auto all = server.request("GET", "/api/v1/webhooks", server.admin()).json()["items"];
+        if (all[0]["enabled"] == false) break;
+        std::this_thread::sleep_for(10ms);
+    }
+    const std::string again =
+        path(webhook) + "/deliveries/" + failed["id"].get<std::string>() + "/redeliver";
+    EXPECT_EQ(server.request("POST", again, server.admin()).json()["state"], "waiting");
+    receiver.answer(204);
+    const auto so_far = receiver.received().size();
+    std::this_thread::sleep_for(1200ms);  // it looks twice a second
+    EXPECT_EQ(receiver.received().size(), so_far);
+    server.request("POST", path(webhook) + "/enable", server.admin());
+    receiver.wait_for(so_far + 1);
     EXPECT_EQ(delivery(webhook, "state", "delivered")["id"], failed["id"]);
 }
 
