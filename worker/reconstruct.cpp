@@ -20,6 +20,7 @@
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/track_summary.hpp"
 #include "worker/frames_ahead.hpp"
+#include "worker/free_memory.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_writer.hpp"
 #include "worker/steps/choose_range.hpp"
@@ -172,6 +173,7 @@ OptimisedTrack optimise(const Track& track,
     if (options.close_loops)
         found = find_loops(track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
     result.statistics.loops = found.statistics;
+    return_freed_memory();
     Track closed;  // what changes from here on
     closed.rig = track.rig;
     closed.odometry = track.odometry;
@@ -183,6 +185,7 @@ OptimisedTrack optimise(const Track& track,
     result.calibration = refine_calibration(closed, recording, options, inertial, progress, at);
     inertial.align({result.calibration.applied_alignment().time_offset_s});
     apply_calibration(recording.rig(), result.calibration, closed);
+    return_freed_memory();
     at.fraction = 0.6;
     const AdjustedDive adjusted =
         adjust_dive(closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);

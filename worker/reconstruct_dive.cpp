@@ -12,6 +12,7 @@
 #include "worker/background.hpp"
 #include "worker/build_id.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/free_memory.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/metrics/evaluation.hpp"
@@ -44,6 +45,7 @@ std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
             throw Error(ErrorCode::BadData,
                         (finding.where.empty() ? "" : finding.where + ": ") + finding.message +
                             (finding.remedy.empty() ? "" : " " + finding.remedy));
+    return_freed_memory();  // the texts of its tables
     return dive;
 }
 
@@ -141,6 +143,7 @@ private:
         stage_times_.push_back(watch.stop(stage));
         stage_times_.back().reused = reused;
         request_.stage_done({stage, stage_times_.back().wall_s, reused});
+        return_freed_memory();
     }
 
     const ReconstructionRequest& request_;

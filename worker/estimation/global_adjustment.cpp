@@ -28,12 +28,15 @@ std::size_t stride_for(const std::vector<Landmark>& landmarks) {
     return 1 + num_observations / kMostObservations;
 }
 
+// Of every `stride`-th landmark: those that were adjusted.
 double reprojection_rms_px(const RectifiedRig& rig,
                            const std::vector<Keyframe>& keyframes,
-                           const std::vector<Landmark>& landmarks) {
+                           const std::vector<Landmark>& landmarks,
+                           std::size_t stride) {
     double squares = 0.0;
     std::int64_t num = 0;
-    for (const Landmark& landmark : landmarks) {
+    for (std::size_t i = 0; i < landmarks.size(); i += stride) {
+        const Landmark& landmark = landmarks[i];
         for (const LandmarkObservation& seen : landmark.observations) {
             const auto& keyframe = keyframes[static_cast<std::size_t>(seen.keyframe)];
             const Eigen::Vector3d p_cam = keyframe.T_world_cam.inverse() * landmark.p_world;
@@ -99,7 +102,7 @@ AdjustedDive adjust_dive(const RectifiedRig& rig,
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
     for (Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
-    return {reprojection_rms_px(rig, keyframes, landmarks), std::move(covariances)};
+    return {reprojection_rms_px(rig, keyframes, landmarks, stride), std::move(covariances)};
 }
 
 }  // namespace divemesh::worker
