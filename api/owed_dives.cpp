@@ -62,11 +62,12 @@ Awaitable<void> make_one(Services services, std::string upload_id) {
 
 }  // namespace
 
-Awaitable<void> make_owed_dives(Services services) {
+Awaitable<bool> make_owed_dives(Services services) {
     auto list = [services] { return storage::UploadStore(services.catalog).list_open(); };
     const auto uploads = co_await in_pool(services.pool, std::move(list));
+    bool all_made = true;
     for (const Upload& upload : uploads) {
-        if (services.stopping) co_return;
+        if (services.stopping) co_return false;
         if (!upload.complete() || upload.is_partial()) continue;
         const auto turn = co_await services.turns.take_if_free(upload.id);
         if (!turn) continue;
@@ -76,11 +77,13 @@ Awaitable<void> make_owed_dives(Services services) {
         } catch (const std::exception& error) {
             failure = error.what();
         }
-        if (!failure.empty())
-            spdlog::warn(
-                nlohmann::json{{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}}
-                    .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+        if (failure.empty()) continue;
+        all_made = false;
+        spdlog::warn(
+            nlohmann::json{{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}}.dump(
+                -1, ' ', true, nlohmann::json::error_handler_t::replace));
     }
+    co_return all_made;
 }
 
 }  // namespace divemesh::api

@@ -5,10 +5,11 @@
 
 namespace divemesh::api {
 
-// Makes the dives that a server killed between the last byte and the catalog still owes, beside
-// requests: an upload that one of them has is left to it. The token that began the upload has to be
+// Makes the dives that are still owed, by a server that was killed between the last byte and the
+// catalog or that had no room, beside requests: an upload that one of them has is left to it. False
+// when one is still owed. The token that began the upload has to be
 // valid still. What is not what its sha256 said ends, as if it had been terminated; other failures
 // are logged: whoever sends the upload's last request again learns them.
-Awaitable<void> make_owed_dives(Services services);
+Awaitable<bool> make_owed_dives(Services services);
 
 }  // namespace divemesh::api

@@ -20,6 +20,7 @@ namespace divemesh::api {
 
 class KeysInFlight;
 class Metrics;
+class Readiness;
 
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
@@ -49,6 +50,7 @@ struct Services {
     RateLimiter& rates;          // by token
     RateLimiter& failed_logins;  // by address
     Metrics& metrics;
+    Readiness& readiness;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     const ServiceLimits& limits;
     bool no_auth = false;

@@ -19,6 +19,7 @@
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
 #include "api/owed_dives.hpp"
+#include "api/readiness.hpp"
 #include "api/upload_sweeper.hpp"
 #include "schemas/error.hpp"
 #include "server/connection.hpp"
@@ -40,6 +41,7 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
+constexpr std::chrono::milliseconds kRarestOwedDives = 1h;
 
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
@@ -126,6 +128,7 @@ struct Server::Implementation {
                                rates,
                                failed_logins,
                                metrics,
+                               readiness,
                                stopping,
                                limits,
                                config.no_auth};
@@ -134,6 +137,9 @@ struct Server::Implementation {
 
     asio::awaitable<void> accept();
     asio::awaitable<void> drain();
+    // `work` once; what it throws is logged as `failed`.
+    template <typename Work>
+    asio::awaitable<bool> attempt(const char* failed, Work work);
     asio::awaitable<void> sweep();
     asio::awaitable<void> make_owed_dives();
     asio::awaitable<void> import();
@@ -156,6 +162,7 @@ struct Server::Implementation {
     api::RateLimiter failed_logins{config.max_failed_logins_per_s,
                                    100.0 * config.max_failed_logins_per_s};
     api::Metrics metrics;
+    api::Readiness readiness;
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
@@ -202,29 +209,43 @@ asio::awaitable<void> Server::Implementation::accept() {
     }
 }
 
+template <typename Work>
+asio::awaitable<bool> Server::Implementation::attempt(const char* failed, Work work) {
+    std::string failure;
+    try {
+        co_await work();
+    } catch (const std::exception& error) {
+        failure = error.what();
+    }
+    if (!failure.empty()) log_warning({{"event", failed}, {"what", failure}});
+    co_return failure.empty();
+}
+
 asio::awaitable<void> Server::Implementation::sweep() {
     asio::steady_timer pause(io);
     while (!stopping) {
-        std::string failure;
-        try {
-            co_await api::sweep_uploads(context().services);
-        } catch (const std::exception& error) {
-            failure = error.what();
-        }
-        if (!failure.empty()) log_warning({{"event", "sweep_failed"}, {"what", failure}});
+        auto work = [this] { return api::sweep_uploads(context().services); };
+        co_await attempt("sweep_failed", std::move(work));
         pause.expires_after(config.timeouts.sweep);
         co_await pause.async_wait(kAwaitErrors);
     }
 }
 
+// At the start, and again less and less often while any of them cannot be made: each time its
+// bytes are read and hashed.
 asio::awaitable<void> Server::Implementation::make_owed_dives() {
-    std::string failure;
-    try {
-        co_await api::make_owed_dives(context().services);
-    } catch (const std::exception& error) {
-        failure = error.what();
+    asio::steady_timer timer(io);
+    auto pause = config.timeouts.owed_dives;
+    while (!stopping) {
+        bool all_made = false;
+        auto work = [this, &all_made]() -> asio::awaitable<void> {
+            all_made = co_await api::make_owed_dives(context().services);
+        };
+        co_await attempt("owed_dives_failed", std::move(work));
+        pause = all_made ? config.timeouts.owed_dives : std::min(2 * pause, kRarestOwedDives);
+        timer.expires_after(pause);
+        co_await timer.async_wait(kAwaitErrors);
     }
-    if (!failure.empty()) log_warning({{"event", "owed_dives_failed"}, {"what", failure}});
 }
 
 // What blocks and throws nothing, in the pool.
@@ -244,13 +265,8 @@ asio::awaitable<void> Server::Implementation::import() {
     // Named: g++ 12 destroys a braced argument of a coroutine twice.
     const api::ImportRequest request{
         config.import_folder, config.import_project, config.import_preset};
-    std::string failure;
-    try {
-        co_await api::import_dives(context().services, request);
-    } catch (const std::exception& error) {
-        failure = error.what();
-    }
-    if (!failure.empty()) log_warning({{"event", "import_failed"}, {"what", failure}});
+    auto work = [this, &request] { return api::import_dives(context().services, request); };
+    co_await attempt("import_failed", std::move(work));
 }
 
 // Uploads make durable what they have, WebSockets say goodbye; who takes too long is cut off.

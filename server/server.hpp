@@ -19,6 +19,7 @@ struct Timeouts {
     std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
     std::chrono::milliseconds sweep = std::chrono::seconds(60);       // between two sweeps
     std::chrono::milliseconds leases = std::chrono::seconds(5);       // between two looks at them
+    std::chrono::milliseconds owed_dives = std::chrono::minutes(1);   // between two attempts
 };
 
 struct ServerConfig {

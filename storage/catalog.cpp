@@ -239,6 +239,17 @@ int Catalog::schema_version() {
     return version;
 }
 
+void Catalog::require_writable() {
+    const int version = schema_version();
+    const auto newest = static_cast<int>(migrations().size());
+    if (version != newest)
+        throw Error(ErrorCode::Unavailable,
+                    "its schema is " + std::to_string(version) + ", that of this version " +
+                        std::to_string(newest) + ": restart with the version that wrote it");
+    transaction(
+        [](soci::session& session) { session << "UPDATE schema_version SET version = version"; });
+}
+
 void Catalog::copy_to(const std::string& file) {
     Implementation& self = *implementation_;
     const auto session = self.engine->connect();  // one of its own: no transaction may be open

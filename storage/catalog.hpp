@@ -49,6 +49,9 @@ public:
     // The catalog's own clock, unix milliseconds; leases are compared with nothing else.
     static std::int64_t now_ms(soci::session& session);
     int schema_version();
+    // Throws Error{Unavailable} when its tables are not those of this version, and what a write
+    // throws when it takes none.
+    void require_writable();
     // A consistent copy as it is now, for a file that does not exist; others go on writing.
     void copy_to(const std::string& file);
 

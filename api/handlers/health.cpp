@@ -4,6 +4,7 @@
 
 #include "api/in_pool.hpp"
 #include "api/openapi_document.hpp"
+#include "api/readiness.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
@@ -13,15 +14,14 @@ Awaitable<Response> get_liveness(Request, Services) {
 }
 
 Awaitable<Response> get_readiness(Request, Services services) {
-    auto check = [services] {
-        services.catalog.schema_version();
-        return services.blobs.free_bytes();
+    auto look = [services] {
+        return services.readiness.look(
+            services.catalog, services.blobs, services.limits.min_free_bytes);
     };
-    const std::int64_t free_bytes = co_await in_pool(services.pool, std::move(check));
-    if (free_bytes < services.limits.min_free_bytes)
-        throw Error(ErrorCode::Unavailable,
-                    "the disk has " + std::to_string(free_bytes >> 20) + " MiB left: free some");
-    co_return json_response(http::status::ok, {{"status", "ready"}, {"free_bytes", free_bytes}});
+    const Readiness::Result result = co_await in_pool(services.pool, std::move(look));
+    if (!result.failure.empty()) throw Error(ErrorCode::Unavailable, result.failure);
+    co_return json_response(http::status::ok,
+                            {{"status", "ready"}, {"free_bytes", result.free_bytes}});
 }
 
 Awaitable<Response> get_openapi(Request, Services) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <soci/soci.h>
 
 #include "schemas/error.hpp"
 #include "server/listen_address.hpp"
@@ -8,6 +9,7 @@
 #include "storage/event_store.hpp"
 #include "storage/token_store.hpp"
 #include "storage/upload_store.hpp"
+#include "tests/ready_dive.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace divemesh::server {
@@ -162,6 +164,38 @@ TEST(StartTest, S12MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHave
     EXPECT_TRUE(uploads.get(revoked).dive_id.empty());
     EXPECT_FALSE(uploads.get(revoked).end) << "its bytes are kept";
     EXPECT_EQ(uploads.get(wrong).end, UploadEnd::Terminated);
+}
+
+// U20
+TEST(StartTest, U20ADiveThatThereWasNoRoomForIsMadeOnceThereIs) {
+    const TemporaryFolder data;
+    auto config = config_at(data, "127.0.0.1:0");
+    config.max_project_dives = 1;
+    config.timeouts.owed_dives = std::chrono::milliseconds(20);
+    std::string owed;
+    std::string token;
+    {
+        const Server server(config);
+        storage::Catalog catalog(server.config().catalog_url);
+        token = storage::TokenStore(catalog)
+                    .create({.name = "boat", .scopes = {"dives:write"}})
+                    .token.id;
+        make_ready_dive(catalog, "default", std::string(64, 'a'));
+        owed = owe_dive(server.config(), token, "commit");
+    }
+    Server server(config);
+    std::thread running([&] { server.run(); });
+    storage::Catalog catalog(server.config().catalog_url);
+    storage::UploadStore uploads(catalog);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // some attempts
+    EXPECT_TRUE(uploads.get(owed).dive_id.empty());
+    catalog.transaction(
+        [](soci::session& session) { session << "UPDATE dives SET project = 'elsewhere'"; });
+    for (int i = 0; i < 1000 && uploads.get(owed).dive_id.empty(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    server.stop();
+    running.join();
+    EXPECT_FALSE(uploads.get(owed).dive_id.empty());
 }
 
 }  // namespace

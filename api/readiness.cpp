@@ -1,0 +1,62 @@
+#include "api/readiness.hpp"
+
+#include <exception>
+
+#include "schemas/error.hpp"
+#include "storage/blob_store.hpp"
+#include "storage/catalog.hpp"
+#include "storage/ids.hpp"
+
+namespace divemesh::api {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::string_view kProbe = "ready";
+
+void probe_blobs(storage::BlobStore& blobs) {
+    const std::string key = "uploads/probe-" + storage::random_hex(8);
+    const auto staged = blobs.open_staged(key);
+    staged->write(kProbe);
+    const auto written = staged->flush();
+    blobs.remove_staged(key);
+    if (written != std::ssize(kProbe))
+        throw Error(ErrorCode::Unavailable, "what was written is not there");
+}
+
+// "" or what went wrong.
+template <typename Check>
+std::string failure_of(const std::string& name, const Check& check) {
+    try {
+        check();
+        return "";
+    } catch (const std::exception& error) {
+        return name + ": " + error.what();
+    }
+}
+
+}  // namespace
+
+Readiness::Result Readiness::look(storage::Catalog& catalog,
+                                  storage::BlobStore& blobs,
+                                  std::int64_t min_free_bytes) {
+    const std::lock_guard lock(mutex_);
+    if (std::chrono::steady_clock::now() < next_look_) return last_;
+    Result result;
+    result.failure = failure_of("catalog", [&] { catalog.require_writable(); });
+    if (result.failure.empty())
+        result.failure = failure_of("blob store", [&] { probe_blobs(blobs); });
+    if (result.failure.empty())
+        result.failure = failure_of("disk", [&] {
+            result.free_bytes = blobs.free_bytes();
+            if (result.free_bytes < min_free_bytes)
+                throw Error(ErrorCode::OutOfSpace,
+                            std::to_string(result.free_bytes >> 20) + " MiB are free of the " +
+                                std::to_string(min_free_bytes >> 20) + " that are kept: make room");
+        });
+    last_ = result;
+    next_look_ = std::chrono::steady_clock::now() + 1s;
+    return result;
+}
+
+}  // namespace divemesh::api
