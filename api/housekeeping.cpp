@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "api/disk_reserve.hpp"
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
@@ -16,6 +17,8 @@ constexpr std::chrono::hours kEventsKept{24 * 90};
 constexpr std::chrono::hours kDeliveriesKept{24 * 30};
 constexpr int kPerRound = 100;
 
+}  // namespace
+
 void remove_expired_dives(const Services& services) {
     storage::DiveRemoval removal(services.catalog);
     for (const Dive& dive : removal.expired(kPerRound)) {
@@ -24,6 +27,8 @@ void remove_expired_dives(const Services& services) {
         removal.forget(dive.id);
     }
 }
+
+namespace {
 
 template <typename Task>
 void attempt(const char* task_name, const Services& services, const Task& task) {
@@ -41,6 +46,7 @@ void attempt(const char* task_name, const Services& services, const Task& task) 
 
 void clean_up(const Services& services) {
     auto& catalog = services.catalog;
+    attempt("reserve", services, [&] { services.reserve.hold(services.limits.min_free_bytes); });
     attempt("dives", services, [&] { remove_expired_dives(services); });
     attempt("attempts", services, [&] {
         storage::remove_leftovers(catalog, services.blobs, kLeftoversKept, kPerRound);

@@ -4,6 +4,10 @@
 
 namespace divemesh::api {
 
+// Removes deleted dives that have expired, with their archives and artifacts, but those of which a
+// job still runs. Blocks: for the pool.
+void remove_expired_dives(const Services& services);
+
 // One round of removing what has had its time: deleted dives that have expired, blobs of attempts
 // that came to nothing, old events, the log of webhooks. What fails is logged and comes up again in
 // the next round. Blocks: for the pool.

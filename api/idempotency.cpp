@@ -89,9 +89,13 @@ std::string request_key(const Request& request) {
     return sha256_hex(request.token.id + "\n" + key_of(request) + "\n" + fingerprint_of(request));
 }
 
-Awaitable<Response> answer_once(Request request, Services services, Handler work) {
+Awaitable<Response> answer_once(Request request, Services services, const Route& route) {
     if (!request.has_header("idempotency-key"))
-        co_return co_await work(std::move(request), services);
+        co_return co_await route.handler(std::move(request), services);
+    if (route.kind == RouteKind::Secret)
+        throw Error(ErrorCode::InvalidArgument,
+                    "the answer shows a secret, which is not kept to be shown again: ask without "
+                    "Idempotency-Key, and list what there is when the answer was lost");
     const std::string key = key_of(request);
     const std::string fingerprint = fingerprint_of(request);
     const auto turn = services.keys.enter(request.token.id + "\n" + key);
@@ -109,7 +113,7 @@ Awaitable<Response> answer_once(Request request, Services services, Handler work
         throw Error(ErrorCode::BadData,
                     "this Idempotency-Key was used for another request: take a new one");
     if (known) co_return replayed(*known);
-    const Response response = co_await work(request, services);
+    const Response response = co_await route.handler(request, services);
     if (http::to_status_class(response.status) == http::status_class::successful) {
         auto put =
             [&catalog = services.catalog, request, key, answer = stored(response, fingerprint)] {

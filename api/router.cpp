@@ -6,8 +6,10 @@
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/cors.hpp"
+#include "api/disk_reserve.hpp"
 #include "api/error_response.hpp"
 #include "api/etag.hpp"
+#include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
 #include "api/target.hpp"
 #include "schemas/error.hpp"
@@ -168,6 +170,30 @@ RouteMatch find_route(verb method, std::string_view path) {
     return result;
 }
 
+namespace {
+
+// Its body is read before it is handled.
+bool is_whole(RouteKind kind) { return kind == RouteKind::Plain || kind == RouteKind::Secret; }
+
+// What deletes needs some room to say so in the catalog: on a full disk it has that of the reserve.
+Awaitable<Response> answer(Request request, Services services, const Route& route) {
+    if (route.method == verb::post && is_whole(route.kind))
+        co_return co_await answer_once(request, services, route);
+    if (route.method != verb::delete_) co_return co_await route.handler(request, services);
+    std::exception_ptr failure;
+    try {
+        co_return co_await route.handler(request, services);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::OutOfSpace) throw;
+        failure = std::current_exception();
+    }
+    auto release = [services] { return services.reserve.release(); };
+    if (!co_await in_pool(services.pool, std::move(release))) std::rethrow_exception(failure);
+    co_return co_await route.handler(request, services);
+}
+
+}  // namespace
+
 Awaitable<Response> dispatch(Request request, Services services) {
     std::exception_ptr failure;
     const Route* route = nullptr;
@@ -182,8 +208,8 @@ Awaitable<Response> dispatch(Request request, Services services) {
         } else {
             request.parameters = std::move(match.parameters);
             if (!route->scope.empty()) request.token = co_await admit(request, services, route);
-            if (route->kind == RouteKind::Plain) request.body = co_await read_body(request.stream);
-            response = co_await route->handler(request, services);
+            if (is_whole(route->kind)) request.body = co_await read_body(request.stream);
+            response = co_await answer(request, services, *route);
         }
     } catch (...) {
         failure = std::current_exception();

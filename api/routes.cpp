@@ -61,12 +61,12 @@ constexpr Route kRoutes[] = {
     {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},
 
     {Plain,      verb::get,     "/api/v1/tokens",                 "admin",       list_tokens},
-    {Plain,      verb::post,    "/api/v1/tokens",                 "admin",       create_token},
+    {Secret,     verb::post,    "/api/v1/tokens",                 "admin",       create_token},
     {Plain,      verb::delete_, "/api/v1/tokens/{token_id}",      "admin",       revoke_token},
-    {Plain,      verb::post,    "/api/v1/one_shot_tokens",        "dives:read",  create_one_shot_token},
+    {Secret,     verb::post,    "/api/v1/one_shot_tokens",        "dives:read",  create_one_shot_token},
 
     {Plain,      verb::get,     "/api/v1/webhooks",               "admin",       list_webhooks},
-    {Plain,      verb::post,    "/api/v1/webhooks",               "admin",       create_webhook},
+    {Secret,     verb::post,    "/api/v1/webhooks",               "admin",       create_webhook},
     {Plain,      verb::delete_, "/api/v1/webhooks/{webhook_id}",  "admin",       delete_webhook},
     {Plain,      verb::post,    "/api/v1/webhooks/{webhook_id}/enable",     "admin", enable_webhook},
     {Plain,      verb::get,     "/api/v1/webhooks/{webhook_id}/deliveries", "admin", list_webhook_deliveries},

@@ -10,7 +10,7 @@ namespace divemesh::api {
 
 // What flows beside a plain answer: the handler reads the request's body itself, answers bytes of a
 // blob, or turns the connection into a WebSocket.
-enum class RouteKind { Plain, BodyStream, File, WebSocket };
+enum class RouteKind { Plain, Secret, BodyStream, File, WebSocket };
 
 using Handler = Awaitable<Response> (*)(Request, Services);
 

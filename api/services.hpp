@@ -18,6 +18,7 @@
 
 namespace divemesh::api {
 
+class DiskReserve;
 class KeysInFlight;
 class Metrics;
 class Readiness;
@@ -51,6 +52,7 @@ struct Services {
     RateLimiter& failed_logins;  // by address
     Metrics& metrics;
     Readiness& readiness;
+    DiskReserve& reserve;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     const ServiceLimits& limits;
     bool no_auth = false;

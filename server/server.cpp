@@ -1,5 +1,6 @@
 #include "server/server.hpp"
 
+#include <array>
 #include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -13,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "api/disk_reserve.hpp"
 #include "api/housekeeping.hpp"
 #include "api/idempotency.hpp"
 #include "api/import_dives.hpp"
@@ -83,6 +85,24 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     return limits;
 }
 
+// Says why, as far as that costs nothing: what fits into the socket's buffers, at once.
+void turn_away(tcp::socket& socket) {
+    static constexpr std::string_view kBody =
+        R"({"type":"urn:divemesh:error:unavailable","title":"Service Unavailable","status":503,)"
+        R"("detail":"the server has as many connections as it may: try again in a moment"})";
+    static const std::string kAnswer =
+        "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\n"
+        "Retry-After: 5\r\nConnection: close\r\nContent-Length: " +
+        std::to_string(kBody.size()) + "\r\n\r\n" + std::string(kBody);
+    boost::system::error_code ignored;
+    socket.non_blocking(true, ignored);
+    socket.write_some(asio::buffer(kAnswer), ignored);
+    socket.shutdown(tcp::socket::shutdown_send, ignored);
+    // To close with a request unread would take the answer back.
+    std::array<char, 16 << 10> request;
+    socket.read_some(asio::buffer(request), ignored);
+}
+
 // Everybody on the network could do everything: only this machine may be served without tokens.
 std::string admit(const ServerConfig& config, bool loopback, storage::Catalog& catalog) {
     if (config.no_auth && !loopback)
@@ -129,6 +149,7 @@ struct Server::Implementation {
                                failed_logins,
                                metrics,
                                readiness,
+                               reserve,
                                stopping,
                                limits,
                                config.no_auth};
@@ -163,6 +184,7 @@ struct Server::Implementation {
                                    100.0 * config.max_failed_logins_per_s};
     api::Metrics metrics;
     api::Readiness readiness;
+    api::DiskReserve reserve{config.data / "reserve"};
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
@@ -179,6 +201,7 @@ void Server::Implementation::spawn_session(tcp::socket socket) {
     const auto connection = std::make_shared<Connection>(std::move(socket), certificate.current());
     if (!connections.add(connection, static_cast<std::size_t>(config.max_connections))) {
         ++metrics.refused_connections;
+        if (config.tls_certificate.empty()) turn_away(connection->stream.socket());
         return;
     }
     ++metrics.connections;

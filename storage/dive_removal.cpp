@@ -52,9 +52,13 @@ Dive DiveRemoval::remove(const std::string& id,
     catalog_.transaction([&](soci::session& session) {
         dive = read_dive(session, id);
         check(dive);
-        if (dive.deleted_at_ms > 0) return;
-        dive.deleted_at_ms = Catalog::now_ms(session);
-        dive.expires_at_ms = dive.deleted_at_ms + keep.count();
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        if (dive.deleted_at_ms > 0) {
+            dive.expires_at_ms = std::min(dive.expires_at_ms, now_ms + keep.count());
+            return write_times(session, dive);
+        }
+        dive.deleted_at_ms = now_ms;
+        dive.expires_at_ms = now_ms + keep.count();
         write_times(session, dive);
         cancel_jobs(session, id);
         append_dive_event(session, dive, "dive.deleted");

@@ -18,7 +18,8 @@ public:
     explicit DiveRemoval(Catalog& catalog) : catalog_(catalog) {}
 
     // One transaction: `check` sees the dive and may throw; its jobs are cancelled, running ones
-    // asked to stop. A dive that is deleted already stays as it is. Throws Error{NotFound}.
+    // asked to stop. A dive that is deleted already expires as it would
+    // have, or sooner. Throws Error{NotFound}.
     Dive remove(const std::string& id,
                 std::chrono::milliseconds keep,
                 const std::function<void(const Dive&)>& check);

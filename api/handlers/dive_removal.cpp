@@ -1,7 +1,10 @@
 #include "api/handlers/dive_removal.hpp"
 
 #include "api/audit.hpp"
+#include "api/authorization.hpp"
 #include "api/etag.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/housekeeping.hpp"
 #include "api/in_pool.hpp"
 #include "api/preconditions.hpp"
 #include "api/visible.hpp"
@@ -14,9 +17,13 @@ Awaitable<Response> delete_dive(Request request, Services services) {
     auto work = [services, request] {
         const Dive seen = visible_dive(request, services.catalog);
         const auto unchanged = [&](const Dive& dive) { require_match(request, json_text(dive)); };
+        const bool purge = flag_value(request, "purge");
+        if (purge) require_scope(request.token, "admin");
         auto catalog = audited(services, request);
-        return storage::DiveRemoval(catalog).remove(
-            seen.id, services.limits.keep_deleted, unchanged);
+        const auto keep = purge ? std::chrono::milliseconds(0) : services.limits.keep_deleted;
+        const Dive dive = storage::DiveRemoval(catalog).remove(seen.id, keep, unchanged);
+        if (purge) remove_expired_dives(services);
+        return dive;
     };
     const Dive dive = co_await in_pool(services.pool, std::move(work));
     co_return json_response(http::status::ok, dive);

@@ -22,13 +22,6 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 200;
 
-bool flag_value(const Request& request, const std::string& name) {
-    const std::string value = query_value(request, name);
-    if (value != "true" && value != "false" && request.query.contains(name))
-        throw Error(ErrorCode::InvalidArgument, name + " has to be true or false");
-    return value == "true";
-}
-
 storage::DiveFilter filter_of(const Request& request) {
     storage::DiveFilter filter{visible_project(request.token),
                                query_value(request, "content_sha256"),
@@ -84,7 +77,19 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
     return job;
 }
 
-Awaitable<Response> dive_of_upload(Request request, Services services) {
+}  // namespace
+
+Awaitable<Response> list_dives(Request request, Services services) {
+    const auto filter = filter_of(request);
+    const auto page = page_request(request);
+    auto work = [&catalog = services.catalog, filter, page] {
+        return storage::DiveStore(catalog).list(filter, page);
+    };
+    const auto dives = co_await in_pool(services.pool, std::move(work));
+    co_return list_response<Dive>(request, dives.items, dives.next_cursor);
+}
+
+Awaitable<Response> create_dive(Request request, Services services) {
     const DiveRequest wanted = dive_request(request);
     request.parameters.emplace("upload_id", wanted.upload_id);
     auto look = [services, request] { visible_upload(request, services.catalog); };
@@ -113,36 +118,6 @@ Awaitable<Response> dive_of_upload(Request request, Services services) {
     co_return response;
 }
 
-Awaitable<Response> new_job(Request request, Services services) {
-    auto work = [services, request] {
-        require_room(services);
-        const Dive dive = visible_dive(request, services.catalog);
-        auto catalog = audited(services, request);
-        return storage::JobStore(catalog).enqueue(job_request(request, dive));
-    };
-    const auto made = co_await in_pool(services.pool, std::move(work));
-    Response response =
-        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
-    response.set("Location", "/api/v1/jobs/" + made.job.id);
-    co_return response;
-}
-
-}  // namespace
-
-Awaitable<Response> list_dives(Request request, Services services) {
-    const auto filter = filter_of(request);
-    const auto page = page_request(request);
-    auto work = [&catalog = services.catalog, filter, page] {
-        return storage::DiveStore(catalog).list(filter, page);
-    };
-    const auto dives = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<Dive>(request, dives.items, dives.next_cursor);
-}
-
-Awaitable<Response> create_dive(Request request, Services services) {
-    co_return co_await answer_once(std::move(request), services, dive_of_upload);
-}
-
 Awaitable<Response> get_dive(Request request, Services services) {
     auto read = [request](storage::Catalog& catalog) { return visible_dive(request, catalog); };
     const Dive dive = co_await at_once(services, std::move(read));
@@ -159,7 +134,17 @@ Awaitable<Response> list_findings(Request request, Services services) {
 }
 
 Awaitable<Response> create_job(Request request, Services services) {
-    co_return co_await answer_once(std::move(request), services, new_job);
+    auto work = [services, request] {
+        require_room(services);
+        const Dive dive = visible_dive(request, services.catalog);
+        auto catalog = audited(services, request);
+        return storage::JobStore(catalog).enqueue(job_request(request, dive));
+    };
+    const auto made = co_await in_pool(services.pool, std::move(work));
+    Response response =
+        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
+    response.set("Location", "/api/v1/jobs/" + made.job.id);
+    co_return response;
 }
 
 }  // namespace divemesh::api

@@ -80,6 +80,13 @@ Stretch stretch_of(const Request& request, std::size_t num_values) {
     return {first, num, num < left ? std::to_string(first + num) : ""};
 }
 
+bool flag_value(const Request& request, const std::string& name) {
+    const std::string value = query_value(request, name);
+    if (value != "true" && value != "false" && request.query.contains(name))
+        throw Error(ErrorCode::InvalidArgument, name + " has to be true or false");
+    return value == "true";
+}
+
 std::string query_value(const Request& request, const std::string& name) {
     const auto found = request.query.find(name);
     return found == request.query.end() ? "" : found->second;

@@ -33,6 +33,8 @@ storage::PageRequest page_request(const Request& request);
 
 // ?name=, "" when it is missing.
 std::string query_value(const Request& request, const std::string& name);
+// True or false; without one false. Throws Error{InvalidArgument} for anything else.
+bool flag_value(const Request& request, const std::string& name);
 
 // ?name= in unix milliseconds, `otherwise` when it is missing. Throws Error{InvalidArgument}.
 std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <soci/soci.h>
 
 #include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
@@ -69,6 +70,62 @@ TEST_F(IdempotencyTest, S30HugeAndUnprintableKeysAreRefused) {
                                    std::string("a\\b")})
         EXPECT_EQ(ask(key, {{"preset", "fast"}}).status, 400) << key;
     EXPECT_EQ(num_jobs(), 0U);
+}
+
+// The catalog is busy with another writer: the first request waits for it.
+TEST_F(IdempotencyTest, A6ASecondRequestWhileTheFirstIsUnderWayIsToldToWait) {
+    ask("first", {{"preset", "fast"}});  // the token's use is noted
+    RawResponse first;
+    RawResponse second;
+    std::thread asking;
+    server.catalog().transaction([&](soci::session& session) {
+        session << "UPDATE schema_version SET version = version";
+        asking = std::thread([&] { first = ask("key", {{"preset", "paper"}}); });
+        for (int i = 0; i < 200 && second.status != 409; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            second =
+                server.request("POST",
+                               "/api/v1/dives/none/jobs",
+                               token,
+                               {{"Content-Type", "application/json"}, {"Idempotency-Key", "key"}},
+                               "{}");
+        }
+    });
+    asking.join();
+    EXPECT_EQ(second.status, 409) << second.body;
+    EXPECT_EQ(second.header("retry-after"), "2");
+    EXPECT_EQ(first.status, 201) << first.body;
+    EXPECT_EQ(ask("key", {{"preset", "paper"}}).body, first.body);
+    EXPECT_EQ(num_jobs(), 2U);
+}
+
+TEST_F(IdempotencyTest, A6WhatChangesIsRepeatedLikewise) {
+    const std::string job = ask("job", {{"preset", "fast"}}).header("location");
+    const auto cancel = [&] {
+        return server.request("POST", job + "/cancel", token, {{"Idempotency-Key", "cancel"}});
+    };
+    const auto first = cancel();
+    EXPECT_EQ(first.status, 200) << first.body;
+    EXPECT_EQ(server.request("POST", job + "/retry", token).status, 200);
+    const auto again = cancel();  // is not done to what runs anew
+    EXPECT_EQ(again.body, first.body);
+    EXPECT_EQ(again.header("idempotency-replayed"), "true");
+    EXPECT_EQ(server.request("GET", job, token).json()["state"], "queued");
+}
+
+TEST_F(IdempotencyTest, A6AnAnswerWithASecretIsNotKept) {
+    const auto make = [&](const std::string& path, const nlohmann::json& body) {
+        return server.request("POST",
+                              path,
+                              server.admin(),
+                              {{"Content-Type", "application/json"}, {"Idempotency-Key", "key"}},
+                              body.dump());
+    };
+    const nlohmann::json wanted = {{"name", "boat"}, {"scopes", {"dives:read"}}};
+    const auto refused = make("/api/v1/tokens", wanted);
+    EXPECT_EQ(refused.status, 400);
+    EXPECT_NE(refused.json()["detail"].get<std::string>().find("secret"), std::string::npos);
+    EXPECT_EQ(server.post_json("/api/v1/tokens", server.admin(), wanted).status, 201);
 }
 
 TEST_F(IdempotencyTest, A6ARefusalIsNotKept) {

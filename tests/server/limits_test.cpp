@@ -144,6 +144,11 @@ TEST(LimitsTest, S22TakesNoMoreConnectionsThanItMay) {
     EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
     EXPECT_EQ(second.request("GET", "/healthz/live").status, 200);
     RawClient third(server.port());
+    const RawResponse refused = third.receive().value();
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_EQ(refused.header("retry-after"), "5");
+    EXPECT_EQ(refused.header("content-type"), "application/problem+json");
+    EXPECT_EQ(refused.json()["status"], 503);
     EXPECT_TRUE(third.at_end());
     EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
 }

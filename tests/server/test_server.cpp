@@ -20,7 +20,7 @@ int port_of(const std::string& url) { return std::stoi(url.substr(url.rfind(':')
 
 TestServer::TestServer(server::ServerConfig config) {
     config.listen = "127.0.0.1:0";
-    config.data = folder_.path();
+    if (config.data.empty()) config.data = folder_.path();
     if (config.min_free_bytes == server::ServerConfig().min_free_bytes)
         config.min_free_bytes = 1 << 20;
     server_ = std::make_unique<server::Server>(config);
