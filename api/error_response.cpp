@@ -5,6 +5,7 @@
 
 #include "api/rate_limiter.hpp"
 #include "schemas/error.hpp"
+#include "schemas/invalid_input.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -45,17 +46,33 @@ std::string retry_after(ErrorCode code) {
     }
 }
 
+// As in the example of RFC 9457, 3.
+nlohmann::json errors_of(const std::vector<Fault>& faults) {
+    nlohmann::json errors = nlohmann::json::array();
+    for (const Fault& fault : faults) {
+        nlohmann::json error = {{"detail", fault.detail}};
+        if (fault.parameter.empty())
+            error["pointer"] = fault.pointer;
+        else
+            error["parameter"] = fault.parameter;
+        errors.push_back(std::move(error));
+    }
+    return errors;
+}
+
 Response problem(const Request& request,
                  http::status status,
                  const std::string& type,
-                 const std::string& detail) {
-    Response response = json_response(status,
-                                      {{"type", type},
-                                       {"title", http::obsolete_reason(status)},
-                                       {"status", static_cast<int>(status)},
-                                       {"detail", detail},
-                                       {"instance", request.path},
-                                       {"request_id", request.id}});
+                 const std::string& detail,
+                 const std::vector<Fault>& faults = {}) {
+    nlohmann::json body = {{"type", type},
+                           {"title", http::obsolete_reason(status)},
+                           {"status", static_cast<int>(status)},
+                           {"detail", detail},
+                           {"instance", request.path},
+                           {"request_id", request.id}};
+    if (!faults.empty()) body["errors"] = errors_of(faults);
+    Response response = json_response(status, body);
     response.headers = {{"Content-Type", "application/problem+json"},
                         {"Cache-Control", "no-store"}};
     return response;
@@ -78,10 +95,12 @@ Response error_response(const Request& request, const std::exception_ptr& failur
     try {
         std::rethrow_exception(failure);
     } catch (const Error& error) {
+        const auto* input = dynamic_cast<const InvalidInput*>(&error);
         Response response = problem(request,
                                     status_of(error.code()),
                                     "urn:divemesh:error:" + std::string(to_string(error.code())),
-                                    error.what());
+                                    error.what(),
+                                    input != nullptr ? input->faults() : std::vector<Fault>());
         if (error.code() == ErrorCode::Unauthorized) response.set("WWW-Authenticate", "Bearer");
         const std::string wait = retry_after(error.code());
         if (const auto* often = dynamic_cast<const TooOften*>(&error))

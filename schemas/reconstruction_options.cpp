@@ -4,6 +4,7 @@
 #include <string>
 
 #include "schemas/error.hpp"
+#include "schemas/invalid_input.hpp"
 
 namespace divemesh {
 namespace {
@@ -39,47 +40,70 @@ void for_each_option(Options& options, Visit&& visit) {
     // clang-format on
 }
 
-void require(bool ok, const std::string& rule) {
-    if (!ok) throw Error(ErrorCode::InvalidArgument, rule);
-}
+// What is wrong with the options, each by its name.
+class OptionFaults {
+public:
+    void add(const std::string& name, const std::string& rule) {
+        faults_.push_back({"option " + name + " " + rule, "/" + name, ""});
+    }
+    void require(bool ok, const std::string& name, const std::string& rule) {
+        if (!ok) add(name, rule);
+    }
+    void require_one_of(const std::string& name,
+                        const std::string& value,
+                        std::initializer_list<std::string_view> known) {
+        std::string list;
+        for (const auto word : known) list.append(list.empty() ? "" : ", ").append(word);
+        require(std::find(known.begin(), known.end(), value) != known.end(),
+                name,
+                "is \"" + value + "\"; it must be one of: " + list);
+    }
+    void refuse() const {
+        if (!faults_.empty()) throw InvalidInput(faults_);
+    }
 
-void require_one_of(const std::string& name,
-                    const std::string& value,
-                    std::initializer_list<std::string_view> known) {
-    std::string list;
-    for (const auto word : known) list += (list.empty() ? "" : ", ") + std::string(word);
-    require(std::find(known.begin(), known.end(), value) != known.end(),
-            "option " + name + " is \"" + value + "\"; it must be one of: " + list);
-}
+private:
+    std::vector<Fault> faults_;
+};
 
-void validate(const ReconstructionOptions& options) {
-    require_one_of("stereo", options.stereo, {"block", "sgm", "opencv_sgbm"});
-    require_one_of("estimator", options.estimator, {"pairwise", "window"});
-    require_one_of("fusion", options.fusion, {"octree", "tsdf"});
-    require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
-    require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
-                options.num_disparities_px % 16 == 0,
-            "option num_disparities_px must be a multiple of 16 from 16 to 512");
-    require(options.num_features >= 20 && options.num_features <= 5000,
-            "option num_features must be 20 to 5000");
-    require(options.voxel_m == 0.0 || (options.voxel_m >= 0.0005 && options.voxel_m <= 1.0),
-            "option voxel_m must be 0 (automatic) or 0.0005 to 1 m");
-    require(
+void validate(const ReconstructionOptions& options, OptionFaults& faults) {
+    faults.require_one_of("stereo", options.stereo, {"block", "sgm", "opencv_sgbm"});
+    faults.require_one_of("estimator", options.estimator, {"pairwise", "window"});
+    faults.require_one_of("fusion", options.fusion, {"octree", "tsdf"});
+    faults.require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
+    faults.require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
+                       options.num_disparities_px % 16 == 0,
+                   "num_disparities_px",
+                   "must be a multiple of 16 from 16 to 512");
+    faults.require(options.num_features >= 20 && options.num_features <= 5000,
+                   "num_features",
+                   "must be 20 to 5000");
+    faults.require(options.voxel_m == 0.0 || (options.voxel_m >= 0.0005 && options.voxel_m <= 1.0),
+                   "voxel_m",
+                   "must be 0 (automatic) or 0.0005 to 1 m");
+    faults.require(
         options.max_depth_m == 0.0 || (options.max_depth_m >= 0.05 && options.max_depth_m <= 100.0),
-        "option max_depth_m must be 0 (automatic) or 0.05 to 100 m");
-    require(options.cloud_spacing_m == 0.0 ||
-                (options.cloud_spacing_m >= 0.0005 && options.cloud_spacing_m <= 1.0),
-            "option cloud_spacing_m must be 0 (half a voxel) or 0.0005 to 1 m");
-    require(options.fusion_memory_bytes >= std::int64_t{64} << 20,
-            "option fusion_memory_bytes must be at least 67108864 (64 MiB)");
-    require(options.map_step >= 0.0 && options.map_step <= 1.0,
-            "option map_step must be 0 (keyframes alone) to 1, a share of the picture's width");
-    require(options.simplify > 0.0 && options.simplify <= 1.0,
-            "option simplify must be more than 0 and at most 1 (all triangles)");
-    require(options.simplify_error_m >= 0.0 && options.simplify_error_m <= 1.0,
-            "option simplify_error_m must be 0 (no limit) to 1 m");
-    require(options.num_threads >= 0 && options.num_threads <= 1024,
-            "option num_threads must be 0 (all cores) to 1024");
+        "max_depth_m",
+        "must be 0 (automatic) or 0.05 to 100 m");
+    faults.require(options.cloud_spacing_m == 0.0 ||
+                       (options.cloud_spacing_m >= 0.0005 && options.cloud_spacing_m <= 1.0),
+                   "cloud_spacing_m",
+                   "must be 0 (half a voxel) or 0.0005 to 1 m");
+    faults.require(options.fusion_memory_bytes >= std::int64_t{64} << 20,
+                   "fusion_memory_bytes",
+                   "must be at least 67108864 (64 MiB)");
+    faults.require(options.map_step >= 0.0 && options.map_step <= 1.0,
+                   "map_step",
+                   "must be 0 (keyframes alone) to 1, a share of the picture's width");
+    faults.require(options.simplify > 0.0 && options.simplify <= 1.0,
+                   "simplify",
+                   "must be more than 0 and at most 1 (all triangles)");
+    faults.require(options.simplify_error_m >= 0.0 && options.simplify_error_m <= 1.0,
+                   "simplify_error_m",
+                   "must be 0 (no limit) to 1 m");
+    faults.require(options.num_threads >= 0 && options.num_threads <= 1024,
+                   "num_threads",
+                   "must be 0 (all cores) to 1024");
 }
 
 }  // namespace
@@ -114,7 +138,8 @@ ReconstructionOptions preset_options(std::string_view preset) {
 
 ReconstructionOptions make_options(std::string_view preset, const nlohmann::json& overrides) {
     ReconstructionOptions options = preset_options(preset);
-    require(overrides.is_object(), "options must be a JSON object");
+    if (!overrides.is_object()) throw InvalidInput({{"options must be a JSON object", "", ""}});
+    OptionFaults faults;
     nlohmann::json rest = overrides;
     for_each_option(options, [&](const char* name, auto& value, const char*) {
         const auto found = rest.find(name);
@@ -122,14 +147,13 @@ ReconstructionOptions make_options(std::string_view preset, const nlohmann::json
         try {
             found->get_to(value);
         } catch (const nlohmann::json::exception&) {
-            throw Error(ErrorCode::InvalidArgument,
-                        "option " + std::string(name) + " has the wrong type: " + found->dump());
+            faults.add(name, "has the wrong type: " + found->dump());
         }
         rest.erase(found);
     });
-    if (!rest.empty())
-        throw Error(ErrorCode::InvalidArgument, "unknown option: " + rest.begin().key());
-    validate(options);
+    for (const auto& [name, value] : rest.items()) faults.add(name, "is unknown");
+    validate(options, faults);
+    faults.refuse();
     return options;
 }
 

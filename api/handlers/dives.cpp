@@ -70,7 +70,11 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
         throw Error(ErrorCode::InvalidArgument, "\"kind\" can be asked for as reconstruct alone");
     job.preset = value_or<std::string>(body, "preset", "standard");
     job.options = body.value("options", nlohmann::json::object());
-    make_options(job.preset, job.options);
+    try {
+        make_options(job.preset, job.options);
+    } catch (const InvalidInput& error) {
+        throw error.below("/options");
+    }
     job.parents = value_or<std::vector<std::string>>(body, "parents", {});
     job.priority = value_or<int>(body, "priority", 0);
     job.request_key = request_key(request);

@@ -41,6 +41,10 @@ nlohmann::json parse(const std::string& text) {
 
 }  // namespace
 
+std::string pointer_to(const std::string& key) {
+    return (nlohmann::json::json_pointer() / key).to_string();
+}
+
 nlohmann::json json_body(const Request& request, const std::set<std::string>& known) {
     const std::string type = request.header("content-type");
     if (!boost::beast::iequals(type.substr(0, type.find(';')), "application/json"))
@@ -48,9 +52,11 @@ nlohmann::json json_body(const Request& request, const std::set<std::string>& kn
     auto body = parse(request.body);
     if (!body.is_object())
         throw Error(ErrorCode::InvalidArgument, "the body has to be a JSON object");
+    std::vector<Fault> faults;
     for (const auto& [key, value] : body.items())
         if (!known.contains(key))
-            throw Error(ErrorCode::InvalidArgument, "unknown key \"" + key + "\"");
+            faults.push_back({"unknown key \"" + key + "\"", pointer_to(key), ""});
+    if (!faults.empty()) throw InvalidInput(std::move(faults));
     return body;
 }
 
@@ -60,7 +66,7 @@ storage::PageRequest page_request(const Request& request) {
     if (!request.query.contains("limit")) return page;
     const auto limit = parse_count(query_value(request, "limit"));
     if (!limit || *limit < 1 || *limit > kMaxLimit)
-        throw Error(ErrorCode::InvalidArgument, "limit has to be 1 to 200");
+        throw InvalidInput({{"limit has to be 1 to 200", "", "limit"}});
     page.limit = static_cast<int>(*limit);
     return page;
 }
@@ -83,7 +89,7 @@ Stretch stretch_of(const Request& request, std::size_t num_values) {
 bool flag_value(const Request& request, const std::string& name) {
     const std::string value = query_value(request, name);
     if (value != "true" && value != "false" && request.query.contains(name))
-        throw Error(ErrorCode::InvalidArgument, name + " has to be true or false");
+        throw InvalidInput({{name + " has to be true or false", "", name}});
     return value == "true";
 }
 

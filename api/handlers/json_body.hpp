@@ -7,16 +7,19 @@
 #include <vector>
 
 #include "api/http.hpp"
-#include "schemas/error.hpp"
+#include "schemas/invalid_input.hpp"
 #include "storage/page.hpp"
 
 namespace divemesh::api {
 
-// The JSON object of a request. Throws Error{Unsupported} for another Content-Type and
-// Error{InvalidArgument} for what is no object or has keys beyond `known`.
+// Where a key of an object lies in it (RFC 6901).
+std::string pointer_to(const std::string& key);
+
+// The JSON object of a request. Throws Error{Unsupported} for another Content-Type,
+// Error{InvalidArgument} for what is no object, and InvalidInput for keys beyond `known`.
 nlohmann::json json_body(const Request& request, const std::set<std::string>& known);
 
-// The value of a key that may be missing. Throws Error{InvalidArgument} when it has another type.
+// The value of a key that may be missing. Throws InvalidInput when it has another type.
 template <typename T>
 T value_or(const nlohmann::json& body, const std::string& key, T fallback) {
     const auto found = body.find(key);
@@ -24,7 +27,7 @@ T value_or(const nlohmann::json& body, const std::string& key, T fallback) {
     try {
         return found->get<T>();
     } catch (const nlohmann::json::exception&) {
-        throw Error(ErrorCode::InvalidArgument, "\"" + key + "\" has the wrong type");
+        throw InvalidInput({{"\"" + key + "\" has the wrong type", pointer_to(key), ""}});
     }
 }
 

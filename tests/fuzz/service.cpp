@@ -90,6 +90,8 @@ api::Services Service::services() {
             rates_,
             rates_,
             metrics_,
+            readiness_,
+            reserve_,
             stopping_,
             limits_,
             true};

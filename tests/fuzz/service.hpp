@@ -6,9 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include "api/disk_reserve.hpp"
 #include "api/http.hpp"
 #include "api/idempotency.hpp"
 #include "api/metrics.hpp"
+#include "api/readiness.hpp"
 #include "api/services.hpp"
 #include "server/event_hub.hpp"
 #include "server/session_context.hpp"
@@ -48,6 +50,8 @@ private:
     api::TokenCache tokens_;
     api::RateLimiter rates_{0.0, 0.0};
     api::Metrics metrics_;
+    api::Readiness readiness_;
+    api::DiskReserve reserve_{folder_ / "reserve"};
     std::atomic<bool> stopping_ = false;
     api::ServiceLimits limits_;
     std::string dive_id_;

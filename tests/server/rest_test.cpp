@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "schemas/content_hash.hpp"
 #include "tests/server/test_server.hpp"
 
@@ -123,6 +125,33 @@ TEST_F(RestTest, A2RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
     EXPECT_EQ(send("application/json", std::string(100'000, '[')), 400);
     EXPECT_EQ(send("application/json; charset=utf-8", R"({"upload_id":"none"})"), 404);
     EXPECT_EQ(send("application/json", R"({"upload_id":5})"), 400);
+}
+
+TEST_F(RestTest, A2TellsAllThatIsWrongAtOnceAndWhere) {
+    const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
+    const auto places = [](const RawResponse& response) {
+        std::set<std::string> found;
+        const auto body = response.json();
+        for (const auto& error : body.at("errors")) {
+            EXPECT_FALSE(error.at("detail").get<std::string>().empty());
+            found.insert(error.value("pointer", "?" + error.value("parameter", "")));
+        }
+        return found;
+    };
+    const auto job = [&](const nlohmann::json& body) {
+        const auto response = server.post_json(dive + "/jobs", server.admin(), body);
+        EXPECT_EQ(response.status, 400) << response.body;
+        return places(response);
+    };
+    using Places = std::set<std::string>;
+    EXPECT_EQ(
+        job({{"options",
+              {{"voxel_m", 7.0}, {"mesher", "knife"}, {"speed", 1}, {"simplify", "no"}}}}),
+        (Places{"/options/voxel_m", "/options/mesher", "/options/speed", "/options/simplify"}));
+    EXPECT_EQ(job({{"colour", 1}, {"a/b", 2}}), (Places{"/colour", "/a~1b"}));
+    EXPECT_EQ(job({{"priority", "high"}}), Places{"/priority"});
+    EXPECT_EQ(places(get("/api/v1/dives?limit=0")), Places{"?limit"});
+    EXPECT_EQ(places(get("/api/v1/dives?deleted=maybe")), Places{"?deleted"});
 }
 
 TEST_F(RestTest, TellsTheLogAndTheArtifactsOfAJob) {
