@@ -49,6 +49,7 @@ MetricsInput plain_dive() {
 MetricsInput dive_with_everything() {
     MetricsInput input = plain_dive();
     input.rig.imu_noise = ImuNoise{};
+    input.track.dense = {100, 12'800, 4000, 20, 30};
     input.gravity = GravityCheck{9.8, 0.1};
     input.end_covariance_m2 = 1e-6 * Eigen::Matrix3d::Identity();
     input.evaluation.covariance = CovarianceCheck{100, 3.1, 0.94};
