@@ -11,9 +11,10 @@ constexpr const char* kSent =
     " Tus-Resumable, Upload-Length, Upload-Offset, Upload-Metadata, Upload-Defer-Length,"
     " Upload-Concat, Upload-Checksum, X-HTTP-Method-Override, X-Request-Id, traceparent";
 constexpr const char* kRead =
-    "Location, ETag, Link, Retry-After, Content-Range, Content-Disposition, Content-Digest,"
-    " Repr-Digest, Tus-Resumable, Tus-Version, Tus-Extension, Tus-Max-Size, Upload-Offset,"
-    " Upload-Length, Upload-Metadata, Upload-Expires, Upload-Concat, Divemesh-Dive, Divemesh-Job,"
+    "Location, ETag, Link, Allow, Retry-After, RateLimit, Accept-Ranges, Content-Range,"
+    " Content-Disposition, Content-Digest, Repr-Digest, Tus-Resumable, Tus-Version, Tus-Extension,"
+    " Tus-Max-Size, Tus-Checksum-Algorithm, Upload-Offset, Upload-Length, Upload-Defer-Length,"
+    " Upload-Metadata, Upload-Expires, Upload-Concat, Divemesh-Dive, Divemesh-Job,"
     " Idempotency-Replayed, X-Request-Id, traceparent";
 
 bool is_listed(const Request& request, const ServiceLimits& limits) {

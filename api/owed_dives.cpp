@@ -29,10 +29,24 @@ void require_begun_by_right(const Services& services,
     if (!plan.preset.empty()) require_scope(*token, "jobs:write");
 }
 
+// Whether all bytes are here; the catalog may not know yet of the last ones.
+bool is_whole(const Services& services, const Upload& upload) {
+    if (upload.complete() || upload.is_final() || !upload.length_bytes) return upload.complete();
+    return services.blobs.staged_size_bytes(upload.blob) >= *upload.length_bytes;
+}
+
+std::vector<Upload> whole_uploads(const Services& services) {
+    std::vector<Upload> uploads = storage::UploadStore(services.catalog).list_open();
+    std::erase_if(uploads, [&](const Upload& upload) {
+        return upload.is_partial() || !is_whole(services, upload);
+    });
+    return uploads;
+}
+
 // The caller has the turn.
 Awaitable<void> make_one(Services services, std::string upload_id) {
     auto read = [services, upload_id] {
-        return storage::UploadStore(services.catalog).get(upload_id);
+        return reconciled(services, storage::UploadStore(services.catalog).get(upload_id));
     };
     const Upload upload = co_await in_pool(services.pool, std::move(read));
     const bool ended = upload.end.has_value();
@@ -63,12 +77,11 @@ Awaitable<void> make_one(Services services, std::string upload_id) {
 }  // namespace
 
 Awaitable<bool> make_owed_dives(Services services) {
-    auto list = [services] { return storage::UploadStore(services.catalog).list_open(); };
+    auto list = [services] { return whole_uploads(services); };
     const auto uploads = co_await in_pool(services.pool, std::move(list));
     bool all_made = true;
     for (const Upload& upload : uploads) {
         if (services.stopping) co_return false;
-        if (!upload.complete() || upload.is_partial()) continue;
         const auto turn = co_await services.turns.take_if_free(upload.id);
         if (!turn) continue;
         std::string failure;

@@ -13,6 +13,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/dive/intake.hpp"
+#include "worker/forbid_processes.hpp"
 #include "worker/reconstruct_dive.hpp"
 
 namespace divemesh::worker {
@@ -110,6 +111,8 @@ int run_attempt(const std::filesystem::path& request_file) try {
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of write(), not the end
     try {
+        if (!forbid_processes())
+            send(LogText{"this kernel cannot keep the attempt from starting processes\n"});
         run(read_request(request_file));
         return 0;
     } catch (const Error& error) {

@@ -1,69 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <fstream>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <filesystem>
 
 #include "schemas/content_hash.hpp"
+#include "tests/server/server_process.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace divemesh {
 namespace {
 
 using namespace std::chrono_literals;
-
-// A server as a process of its own, over the same data folder each time.
-class ServerProcess {
-public:
-    explicit ServerProcess(const std::filesystem::path& data, const std::string& limit = "") {
-        int out[2];
-        if (pipe(out) != 0) throw std::runtime_error("pipe");
-        pid_ = fork();
-        if (pid_ == 0) {
-            dup2(out[1], STDOUT_FILENO);
-            close(out[0]);
-            close(out[1]);
-            const std::string folder = data.string();
-            execl(DIVEMESH_SERVE_PROCESS,
-                  "serve_process",
-                  folder.c_str(),
-                  limit.empty() ? nullptr : limit.c_str(),
-                  nullptr);
-            _exit(127);
-        }
-        close(out[1]);
-        std::string line;
-        for (char c = 0; read(out[0], &c, 1) == 1 && c != '\n';) line += c;
-        close(out[0]);
-        if (line.empty()) throw std::runtime_error("the server did not start");
-        port_ = std::stoi(line.substr(line.rfind(':') + 1));
-    }
-    ~ServerProcess() { end(SIGKILL); }
-    ServerProcess(const ServerProcess&) = delete;
-    ServerProcess& operator=(const ServerProcess&) = delete;
-
-    int end(int signal) {
-        if (pid_ <= 0) return -1;
-        kill(pid_, signal);
-        int status = 0;
-        waitpid(pid_, &status, 0);
-        pid_ = -1;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    }
-    int port() const { return port_; }
-
-private:
-    pid_t pid_ = -1;
-    int port_ = 0;
-};
-
-std::string read_token(const std::filesystem::path& data) {
-    std::ifstream file(data / "admin.token");
-    std::string token;
-    file >> token;
-    return token;
-}
 
 std::size_t num_files(const std::filesystem::path& folder) {
     std::size_t count = 0;
@@ -304,7 +251,7 @@ TEST(ResumeTest, AFullDiskIsToldAndWhatFittedIsKept) {
     std::string token;
     const std::string bytes = random_bytes(2'000'000);
     {
-        ServerProcess server(data.path(), "1000000");
+        ServerProcess server(data.path(), {"1000000"});
         token = read_token(data.path());
         path = create_upload(server.port(), token, 2'000'000);
         const auto full =

@@ -119,7 +119,8 @@ TEST(StartTest, ReadsBothFamiliesOfAddresses) {
 // Entered, received, and the server is killed before the dive.
 std::string owe_dive(const ServerConfig& config,
                      const std::string& token_id,
-                     const std::string& metadata) {
+                     const std::string& metadata,
+                     bool is_noted = true) {
     storage::Catalog catalog(config.catalog_url);
     const auto blobs = storage::open_blob_store(config.blobs_url);
     Upload upload;
@@ -131,7 +132,7 @@ std::string owe_dive(const ServerConfig& config,
     const auto staged = blobs->open_staged(upload.blob);
     staged->write(std::string_view("hello"));
     staged->flush();
-    storage::UploadStore(catalog).advance(upload.id, 5);
+    if (is_noted) storage::UploadStore(catalog).advance(upload.id, 5);
     return upload.id;
 }
 
@@ -141,6 +142,7 @@ TEST(StartTest, S12MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHave
     std::string wrong;
     std::string revoked;
     std::string good;
+    std::string unnoted;
     {
         const Server server(config);
         storage::Catalog catalog(server.config().catalog_url);
@@ -151,16 +153,18 @@ TEST(StartTest, S12MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHave
         revoked = owe_dive(server.config(), lost, "commit");
         tokens.revoke(lost);
         good = owe_dive(server.config(), kept, "commit");
+        unnoted = owe_dive(server.config(), kept, "commit", false);
     }
     Server server(config);
     std::thread running([&] { server.run(); });
     storage::Catalog catalog(server.config().catalog_url);
     storage::UploadStore uploads(catalog);
-    for (int i = 0; i < 500 && uploads.get(good).dive_id.empty(); ++i)
+    for (int i = 0; i < 500 && uploads.get(unnoted).dive_id.empty(); ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     server.stop();
     running.join();
     EXPECT_FALSE(uploads.get(good).dive_id.empty());
+    EXPECT_EQ(uploads.get(unnoted).dive_id, uploads.get(good).dive_id) << "the same bytes";
     EXPECT_TRUE(uploads.get(revoked).dive_id.empty());
     EXPECT_FALSE(uploads.get(revoked).end) << "its bytes are kept";
     EXPECT_EQ(uploads.get(wrong).end, UploadEnd::Terminated);

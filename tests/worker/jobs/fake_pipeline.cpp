@@ -91,6 +91,11 @@ std::string tcp_to_nowhere() {
     return failure == ECONNREFUSED || failure == 0 ? "network" : "no network";
 }
 
+std::string program_of_others() {
+    const int status = std::system("exit 0");
+    return status == 0 ? "processes" : "no processes";
+}
+
 void write_limits(const ReconstructionRequest& request) {
     std::ofstream file(request.out / "limits.txt");
     for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CPU}) {
@@ -99,7 +104,8 @@ void write_limits(const ReconstructionRequest& request) {
         file << limit.rlim_cur << ' ';
     }
     file << request.cache_bytes << ' ' << request.cache.filename().string() << ' '
-         << tcp_to_nowhere() << '\n';
+         << tcp_to_nowhere() << '\n'
+         << program_of_others() << '\n';
 }
 
 // The first attempt waits for the file MARKER.go; the next ones, which find the marker, do not.

@@ -331,7 +331,7 @@ TEST_F(JobRunnerTest, Q13S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
 }
 
-TEST_F(JobRunnerTest, Q13S19AnAttemptHasLimitsAndNoNetwork) {
+TEST_F(JobRunnerTest, Q13S19AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
@@ -341,8 +341,10 @@ TEST_F(JobRunnerTest, Q13S19AnAttemptHasLimitsAndNoNetwork) {
     std::int64_t memory = 0, file = 0, open_files = 0, cpu_s = 0, cache = 0;
     std::string cache_name;
     std::string network;
+    std::string processes;
     limits >> memory >> file >> open_files >> cpu_s >> cache >> cache_name;
     std::getline(limits >> std::ws, network);
+    std::getline(limits >> std::ws, processes);
 
     EXPECT_GT(memory, 0);
     EXPECT_LT(memory, sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE));
@@ -354,6 +356,7 @@ TEST_F(JobRunnerTest, Q13S19AnAttemptHasLimitsAndNoNetwork) {
     const bool cut = worker.stderr_text().find("keep the network") == std::string::npos &&
                      worker.stdout_text().find("keep the network") == std::string::npos;
     EXPECT_EQ(network, cut ? "no network" : "network");
+    EXPECT_EQ(processes, "no processes");
 }
 
 TEST_F(JobRunnerTest, TheStagesOfAnAttemptAreTold) {
