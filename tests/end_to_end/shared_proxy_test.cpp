@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <fstream>
+#include <cstdlib>
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
@@ -54,10 +54,14 @@ protected:
         if (!fs::exists(shared_tool("flaky_proxy.mjs")))
             GTEST_SKIP() << "no " << shared_tool("flaky_proxy.mjs") << ": see DIVEMESH_SHARED";
         service_.start_server(0);
-        std::ofstream(file_, std::ios::binary) << content_;
+        const std::string pack =
+            "tar -C '" + small_dive().string() + "' -cf '" + file_.string() + "' .";
+        ASSERT_EQ(std::system(pack.c_str()), 0);
+        content_ = read_text(file_);
     }
 
-    Process start_proxy(int cut_after_bytes) {
+    Process start_proxy() {
+        fs::create_directories(service_ / "proxy");
         port_ = LoopbackSocket(0).bound_port();
         const std::string& server = service_.address();
         Process proxy({"/usr/bin/env",
@@ -70,7 +74,7 @@ protected:
                        "--mode",
                        GetParam(),
                        "--cut-after",
-                       std::to_string(cut_after_bytes),
+                       std::to_string(content_.size() / (kNumCuts + 2)),
                        "--cuts",
                        std::to_string(kNumCuts)},
                       service_ / "proxy");
@@ -90,7 +94,7 @@ protected:
 
     Service service_;
     const fs::path file_ = service_ / "dive.tar";
-    const std::string content_ = std::string(4'000'000, 'd');
+    std::string content_;
     int port_ = 0;
 };
 INSTANTIATE_TEST_SUITE_P(Modes,
@@ -101,8 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Modes,
                          });
 
 TEST_P(SharedProxyTest, U22OurUploaderArrives) {
-    fs::create_directories(service_ / "proxy");
-    Process proxy = start_proxy(700'000);
+    Process proxy = start_proxy();
     const Outcome outcome = service_.run({"upload",
                                           file_.string(),
                                           "--no-job",
@@ -120,8 +123,7 @@ TEST_P(SharedProxyTest, U14AStockTusClientArrives) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/tus-js-client"))
         GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
-    fs::create_directories(service_ / "proxy");
-    Process proxy = start_proxy(1'200'000);
+    Process proxy = start_proxy();
     Process node({"/usr/bin/env",
                   "node",
                   (scripts / "tus_bad_link.mjs").string(),
