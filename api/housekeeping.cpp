@@ -7,6 +7,7 @@
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
+#include "storage/sensor_store.hpp"
 #include "storage/webhook_store.hpp"
 
 namespace divemesh::api {
@@ -15,6 +16,7 @@ namespace {
 constexpr std::chrono::hours kLeftoversKept{1};
 constexpr std::chrono::hours kEventsKept{24 * 90};
 constexpr std::chrono::hours kDeliveriesKept{24 * 30};
+constexpr std::chrono::hours kSensorHistoryKept{24 * 366};
 constexpr int kPerRound = 100;
 
 }  // namespace
@@ -52,8 +54,19 @@ void clean_up(const Services& services) {
         storage::remove_leftovers(catalog, services.blobs, kLeftoversKept, kPerRound);
     });
     attempt("events", services, [&] { storage::forget_events(catalog, kEventsKept); });
+    attempt("sensors", services, [&] {
+        storage::SensorStore sensors(catalog);
+        while (!services.stopping && !sensors.forget_older_than(kSensorHistoryKept)) {
+        }
+    });
     attempt("webhooks", services, [&] {
         storage::WebhookStore(catalog).forget_older_than(kDeliveriesKept);
+    });
+}
+
+void watch_sensors(const Services& services) {
+    attempt("sensors' silence", services, [&] {
+        storage::SensorStore(services.catalog).look_at_the_time();
     });
 }
 

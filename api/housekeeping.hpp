@@ -9,9 +9,12 @@ namespace divemesh::api {
 void remove_expired_dives(const Services& services);
 
 // One round of removing what has had its time: deleted dives that have expired, blobs of attempts
-// that came to nothing, old events, the log of webhooks. What fails is logged and comes up again in
-// the next round. Blocks: for the pool.
+// that came to nothing, old events, the log of webhooks, the history of sensors. What fails is
+// logged and comes up again in the next round. Blocks: for the pool.
 void clean_up(const Services& services);
+
+// Tells which sensors have fallen silent, are overdue or lost. As above.
+void watch_sensors(const Services& services);
 
 // Ends the leases of workers that are gone, so that their jobs are queued again, or cancelled when
 // that was asked for, though no worker polls. As above.

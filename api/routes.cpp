@@ -8,6 +8,7 @@
 #include "api/handlers/jobs.hpp"
 #include "api/handlers/metrics.hpp"
 #include "api/handlers/queue.hpp"
+#include "api/handlers/sensors.hpp"
 #include "api/handlers/tokens.hpp"
 #include "api/handlers/uploads.hpp"
 #include "api/handlers/webhooks.hpp"
@@ -57,6 +58,11 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/workers",                "admin",       list_workers},
     {Plain,      verb::get,     "/api/v1/workers/{worker_name}",  "admin",       get_worker},
     {Plain,      verb::patch,   "/api/v1/workers/{worker_name}",  "admin",       change_worker},
+
+    {Plain,      verb::get,     "/api/v1/sensors",                "dives:read",  list_sensors},
+    {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}",    "dives:read",  get_sensor},
+    {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}/history", "dives:read", get_sensor_history},
+    {Plain,      verb::post,    "/api/v1/sensors/{sensor_id}/status", "sensor:push", push_sensor_status},
 
     {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},
 

@@ -22,6 +22,7 @@ class DiskReserve;
 class KeysInFlight;
 class Metrics;
 class Readiness;
+class ReportQueue;
 
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
@@ -53,6 +54,7 @@ struct Services {
     Metrics& metrics;
     Readiness& readiness;
     DiskReserve& reserve;
+    ReportQueue& reports;               // of sensors
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     const ServiceLimits& limits;
     bool no_auth = false;

@@ -12,9 +12,9 @@ struct Event {
     std::int64_t sequence = 0;
     std::int64_t time_ms = 0;  // unix
     std::string project;
-    std::string topic;    // upload, dive, job, audit
+    std::string topic;    // upload, dive, job, sensor, audit
     std::string subject;  // id of what it is about
-    std::string type;     // upload.completed, dive.ready, job.state, job.progress
+    std::string type;     // upload.completed, dive.ready, job.state, sensor.alarm
     nlohmann::json data = nlohmann::json::object();
 };
 

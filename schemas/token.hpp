@@ -18,6 +18,10 @@ inline constexpr std::array<std::string_view, 8> kScopes = {"dives:read",
                                                             "metrics:read",
                                                             "admin"};
 
+// Whether it may name a project or a sensor: words that are safe in addresses, files and logs, 1 to
+// 63 of a-z, 0-9, '-' and '_', beginning with a letter or digit.
+bool is_plain_word(std::string_view text);
+
 // A bearer token as the catalog knows it: only its hash is stored.
 struct Token {
     std::string id;

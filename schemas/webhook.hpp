@@ -9,7 +9,8 @@
 namespace divemesh {
 
 // What a webhook can be told of: topics of events.
-inline constexpr std::array<std::string_view, 3> kWebhookTopics = {"upload", "dive", "job"};
+inline constexpr std::array<std::string_view, 4> kWebhookTopics = {
+    "upload", "dive", "job", "sensor"};
 
 // Somebody elsewhere who is told of a project's events (Standard Webhooks 1.0).
 struct Webhook {

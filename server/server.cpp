@@ -22,6 +22,7 @@
 #include "api/metrics.hpp"
 #include "api/owed_dives.hpp"
 #include "api/readiness.hpp"
+#include "api/report_queue.hpp"
 #include "api/upload_sweeper.hpp"
 #include "schemas/error.hpp"
 #include "server/connection.hpp"
@@ -150,6 +151,7 @@ struct Server::Implementation {
                                metrics,
                                readiness,
                                reserve,
+                               reports,
                                stopping,
                                limits,
                                config.no_auth};
@@ -188,6 +190,7 @@ struct Server::Implementation {
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
+    api::ReportQueue reports{catalog, pool};
     EventHub events;
     api::UploadTurns turns;
     WebhookSender webhooks{context().services};
@@ -330,6 +333,7 @@ void Server::run() {
     asio::co_spawn(self.io, self.repeat(api::clean_up, 10min), asio::detached);
     asio::co_spawn(
         self.io, self.repeat(api::end_lost_leases, self.config.timeouts.leases), asio::detached);
+    asio::co_spawn(self.io, self.repeat(api::watch_sensors, 1s), asio::detached);
     asio::co_spawn(self.io, self.webhooks.run(), asio::detached);
     {
         std::vector<std::jthread> threads;

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::int64_t kUseRecordedEveryMs = 60'000;
 constexpr std::size_t kMaxNameBytes = 100;
-constexpr std::size_t kMaxWordBytes = 63;
 constexpr std::size_t kMaxPathBytes = 2048;
 constexpr std::chrono::hours kLongestLifetime{24 * 3660};
 
@@ -56,17 +55,8 @@ bool equal_in_constant_time(std::string_view a, std::string_view b) {
     return difference == 0;
 }
 
-// Projects and sensors: words that are safe in addresses, files and logs.
 void check_word(const std::string& what, const std::string& text) {
-    const auto letter_or_digit = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-    };
-    const bool plain = !text.empty() && text.size() <= kMaxWordBytes &&
-                       letter_or_digit(text.front()) &&
-                       std::all_of(text.begin(), text.end(), [&](char c) {
-                           return letter_or_digit(c) || c == '-' || c == '_';
-                       });
-    if (!plain)
+    if (!is_plain_word(text))
         throw Error(ErrorCode::InvalidArgument,
                     "\"" + what + "\" has to be a-z 0-9 _ -, beginning with a letter or digit");
 }

@@ -43,7 +43,7 @@ Webhook webhook_request(const Request& request, const ServiceLimits& limits) {
     for (const std::string& topic : topics)
         if (std::find(kWebhookTopics.begin(), kWebhookTopics.end(), topic) == kWebhookTopics.end())
             throw Error(ErrorCode::InvalidArgument,
-                        "unknown topic \"" + topic + "\" (known: upload, dive, job)");
+                        "unknown topic \"" + topic + "\" (known: upload, dive, job, sensor)");
     if (topics.empty()) throw Error(ErrorCode::InvalidArgument, "a webhook needs a topic");
     wanted.topics.assign(topics.begin(), topics.end());
     check_target(wanted.url, limits.webhook_networks);

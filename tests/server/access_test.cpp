@@ -102,6 +102,7 @@ TEST(AccessTest, UnknownIdsAreNotFoundOnEveryRoute) {
     for (const api::Route& route : api::routes()) {
         if (route.path.find('{') == std::string_view::npos || route.method == api::verb::options)
             continue;
+        if (route.scope == "sensor:push") continue;  // what it names comes into being by it
         const auto response = server.request(std::string(api::http::to_string(route.method)),
                                              some_path(route.path),
                                              server.admin(),

@@ -51,7 +51,7 @@ const json* operation_of(const std::string& method, const std::string& target) {
 bool takes_fields(const json& operation) {
     const auto parameters = operation.value("parameters", json::array());
     return std::any_of(parameters.begin(), parameters.end(), [](const json& parameter) {
-        return resolved(parameter).value("name", "") == "fields";
+        return parameter.value("$ref", "") == "#/components/parameters/Fields";
     });
 }
 

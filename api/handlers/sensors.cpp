@@ -1,0 +1,110 @@
+#include "api/handlers/sensors.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "api/at_once.hpp"
+#include "api/authorization.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/report_queue.hpp"
+#include "api/target.hpp"
+#include "schemas/invalid_input.hpp"
+#include "schemas/json.hpp"
+#include "storage/sensor_history.hpp"
+#include "storage/sensor_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::int64_t kMostSteps = 5000;
+constexpr std::size_t kMostFields = 16;
+constexpr std::int64_t kLatest_ms = std::int64_t{1} << 52;
+
+Sensor visible_sensor(const Request& request, storage::Catalog& catalog) {
+    const std::string& id = request.parameter("sensor_id");
+    Sensor sensor = storage::SensorStore(catalog).get(id);
+    require_visible(request.token, sensor.project, "sensor " + id);
+    return sensor;
+}
+
+std::vector<std::string> fields_of(const Request& request) {
+    const std::string list = query_value(request, "fields");
+    std::vector<std::string> fields;
+    for (std::size_t start = 0; start <= list.size();) {
+        const auto end = std::min(list.find(',', start), list.size());
+        fields.push_back(list.substr(start, end - start));
+        start = end + 1;
+    }
+    std::vector<Fault> faults;
+    for (const std::string& field : fields)
+        if (find_status_field(field) == nullptr)
+            faults.push_back({"\"fields\" names \"" + field + "\", which is no number of a status",
+                              "",
+                              "fields"});
+    if (fields.size() > kMostFields)
+        faults.push_back(
+            {"\"fields\" names " + std::to_string(kMostFields) + " at most", "", "fields"});
+    if (!faults.empty()) throw InvalidInput(std::move(faults));
+    return fields;
+}
+
+storage::HistoryRequest history_request(const Request& request) {
+    storage::HistoryRequest wanted;
+    wanted.sensor = request.parameter("sensor_id");
+    if (request.query.contains("to")) wanted.to_ms = time_value(request, "to", 0);
+    if (request.query.contains("from")) wanted.from_ms = time_value(request, "from", 0);
+    if (wanted.to_ms.value_or(0) > kLatest_ms || wanted.from_ms.value_or(0) > kLatest_ms ||
+        (wanted.from_ms && wanted.to_ms && *wanted.from_ms >= *wanted.to_ms))
+        throw InvalidInput({{"\"from\" has to be before \"to\"", "", "from"}});
+    wanted.fields = fields_of(request);
+    if (!request.query.contains("steps")) return wanted;
+    const auto steps = parse_count(query_value(request, "steps"));
+    if (!steps || *steps < 1 || *steps > kMostSteps)
+        throw InvalidInput({{"steps has to be 1 to " + std::to_string(kMostSteps), "", "steps"}});
+    wanted.num_steps = static_cast<int>(*steps);
+    return wanted;
+}
+
+}  // namespace
+
+Awaitable<Response> push_sensor_status(Request request, Services services) {
+    const std::string sensor = request.parameter("sensor_id");
+    require_sensor(request.token, sensor);
+    if (!is_plain_word(sensor))
+        throw Error(ErrorCode::InvalidArgument,
+                    "a sensor is named by a-z 0-9 _ -, beginning with a letter or digit");
+    storage::IncomingReport report{
+        sensor,
+        request.token.project,
+        sensor_report(json_body(request, {"boot_id", "messages", "lost"}))};
+    const SensorAnswer answer = co_await services.reports.submit(std::move(report));
+    co_return json_response(http::status::ok, answer);
+}
+
+Awaitable<Response> list_sensors(Request request, Services services) {
+    auto work = [&catalog = services.catalog,
+                 project = visible_project(request.token),
+                 page = page_request(request)] {
+        return storage::SensorStore(catalog).list(project, page);
+    };
+    const auto page = co_await in_pool(services.pool, std::move(work));
+    co_return list_response<Sensor>(request, page.items, page.next_cursor);
+}
+
+Awaitable<Response> get_sensor(Request request, Services services) {
+    auto read = [request](storage::Catalog& catalog) { return visible_sensor(request, catalog); };
+    const Sensor sensor = co_await at_once(services, std::move(read));
+    co_return resource_response(request, sensor);
+}
+
+Awaitable<Response> get_sensor_history(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request] {
+        visible_sensor(request, catalog);
+        return storage::read_history(catalog, history_request(request));
+    };
+    const SensorHistory history = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, history);
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "api/http.hpp"
+#include "api/services.hpp"
+
+namespace divemesh::api {
+
+Awaitable<Response> push_sensor_status(Request request, Services services);
+Awaitable<Response> list_sensors(Request request, Services services);
+Awaitable<Response> get_sensor(Request request, Services services);
+Awaitable<Response> get_sensor_history(Request request, Services services);
+
+}  // namespace divemesh::api

@@ -1,0 +1,94 @@
+#include "api/report_queue.hpp"
+
+#include <algorithm>
+#include <boost/asio/associated_executor.hpp>
+#include <boost/asio/async_result.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr std::size_t kMostWaiting = 2000;
+// A transaction stays short: others write to the catalog too.
+constexpr std::size_t kMostTogether = 200;
+constexpr std::size_t kMostMessagesTogether = 2000;
+
+}  // namespace
+
+asio::awaitable<SensorAnswer> ReportQueue::submit(storage::IncomingReport report) {
+    const auto executor = co_await asio::this_coro::executor;
+    auto initiate = [this, executor, &report](auto handler) {
+        const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+        enqueue(std::move(report),
+                [executor, shared](std::exception_ptr failure, SensorAnswer answer) {
+                    asio::post(executor, [shared, failure, answer = std::move(answer)]() mutable {
+                        std::move (*shared)(failure, std::move(answer));
+                    });
+                });
+    };
+    co_return co_await asio::async_initiate<const asio::use_awaitable_t<>&,
+                                            void(std::exception_ptr, SensorAnswer)>(
+        std::move(initiate), asio::use_awaitable);
+}
+
+void ReportQueue::enqueue(storage::IncomingReport report, Done done) {
+    const std::unique_lock lock(mutex_);
+    if (waiting_.size() >= kMostWaiting)
+        return done(std::make_exception_ptr(
+                        Error(ErrorCode::Unavailable,
+                              "more reports of sensors come than can be written: try again")),
+                    {});
+    waiting_.push_back({std::move(report), std::move(done)});
+    if (std::exchange(committing_, true)) return;
+    asio::post(pool_, [this] { commit_all(); });
+}
+
+std::vector<ReportQueue::Waiting> ReportQueue::take_some() {
+    const std::lock_guard lock(mutex_);
+    std::size_t num = 0;
+    for (std::size_t num_messages = 0; num < std::min(waiting_.size(), kMostTogether); ++num) {
+        num_messages += waiting_[num].report.report.messages.size();
+        if (num > 0 && num_messages > kMostMessagesTogether) break;
+    }
+    const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(num);
+    std::vector<Waiting> some(std::make_move_iterator(waiting_.begin()),
+                              std::make_move_iterator(end));
+    waiting_.erase(waiting_.begin(), end);
+    committing_ = !some.empty();
+    return some;
+}
+
+void ReportQueue::commit_all() {
+    for (auto some = take_some(); !some.empty(); some = take_some()) commit(std::move(some));
+}
+
+void ReportQueue::commit(std::vector<Waiting> group) {
+    std::vector<storage::IncomingReport> reports;
+    for (Waiting& waiting : group) reports.push_back(std::move(waiting.report));
+    std::vector<storage::ReportOutcome> outcomes;
+    std::exception_ptr failure;
+    try {
+        outcomes = storage::SensorStore(catalog_).receive(reports);
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        if (failure)
+            group[i].done(failure, {});
+        else if (outcomes[i].failure)
+            group[i].done(std::make_exception_ptr(*outcomes[i].failure), {});
+        else
+            group[i].done(nullptr, std::move(outcomes[i].answer));
+    }
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,94 @@
+#include "schemas/sensor.hpp"
+
+#include <algorithm>
+
+#include "schemas/enum_text.hpp"
+
+namespace divemesh {
+namespace {
+
+constexpr EnumText<SensorState> kStates[] = {{SensorState::Online, "online"},
+                                             {SensorState::Idle, "idle"},
+                                             {SensorState::Submerged, "submerged"},
+                                             {SensorState::Overdue, "overdue"},
+                                             {SensorState::Lost, "lost"}};
+constexpr std::size_t kMostToldGaps = 32;
+
+std::vector<SequenceRange> first_gaps(const SequenceRanges& received) {
+    auto gaps = received.gaps();
+    gaps.resize(std::min(gaps.size(), kMostToldGaps));
+    return gaps;
+}
+
+}  // namespace
+
+std::string_view to_string(SensorState state) { return enum_to_text(kStates, state); }
+SensorState sensor_state_from_string(std::string_view text) {
+    return enum_from_text<SensorState>(kStates, text, "sensor state");
+}
+
+SensorState sensor_state(std::int64_t seen_at_ms, std::int64_t back_at_ms, std::int64_t now_ms) {
+    if (now_ms - seen_at_ms <= kSensorSilence_ms) return SensorState::Online;
+    if (back_at_ms == 0) return SensorState::Idle;
+    if (now_ms <= back_at_ms) return SensorState::Submerged;
+    return now_ms - back_at_ms <= kSensorLost_ms ? SensorState::Overdue : SensorState::Lost;
+}
+
+void to_json(nlohmann::json& json, const Sensor& sensor) {
+    json = {{"id", sensor.id},
+            {"project", sensor.project},
+            {"state", to_string(sensor.state)},
+            {"summary", to_string(sensor.summary)},
+            {"alarms", sensor.alarms},
+            {"boot_id", sensor.boot_id},
+            {"hello", sensor.hello},
+            {"status", sensor.status},
+            {"status_at_ms", sensor.status_at_ms},
+            {"status_age_ms", sensor.status_age_ms},
+            {"stale", sensor.stale},
+            {"seen_at_ms", sensor.seen_at_ms},
+            {"back_at_ms", sensor.back_at_ms},
+            {"acknowledged", sensor.received.acknowledged()},
+            {"gaps", first_gaps(sensor.received)},
+            {"num_lost", sensor.received.num_lost()},
+            {"created_at_ms", sensor.created_at_ms}};
+}
+
+void to_json(nlohmann::json& json, const SensorHistory& history) {
+    json = {{"from_ms", history.from_ms},
+            {"to_ms", history.to_ms},
+            {"step_ms", history.step_ms},
+            {"time_ms", nlohmann::json::array()},
+            {"num_statuses", nlohmann::json::array()},
+            {"fields", nlohmann::json::object()}};
+    for (const SensorHistory::Step& step : history.steps) {
+        json["time_ms"].push_back(step.time_ms);
+        json["num_statuses"].push_back(step.num_statuses);
+    }
+    const auto column = [&](std::size_t field, double SensorHistory::Value::*part) {
+        auto values = nlohmann::json::array();
+        for (const SensorHistory::Step& step : history.steps) {
+            const auto& value = step.values[field];
+            values.push_back(value ? nlohmann::json((*value).*part) : nlohmann::json());
+        }
+        return values;
+    };
+    for (std::size_t i = 0; i < history.fields.size(); ++i)
+        json["fields"][history.fields[i]] = {
+            {"least", column(i, &SensorHistory::Value::least)},
+            {"mean", column(i, &SensorHistory::Value::mean)},
+            {"largest", column(i, &SensorHistory::Value::largest)}};
+}
+
+void to_json(nlohmann::json& json, const SensorAnswer& answer) {
+    json = {{"boot_id", answer.boot_id},
+            {"acknowledged", answer.acknowledged},
+            {"gaps", answer.gaps},
+            {"num_lost", answer.num_lost},
+            {"num_new", answer.num_new},
+            {"num_repeated", answer.num_repeated},
+            {"superseded", answer.superseded},
+            {"time_ms", answer.time_ms}};
+}
+
+}  // namespace divemesh

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <soci/soci.h>
+#include <string>
+
+#include "schemas/sensor.hpp"
+
+namespace divemesh::storage {
+
+// A row of sensors, with what came of the boot that speaks for it.
+struct SensorRecord {
+    Sensor sensor;  // as the last write left it: state, age and staleness are not of now
+    std::int64_t number = 0;
+    std::int64_t boot = 0;
+    std::int64_t num_lives = 0;
+    std::int64_t status_sequence = -1;
+    std::int64_t twin_at_ms = 0;
+
+    // The sensor as it is at `now_ms`.
+    Sensor at(std::int64_t now_ms) const;
+};
+
+struct SensorRow {
+    SensorRecord record;
+    std::string state, alarms, hello, status, received;
+
+    void define(soci::statement& statement);
+    SensorRecord value() const;
+};
+
+// What SensorRow reads, without a WHERE.
+extern const std::string kSelectSensors;
+
+std::optional<SensorRecord> find_sensor(soci::session& session, const std::string& id);
+
+// One boot of a sensor.
+struct BootRecord {
+    std::int64_t number = 0;
+    std::string boot_id;
+    std::int64_t life = 0;
+    std::optional<std::int64_t> epoch_ms;
+    SequenceRanges received;
+};
+
+std::optional<BootRecord> find_boot(soci::session& session,
+                                    std::int64_t sensor,
+                                    const std::string& boot_id);
+// A row for a new one, or the changes of one that there is.
+void save_boot(soci::session& session,
+               std::int64_t sensor,
+               const BootRecord& boot,
+               std::int64_t now_ms);
+void save_sensor(soci::session& session, const SensorRecord& record);
+
+}  // namespace divemesh::storage

@@ -1,0 +1,368 @@
+#include "storage/sensor_store.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "storage/event_store.hpp"
+#include "storage/page_cursor.hpp"
+#include "storage/sensor_rows.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+using nlohmann::json;
+
+// A device's clock that is further ahead, or its uptime that stood still for longer, is not
+// believed.
+constexpr std::int64_t kBelievedAhead_ms = 60'000;
+constexpr std::int64_t kBelievedBack_ms = std::int64_t{366} * 86'400'000;
+constexpr std::int64_t kTwinForgotten_ms = 60'000;
+constexpr std::size_t kMostToldGaps = 32;
+constexpr std::int64_t kMostBoots = 1000;  // of a sensor: who makes up more loses the oldest
+constexpr int kForgottenAtOnce = 20'000;
+
+struct NumberRow {
+    std::int64_t number = 0;
+    void define(soci::statement& statement) { statement.exchange(soci::into(number)); }
+    std::int64_t value() const { return number; }
+};
+
+void tell(soci::session& session, const Sensor& sensor, const std::string& type, json data) {
+    data["sensor"] = sensor.id;
+    EventStore::append(session,
+                       {.project = sensor.project,
+                        .topic = "sensor",
+                        .subject = sensor.id,
+                        .type = type,
+                        .data = std::move(data)});
+}
+
+void tell_alarm(soci::session& session, const Sensor& sensor, const Alarm& alarm, bool raised) {
+    json data = alarm;
+    data["raised"] = raised;
+    tell(session, sensor, "sensor.alarm", std::move(data));
+}
+
+const Alarm* find_alarm(const std::vector<Alarm>& alarms, const std::string& name) {
+    const auto found = std::find_if(
+        alarms.begin(), alarms.end(), [&](const Alarm& alarm) { return alarm.name == name; });
+    return found == alarms.end() ? nullptr : &*found;
+}
+
+// Tells what is new and what is over. An alarm whose figures alone changed is not told anew.
+void set_alarms(soci::session& session, Sensor& sensor, std::vector<Alarm> alarms) {
+    for (const Alarm& alarm : alarms) {
+        const Alarm* before = find_alarm(sensor.alarms, alarm.name);
+        if (before == nullptr || before->level != alarm.level)
+            tell_alarm(session, sensor, alarm, true);
+    }
+    for (const Alarm& alarm : sensor.alarms)
+        if (find_alarm(alarms, alarm.name) == nullptr) tell_alarm(session, sensor, alarm, false);
+    sensor.alarms = std::move(alarms);
+}
+
+// Those that do not come from a status.
+bool is_ours(const Alarm& alarm) { return alarm.name == "overdue" || alarm.name == "twin"; }
+
+void set_state(soci::session& session, Sensor& sensor, SensorState state) {
+    if (sensor.state == state) return;
+    sensor.state = state;
+    tell(session,
+         sensor,
+         "sensor.state",
+         {{"state", to_string(state)}, {"back_at_ms", sensor.back_at_ms}});
+}
+
+class Receiver {
+public:
+    Receiver(soci::session& session, SensorRecord record, BootRecord boot, std::int64_t now_ms)
+        : session_(session), record_(std::move(record)), boot_(std::move(boot)), now_ms_(now_ms) {}
+
+    SensorAnswer receive(const SensorReport& report) {
+        answer_.boot_id = boot_.boot_id;
+        answer_.time_ms = now_ms_;
+        // What is of now says when the boot was, and so when the rest was.
+        for (const bool historical : {false, true})
+            for (const SensorMessage& message : report.messages)
+                if (message.historical == historical) take(message);
+        for (const SequenceRange& range : report.lost) boot_.received.give_up(range);
+        finish();
+        return std::move(answer_);
+    }
+
+private:
+    void take(const SensorMessage& message) {
+        if (!boot_.received.add(message.sequence)) {
+            ++answer_.num_repeated;
+            return;
+        }
+        ++answer_.num_new;
+        if (!message.historical) place_boot(message.uptime_ms);
+        const bool speaks = !message.historical && comes_to_speak();
+        if (message.kind == MessageKind::Hello) {
+            if (speaks) record_.sensor.hello = message.body;
+            return;
+        }
+        const std::int64_t time_ms = time_of(message);
+        insert_status(message, time_ms);
+        if (speaks && message.sequence > record_.status_sequence) show(message, time_ms);
+    }
+
+    // The least delay seen is the best guess of when the boot was.
+    void place_boot(std::int64_t uptime_ms) {
+        const std::int64_t epoch_ms = now_ms_ - uptime_ms;
+        const bool is_better = !boot_.epoch_ms || epoch_ms < *boot_.epoch_ms ||
+                               epoch_ms > *boot_.epoch_ms + kBelievedAhead_ms;
+        if (is_better) boot_.epoch_ms = epoch_ms;
+    }
+
+    // Whether this boot speaks for the sensor: it is the last one that began to.
+    bool comes_to_speak() {
+        if (boot_.life == 0) {
+            boot_.life = ++record_.num_lives;
+            record_.boot = boot_.number;
+            record_.status_sequence = -1;
+        }
+        const bool speaks = boot_.number == record_.boot;
+        if (!speaks) {
+            record_.twin_at_ms = now_ms_;
+            answer_.superseded = true;
+        }
+        return speaks;
+    }
+
+    std::int64_t time_of(const SensorMessage& message) const {
+        if (boot_.epoch_ms) return std::min(now_ms_, *boot_.epoch_ms + message.uptime_ms);
+        const bool is_believed = message.time_ms &&
+                                 *message.time_ms <= now_ms_ + kBelievedAhead_ms &&
+                                 *message.time_ms >= now_ms_ - kBelievedBack_ms;
+        return is_believed ? std::min(now_ms_, *message.time_ms) : now_ms_;
+    }
+
+    void show(const SensorMessage& message, std::int64_t time_ms) {
+        Sensor& sensor = record_.sensor;
+        sensor.status = message.body;
+        sensor.status_at_ms = time_ms;
+        record_.status_sequence = message.sequence;
+        const auto plan = message.body.find("dive_plan");
+        const bool is_planned = plan != message.body.end() && plan->is_object();
+        sensor.back_at_ms =
+            is_planned
+                ? time_ms + static_cast<std::int64_t>(1000.0 * plan->at("back_in_s").get<double>())
+                : 0;
+        shown_ = true;
+    }
+
+    void insert_status(const SensorMessage& message, std::int64_t time_ms) {
+        json more = message.body;
+        std::array<double, kStatusFields.size()> values{};
+        std::array<soci::indicator, kStatusFields.size()> known{};
+        std::string names, places;
+        for (std::size_t i = 0; i < kStatusFields.size(); ++i) {
+            const std::string name(kStatusFields[i].name);
+            const auto value = status_value(message.body, kStatusFields[i]);
+            values[i] = value.value_or(0.0);
+            known[i] = value ? soci::i_ok : soci::i_null;
+            names += ", " + name;
+            places += ", :" + name;
+            more.erase(name);
+        }
+        const std::string rest = to_text(more);
+        fault_point();
+        soci::statement statement(session_);
+        statement.exchange(soci::use(record_.number, "sensor"));
+        statement.exchange(soci::use(time_ms, "time"));
+        statement.exchange(soci::use(boot_.number, "boot"));
+        statement.exchange(soci::use(message.sequence, "sequence"));
+        for (std::size_t i = 0; i < kStatusFields.size(); ++i)
+            statement.exchange(soci::use(values[i], known[i], std::string(kStatusFields[i].name)));
+        statement.exchange(soci::use(rest, "more"));
+        statement.alloc();
+        statement.prepare("INSERT INTO sensor_statuses (sensor, time_ms, boot, sequence" + names +
+                          ", more) VALUES (:sensor, :time, :boot, :sequence" + places + ", :more)");
+        statement.define_and_bind();
+        statement.execute(true);
+    }
+
+    void finish() {
+        Sensor& sensor = record_.sensor;
+        sensor.seen_at_ms = now_ms_;
+        std::vector<Alarm> alarms = shown_ ? alarms_of(sensor.status) : sensor.alarms;
+        if (!shown_) std::erase_if(alarms, is_ours);
+        if (now_ms_ - record_.twin_at_ms < kTwinForgotten_ms)
+            alarms.push_back({"twin",
+                              Summary::Attention,
+                              "two devices speak as \"" + sensor.id +
+                                  "\": the one that came last is shown; give the other a token "
+                                  "of its own"});
+        set_alarms(session_, sensor, std::move(alarms));
+        set_state(session_, sensor, SensorState::Online);
+        save_boot(session_, record_.number, boot_, now_ms_);
+        save_sensor(session_, record_);
+        answer_.acknowledged = boot_.received.acknowledged();
+        answer_.gaps = boot_.received.gaps();
+        answer_.gaps.resize(std::min(answer_.gaps.size(), kMostToldGaps));
+        answer_.num_lost = boot_.received.num_lost();
+        answer_.superseded = answer_.superseded || boot_.number != record_.boot;
+    }
+
+    soci::session& session_;
+    SensorRecord record_;
+    BootRecord boot_;
+    std::int64_t now_ms_;
+    SensorAnswer answer_;
+    bool shown_ = false;
+};
+
+SensorRecord sensor_of(soci::session& session,
+                       const IncomingReport& incoming,
+                       std::int64_t now_ms) {
+    if (auto known = find_sensor(session, incoming.sensor)) return std::move(*known);
+    execute(session,
+            "INSERT INTO sensors (id, project, state, seen_at_ms, created_at_ms)"
+            " VALUES (:id, :project, 'idle', :now, :now)",
+            soci::use(incoming.sensor, "id"),
+            soci::use(incoming.project, "project"),
+            soci::use(now_ms, "now"));
+    return find_sensor(session, incoming.sensor).value();
+}
+
+BootRecord boot_of(soci::session& session, std::int64_t sensor, const std::string& boot_id) {
+    if (auto known = find_boot(session, sensor, boot_id)) return std::move(*known);
+    BootRecord boot;
+    boot.boot_id = boot_id;
+    session << "SELECT COALESCE(MAX(number), 0) + 1 FROM sensor_boots WHERE sensor = :sensor",
+        soci::into(boot.number), soci::use(sensor, "sensor");
+    const std::int64_t forgotten = boot.number - kMostBoots;
+    execute(session,
+            "DELETE FROM sensor_boots WHERE sensor = :sensor AND number <= :forgotten",
+            soci::use(sensor, "sensor"),
+            soci::use(forgotten, "forgotten"));
+    return boot;
+}
+
+ReportOutcome receive_one(soci::session& session,
+                          const IncomingReport& incoming,
+                          std::int64_t now_ms) {
+    SensorRecord record = sensor_of(session, incoming, now_ms);
+    if (record.sensor.project != incoming.project)
+        return {{},
+                Error(ErrorCode::Conflict,
+                      "\"" + incoming.sensor +
+                          "\" is a sensor of another project: give this one another name")};
+    BootRecord boot = boot_of(session, record.number, incoming.report.boot_id);
+    return {Receiver(session, std::move(record), std::move(boot), now_ms).receive(incoming.report),
+            std::nullopt};
+}
+
+// What the time has made of a sensor since it was last told.
+bool is_to_be_told(const SensorRecord& record, std::int64_t now_ms) {
+    const bool has_twin = find_alarm(record.sensor.alarms, "twin") != nullptr;
+    return record.at(now_ms).state != record.sensor.state ||
+           (has_twin && now_ms - record.twin_at_ms >= kTwinForgotten_ms);
+}
+
+void tell_the_time(soci::session& session, SensorRecord record, std::int64_t now_ms) {
+    Sensor& sensor = record.sensor;
+    const SensorState state = record.at(now_ms).state;
+    std::vector<Alarm> alarms = sensor.alarms;
+    std::erase_if(alarms, [&](const Alarm& alarm) {
+        return alarm.name == "overdue" ||
+               (alarm.name == "twin" && now_ms - record.twin_at_ms >= kTwinForgotten_ms);
+    });
+    if (state == SensorState::Overdue || state == SensorState::Lost)
+        alarms.push_back(
+            {"overdue", Summary::Stop, "expected back and not heard of: look for the diver first"});
+    set_alarms(session, sensor, std::move(alarms));
+    set_state(session, sensor, state);
+    save_sensor(session, record);
+}
+
+}  // namespace
+
+std::vector<ReportOutcome> SensorStore::receive(const std::vector<IncomingReport>& reports) {
+    std::vector<ReportOutcome> outcomes;
+    catalog_.transaction([&](soci::session& session) {
+        outcomes.clear();
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        for (const IncomingReport& incoming : reports)
+            outcomes.push_back(receive_one(session, incoming, now_ms));
+    });
+    return outcomes;
+}
+
+Sensor SensorStore::get(const std::string& id) {
+    std::optional<Sensor> sensor;
+    catalog_.read([&](soci::session& session) {
+        if (const auto record = find_sensor(session, id))
+            sensor = record->at(Catalog::now_ms(session));
+    });
+    if (!sensor) throw Error(ErrorCode::NotFound, "no sensor " + id);
+    return std::move(*sensor);
+}
+
+Page<Sensor> SensorStore::list(const std::string& project, const PageRequest& page) {
+    const PageStart start = page_start(page);
+    std::vector<Sensor> sensors;
+    catalog_.read([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        const auto records =
+            select_all<SensorRow>(session,
+                                  kSelectSensors +
+                                      " WHERE (:project = '' OR project = :project)"
+                                      " AND (created_at_ms > :age"
+                                      " OR (created_at_ms = :age AND id > :id))"
+                                      " ORDER BY created_at_ms, id LIMIT :limit",
+                                  soci::use(project, "project"),
+                                  soci::use(start.created_at_ms, "age"),
+                                  soci::use(start.id, "id"),
+                                  soci::use(start.limit_plus_one, "limit"));
+        for (const SensorRecord& record : records) sensors.push_back(record.at(now_ms));
+    });
+    return make_page(std::move(sensors), page);
+}
+
+void SensorStore::look_at_the_time() {
+    const auto find = [](soci::session& session, std::int64_t now_ms) {
+        auto records = select_all<SensorRow>(
+            session, kSelectSensors + " WHERE state <> 'idle' OR alarms <> '[]'");
+        std::erase_if(records,
+                      [&](const SensorRecord& record) { return !is_to_be_told(record, now_ms); });
+        return records;
+    };
+    bool is_anything = false;
+    catalog_.read([&](soci::session& session) {
+        is_anything = !find(session, Catalog::now_ms(session)).empty();
+    });
+    if (!is_anything) return;  // no write where there is nothing to do
+    catalog_.transaction([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        for (SensorRecord& record : find(session, now_ms))
+            tell_the_time(session, std::move(record), now_ms);
+    });
+}
+
+bool SensorStore::forget_older_than(std::chrono::milliseconds age) {
+    long long num_forgotten = 0;
+    catalog_.transaction([&](soci::session& session) {
+        num_forgotten = 0;
+        const std::int64_t before_ms = Catalog::now_ms(session) - age.count();
+        for (const std::int64_t number :
+             select_all<NumberRow>(session, "SELECT number FROM sensors")) {
+            if (num_forgotten >= kForgottenAtOnce) break;
+            num_forgotten += execute(
+                session,
+                "DELETE FROM sensor_statuses WHERE (sensor, time_ms, boot, sequence) IN (SELECT"
+                " sensor, time_ms, boot, sequence FROM sensor_statuses WHERE sensor = :sensor"
+                " AND time_ms < :before ORDER BY time_ms LIMIT :limit)",
+                soci::use(number, "sensor"),
+                soci::use(before_ms, "before"),
+                soci::use(kForgottenAtOnce, "limit"));
+        }
+    });
+    return num_forgotten < kForgottenAtOnce;
+}
+
+}  // namespace divemesh::storage
