@@ -17,6 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         {api::verb::post, "/api/v1/tokens"},
         {api::verb::post, "/api/v1/one_shot_tokens"},
         {api::verb::post, "/api/v1/webhooks"},
+        {api::verb::post, "/api/v1/sensors/fuzz/status"},
     };
     fuzz::Input input(data, size);
     api::Request request;

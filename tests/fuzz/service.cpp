@@ -92,6 +92,7 @@ api::Services Service::services() {
             metrics_,
             readiness_,
             reserve_,
+            reports_,
             stopping_,
             limits_,
             true};

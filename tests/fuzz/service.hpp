@@ -11,6 +11,7 @@
 #include "api/idempotency.hpp"
 #include "api/metrics.hpp"
 #include "api/readiness.hpp"
+#include "api/report_queue.hpp"
 #include "api/services.hpp"
 #include "server/event_hub.hpp"
 #include "server/session_context.hpp"
@@ -52,6 +53,7 @@ private:
     api::Metrics metrics_;
     api::Readiness readiness_;
     api::DiskReserve reserve_{folder_ / "reserve"};
+    api::ReportQueue reports_{catalog_, pool_};
     std::atomic<bool> stopping_ = false;
     api::ServiceLimits limits_;
     std::string dive_id_;
