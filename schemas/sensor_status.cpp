@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "schemas/enum_text.hpp"
@@ -20,15 +22,33 @@ constexpr std::size_t kMostErrors = 32;
 constexpr std::size_t kMostErrorBytes = 256;
 constexpr std::int64_t kLongestDive_s = 7 * 86'400;
 
-// Below these a team looks, or ends the dive.
-constexpr double kLowBattery = 0.2;
-constexpr double kEmptyBattery = 0.1;
-constexpr double kLowStorage_bytes = 4e9;  // some ten minutes of stereo pictures
-constexpr double kFullStorage_bytes = 5e8;
-constexpr double kDampHousing = 0.8;
-// Shares of the pictures lately.
-constexpr double kSomePictures = 0.1;
-constexpr double kMostPictures = 0.5;
+// Where a team looks, and where it ends the dive.
+struct Limits {
+    double attention = 0.0;
+    double stop = 0.0;
+    bool is_high = false;  // what is bad: more, or less
+};
+constexpr Limits kBattery{0.2, 0.1};
+constexpr Limits kStorage_bytes{4e9, 5e8};  // some ten minutes of stereo pictures, one
+constexpr Limits kHumidity{0.8, std::numeric_limits<double>::infinity(), true};
+constexpr Limits kUselessPictures{0.1, 0.5, true};  // a share of those lately
+// What is raised goes on so far beyond its limit: a figure that trembles about it is told once.
+constexpr double kMargin = 0.1;
+
+Summary level_of(double value, const Limits& limits, Summary before) {
+    const auto is_beyond = [&](double limit, Summary level) {
+        const double margin = before >= level ? kMargin : 0.0;
+        return limits.is_high ? value > (1.0 - margin) * limit : value < (1.0 + margin) * limit;
+    };
+    if (is_beyond(limits.stop, Summary::Stop)) return Summary::Stop;
+    return is_beyond(limits.attention, Summary::Attention) ? Summary::Attention : Summary::Ok;
+}
+
+Summary level_among(std::span<const Alarm> alarms, std::string_view name) {
+    for (const Alarm& alarm : alarms)
+        if (alarm.name == name) return alarm.level;
+    return Summary::Ok;
+}
 
 class Check {
 public:
@@ -128,19 +148,14 @@ bool has_open_dive(const json& status) {
     return dive != status.end() && dive->is_string() && *dive != "";
 }
 
-std::optional<Alarm> picture_alarm(const json& status) {
-    std::optional<Alarm> alarm;
-    double worst = kSomePictures;
+// Which picture there are most of that are of no use, and their share.
+std::pair<std::string, double> worst_pictures(const json& status) {
+    std::pair<std::string, double> worst;
     for (const char* name : {"dark", "blurred", "frozen"}) {
         const auto share = pictures_of(status).value(name, 0.0);
-        if (share <= worst) continue;
-        worst = share;
-        alarm = Alarm{"pictures",
-                      share > kMostPictures ? Summary::Stop : Summary::Attention,
-                      percent(share) + " of the pictures are " + name +
-                          ": look at a preview before the dive goes on"};
+        if (share > worst.second) worst = {name, share};
     }
-    return alarm;
+    return worst;
 }
 
 }  // namespace
@@ -175,30 +190,42 @@ void check_status(const json& status, const std::string& pointer) {
     check.finish();
 }
 
-std::vector<Alarm> alarms_of(const json& status) {
+std::vector<Alarm> alarms_of(const json& status, std::span<const Alarm> before) {
     const auto number = [&](std::string_view name) {
         return status_value(status, *find_status_field(name));
     };
     std::vector<Alarm> alarms;
+    const auto judge =
+        [&](const char* name, double value, const Limits& limits, std::string detail) {
+            const Summary level = level_of(value, limits, level_among(before, name));
+            if (level != Summary::Ok) alarms.push_back({name, level, std::move(detail)});
+        };
     if (number("leak") == 1.0)
         alarms.push_back({"leak", Summary::Stop, "water in the housing: bring it up and open it"});
-    else if (const auto humidity = number("humidity"); humidity && *humidity > kDampHousing)
-        alarms.push_back(
-            {"leak",
-             Summary::Attention,
-             "the air in the housing is damp (" + percent(*humidity) + "): check its seals"});
-    if (const auto battery = number("battery"); battery && *battery < kLowBattery)
-        alarms.push_back({"battery",
-                          *battery < kEmptyBattery ? Summary::Stop : Summary::Attention,
-                          "battery at " + percent(*battery) + ": charge or change it"});
-    if (const auto free = number("storage_free_bytes"); free && *free < kLowStorage_bytes)
-        alarms.push_back({"storage",
-                          *free < kFullStorage_bytes ? Summary::Stop : Summary::Attention,
-                          std::to_string(std::llround(*free / 1e6)) +
-                              " MB are free for recordings: upload and remove older ones"});
+    else if (const auto humidity = number("humidity"))
+        judge("leak",
+              *humidity,
+              kHumidity,
+              "the air in the housing is damp (" + percent(*humidity) + "): check its seals");
+    if (const auto battery = number("battery"))
+        judge("battery",
+              *battery,
+              kBattery,
+              "battery at " + percent(*battery) + ": charge or change it");
+    if (const auto free = number("storage_free_bytes"))
+        judge("storage",
+              *free,
+              kStorage_bytes,
+              std::to_string(std::llround(*free / 1e6)) +
+                  " MB are free for recordings: upload and remove older ones");
     if (number("recording") == 0.0 && has_open_dive(status))
         alarms.push_back({"recording", Summary::Stop, "a dive is open and nothing is recorded"});
-    if (auto alarm = picture_alarm(status)) alarms.push_back(std::move(*alarm));
+    const auto [kind, share] = worst_pictures(status);
+    judge("pictures",
+          share,
+          kUselessPictures,
+          percent(share) + " of the pictures are " + kind +
+              ": look at a preview before the dive goes on");
     return alarms;
 }
 

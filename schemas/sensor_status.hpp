@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace divemesh {
 
@@ -54,9 +55,9 @@ struct Alarm {
 inline constexpr std::array<std::string_view, 7> kAlarms = {
     "leak", "battery", "storage", "recording", "pictures", "overdue", "twin"};
 
-// What a status says is wrong. A device that lights its own LED and the server that warns its team
-// go by this alone.
-std::vector<Alarm> alarms_of(const nlohmann::json& status);
+// What a status says is wrong; `before`: what was, which ends a little beyond where it began. A
+// device that lights its own LED and the server that warns its team go by this alone.
+std::vector<Alarm> alarms_of(const nlohmann::json& status, std::span<const Alarm> before = {});
 Summary summary_of(std::span<const Alarm> alarms);
 
 // Throws InvalidInput that names every known field which is of the wrong type or out of range, and

@@ -193,6 +193,14 @@ TEST_F(SensorStoreTest, AlarmsAreToldWhenTheyBeginAndEnd) {
                             "battery over"));
 }
 
+TEST_F(SensorStoreTest, AFigureThatTremblesAboutItsLimitIsToldOnce) {
+    for (int i = 0; i < 40; ++i)
+        send("a", {status(i, 1000 * i, {{"battery", i % 2 == 0 ? 0.201 : 0.199}})});
+    EXPECT_THAT(told(), ElementsAre("online", "battery raised"));
+    send("a", {status(40, 40'000, {{"battery", 0.23}})});
+    EXPECT_THAT(sensors_.get("aqua").alarms, IsEmpty());
+}
+
 TEST_F(SensorStoreTest, T7SilenceMeansWhatThePlanSays) {
     send("a", {status(0, 1000)});
     pass(20'000);
