@@ -189,7 +189,8 @@ private:
     void finish() {
         Sensor& sensor = record_.sensor;
         sensor.seen_at_ms = now_ms_;
-        std::vector<Alarm> alarms = shown_ ? alarms_of(sensor.status, sensor.alarms) : sensor.alarms;
+        std::vector<Alarm> alarms =
+            shown_ ? alarms_of(sensor.status, sensor.alarms) : sensor.alarms;
         if (!shown_) std::erase_if(alarms, is_ours);
         if (now_ms_ - record_.twin_at_ms < kTwinForgotten_ms)
             alarms.push_back({"twin",
