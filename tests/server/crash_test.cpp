@@ -58,9 +58,12 @@ protected:
         client.send(request_head("PATCH", path_, patch_headers(token_, 0), bytes_.size()));
         client.send(bytes_);
         const auto answer = client.receive();
-        if (answer) EXPECT_EQ(answer->status, 204) << answer->body;
-        if (!answer) EXPECT_EQ(server.end(SIGCONT), 128 + SIGKILL);
-        return !answer;
+        if (!answer) {
+            EXPECT_EQ(server.end(SIGCONT), 128 + SIGKILL);
+            return true;
+        }
+        EXPECT_EQ(answer->status, 204) << answer->body;
+        return false;
     }
 
     bool has_all_bytes(const fs::path& place) const {
