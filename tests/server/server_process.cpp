@@ -37,12 +37,6 @@ ServerProcess::~ServerProcess() { end(SIGKILL); }
 
 void ServerProcess::send(int signal) const { kill(pid_, signal); }
 
-bool ServerProcess::has_ended() {
-    siginfo_t ended{};
-    return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           ended.si_pid == pid_;
-}
-
 int ServerProcess::end(int signal) {
     if (pid_ <= 0) return -1;
     kill(pid_, signal);

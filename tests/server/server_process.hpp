@@ -19,7 +19,6 @@ public:
 
     int port() const { return port_; }
     void send(int signal) const;
-    bool has_ended();
     int end(int signal);  // its exit code; 128 and the signal that ended it; -1: ended before
 
 private:
