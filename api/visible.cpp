@@ -3,6 +3,7 @@
 #include "api/authorization.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
+#include "storage/sensor_store.hpp"
 #include "storage/upload_store.hpp"
 
 namespace divemesh::api {
@@ -20,6 +21,13 @@ Dive visible_dive(const Request& request, storage::Catalog& catalog) {
     Dive dive = storage::DiveStore(catalog).get(id);
     require_visible(request.token, dive.project, "dive " + id);
     return dive;
+}
+
+Sensor visible_sensor(const Request& request, storage::Catalog& catalog) {
+    const std::string& id = request.parameter("sensor_id");
+    Sensor sensor = storage::SensorStore(catalog).get(id);
+    require_visible(request.token, sensor.project, "sensor " + id);
+    return sensor;
 }
 
 Job visible_job(const Request& request, storage::Catalog& catalog) {

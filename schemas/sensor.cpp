@@ -14,12 +14,6 @@ constexpr EnumText<SensorState> kStates[] = {{SensorState::Online, "online"},
                                              {SensorState::Lost, "lost"}};
 constexpr std::size_t kMostToldGaps = 32;
 
-std::vector<SequenceRange> first_gaps(const SequenceRanges& received) {
-    auto gaps = received.gaps();
-    gaps.resize(std::min(gaps.size(), kMostToldGaps));
-    return gaps;
-}
-
 }  // namespace
 
 std::string_view to_string(SensorState state) { return enum_to_text(kStates, state); }
@@ -32,6 +26,12 @@ SensorState sensor_state(std::int64_t seen_at_ms, std::int64_t back_at_ms, std::
     if (back_at_ms == 0) return SensorState::Idle;
     if (now_ms <= back_at_ms) return SensorState::Submerged;
     return now_ms - back_at_ms <= kSensorLost_ms ? SensorState::Overdue : SensorState::Lost;
+}
+
+std::vector<SequenceRange> first_gaps(const SequenceRanges& received) {
+    auto gaps = received.gaps();
+    gaps.resize(std::min(gaps.size(), kMostToldGaps));
+    return gaps;
 }
 
 void to_json(nlohmann::json& json, const Sensor& sensor) {

@@ -48,6 +48,9 @@ struct Sensor {
     std::int64_t created_at_ms = 0;
 };
 
+// The gaps that are told: the first 32.
+std::vector<SequenceRange> first_gaps(const SequenceRanges& received);
+
 // What a device is told about a report.
 struct SensorAnswer {
     std::string boot_id;

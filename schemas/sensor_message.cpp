@@ -1,9 +1,7 @@
 #include "schemas/sensor_message.hpp"
 
 #include <algorithm>
-#include <limits>
 
-#include "schemas/enum_text.hpp"
 #include "schemas/invalid_input.hpp"
 #include "schemas/sensor_status.hpp"
 
@@ -12,13 +10,20 @@ namespace {
 
 using nlohmann::json;
 
-constexpr EnumText<MessageKind> kKinds[] = {{MessageKind::Hello, "hello"},
-                                            {MessageKind::Status, "status"}};
 // Doubles hold whole numbers up to here, and so does every client's JSON.
 constexpr std::int64_t kLargestNumber = std::int64_t{1} << 53;
 
 std::string at_most(std::string_view what, std::size_t number) {
     return std::string(what).append(", ").append(std::to_string(number)).append(" at most");
+}
+
+// 1 to 64 letters, digits, '.', '_' and '-'.
+bool is_boot_id(std::string_view id) {
+    constexpr std::string_view kMore = "._-";
+    return !id.empty() && id.size() <= 64 && std::all_of(id.begin(), id.end(), [&](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               kMore.find(c) != std::string_view::npos;
+    });
 }
 
 class Reader {
@@ -48,7 +53,7 @@ private:
 
     void read_boot(const json& body) {
         const auto boot = body.find("boot_id");
-        if (boot == body.end() || !boot->is_string() || !is_device_name(boot->get<std::string>()))
+        if (boot == body.end() || !boot->is_string() || !is_boot_id(boot->get<std::string>()))
             return fail(
                 "\"boot_id\" has to be 1 to 64 letters, digits, '.', '_' or '-', new at each boot",
                 "/boot_id");
@@ -146,16 +151,6 @@ private:
 };
 
 }  // namespace
-
-std::string_view to_string(MessageKind kind) { return enum_to_text(kKinds, kind); }
-
-bool is_device_name(std::string_view id) {
-    constexpr std::string_view kMore = "._-";
-    return !id.empty() && id.size() <= 64 && std::all_of(id.begin(), id.end(), [&](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               kMore.find(c) != std::string_view::npos;
-    });
-}
 
 SensorReport sensor_report(const json& body) { return Reader().read(body); }
 

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "schemas/sequence_ranges.hpp"
@@ -14,7 +13,6 @@ namespace divemesh {
 // What a device says when it comes: who it is, what it can be asked to do. Its newest one counts.
 // Status: how it is now, or was (`historical`).
 enum class MessageKind { Hello, Status };
-std::string_view to_string(MessageKind kind);
 
 // One message of a device. Its boot and its sequence name it: a second one with the same name is
 // the same message, sent again.
@@ -41,8 +39,5 @@ inline constexpr std::size_t kMostMessageBytes = 16 << 10;
 // Reads {"boot_id": ..., "messages": [...], "lost": [[first, last], ...]}. Throws InvalidInput that
 // names every fault.
 SensorReport sensor_report(const nlohmann::json& body);
-
-// Whether `id` may name a sensor or a boot: 1 to 64 letters, digits, '.', '_' and '-'.
-bool is_device_name(std::string_view id);
 
 }  // namespace divemesh

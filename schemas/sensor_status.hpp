@@ -45,15 +45,13 @@ enum class Summary { Ok, Attention, Stop };
 std::string_view to_string(Summary summary);
 Summary summary_from_string(std::string_view text);
 
-// Something that is wrong with a device, by its name among kAlarms.
+// Something that is wrong with a device. Names: SensorAlarm of api/openapi.yaml.
 struct Alarm {
     std::string name;
     Summary level = Summary::Attention;
     std::string detail;  // for people: what, and what to do
     bool operator==(const Alarm&) const = default;
 };
-inline constexpr std::array<std::string_view, 7> kAlarms = {
-    "leak", "battery", "storage", "recording", "pictures", "overdue", "twin"};
 
 // What a status says is wrong; `before`: what was, which ends a little beyond where it began. A
 // device that lights its own LED and the server that warns its team go by this alone.

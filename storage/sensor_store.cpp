@@ -19,7 +19,6 @@ using nlohmann::json;
 constexpr std::int64_t kBelievedAhead_ms = 60'000;
 constexpr std::int64_t kBelievedBack_ms = std::int64_t{366} * 86'400'000;
 constexpr std::int64_t kTwinForgotten_ms = 60'000;
-constexpr std::size_t kMostToldGaps = 32;
 constexpr std::int64_t kMostBoots = 1000;  // of a sensor: who makes up more loses the oldest
 constexpr int kForgottenAtOnce = 20'000;
 
@@ -126,10 +125,7 @@ private:
             record_.status_sequence = -1;
         }
         const bool speaks = boot_.number == record_.boot;
-        if (!speaks) {
-            record_.twin_at_ms = now_ms_;
-            answer_.superseded = true;
-        }
+        if (!speaks) record_.twin_at_ms = now_ms_;
         return speaks;
     }
 
@@ -203,10 +199,9 @@ private:
         save_boot(session_, record_.number, boot_, now_ms_);
         save_sensor(session_, record_);
         answer_.acknowledged = boot_.received.acknowledged();
-        answer_.gaps = boot_.received.gaps();
-        answer_.gaps.resize(std::min(answer_.gaps.size(), kMostToldGaps));
+        answer_.gaps = first_gaps(boot_.received);
         answer_.num_lost = boot_.received.num_lost();
-        answer_.superseded = answer_.superseded || boot_.number != record_.boot;
+        answer_.superseded = boot_.number != record_.boot;
     }
 
     soci::session& session_;

@@ -1,7 +1,6 @@
 #include "api/handlers/sensors.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "api/at_once.hpp"
 #include "api/authorization.hpp"
@@ -9,6 +8,7 @@
 #include "api/in_pool.hpp"
 #include "api/report_queue.hpp"
 #include "api/target.hpp"
+#include "api/visible.hpp"
 #include "schemas/invalid_input.hpp"
 #include "schemas/json.hpp"
 #include "storage/sensor_history.hpp"
@@ -20,13 +20,6 @@ namespace {
 constexpr std::int64_t kMostSteps = 5000;
 constexpr std::size_t kMostFields = 16;
 constexpr std::int64_t kLatest_ms = std::int64_t{1} << 52;
-
-Sensor visible_sensor(const Request& request, storage::Catalog& catalog) {
-    const std::string& id = request.parameter("sensor_id");
-    Sensor sensor = storage::SensorStore(catalog).get(id);
-    require_visible(request.token, sensor.project, "sensor " + id);
-    return sensor;
-}
 
 std::vector<std::string> fields_of(const Request& request) {
     const std::string list = query_value(request, "fields");
