@@ -13,7 +13,8 @@ struct SequenceRange {
 };
 
 // Which of the messages 0, 1, 2 ... of one boot have come, in whatever order. Bounded: of more gaps
-// than are kept the lowest is given up, and counts as lost.
+// than are kept the lowest is given up, and counts as lost until it comes after all. Of what was
+// given up the last kMostRanges stretches are remembered.
 class SequenceRanges {
 public:
     static constexpr std::size_t kMostRanges = 256;
@@ -31,10 +32,12 @@ public:
     friend void from_json(const nlohmann::json& json, SequenceRanges& ranges);
 
 private:
-    void cover(std::int64_t first, std::int64_t last);
-    bool contains(std::int64_t sequence) const;
+    using Ranges = std::map<std::int64_t, std::int64_t>;  // first to last; never two that touch
 
-    std::map<std::int64_t, std::int64_t> ranges_;  // first to last; never two that touch
+    bool take_back(std::int64_t sequence);
+
+    Ranges ranges_;  // come or given up
+    Ranges lost_;    // of these, what was given up
     std::int64_t num_lost_ = 0;
 };
 

@@ -3,6 +3,30 @@
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
+namespace {
+
+struct BootRow {
+    BootRecord boot;
+    std::int64_t epoch_ms = 0;
+    soci::indicator has_epoch = soci::i_null;
+    std::string received;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(boot.number));
+        statement.exchange(soci::into(boot.boot_id));
+        statement.exchange(soci::into(boot.life));
+        statement.exchange(soci::into(epoch_ms, has_epoch));
+        statement.exchange(soci::into(received));
+    }
+    BootRecord value() const {
+        BootRecord value = boot;
+        if (has_epoch == soci::i_ok) value.epoch_ms = epoch_ms;
+        value.received = nlohmann::json::parse(received).get<SequenceRanges>();
+        return value;
+    }
+};
+
+}  // namespace
 
 const std::string kSelectSensors =
     "SELECT sensors.number, id, project, state, alarms, boot, num_lives, hello, status,"
@@ -55,31 +79,6 @@ Sensor SensorRecord::at(std::int64_t now_ms) const {
 std::optional<SensorRecord> find_sensor(soci::session& session, const std::string& id) {
     return select_one<SensorRow>(session, kSelectSensors + " WHERE id = :id", soci::use(id, "id"));
 }
-
-namespace {
-
-struct BootRow {
-    BootRecord boot;
-    std::int64_t epoch_ms = 0;
-    soci::indicator has_epoch = soci::i_null;
-    std::string received;
-
-    void define(soci::statement& statement) {
-        statement.exchange(soci::into(boot.number));
-        statement.exchange(soci::into(boot.boot_id));
-        statement.exchange(soci::into(boot.life));
-        statement.exchange(soci::into(epoch_ms, has_epoch));
-        statement.exchange(soci::into(received));
-    }
-    BootRecord value() const {
-        BootRecord value = boot;
-        if (has_epoch == soci::i_ok) value.epoch_ms = epoch_ms;
-        value.received = nlohmann::json::parse(received).get<SequenceRanges>();
-        return value;
-    }
-};
-
-}  // namespace
 
 std::optional<BootRecord> find_boot(soci::session& session,
                                     std::int64_t sensor,

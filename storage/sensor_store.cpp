@@ -225,17 +225,19 @@ SensorRecord sensor_of(soci::session& session,
     return find_sensor(session, incoming.sensor).value();
 }
 
-BootRecord boot_of(soci::session& session, std::int64_t sensor, const std::string& boot_id) {
-    if (auto known = find_boot(session, sensor, boot_id)) return std::move(*known);
+BootRecord boot_of(soci::session& session, const SensorRecord& record, const std::string& boot_id) {
+    if (auto known = find_boot(session, record.number, boot_id)) return std::move(*known);
     BootRecord boot;
     boot.boot_id = boot_id;
     session << "SELECT COALESCE(MAX(number), 0) + 1 FROM sensor_boots WHERE sensor = :sensor",
-        soci::into(boot.number), soci::use(sensor, "sensor");
+        soci::into(boot.number), soci::use(record.number, "sensor");
     const std::int64_t forgotten = boot.number - kMostBoots;
     execute(session,
-            "DELETE FROM sensor_boots WHERE sensor = :sensor AND number <= :forgotten",
-            soci::use(sensor, "sensor"),
-            soci::use(forgotten, "forgotten"));
+            "DELETE FROM sensor_boots WHERE sensor = :sensor AND number <= :forgotten"
+            " AND number <> :shown",
+            soci::use(record.number, "sensor"),
+            soci::use(forgotten, "forgotten"),
+            soci::use(record.boot, "shown"));
     return boot;
 }
 
@@ -248,7 +250,7 @@ ReportOutcome receive_one(soci::session& session,
                 Error(ErrorCode::Conflict,
                       "\"" + incoming.sensor +
                           "\" is a sensor of another project: give this one another name")};
-    BootRecord boot = boot_of(session, record.number, incoming.report.boot_id);
+    BootRecord boot = boot_of(session, record, incoming.report.boot_id);
     return {Receiver(session, std::move(record), std::move(boot), now_ms).receive(incoming.report),
             std::nullopt};
 }

@@ -49,7 +49,10 @@ TEST(SequenceRangesTest, WhatTheSenderLostIsWaitedForNoMore) {
     ranges.give_up({8, 12});
     EXPECT_EQ(ranges.num_lost(), 8);
     EXPECT_EQ(ranges.acknowledged(), 12);
+    EXPECT_TRUE(ranges.add(11)) << "it came after all: nothing that comes is thrown away";
     EXPECT_FALSE(ranges.add(11));
+    EXPECT_EQ(ranges.num_lost(), 7);
+    EXPECT_EQ(ranges.acknowledged(), 12);
 }
 
 TEST(SequenceRangesTest, StaysBoundedWhoeverLeavesOutEveryOtherMessage) {
@@ -59,7 +62,13 @@ TEST(SequenceRangesTest, StaysBoundedWhoeverLeavesOutEveryOtherMessage) {
     EXPECT_EQ(ranges.newest(), 99'998);
     EXPECT_EQ(ranges.num_lost(), 49'999 - static_cast<std::int64_t>(ranges.gaps().size()));
     EXPECT_GT(ranges.acknowledged(), 99'000);
-    EXPECT_LT(nlohmann::json(ranges).dump().size(), 8'000U);
+    EXPECT_LT(nlohmann::json(ranges).dump().size(), 16'000U);
+    EXPECT_TRUE(ranges.add(99'001));
+    EXPECT_FALSE(ranges.add(1)) << "too long ago";
+    const std::int64_t acknowledged = ranges.acknowledged();
+    EXPECT_TRUE(ranges.add(acknowledged - 1)) << "given up for want of room";
+    EXPECT_FALSE(ranges.add(acknowledged - 1));
+    EXPECT_EQ(ranges.acknowledged(), acknowledged);
 }
 
 TEST(SequenceRangesTest, IsTheSameAfterItWasStored) {
