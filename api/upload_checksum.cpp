@@ -6,7 +6,7 @@
 #include <openssl/evp.h>
 #include <stdexcept>
 
-#include "api/base64.hpp"
+#include "schemas/base64.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "api/base64.hpp"
+#include "schemas/base64.hpp"
 #include "schemas/error.hpp"
 #include "schemas/reconstruction_options.hpp"
 

@@ -28,10 +28,44 @@ SensorState sensor_state(std::int64_t seen_at_ms, std::int64_t back_at_ms, std::
     return now_ms - back_at_ms <= kSensorLost_ms ? SensorState::Overdue : SensorState::Lost;
 }
 
+nlohmann::json newest_word(const Sensor& sensor) {
+    nlohmann::json word = sensor.status;
+    std::int64_t told_at_ms = word.contains("pictures") ? sensor.status_at_ms : 0;
+    for (const auto& [camera, preview] : sensor.previews) {
+        const auto pictures = preview.about.find("pictures");
+        if (pictures == preview.about.end() || preview.time_ms < told_at_ms) continue;
+        word["pictures"] = *pictures;
+        told_at_ms = preview.time_ms;
+    }
+    return word;
+}
+
 std::vector<SequenceRange> first_gaps(const SequenceRanges& received) {
     auto gaps = received.gaps();
     gaps.resize(std::min(gaps.size(), kMostToldGaps));
     return gaps;
+}
+
+void to_json(nlohmann::json& json, const Preview& preview) {
+    json = {{"id", preview.id},
+            {"camera", preview.camera},
+            {"time_ms", preview.time_ms},
+            {"width", preview.width},
+            {"height", preview.height},
+            {"num_bytes", preview.num_bytes},
+            {"sha256", preview.sha256},
+            {"about", preview.about}};
+}
+
+void from_json(const nlohmann::json& json, Preview& preview) {
+    json.at("id").get_to(preview.id);
+    json.at("camera").get_to(preview.camera);
+    json.at("time_ms").get_to(preview.time_ms);
+    json.at("width").get_to(preview.width);
+    json.at("height").get_to(preview.height);
+    json.at("num_bytes").get_to(preview.num_bytes);
+    json.at("sha256").get_to(preview.sha256);
+    preview.about = json.at("about");
 }
 
 void to_json(nlohmann::json& json, const Sensor& sensor) {
@@ -46,6 +80,7 @@ void to_json(nlohmann::json& json, const Sensor& sensor) {
             {"status_at_ms", sensor.status_at_ms},
             {"status_age_ms", sensor.status_age_ms},
             {"stale", sensor.stale},
+            {"previews", sensor.previews},
             {"seen_at_ms", sensor.seen_at_ms},
             {"back_at_ms", sensor.back_at_ms},
             {"acknowledged", sensor.received.acknowledged()},

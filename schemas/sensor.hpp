@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -29,6 +30,18 @@ inline constexpr std::int64_t kSensorLost_ms = 3'600'000;
 // `back_at_ms` 0: no dive was announced.
 SensorState sensor_state(std::int64_t seen_at_ms, std::int64_t back_at_ms, std::int64_t now_ms);
 
+// A picture that a device sent, without its bytes.
+struct Preview {
+    std::int64_t id = 0;
+    std::string camera;
+    std::int64_t time_ms = 0;
+    int width = 0;
+    int height = 0;
+    std::int64_t num_bytes = 0;
+    std::string sha256;                               // of the JPEG
+    nlohmann::json about = nlohmann::json::object();  // what the device told of it
+};
+
 // A device as the catalog knows it. Times are unix milliseconds of the catalog's clock.
 struct Sensor {
     std::string id;
@@ -42,11 +55,15 @@ struct Sensor {
     std::int64_t status_at_ms = 0;                     // 0: there was none
     std::int64_t status_age_ms = 0;                    // now
     bool stale = true;                                 // older than kSensorSilence_ms
+    std::map<std::string, Preview> previews;           // by camera, the newest not historical
     std::int64_t seen_at_ms = 0;                       // any message
     std::int64_t back_at_ms = 0;                       // when it is expected; 0: no dive announced
     SequenceRanges received;                           // of this boot
     std::int64_t created_at_ms = 0;
 };
+
+// Its newest word: the status, with what a later preview tells of the pictures.
+nlohmann::json newest_word(const Sensor& sensor);
 
 // The gaps that are told: the first 32.
 std::vector<SequenceRange> first_gaps(const SequenceRanges& received);
@@ -84,6 +101,8 @@ struct SensorHistory {
     std::vector<Step> steps;
 };
 
+void to_json(nlohmann::json& json, const Preview& preview);
+void from_json(const nlohmann::json& json, Preview& preview);
 void to_json(nlohmann::json& json, const Sensor& sensor);
 void to_json(nlohmann::json& json, const SensorAnswer& answer);
 // By column: what plots and tables take, in a third of the bytes.

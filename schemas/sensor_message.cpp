@@ -2,7 +2,11 @@
 
 #include <algorithm>
 
+#include "schemas/base64.hpp"
+#include "schemas/enum_text.hpp"
 #include "schemas/invalid_input.hpp"
+#include "schemas/jpeg_header.hpp"
+#include "schemas/sensor_command.hpp"
 #include "schemas/sensor_status.hpp"
 
 namespace divemesh {
@@ -12,12 +16,25 @@ using nlohmann::json;
 
 // Doubles hold whole numbers up to here, and so does every client's JSON.
 constexpr std::int64_t kLargestNumber = std::int64_t{1} << 53;
+constexpr std::size_t kMostCameraLetters = 16;
+
+constexpr EnumText<MessageKind> kKinds[] = {{MessageKind::Hello, "hello"},
+                                            {MessageKind::Status, "status"},
+                                            {MessageKind::Preview, "preview"},
+                                            {MessageKind::Outcome, "outcome"}};
 
 std::string at_most(std::string_view what, std::size_t number) {
     return std::string(what).append(", ").append(std::to_string(number)).append(" at most");
 }
 
 // 1 to 64 letters, digits, '.', '_' and '-'.
+bool is_camera(std::string_view name) {
+    return !name.empty() && name.size() <= kMostCameraLetters &&
+           std::all_of(name.begin(), name.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+           });
+}
+
 bool is_boot_id(std::string_view id) {
     constexpr std::string_view kMore = "._-";
     return !id.empty() && id.size() <= 64 && std::all_of(id.begin(), id.end(), [&](char c) {
@@ -26,8 +43,22 @@ bool is_boot_id(std::string_view id) {
     });
 }
 
+// The only kind that the message has; nothing where it has none or several.
+std::optional<EnumText<MessageKind>> kind_of(const json& message) {
+    std::optional<EnumText<MessageKind>> kind;
+    for (const auto& row : kKinds) {
+        if (!message.contains(row.text)) continue;
+        if (kind) return std::nullopt;
+        kind = row;
+    }
+    return kind;
+}
+
 class Reader {
 public:
+    // `jpeg`: of the preview, where it does not come as base64.
+    explicit Reader(std::optional<std::string_view> jpeg = std::nullopt) : jpeg_(jpeg) {}
+
     SensorReport read(const json& body) {
         if (!body.is_object()) refuse("a report has to be a JSON object", "");
         for (const auto& [key, value] : body.items())
@@ -82,13 +113,15 @@ private:
             else
                 read.historical = historical->get<bool>();
         }
-        const bool says_hello = message.contains("hello");
-        if (says_hello == message.contains("status"))
-            return fail("a message has either \"hello\" or \"status\"", pointer);
-        read.kind = says_hello ? MessageKind::Hello : MessageKind::Status;
-        read.body = message.at(says_hello ? "hello" : "status");
-        const std::string place = pointer + (says_hello ? "/hello" : "/status");
+        const auto kind = kind_of(message);
+        if (!kind)
+            return fail("a message has one of \"hello\", \"status\", \"preview\" and \"outcome\"",
+                        pointer);
+        read.kind = kind->value;
+        read.body = message.at(kind->text);
+        const std::string place = std::string(pointer).append("/").append(kind->text);
         if (!read.body.is_object()) return fail("it has to be an object", place);
+        if (read.kind == MessageKind::Preview) take_picture(read, place);
         if (read.body.dump(-1, ' ', false, json::error_handler_t::replace).size() >
             kMostMessageBytes)
             return fail(at_most("it is too long, of bytes", kMostMessageBytes), place);
@@ -98,7 +131,10 @@ private:
 
     void check_body(const SensorMessage& message, const std::string& place) {
         try {
-            if (message.kind == MessageKind::Status) check_status(message.body, place);
+            // What a preview tells of the device is told as in a status.
+            if (message.kind == MessageKind::Status || message.kind == MessageKind::Preview)
+                check_status(message.body, place);
+            if (message.kind == MessageKind::Outcome) check_outcome(message.body, place);
         } catch (const InvalidInput& invalid) {
             for (const Fault& fault : invalid.faults()) fail(fault.detail, fault.pointer);
         }
@@ -108,6 +144,41 @@ private:
         const auto is_text = [](const json& word) { return word.is_string(); };
         if (!texts->is_array() || !std::all_of(texts->begin(), texts->end(), is_text))
             fail("\"capabilities\" has to be an array of words", place + "/capabilities");
+    }
+
+    void take_picture(SensorMessage& message, const std::string& place) {
+        const auto camera = message.body.find("camera");
+        if (camera == message.body.end() || !camera->is_string() ||
+            !is_camera(camera->get_ref<const std::string&>()))
+            fail("\"camera\" has to be 1 to 16 of a-z 0-9 _ -", place + "/camera");
+        if (jpeg_) {
+            message.jpeg = *jpeg_;
+        } else if (!decode_picture(message)) {
+            return fail("\"jpeg\" has to be the picture in base64", place + "/jpeg");
+        }
+        message.body.erase("jpeg");
+        if (message.jpeg.size() > kMostJpegBytes)
+            return fail(at_most("the picture is too large, of bytes", kMostJpegBytes),
+                        place + "/jpeg");
+        try {
+            const JpegSize size = read_jpeg_size(message.jpeg);
+            if (size.width > kLargestPictureSide || size.height > kLargestPictureSide)
+                return fail(
+                    at_most("the picture is too large, of pixels a side", kLargestPictureSide),
+                    place + "/jpeg");
+            message.body["width"] = size.width;
+            message.body["height"] = size.height;
+        } catch (const Error& error) {
+            fail(error.what(), place + "/jpeg");
+        }
+    }
+
+    static bool decode_picture(SensorMessage& message) {
+        const auto text = message.body.find("jpeg");
+        if (text == message.body.end() || !text->is_string()) return false;
+        auto jpeg = decode_base64(text->get_ref<const std::string&>());
+        if (jpeg) message.jpeg = std::move(*jpeg);
+        return jpeg.has_value();
     }
 
     std::optional<std::int64_t> count(const json& message,
@@ -146,6 +217,7 @@ private:
             report_.lost.push_back({range[0].get<std::int64_t>(), range[1].get<std::int64_t>()});
     }
 
+    std::optional<std::string_view> jpeg_;
     SensorReport report_;
     std::vector<Fault> faults_;
 };
@@ -153,5 +225,29 @@ private:
 }  // namespace
 
 SensorReport sensor_report(const json& body) { return Reader().read(body); }
+
+PreviewFrame split_preview(std::string_view frame) {
+    constexpr std::size_t kLengthBytes = 4;
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < kLengthBytes && i < frame.size(); ++i)
+        length = length << 8 | static_cast<unsigned char>(frame[i]);
+    if (frame.size() < kLengthBytes || length > frame.size() - kLengthBytes)
+        throw Error(ErrorCode::InvalidArgument,
+                    "a binary frame is the length of a header (4 bytes, big endian), the header in "
+                    "JSON, a JPEG");
+    return {frame.substr(kLengthBytes, length), frame.substr(kLengthBytes + length)};
+}
+
+SensorReport sensor_preview(json header, std::string_view jpeg) {
+    if (!header.is_object() || !header.contains("preview"))
+        throw InvalidInput({{"the header of a preview has \"preview\"", "/preview", ""}});
+    json body = {{"messages", json::array()}};
+    if (const auto boot = header.find("boot_id"); boot != header.end()) {
+        body["boot_id"] = *boot;
+        header.erase(boot);
+    }
+    body["messages"].push_back(std::move(header));
+    return Reader(jpeg).read(body);
+}
 
 }  // namespace divemesh

@@ -30,7 +30,8 @@ struct BootRow {
 
 const std::string kSelectSensors =
     "SELECT sensors.number, id, project, state, alarms, boot, num_lives, hello, status,"
-    " status_at_ms, status_sequence, sensors.seen_at_ms, back_at_ms, twin_at_ms, created_at_ms,"
+    " status_at_ms, status_sequence, previews, sensors.seen_at_ms, back_at_ms, twin_at_ms, "
+    "created_at_ms,"
     " COALESCE(boot_id, ''), COALESCE(received, '')"
     " FROM sensors LEFT JOIN sensor_boots"
     " ON sensor_boots.sensor = sensors.number AND sensor_boots.number = boot";
@@ -48,6 +49,7 @@ void SensorRow::define(soci::statement& statement) {
     statement.exchange(soci::into(status));
     statement.exchange(soci::into(sensor.status_at_ms));
     statement.exchange(soci::into(record.status_sequence));
+    statement.exchange(soci::into(previews));
     statement.exchange(soci::into(sensor.seen_at_ms));
     statement.exchange(soci::into(sensor.back_at_ms));
     statement.exchange(soci::into(record.twin_at_ms));
@@ -63,6 +65,7 @@ SensorRecord SensorRow::value() const {
     value.sensor.summary = summary_of(value.sensor.alarms);
     value.sensor.hello = nlohmann::json::parse(hello);
     value.sensor.status = nlohmann::json::parse(status);
+    value.sensor.previews = nlohmann::json::parse(previews).get<std::map<std::string, Preview>>();
     if (!received.empty())
         value.sensor.received = nlohmann::json::parse(received).get<SequenceRanges>();
     return value;
@@ -118,10 +121,12 @@ void save_sensor(soci::session& session, const SensorRecord& record) {
     const std::string alarms = to_text(sensor.alarms);
     const std::string hello = to_text(sensor.hello);
     const std::string status = to_text(sensor.status);
+    const std::string previews = to_text(sensor.previews);
     execute(session,
             "UPDATE sensors SET state = :state, alarms = :alarms, boot = :boot,"
             " num_lives = :lives, hello = :hello, status = :status, status_at_ms = :status_at,"
-            " status_sequence = :sequence, seen_at_ms = :seen, back_at_ms = :back,"
+            " status_sequence = :sequence, previews = :previews, seen_at_ms = :seen, back_at_ms = "
+            ":back,"
             " twin_at_ms = :twin WHERE number = :number",
             soci::use(state, "state"),
             soci::use(alarms, "alarms"),
@@ -131,6 +136,7 @@ void save_sensor(soci::session& session, const SensorRecord& record) {
             soci::use(status, "status"),
             soci::use(sensor.status_at_ms, "status_at"),
             soci::use(record.status_sequence, "sequence"),
+            soci::use(previews, "previews"),
             soci::use(sensor.seen_at_ms, "seen"),
             soci::use(sensor.back_at_ms, "back"),
             soci::use(record.twin_at_ms, "twin"),

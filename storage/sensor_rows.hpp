@@ -23,7 +23,7 @@ struct SensorRecord {
 
 struct SensorRow {
     SensorRecord record;
-    std::string state, alarms, hello, status, received;
+    std::string state, alarms, hello, status, previews, received;
 
     void define(soci::statement& statement);
     SensorRecord value() const;

@@ -4,8 +4,10 @@
 #include <array>
 #include <utility>
 
-#include "storage/event_store.hpp"
+#include "storage/command_store.hpp"
 #include "storage/page_cursor.hpp"
+#include "storage/preview_store.hpp"
+#include "storage/sensor_events.hpp"
 #include "storage/sensor_rows.hpp"
 #include "storage/sql.hpp"
 
@@ -20,6 +22,7 @@ constexpr std::int64_t kBelievedAhead_ms = 60'000;
 constexpr std::int64_t kBelievedBack_ms = std::int64_t{366} * 86'400'000;
 constexpr std::int64_t kTwinForgotten_ms = 60'000;
 constexpr std::int64_t kMostBoots = 1000;  // of a sensor: who makes up more loses the oldest
+constexpr std::size_t kMostCameras = 8;    // that are shown
 constexpr int kForgottenAtOnce = 20'000;
 
 struct NumberRow {
@@ -28,20 +31,10 @@ struct NumberRow {
     std::int64_t value() const { return number; }
 };
 
-void tell(soci::session& session, const Sensor& sensor, const std::string& type, json data) {
-    data["sensor"] = sensor.id;
-    EventStore::append(session,
-                       {.project = sensor.project,
-                        .topic = "sensor",
-                        .subject = sensor.id,
-                        .type = type,
-                        .data = std::move(data)});
-}
-
 void tell_alarm(soci::session& session, const Sensor& sensor, const Alarm& alarm, bool raised) {
     json data = alarm;
     data["raised"] = raised;
-    tell(session, sensor, "sensor.alarm", std::move(data));
+    tell_of_sensor(session, sensor, "sensor.alarm", std::move(data));
 }
 
 const Alarm* find_alarm(const std::vector<Alarm>& alarms, const std::string& name) {
@@ -68,10 +61,10 @@ bool is_ours(const Alarm& alarm) { return alarm.name == "overdue" || alarm.name 
 void set_state(soci::session& session, Sensor& sensor, SensorState state) {
     if (sensor.state == state) return;
     sensor.state = state;
-    tell(session,
-         sensor,
-         "sensor.state",
-         {{"state", to_string(state)}, {"back_at_ms", sensor.back_at_ms}});
+    tell_of_sensor(session,
+                   sensor,
+                   "sensor.state",
+                   {{"state", to_string(state)}, {"back_at_ms", sensor.back_at_ms}});
 }
 
 class Receiver {
@@ -79,7 +72,7 @@ public:
     Receiver(soci::session& session, SensorRecord record, BootRecord boot, std::int64_t now_ms)
         : session_(session), record_(std::move(record)), boot_(std::move(boot)), now_ms_(now_ms) {}
 
-    SensorAnswer receive(const SensorReport& report) {
+    ReportOutcome receive(const SensorReport& report) {
         answer_.boot_id = boot_.boot_id;
         answer_.time_ms = now_ms_;
         // What is of now says when the boot was, and so when the rest was.
@@ -88,7 +81,7 @@ public:
                 if (message.historical == historical) take(message);
         for (const SequenceRange& range : report.lost) boot_.received.give_up(range);
         finish();
-        return std::move(answer_);
+        return {std::move(answer_), std::nullopt, record_.at(now_ms_)};
     }
 
 private:
@@ -100,13 +93,24 @@ private:
         ++answer_.num_new;
         if (!message.historical) place_boot(message.uptime_ms);
         const bool speaks = !message.historical && comes_to_speak();
-        if (message.kind == MessageKind::Hello) {
-            if (speaks) record_.sensor.hello = message.body;
-            return;
+        switch (message.kind) {
+            case MessageKind::Hello:
+                if (speaks) record_.sensor.hello = message.body;
+                break;
+            case MessageKind::Status: {
+                const std::int64_t time_ms = time_of(message);
+                insert_status(message, time_ms);
+                if (speaks && message.sequence > record_.status_sequence) show(message, time_ms);
+                break;
+            }
+            case MessageKind::Preview: {
+                const Preview preview =
+                    insert_preview(session_, record_.number, message, time_of(message));
+                if (speaks) show(preview);
+                break;
+            }
+            case MessageKind::Outcome: end_command(session_, record_, message.body, now_ms_); break;
         }
-        const std::int64_t time_ms = time_of(message);
-        insert_status(message, time_ms);
-        if (speaks && message.sequence > record_.status_sequence) show(message, time_ms);
     }
 
     // The least delay seen is the best guess of when the boot was.
@@ -151,6 +155,15 @@ private:
         shown_ = true;
     }
 
+    void show(const Preview& preview) {
+        auto& previews = record_.sensor.previews;
+        const auto shown = previews.find(preview.camera);
+        if (shown == previews.end() && previews.size() >= kMostCameras) return;
+        if (shown != previews.end() && shown->second.time_ms > preview.time_ms) return;
+        previews[preview.camera] = preview;
+        shown_ = true;
+    }
+
     void insert_status(const SensorMessage& message, std::int64_t time_ms) {
         json more = message.body;
         std::array<double, kStatusFields.size()> values{};
@@ -186,7 +199,7 @@ private:
         Sensor& sensor = record_.sensor;
         sensor.seen_at_ms = now_ms_;
         std::vector<Alarm> alarms =
-            shown_ ? alarms_of(sensor.status, sensor.alarms) : sensor.alarms;
+            shown_ ? alarms_of(newest_word(sensor), sensor.alarms) : sensor.alarms;
         if (!shown_) std::erase_if(alarms, is_ours);
         if (now_ms_ - record_.twin_at_ms < kTwinForgotten_ms)
             alarms.push_back({"twin",
@@ -249,10 +262,10 @@ ReportOutcome receive_one(soci::session& session,
         return {{},
                 Error(ErrorCode::Conflict,
                       "\"" + incoming.sensor +
-                          "\" is a sensor of another project: give this one another name")};
+                          "\" is a sensor of another project: give this one another name"),
+                {}};
     BootRecord boot = boot_of(session, record, incoming.report.boot_id);
-    return {Receiver(session, std::move(record), std::move(boot), now_ms).receive(incoming.report),
-            std::nullopt};
+    return Receiver(session, std::move(record), std::move(boot), now_ms).receive(incoming.report);
 }
 
 // What the time has made of a sensor since it was last told.
@@ -332,13 +345,15 @@ void SensorStore::look_at_the_time() {
     };
     bool is_anything = false;
     catalog_.read([&](soci::session& session) {
-        is_anything = !find(session, Catalog::now_ms(session)).empty();
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        is_anything = !find(session, now_ms).empty() || has_late_commands(session, now_ms);
     });
     if (!is_anything) return;  // no write where there is nothing to do
     catalog_.transaction([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
         for (SensorRecord& record : find(session, now_ms))
             tell_the_time(session, std::move(record), now_ms);
+        end_late_commands(session, now_ms);
     });
 }
 

@@ -24,6 +24,7 @@ struct IncomingReport {
 struct ReportOutcome {
     SensorAnswer answer;
     std::optional<Error> failure;
+    Sensor sensor;  // after it, as of now; without a failure
 };
 
 // Devices in the field: what they last said, what of it has come, what is wrong with them.
@@ -41,8 +42,8 @@ public:
     // In the order they were first heard of; project "": all.
     Page<Sensor> list(const std::string& project, const PageRequest& page);
 
-    // What changes by the time alone: tells whose state is another now and who is overdue. Writes
-    // nothing when there is nothing to tell.
+    // What changes by the time alone: tells whose state is another now, who is overdue, and which
+    // commands came too late. Writes nothing when there is nothing to tell.
     void look_at_the_time();
     // Statuses older than that, some at a time; false: there are more.
     bool forget_older_than(std::chrono::milliseconds age);

@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace divemesh::api {
+namespace divemesh {
 
 // RFC 4648, section 4, with padding. Nothing for what is not base64.
 std::optional<std::string> decode_base64(std::string_view text);
 
-}  // namespace divemesh::api
+}  // namespace divemesh

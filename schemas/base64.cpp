@@ -1,9 +1,9 @@
-#include "api/base64.hpp"
+#include "schemas/base64.hpp"
 
 #include <algorithm>
 #include <openssl/evp.h>
 
-namespace divemesh::api {
+namespace divemesh {
 
 std::optional<std::string> decode_base64(std::string_view text) {
     constexpr std::string_view kAlphabet =
@@ -21,4 +21,4 @@ std::optional<std::string> decode_base64(std::string_view text) {
     return bytes;
 }
 
-}  // namespace divemesh::api
+}  // namespace divemesh

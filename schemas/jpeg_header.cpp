@@ -1,0 +1,63 @@
+#include "schemas/jpeg_header.hpp"
+
+#include <cstddef>
+
+#include "schemas/error.hpp"
+
+namespace divemesh {
+namespace {
+
+enum Marker : unsigned {
+    kStartOfImage = 0xD8,
+    kEndOfImage = 0xD9,
+    kStartOfScan = 0xDA,
+    kBaselineFrame = 0xC0,
+    kProgressiveFrame = 0xC2,
+    kFirstRestart = 0xD0,
+    kTemporary = 0x01,
+};
+
+class Walk {
+public:
+    explicit Walk(std::string_view bytes) : bytes_(bytes) {}
+
+    JpegSize size() {
+        if (byte(0) != 0xFF || byte(1) != kStartOfImage) refuse("it does not begin as a JPEG");
+        JpegSize size;
+        for (std::size_t place = 2;;) {
+            if (byte(place) != 0xFF) refuse("there is no marker where one has to be");
+            while (byte(place) == 0xFF) ++place;  // fill bytes
+            const unsigned marker = byte(place++);
+            if (marker == kStartOfScan) break;
+            if (marker == kTemporary || (marker >= kFirstRestart && marker <= kEndOfImage))
+                refuse("a marker comes before the picture that cannot");
+            const std::size_t length = word(place);
+            if (length < 2) refuse("a segment has no length");
+            if (marker >= kBaselineFrame && marker <= kProgressiveFrame)
+                size = {static_cast<int>(word(place + 5)), static_cast<int>(word(place + 3))};
+            place += length;
+        }
+        if (size.width == 0 || size.height == 0) refuse("it has no frame header with a size");
+        if (byte(bytes_.size() - 2) != 0xFF || byte(bytes_.size() - 1) != kEndOfImage)
+            refuse("it is cut off: the end of the image is missing");
+        return size;
+    }
+
+private:
+    [[noreturn]] static void refuse(const std::string& why) {
+        throw Error(ErrorCode::InvalidArgument, "not a whole JPEG: " + why);
+    }
+    unsigned byte(std::size_t place) const {
+        if (place >= bytes_.size()) refuse("it is cut off");
+        return static_cast<unsigned char>(bytes_[place]);
+    }
+    unsigned word(std::size_t place) const { return byte(place) << 8 | byte(place + 1); }
+
+    std::string_view bytes_;
+};
+
+}  // namespace
+
+JpegSize read_jpeg_size(std::string_view bytes) { return Walk(bytes).size(); }
+
+}  // namespace divemesh

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <soci/soci.h>
+#include <string>
+
+#include "schemas/sensor.hpp"
+
+namespace divemesh::storage {
+
+// An event of the sensor, inside the transaction that it tells of.
+void tell_of_sensor(soci::session& session,
+                    const Sensor& sensor,
+                    const std::string& type,
+                    nlohmann::json data);
+
+}  // namespace divemesh::storage
