@@ -4,7 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include "api/disk_reserve.hpp"
-#include "storage/dive_removal.hpp"
+#include "api/sensor_desk.hpp"
+#include "storage//dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
 #include "storage/sensor_store.hpp"
@@ -66,7 +67,9 @@ void clean_up(const Services& services) {
 
 void watch_sensors(const Services& services) {
     attempt("sensors' silence", services, [&] {
-        storage::SensorStore(services.catalog).look_at_the_time();
+        for (const Sensor& sensor : storage::SensorStore(services.catalog).look_at_the_time())
+            services.desk.publish(sensor);
+        services.desk.look_at_the_time();
     });
 }
 

@@ -59,6 +59,14 @@ struct EventFeed {
     std::int64_t since = 0;
     std::string project;
     std::string token_id;
+    std::vector<std::string> sensors;  // that are watched as well, live
+};
+
+// The connection becomes a WebSocket by which a sensor speaks, as long as the token is valid.
+struct SensorStream {
+    std::string sensor;
+    std::string project;
+    std::string token_id;
 };
 
 struct Route;
@@ -66,7 +74,7 @@ struct Route;
 struct Response {
     http::status status = http::status::ok;
     std::vector<std::pair<std::string, std::string>> headers;
-    std::variant<std::string, FilePart, EventFeed> body = {};
+    std::variant<std::string, FilePart, EventFeed, SensorStream> body = {};
 
     // For log and metrics, set by dispatch: null and "": none.
     const Route* route = nullptr;

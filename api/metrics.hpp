@@ -53,6 +53,9 @@ public:
     std::atomic<std::int64_t> watchers = 0;  // event streams open now
     std::atomic<std::int64_t> told_events = 0;
     std::atomic<std::int64_t> dropped_watchers = 0;  // that fell silent or did not read
+    std::atomic<std::int64_t> sensor_streams = 0;    // open now
+    std::atomic<std::int64_t> sensor_messages = 0;   // that were new
+    std::atomic<std::int64_t> refused_frames = 0;    // of sensors' streams
     std::atomic<std::int64_t> webhook_failures = 0;
     Histogram uploaded_bytes{kUploadBounds_bytes};  // of uploads that became whole
     Histogram resumed_bytes{kUploadBounds_bytes};   // there already when a client asked for more

@@ -21,6 +21,14 @@ constexpr std::size_t kMostWaiting = 2000;
 // A transaction stays short: others write to the catalog too.
 constexpr std::size_t kMostTogether = 200;
 constexpr std::size_t kMostMessagesTogether = 2000;
+constexpr std::size_t kMostWaitingBytes = std::size_t{48} << 20;
+constexpr std::size_t kMostBytesTogether = std::size_t{8} << 20;
+
+std::size_t picture_bytes(const SensorReport& report) {
+    std::size_t num_bytes = 0;
+    for (const SensorMessage& message : report.messages) num_bytes += message.jpeg.size();
+    return num_bytes;
+}
 
 }  // namespace
 
@@ -41,13 +49,15 @@ asio::awaitable<SensorAnswer> ReportQueue::submit(storage::IncomingReport report
 }
 
 void ReportQueue::enqueue(storage::IncomingReport report, Done done) {
+    const std::size_t num_bytes = picture_bytes(report.report);
     const std::unique_lock lock(mutex_);
-    if (waiting_.size() >= kMostWaiting)
+    if (waiting_.size() >= kMostWaiting || waiting_bytes_ + num_bytes > kMostWaitingBytes)
         return done(std::make_exception_ptr(
                         Error(ErrorCode::Unavailable,
                               "more reports of sensors come than can be written: try again")),
                     {});
-    waiting_.push_back({std::move(report), std::move(done)});
+    waiting_bytes_ += num_bytes;
+    waiting_.push_back({std::move(report), std::move(done), num_bytes});
     if (std::exchange(committing_, true)) return;
     asio::post(pool_, [this] { commit_all(); });
 }
@@ -55,10 +65,18 @@ void ReportQueue::enqueue(storage::IncomingReport report, Done done) {
 std::vector<ReportQueue::Waiting> ReportQueue::take_some() {
     const std::lock_guard lock(mutex_);
     std::size_t num = 0;
-    for (std::size_t num_messages = 0; num < std::min(waiting_.size(), kMostTogether); ++num) {
-        num_messages += waiting_[num].report.report.messages.size();
-        if (num > 0 && num_messages > kMostMessagesTogether) break;
+    std::size_t num_messages = 0;
+    std::size_t num_bytes = 0;
+    for (; num < std::min(waiting_.size(), kMostTogether); ++num) {
+        const Waiting& next = waiting_[num];
+        const bool fits =
+            num_messages + next.report.report.messages.size() <= kMostMessagesTogether &&
+            num_bytes + next.num_bytes <= kMostBytesTogether;
+        if (num > 0 && !fits) break;
+        num_messages += next.report.report.messages.size();
+        num_bytes += next.num_bytes;
     }
+    waiting_bytes_ -= num_bytes;
     const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(num);
     std::vector<Waiting> some(std::make_move_iterator(waiting_.begin()),
                               std::make_move_iterator(end));
@@ -82,6 +100,7 @@ void ReportQueue::commit(std::vector<Waiting> group) {
         failure = std::current_exception();
     }
     for (std::size_t i = 0; i < group.size(); ++i) {
+        if (!failure && !outcomes[i].failure) desk_.publish(outcomes[i].sensor);
         if (failure)
             group[i].done(failure, {});
         else if (outcomes[i].failure)

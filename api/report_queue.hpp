@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "api/sensor_desk.hpp"
 #include "storage/sensor_store.hpp"
 
 namespace divemesh::api {
@@ -16,8 +17,9 @@ namespace divemesh::api {
 // is answered when its report is durable. Thread-safe.
 class ReportQueue {
 public:
-    ReportQueue(storage::Catalog& catalog, boost::asio::thread_pool& pool)
-        : catalog_(catalog), pool_(pool) {}
+    // What is durable is published at the desk.
+    ReportQueue(storage::Catalog& catalog, boost::asio::thread_pool& pool, SensorDesk& desk)
+        : catalog_(catalog), pool_(pool), desk_(desk) {}
 
     // When it is durable. Throws what storage::SensorStore::receive() gives as failure, what the
     // transaction throws, and Error{Unavailable} when too many are waiting already.
@@ -28,6 +30,7 @@ private:
     struct Waiting {
         storage::IncomingReport report;
         Done done;
+        std::size_t num_bytes = 0;  // of its pictures
     };
 
     void enqueue(storage::IncomingReport report, Done done);
@@ -37,8 +40,10 @@ private:
 
     storage::Catalog& catalog_;
     boost::asio::thread_pool& pool_;
+    SensorDesk& desk_;
     std::mutex mutex_;
     std::vector<Waiting> waiting_;
+    std::size_t waiting_bytes_ = 0;  // of pictures
     bool committing_ = false;
 };
 

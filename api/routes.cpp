@@ -1,12 +1,14 @@
 #include "api/routes.hpp"
 
 #include "api/handlers/artifacts.hpp"
+#include "api/handlers/commands.hpp"
 #include "api/handlers/dive_removal.hpp"
 #include "api/handlers/dives.hpp"
 #include "api/handlers/events.hpp"
 #include "api/handlers/health.hpp"
 #include "api/handlers/jobs.hpp"
 #include "api/handlers/metrics.hpp"
+#include "api/handlers/previews.hpp"
 #include "api/handlers/queue.hpp"
 #include "api/handlers/sensors.hpp"
 #include "api/handlers/tokens.hpp"
@@ -63,6 +65,13 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}",    "dives:read",  get_sensor},
     {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}/history", "dives:read", get_sensor_history},
     {Plain,      verb::post,    "/api/v1/sensors/{sensor_id}/status", "sensor:push", push_sensor_status},
+    {WebSocket,  verb::get,     "/api/v1/sensors/{sensor_id}/stream", "sensor:push", open_sensor_stream},
+    {File,       verb::get,     "/api/v1/sensors/{sensor_id}/preview.jpg", "dives:read", get_newest_preview},
+    {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}/previews", "dives:read", list_previews},
+    {File,       verb::get,     "/api/v1/sensors/{sensor_id}/previews/{preview_id}", "dives:read", get_preview},
+    {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}/commands", "dives:read", list_commands},
+    {Plain,      verb::post,    "/api/v1/sensors/{sensor_id}/commands", "sensor:command", create_command},
+    {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}/commands/{command_id}", "dives:read", get_command},
 
     {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},
 

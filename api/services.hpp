@@ -23,6 +23,7 @@ class KeysInFlight;
 class Metrics;
 class Readiness;
 class ReportQueue;
+class SensorDesk;
 
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
@@ -54,7 +55,8 @@ struct Services {
     Metrics& metrics;
     Readiness& readiness;
     DiskReserve& reserve;
-    ReportQueue& reports;               // of sensors
+    ReportQueue& reports;  // of sensors
+    SensorDesk& desk;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     const ServiceLimits& limits;
     bool no_auth = false;

@@ -28,6 +28,14 @@ SensorState sensor_state(std::int64_t seen_at_ms, std::int64_t back_at_ms, std::
     return now_ms - back_at_ms <= kSensorLost_ms ? SensorState::Overdue : SensorState::Lost;
 }
 
+Sensor as_of(Sensor sensor, std::int64_t now_ms) {
+    sensor.state = sensor_state(sensor.seen_at_ms, sensor.back_at_ms, now_ms);
+    sensor.summary = summary_of(sensor.alarms);
+    if (sensor.status_at_ms > 0) sensor.status_age_ms = now_ms - sensor.status_at_ms;
+    sensor.stale = sensor.status_at_ms == 0 || sensor.status_age_ms > kSensorSilence_ms;
+    return sensor;
+}
+
 nlohmann::json newest_word(const Sensor& sensor) {
     nlohmann::json word = sensor.status;
     std::int64_t told_at_ms = word.contains("pictures") ? sensor.status_at_ms : 0;

@@ -62,6 +62,9 @@ struct Sensor {
     std::int64_t created_at_ms = 0;
 };
 
+// The sensor as it is at `now_ms`: state, age and staleness; its alarms are as they were.
+Sensor as_of(Sensor sensor, std::int64_t now_ms);
+
 // Its newest word: the status, with what a later preview tells of the pictures.
 nlohmann::json newest_word(const Sensor& sensor);
 

@@ -1,18 +1,17 @@
 #include "server/event_socket.hpp"
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/websocket.hpp>
 
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
+#include "api/sensor_desk.hpp"
 #include "server/log.hpp"
+#include "server/sensor_feed.hpp"
+#include "server/web_socket.hpp"
 #include "storage/event_store.hpp"
-#include "storage/token_store.hpp"
 
 namespace divemesh::server {
 namespace {
@@ -20,19 +19,14 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
-using WebSocket = websocket::stream<api::Stream&, false>;  // events are small: no compression
 using Clock = std::chrono::steady_clock;
 
 constexpr int kPageEvents = 20;                  // each who has fallen behind has a page of its own
 constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have nothing to say
-constexpr std::chrono::seconds kTokenTrusted{1};
-constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 struct EventSocket {
     explicit EventSocket(std::shared_ptr<Connection> below)
-        : connection(std::move(below)), socket(connection->stream), pause(socket.get_executor()) {
-        pause.expires_at(Clock::time_point::max());  // only ever cancelled
-    }
+        : connection(std::move(below)), socket(connection->stream), pause(socket.get_executor()) {}
 
     void close() {
         closing = true;
@@ -46,24 +40,35 @@ struct EventSocket {
     bool news = true;  // there may be something that it has not been told
 };
 
-// Woken by the hub, on the socket's strand, for as long as this lives.
+// Woken by the hub and the desk, on the socket's strand, for as long as this lives.
 class Watching {
 public:
-    Watching(EventHub& hub, const std::shared_ptr<EventSocket>& events) : hub_(hub) {
+    Watching(EventHub& hub,
+             api::SensorDesk& desk,
+             const api::EventFeed& feed,
+             const std::shared_ptr<EventSocket>& events)
+        : hub_(hub), desk_(desk) {
         const auto wake = [events] {
             events->news = true;
             events->pause.cancel();
         };
         const auto executor = events->socket.get_executor();
-        watcher_ = hub_.watch([executor, wake] { asio::post(executor, wake); });
+        const auto on_news = [executor, wake] { asio::post(executor, wake); };
+        watcher_ = hub_.watch(on_news);
+        sensor_watcher_ = desk_.watch(feed.sensors, on_news);
     }
-    ~Watching() { hub_.unwatch(watcher_); }
+    ~Watching() {
+        hub_.unwatch(watcher_);
+        desk_.unwatch(sensor_watcher_);
+    }
     Watching(const Watching&) = delete;
     Watching& operator=(const Watching&) = delete;
 
 private:
     EventHub& hub_;
+    api::SensorDesk& desk_;
     std::uint64_t watcher_;
+    std::uint64_t sensor_watcher_;
 };
 
 // Answers pings and notices that the client has gone; what it says is dropped.
@@ -84,15 +89,6 @@ asio::awaitable<ToldEvents> stored_events(api::EventFeed feed, api::Services ser
     co_return co_await api::in_pool(services.pool, std::move(ask));
 }
 
-// Whether the token of the stream still opens it.
-asio::awaitable<bool> is_entitled(api::EventFeed feed, api::Services services) {
-    if (feed.token_id.empty()) co_return true;
-    auto ask = [&catalog = services.catalog, id = feed.token_id] {
-        return storage::TokenStore(catalog).is_valid(id);
-    };
-    co_return co_await api::in_pool(services.pool, std::move(ask));
-}
-
 // False: the client is gone, or the socket closes.
 asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
                            ToldEvents page,
@@ -106,23 +102,49 @@ asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
     co_return true;
 }
 
+// What is due of the sensors.
+asio::awaitable<bool> tell_sensors(std::shared_ptr<EventSocket> events,
+                                   SensorFeed* sensors,
+                                   api::Metrics* metrics) {
+    while (auto frame = sensors->next(Clock::now())) {
+        const auto [error, n] =
+            co_await events->socket.async_write(asio::buffer(*frame), kAwaitErrors);
+        if (error || events->closing) co_return false;
+        ++metrics->told_events;
+    }
+    co_return true;
+}
+
+// Until there is news, or a sensor's turn to be told of.
+asio::awaitable<void> wait_for_news(std::shared_ptr<EventSocket> events,
+                                    Clock::time_point next_at) {
+    if (std::exchange(events->news, false)) co_return;
+    events->pause.expires_at(next_at);
+    co_await events->pause.async_wait(kAwaitErrors);
+}
+
 // Until the client goes or the connection is stopped; returns why it is closed.
 asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket> events,
                                                     api::EventFeed feed,
                                                     SessionContext context) {
     Clock::time_point trusted_until = Clock::now() + kTokenTrusted;
+    SensorFeed sensors(context.services.desk, feed.sensors);
     while (!events->closing) {
         const std::int64_t newest = context.events.newest_sequence();
-        if (newest <= feed.since) {
-            if (!std::exchange(events->news, false))
-                co_await events->pause.async_wait(kAwaitErrors);
+        const bool is_due = sensors.next_at() <= Clock::now();
+        if (newest <= feed.since && !is_due) {
+            co_await wait_for_news(events, sensors.next_at());
             continue;
         }
         if (Clock::now() >= trusted_until) {
-            const bool entitled = co_await is_entitled(feed, context.services);
+            const bool entitled = co_await is_entitled(feed.token_id, context.services);
             if (!entitled) co_return websocket::close_code::policy_error;
             trusted_until = Clock::now() + kTokenTrusted;
         }
+        const bool told_sensors =
+            co_await tell_sensors(events, &sensors, &context.services.metrics);
+        if (!told_sensors) break;
+        if (newest <= feed.since) continue;
         auto page = context.events.recent(feed.since, feed.project);
         if (!page) page = co_await stored_events(feed, context.services);
         const bool told_all = co_await tell(events, *page, &context.services.metrics);
@@ -133,16 +155,6 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
     co_return websocket::close_code::going_away;
 }
 
-void set_options(WebSocket& socket, const Timeouts& timeouts) {
-    websocket::stream_base::timeout timeout;
-    timeout.handshake_timeout = timeouts.header;
-    timeout.idle_timeout = timeouts.web_socket;
-    timeout.keep_alive_pings = true;
-    socket.set_option(timeout);
-    socket.read_message_max(kMaxIncomingBytes);
-    socket.text(true);
-}
-
 }  // namespace
 
 asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
@@ -151,12 +163,12 @@ asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
                                   SessionContext context) {
     connection->stream.expires_never();  // from here on the WebSocket has timeouts of its own
     auto events = std::make_shared<EventSocket>(connection);
-    set_options(events->socket, context.timeouts);
+    set_options(events->socket, context.timeouts, kMaxIncomingBytes);
     connection->on_stop = [events] { events->close(); };
     connection->on_abort = [events] { beast::get_lowest_layer(events->socket).close(); };
     const auto [refused] = co_await events->socket.async_accept(request->message(), kAwaitErrors);
     if (!refused) {
-        const Watching watching(context.events, events);
+        const Watching watching(context.events, context.services.desk, feed, events);
         auto& metrics = context.services.metrics;
         ++metrics.watchers;
         auto reason = websocket::close_code::internal_error;

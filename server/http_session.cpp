@@ -11,6 +11,7 @@
 #include "server/log.hpp"
 #include "server/request_body.hpp"
 #include "server/response_writer.hpp"
+#include "server/sensor_socket.hpp"
 #include "storage/ids.hpp"
 
 namespace divemesh::server {
@@ -132,6 +133,10 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     log_request(request, response, took);
     if (const auto* feed = std::get_if<api::EventFeed>(&response.body)) {
         co_await send_events(connection, body, *feed, context);
+        co_return false;
+    }
+    if (const auto* stream = std::get_if<api::SensorStream>(&response.body)) {
+        co_await hear_sensor(connection, body, request, *stream, context);
         co_return false;
     }
     connection->on_stop = nullptr;

@@ -152,6 +152,7 @@ struct Server::Implementation {
                                readiness,
                                reserve,
                                reports,
+                               desk,
                                stopping,
                                limits,
                                config.no_auth};
@@ -190,7 +191,8 @@ struct Server::Implementation {
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
-    api::ReportQueue reports{catalog, pool};
+    api::SensorDesk desk;
+    api::ReportQueue reports{catalog, pool, desk};
     EventHub events;
     api::UploadTurns turns;
     WebhookSender webhooks{context().services};

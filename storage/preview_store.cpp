@@ -1,5 +1,6 @@
 #include "storage/preview_store.hpp"
 
+#include <algorithm>
 #include <soci/blob.h>
 
 #include "schemas/content_hash.hpp"
@@ -51,7 +52,8 @@ StoredPreview with_jpeg(soci::session& session,
                         const std::optional<Preview>& preview,
                         const std::string& sensor) {
     if (!preview) throw Error(ErrorCode::NotFound, "no such preview of sensor " + sensor);
-    return {*preview, jpeg_of(session, preview->id)};
+    const std::int64_t age_ms = Catalog::now_ms(session) - preview->time_ms;
+    return {*preview, jpeg_of(session, preview->id), std::max<std::int64_t>(0, age_ms)};
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ inline constexpr int kMostPreviews = 200;  // that are kept of a sensor
 struct StoredPreview {
     Preview preview;
     std::string jpeg;
+    std::int64_t age_ms = 0;  // now
 };
 
 // Of a preview that came, taken at `time_ms`; the oldest beyond kMostPreviews go.

@@ -62,21 +62,12 @@ SensorRecord SensorRow::value() const {
     SensorRecord value = record;
     value.sensor.state = sensor_state_from_string(state);
     value.sensor.alarms = nlohmann::json::parse(alarms).get<std::vector<Alarm>>();
-    value.sensor.summary = summary_of(value.sensor.alarms);
     value.sensor.hello = nlohmann::json::parse(hello);
     value.sensor.status = nlohmann::json::parse(status);
     value.sensor.previews = nlohmann::json::parse(previews).get<std::map<std::string, Preview>>();
     if (!received.empty())
         value.sensor.received = nlohmann::json::parse(received).get<SequenceRanges>();
     return value;
-}
-
-Sensor SensorRecord::at(std::int64_t now_ms) const {
-    Sensor now = sensor;
-    now.state = sensor_state(sensor.seen_at_ms, sensor.back_at_ms, now_ms);
-    if (sensor.status_at_ms > 0) now.status_age_ms = now_ms - sensor.status_at_ms;
-    now.stale = sensor.status_at_ms == 0 || now.status_age_ms > kSensorSilence_ms;
-    return now;
 }
 
 std::optional<SensorRecord> find_sensor(soci::session& session, const std::string& id) {

@@ -16,9 +16,6 @@ struct SensorRecord {
     std::int64_t num_lives = 0;
     std::int64_t status_sequence = -1;
     std::int64_t twin_at_ms = 0;
-
-    // The sensor as it is at `now_ms`.
-    Sensor at(std::int64_t now_ms) const;
 };
 
 struct SensorRow {

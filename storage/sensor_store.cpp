@@ -81,7 +81,7 @@ public:
                 if (message.historical == historical) take(message);
         for (const SequenceRange& range : report.lost) boot_.received.give_up(range);
         finish();
-        return {std::move(answer_), std::nullopt, record_.at(now_ms_)};
+        return {std::move(answer_), std::nullopt, as_of(std::move(record_.sensor), now_ms_)};
     }
 
 private:
@@ -271,13 +271,13 @@ ReportOutcome receive_one(soci::session& session,
 // What the time has made of a sensor since it was last told.
 bool is_to_be_told(const SensorRecord& record, std::int64_t now_ms) {
     const bool has_twin = find_alarm(record.sensor.alarms, "twin") != nullptr;
-    return record.at(now_ms).state != record.sensor.state ||
+    return as_of(record.sensor, now_ms).state != record.sensor.state ||
            (has_twin && now_ms - record.twin_at_ms >= kTwinForgotten_ms);
 }
 
-void tell_the_time(soci::session& session, SensorRecord record, std::int64_t now_ms) {
+Sensor tell_the_time(soci::session& session, SensorRecord record, std::int64_t now_ms) {
     Sensor& sensor = record.sensor;
-    const SensorState state = record.at(now_ms).state;
+    const SensorState state = as_of(sensor, now_ms).state;
     std::vector<Alarm> alarms = sensor.alarms;
     std::erase_if(alarms, [&](const Alarm& alarm) {
         return alarm.name == "overdue" ||
@@ -289,6 +289,7 @@ void tell_the_time(soci::session& session, SensorRecord record, std::int64_t now
     set_alarms(session, sensor, std::move(alarms));
     set_state(session, sensor, state);
     save_sensor(session, record);
+    return as_of(sensor, now_ms);
 }
 
 }  // namespace
@@ -308,7 +309,7 @@ Sensor SensorStore::get(const std::string& id) {
     std::optional<Sensor> sensor;
     catalog_.read([&](soci::session& session) {
         if (const auto record = find_sensor(session, id))
-            sensor = record->at(Catalog::now_ms(session));
+            sensor = as_of(record->sensor, Catalog::now_ms(session));
     });
     if (!sensor) throw Error(ErrorCode::NotFound, "no sensor " + id);
     return std::move(*sensor);
@@ -330,12 +331,12 @@ Page<Sensor> SensorStore::list(const std::string& project, const PageRequest& pa
                                   soci::use(start.created_at_ms, "age"),
                                   soci::use(start.id, "id"),
                                   soci::use(start.limit_plus_one, "limit"));
-        for (const SensorRecord& record : records) sensors.push_back(record.at(now_ms));
+        for (const SensorRecord& record : records) sensors.push_back(as_of(record.sensor, now_ms));
     });
     return make_page(std::move(sensors), page);
 }
 
-void SensorStore::look_at_the_time() {
+std::vector<Sensor> SensorStore::look_at_the_time() {
     const auto find = [](soci::session& session, std::int64_t now_ms) {
         auto records = select_all<SensorRow>(
             session, kSelectSensors + " WHERE state <> 'idle' OR alarms <> '[]'");
@@ -348,13 +349,16 @@ void SensorStore::look_at_the_time() {
         const std::int64_t now_ms = Catalog::now_ms(session);
         is_anything = !find(session, now_ms).empty() || has_late_commands(session, now_ms);
     });
-    if (!is_anything) return;  // no write where there is nothing to do
+    std::vector<Sensor> changed;
+    if (!is_anything) return changed;  // no write where there is nothing to do
     catalog_.transaction([&](soci::session& session) {
+        changed.clear();
         const std::int64_t now_ms = Catalog::now_ms(session);
         for (SensorRecord& record : find(session, now_ms))
-            tell_the_time(session, std::move(record), now_ms);
+            changed.push_back(tell_the_time(session, std::move(record), now_ms));
         end_late_commands(session, now_ms);
     });
+    return changed;
 }
 
 bool SensorStore::forget_older_than(std::chrono::milliseconds age) {

@@ -43,8 +43,8 @@ public:
     Page<Sensor> list(const std::string& project, const PageRequest& page);
 
     // What changes by the time alone: tells whose state is another now, who is overdue, and which
-    // commands came too late. Writes nothing when there is nothing to tell.
-    void look_at_the_time();
+    // commands came too late. Writes nothing when there is nothing to tell. Those that are others.
+    std::vector<Sensor> look_at_the_time();
     // Statuses older than that, some at a time; false: there are more.
     bool forget_older_than(std::chrono::milliseconds age);
 

@@ -1,16 +1,21 @@
 #include "api/handlers/events.hpp"
 
-#include <boost/beast/core/string.hpp>
+#include <algorithm>
 
 #include "api/authorization.hpp"
-#include "api/error_response.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
+#include "api/sensor_desk.hpp"
 #include "api/target.hpp"
+#include "api/web_socket.hpp"
+#include "schemas/invalid_input.hpp"
 #include "storage/event_store.hpp"
+#include "storage/sensor_store.hpp"
 
 namespace divemesh::api {
 namespace {
+
+constexpr std::size_t kMostSensors = 100;
 
 // After a restored backup a client may have seen more than there is, after a long time less: it
 // would be told nothing, or not all, without a word. Since 0 is from the oldest that there is.
@@ -25,16 +30,31 @@ void require_known(storage::EventStore events, std::int64_t since) {
                     "without since");
 }
 
+// Which are to be watched live; they are at the desk from here on.
+std::vector<std::string> watched_sensors(const Request& request, const Services& services) {
+    auto ids = split_list(query_value(request, "sensors"));
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    if (ids.size() > kMostSensors)
+        throw InvalidInput(
+            {{"\"sensors\" names " + std::to_string(kMostSensors) + " at most", "", "sensors"}});
+    for (const std::string& id : ids) {
+        const Sensor sensor = storage::SensorStore(services.catalog).get(id);
+        require_visible(request.token, sensor.project, "sensor " + id);
+        services.desk.publish(sensor);
+    }
+    return ids;
+}
+
 }  // namespace
 
 Awaitable<Response> watch_events(Request request, Services services) {
-    if (!boost::beast::iequals(request.header("upgrade"), "websocket")) {
-        Response response = problem_response(
-            request, http::status::upgrade_required, "events come over a WebSocket: ask for one");
-        response.set("Upgrade", "websocket");
-        co_return response;
+    if (auto refused = web_socket_refusal(request)) co_return std::move(*refused);
+    EventFeed feed{0, visible_project(request.token), request.token.id, {}};
+    if (request.query.contains("sensors")) {
+        auto find = [services, request] { return watched_sensors(request, services); };
+        feed.sensors = co_await in_pool(services.pool, std::move(find));
     }
-    EventFeed feed{0, visible_project(request.token), request.token.id};
     if (request.query.contains("since")) {
         const auto since = parse_count(query_value(request, "since"));
         if (!since)

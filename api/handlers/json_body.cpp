@@ -25,7 +25,9 @@ std::string escaped(const std::string& text) {
     return result;
 }
 
-nlohmann::json parse(const std::string& text) {
+}  // namespace
+
+nlohmann::json parse_json(std::string_view text) {
     const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
         if (depth > kMaxDepth)
             throw Error(ErrorCode::InvalidArgument, "the body is nested too deeply");
@@ -39,8 +41,6 @@ nlohmann::json parse(const std::string& text) {
     }
 }
 
-}  // namespace
-
 std::string pointer_to(const std::string& key) {
     return (nlohmann::json::json_pointer() / key).to_string();
 }
@@ -49,7 +49,7 @@ nlohmann::json json_body(const Request& request, const std::set<std::string>& kn
     const std::string type = request.header("content-type");
     if (!boost::beast::iequals(type.substr(0, type.find(';')), "application/json"))
         throw Error(ErrorCode::Unsupported, "send the body as Content-Type: application/json");
-    auto body = parse(request.body);
+    auto body = parse_json(request.body);
     if (!body.is_object())
         throw Error(ErrorCode::InvalidArgument, "the body has to be a JSON object");
     std::vector<Fault> faults;
@@ -93,6 +93,16 @@ bool flag_value(const Request& request, const std::string& name) {
     return value == "true";
 }
 
+std::vector<std::string> split_list(const std::string& list) {
+    std::vector<std::string> parts;
+    for (std::size_t start = 0; start <= list.size();) {
+        const auto end = std::min(list.find(',', start), list.size());
+        parts.push_back(list.substr(start, end - start));
+        start = end + 1;
+    }
+    return parts;
+}
+
 std::string query_value(const Request& request, const std::string& name) {
     const auto found = request.query.find(name);
     return found == request.query.end() ? "" : found->second;
@@ -107,13 +117,11 @@ std::int64_t time_value(const Request& request, const std::string& name, std::in
 }
 
 FieldChoice::FieldChoice(const std::string& list, const nlohmann::json& example) {
-    for (std::size_t start = 0; start <= list.size();) {
-        const auto end = std::min(list.find(',', start), list.size());
-        names_.push_back(list.substr(start, end - start));
-        start = end + 1;
-        if (!example.contains(names_.back()))
+    for (const std::string& name : split_list(list)) {
+        if (!example.contains(name))
             throw Error(ErrorCode::InvalidArgument,
-                        "\"fields\" names \"" + names_.back() + "\", which there is not");
+                        "\"fields\" names \"" + name + "\", which there is not");
+        names_.push_back(name);
     }
 }
 

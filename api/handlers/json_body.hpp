@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/http.hpp"
@@ -11,6 +12,9 @@
 #include "storage/page.hpp"
 
 namespace divemesh::api {
+
+// Throws Error{InvalidArgument} for what is not JSON, or is nested too deeply.
+nlohmann::json parse_json(std::string_view text);
 
 // Where a key of an object lies in it (RFC 6901).
 std::string pointer_to(const std::string& key);
@@ -33,6 +37,9 @@ T value_or(const nlohmann::json& body, const std::string& key, T fallback) {
 
 // ?limit= and ?cursor=. Throws Error{InvalidArgument} when they are out of range.
 storage::PageRequest page_request(const Request& request);
+
+// "a,b" as its parts, at least one.
+std::vector<std::string> split_list(const std::string& list);
 
 // ?name=, "" when it is missing.
 std::string query_value(const Request& request, const std::string& name);

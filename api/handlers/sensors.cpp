@@ -1,7 +1,5 @@
 #include "api/handlers/sensors.hpp"
 
-#include <algorithm>
-
 #include "api/at_once.hpp"
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
@@ -9,6 +7,7 @@
 #include "api/report_queue.hpp"
 #include "api/target.hpp"
 #include "api/visible.hpp"
+#include "api/web_socket.hpp"
 #include "schemas/invalid_input.hpp"
 #include "schemas/json.hpp"
 #include "storage/sensor_history.hpp"
@@ -22,13 +21,7 @@ constexpr std::size_t kMostFields = 16;
 constexpr std::int64_t kLatest_ms = std::int64_t{1} << 52;
 
 std::vector<std::string> fields_of(const Request& request) {
-    const std::string list = query_value(request, "fields");
-    std::vector<std::string> fields;
-    for (std::size_t start = 0; start <= list.size();) {
-        const auto end = std::min(list.find(',', start), list.size());
-        fields.push_back(list.substr(start, end - start));
-        start = end + 1;
-    }
+    const std::vector<std::string> fields = split_list(query_value(request, "fields"));
     std::vector<Fault> faults;
     for (const std::string& field : fields)
         if (find_status_field(field) == nullptr)
@@ -59,14 +52,29 @@ storage::HistoryRequest history_request(const Request& request) {
     return wanted;
 }
 
-}  // namespace
-
-Awaitable<Response> push_sensor_status(Request request, Services services) {
-    const std::string sensor = request.parameter("sensor_id");
+// Whose token it is.
+std::string speaking_sensor(const Request& request) {
+    const std::string& sensor = request.parameter("sensor_id");
     require_sensor(request.token, sensor);
     if (!is_plain_word(sensor))
         throw Error(ErrorCode::InvalidArgument,
                     "a sensor is named by a-z 0-9 _ -, beginning with a letter or digit");
+    return sensor;
+}
+
+}  // namespace
+
+Awaitable<Response> open_sensor_stream(Request request, Services services) {
+    const std::string sensor = speaking_sensor(request);
+    if (auto refused = web_socket_refusal(request)) co_return std::move(*refused);
+    (void)services;
+    Response response = empty_response(http::status::switching_protocols);
+    response.body = SensorStream{sensor, request.token.project, request.token.id};
+    co_return response;
+}
+
+Awaitable<Response> push_sensor_status(Request request, Services services) {
+    const std::string sensor = speaking_sensor(request);
     storage::IncomingReport report{
         sensor,
         request.token.project,

@@ -93,6 +93,7 @@ api::Services Service::services() {
             readiness_,
             reserve_,
             reports_,
+            desk_,
             stopping_,
             limits_,
             true};

@@ -53,7 +53,8 @@ private:
     api::Metrics metrics_;
     api::Readiness readiness_;
     api::DiskReserve reserve_{folder_ / "reserve"};
-    api::ReportQueue reports_{catalog_, pool_};
+    api::SensorDesk desk_;
+    api::ReportQueue reports_{catalog_, pool_, desk_};
     std::atomic<bool> stopping_ = false;
     api::ServiceLimits limits_;
     std::string dive_id_;

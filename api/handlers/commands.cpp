@@ -1,0 +1,64 @@
+#include "api/handlers/commands.hpp"
+
+#include "api/audit.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/sensor_desk.hpp"
+#include "api/visible.hpp"
+#include "storage/command_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::int64_t kUsualLife_ms = 30'000;
+
+storage::CommandRequest command_request(const Request& request) {
+    const auto body = json_body(request, {"name", "arguments", "expires_in_ms"});
+    storage::CommandRequest wanted{
+        .sensor = request.parameter("sensor_id"),
+        .name = value_or<std::string>(body, "name", ""),
+        .arguments = body.value("arguments", nlohmann::json::object()),
+        .life_ms = value_or<std::int64_t>(body, "expires_in_ms", kUsualLife_ms),
+        .requested_by = request.token.id};
+    check_command(wanted.name, wanted.arguments);
+    if (wanted.life_ms < kLeastCommandLife_ms || wanted.life_ms > kMostCommandLife_ms)
+        throw InvalidInput(
+            {{"\"expires_in_ms\" has to be 1000 to 86400000", "/expires_in_ms", ""}});
+    return wanted;
+}
+
+}  // namespace
+
+Awaitable<Response> create_command(Request request, Services services) {
+    auto work = [services, request, wanted = command_request(request)] {
+        visible_sensor(request, services.catalog);
+        auto catalog = audited(services, request);
+        return storage::CommandStore(catalog).create(wanted);
+    };
+    const SensorCommand command = co_await in_pool(services.pool, std::move(work));
+    services.desk.call(command.sensor);
+    Response response = json_response(http::status::created, command);
+    response.set("Location", request.path + "/" + command.id);
+    co_return response;
+}
+
+Awaitable<Response> list_commands(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request, page = page_request(request)] {
+        visible_sensor(request, catalog);
+        return storage::CommandStore(catalog).list(request.parameter("sensor_id"), page);
+    };
+    const auto page = co_await in_pool(services.pool, std::move(work));
+    co_return list_response<SensorCommand>(request, page.items, page.next_cursor);
+}
+
+Awaitable<Response> get_command(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request] {
+        visible_sensor(request, catalog);
+        return storage::CommandStore(catalog).get(request.parameter("sensor_id"),
+                                                  request.parameter("command_id"));
+    };
+    const SensorCommand command = co_await in_pool(services.pool, std::move(work));
+    co_return resource_response(request, command);
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,54 @@
+#include "api/handlers/previews.hpp"
+
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/target.hpp"
+#include "api/visible.hpp"
+#include "schemas/error.hpp"
+#include "storage/preview_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+// Its age is told: a picture that stands still is never taken for what is seen now.
+Response picture_response(storage::StoredPreview stored) {
+    Response response = empty_response(http::status::ok);
+    response.set("Content-Type", "image/jpeg");
+    response.set("Last-Modified", http_date(stored.preview.time_ms / 1000));
+    response.set("Age", std::to_string(stored.age_ms / 1000));
+    response.body = std::move(stored.jpeg);
+    return response;
+}
+
+}  // namespace
+
+Awaitable<Response> list_previews(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request] {
+        visible_sensor(request, catalog);
+        return storage::PreviewStore(catalog).list(request.parameter("sensor_id"));
+    };
+    const auto previews = co_await in_pool(services.pool, std::move(work));
+    co_return whole_list_response(request, previews);
+}
+
+Awaitable<Response> get_preview(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request] {
+        const std::string& sensor = request.parameter("sensor_id");
+        visible_sensor(request, catalog);
+        const auto id = parse_count(request.parameter("preview_id"));
+        if (!id) throw Error(ErrorCode::NotFound, "a preview has a number");
+        return storage::PreviewStore(catalog).get(sensor, *id);
+    };
+    co_return picture_response(co_await in_pool(services.pool, std::move(work)));
+}
+
+Awaitable<Response> get_newest_preview(Request request, Services services) {
+    auto work = [&catalog = services.catalog, request] {
+        const std::string& sensor = request.parameter("sensor_id");
+        visible_sensor(request, catalog);
+        return storage::PreviewStore(catalog).newest(sensor, query_value(request, "camera"));
+    };
+    co_return picture_response(co_await in_pool(services.pool, std::move(work)));
+}
+
+}  // namespace divemesh::api

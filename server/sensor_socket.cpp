@@ -1,0 +1,364 @@
+#include "server/sensor_socket.hpp"
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "api/error_response.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/metrics.hpp"
+#include "api/report_queue.hpp"
+#include "api/sensor_desk.hpp"
+#include "schemas/sensor_message.hpp"
+#include "server/log.hpp"
+#include "server/web_socket.hpp"
+#include "storage/command_store.hpp"
+
+namespace divemesh::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = boost::beast::websocket;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostFrameTextBytes = std::size_t{1} << 20;
+constexpr std::size_t kMostWaiting = 64;  // frames
+constexpr std::size_t kMostWaitingBytes = std::size_t{1} << 20;
+constexpr websocket::close_code kReplaced{4409};
+
+std::int64_t now_ms() {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+std::string text_of(const json& frame) {
+    return frame.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+// A frame as it was read: a report, or the answer to what is none.
+struct Incoming {
+    SensorReport report;
+    std::string refusal;  // "": it is a report
+    std::size_t num_bytes = 0;
+};
+
+// What is written at once.
+struct Batch {
+    SensorReport report;
+    std::vector<std::string> refusals;
+
+    bool is_empty() const { return report.messages.empty() && report.lost.empty(); }
+};
+
+class SensorSocket {
+public:
+    explicit SensorSocket(std::shared_ptr<Connection> below)
+        : connection(std::move(below)),
+          socket(connection->stream),
+          pause(socket.get_executor()),
+          room_(socket.get_executor()) {
+        pause.expires_at(Clock::time_point::max());  // only ever cancelled
+        room_.expires_at(Clock::time_point::max());
+    }
+
+    void close(websocket::close_code why) {
+        if (!closing) reason = why;
+        closing = true;
+        pause.cancel();
+        room_.cancel();
+    }
+    void wake() {
+        has_commands = true;
+        pause.cancel();
+    }
+
+    void put(Incoming incoming) {
+        num_bytes_ += incoming.num_bytes;
+        waiting_.push_back(std::move(incoming));
+        pause.cancel();
+    }
+    asio::awaitable<void> wait_for_room() {
+        while (!closing && (waiting_.size() >= kMostWaiting || num_bytes_ >= kMostWaitingBytes))
+            co_await room_.async_wait(kAwaitErrors);
+    }
+    bool has_frames() const { return !waiting_.empty(); }
+    Batch take() {
+        Batch batch;
+        while (!waiting_.empty() && fits(batch, waiting_.front())) {
+            Incoming next = std::move(waiting_.front());
+            waiting_.pop_front();
+            num_bytes_ -= next.num_bytes;
+            add(batch, std::move(next));
+        }
+        room_.cancel();
+        return batch;
+    }
+
+    std::shared_ptr<Connection> connection;
+    WebSocket socket;
+    asio::steady_timer pause;
+    bool closing = false;
+    websocket::close_code reason = websocket::close_code::going_away;
+    bool has_commands = true;  // there may be some to hand over
+
+private:
+    static bool fits(const Batch& batch, const Incoming& next) {
+        if (!next.refusal.empty() || batch.is_empty()) return true;
+        return next.report.boot_id == batch.report.boot_id &&
+               batch.report.messages.size() + next.report.messages.size() <= kMostMessages &&
+               batch.report.lost.size() + next.report.lost.size() <= kMostLost;
+    }
+    static void add(Batch& batch, Incoming next) {
+        if (!next.refusal.empty()) return batch.refusals.push_back(std::move(next.refusal));
+        batch.report.boot_id = next.report.boot_id;
+        std::move(next.report.messages.begin(),
+                  next.report.messages.end(),
+                  std::back_inserter(batch.report.messages));
+        batch.report.lost.insert(
+            batch.report.lost.end(), next.report.lost.begin(), next.report.lost.end());
+    }
+
+    asio::steady_timer room_;
+    std::deque<Incoming> waiting_;
+    std::size_t num_bytes_ = 0;
+};
+
+// The stream's place at the desk, for as long as this lives.
+class AtDesk {
+public:
+    AtDesk(api::SensorDesk& desk, std::string name, const std::shared_ptr<SensorSocket>& sensor)
+        : desk_(desk), sensor_(std::move(name)) {
+        const auto executor = sensor->socket.get_executor();
+        const auto wake = [sensor] { sensor->wake(); };
+        const auto end = [sensor] { sensor->close(kReplaced); };
+        connection_ = desk_.connect(sensor_,
+                                    {[executor, wake] { asio::post(executor, wake); },
+                                     [executor, end] { asio::post(executor, end); }});
+    }
+    ~AtDesk() { desk_.disconnect(sensor_, connection_); }
+    AtDesk(const AtDesk&) = delete;
+    AtDesk& operator=(const AtDesk&) = delete;
+
+private:
+    api::SensorDesk& desk_;
+    std::string sensor_;
+    std::uint64_t connection_;
+};
+
+// Of what could be read of a frame that is refused.
+json sequences_in(const json& frame) {
+    json sequences = json::array();
+    const auto add = [&](const json& message) {
+        if (!message.is_object()) return;
+        const auto sequence = message.find("seq");
+        if (sequence != message.end() && sequence->is_number_integer())
+            sequences.push_back(*sequence);
+    };
+    add(frame);
+    if (frame.is_object() && frame.contains("messages") && frame["messages"].is_array())
+        for (const json& message : frame["messages"]) add(message);
+    return sequences;
+}
+
+Incoming read_frame(const api::Request& request, std::string_view frame, bool is_binary) {
+    Incoming incoming;
+    incoming.num_bytes = frame.size();
+    json header;
+    try {
+        if (is_binary) {
+            const PreviewFrame parts = split_preview(frame);
+            header = api::parse_json(parts.header);
+            incoming.report = sensor_preview(header, parts.jpeg);
+        } else {
+            header = api::parse_json(frame);
+            incoming.report = sensor_report(header);
+        }
+    } catch (const std::exception&) {
+        const api::Response problem = api::error_response(request, std::current_exception());
+        incoming.refusal = text_of({{"refused", json::parse(std::get<std::string>(problem.body))},
+                                    {"messages", sequences_in(header)}});
+    }
+    return incoming;
+}
+
+asio::awaitable<void> read_frames(std::shared_ptr<SensorSocket> sensor, api::Request request) {
+    beast::flat_buffer buffer;
+    while (!sensor->closing) {
+        const auto [failure, n] = co_await sensor->socket.async_read(buffer, kAwaitErrors);
+        if (failure) break;
+        const auto bytes = buffer.cdata();
+        const std::string_view frame(static_cast<const char*>(bytes.data()), bytes.size());
+        sensor->put(read_frame(request, frame, sensor->socket.got_binary()));
+        buffer = {};  // a picture's memory is not kept until the next one
+        co_await sensor->wait_for_room();
+    }
+    sensor->close(websocket::close_code::going_away);
+}
+
+// False: the sensor is gone, or the socket closes.
+asio::awaitable<bool> write(std::shared_ptr<SensorSocket> sensor, std::string frame) {
+    const auto [error, n] = co_await sensor->socket.async_write(asio::buffer(frame), kAwaitErrors);
+    co_return !error && !sensor->closing;
+}
+
+json ranges_of(const SensorReport& report) {
+    std::vector<std::int64_t> sequences;
+    for (const SensorMessage& message : report.messages) sequences.push_back(message.sequence);
+    std::sort(sequences.begin(), sequences.end());
+    json pairs = json::array();
+    for (const std::int64_t sequence : sequences) {
+        if (!pairs.empty() && sequence <= pairs.back()[1].get<std::int64_t>() + 1)
+            pairs.back()[1] = sequence;
+        else
+            pairs.push_back({sequence, sequence});
+    }
+    return pairs;
+}
+
+std::string answer_text(const SensorAnswer& answer, const json& committed) {
+    return text_of({{"answer", answer}, {"committed", committed}});
+}
+
+class Answering {
+public:
+    Answering(std::shared_ptr<SensorSocket> sensor,
+              api::SensorStream stream,
+              const SessionContext& context)
+        : sensor_(std::move(sensor)), stream_(std::move(stream)), services_(context.services) {}
+
+    // Until the sensor goes or the connection is stopped.
+    asio::awaitable<void> run() {
+        bool goes_on = co_await write(sensor_, welcome());
+        while (goes_on) {
+            const bool has_work = sensor_->has_frames() || (is_heard_ && sensor_->has_commands);
+            if (has_work)
+                goes_on = co_await round();
+            else
+                co_await sensor_->pause.async_wait(kAwaitErrors);
+            goes_on = goes_on && !sensor_->closing;
+        }
+    }
+
+private:
+    static std::string welcome() { return text_of({{"welcome", {{"time_ms", now_ms()}}}}); }
+
+    asio::awaitable<bool> round() {
+        bool goes_on = co_await check_token();
+        if (goes_on && sensor_->has_frames()) goes_on = co_await answer(sensor_->take());
+        if (goes_on && is_heard_ && sensor_->has_commands) goes_on = co_await hand_over();
+        co_return goes_on;
+    }
+
+    asio::awaitable<bool> check_token() {
+        if (Clock::now() < trusted_until_) co_return true;
+        const bool entitled = co_await is_entitled(stream_.token_id, services_);
+        if (!entitled) sensor_->close(websocket::close_code::policy_error);
+        trusted_until_ = Clock::now() + kTokenTrusted;
+        co_return entitled;
+    }
+
+    asio::awaitable<bool> answer(Batch batch) {
+        bool goes_on = true;
+        for (std::size_t i = 0; goes_on && i < batch.refusals.size(); ++i) {
+            ++services_.metrics.refused_frames;
+            goes_on = co_await write(sensor_, std::move(batch.refusals[i]));
+        }
+        if (!goes_on || batch.is_empty()) co_return goes_on;
+        const json committed = ranges_of(batch.report);
+        for (const SensorMessage& message : batch.report.messages)
+            is_heard_ = is_heard_ || !message.historical;
+        storage::IncomingReport incoming{stream_.sensor, stream_.project, std::move(batch.report)};
+        const SensorAnswer answer = co_await services_.reports.submit(std::move(incoming));
+        services_.metrics.sensor_messages += answer.num_new;
+        co_return co_await write(sensor_, answer_text(answer, committed));
+    }
+
+    // What was sent on an earlier stream may have been lost with it: it is sent again.
+    asio::awaitable<bool> hand_over() {
+        sensor_->has_commands = false;
+        auto take = [&catalog = services_.catalog,
+                     sensor = stream_.sensor,
+                     again = std::exchange(is_anew_, false)] {
+            return storage::CommandStore(catalog).take(sensor, again);
+        };
+        const auto commands = co_await api::in_pool(services_.pool, std::move(take));
+        bool goes_on = true;
+        for (std::size_t i = 0; goes_on && i < commands.size(); ++i) {
+            const SensorCommand& command = commands[i];
+            std::string frame = text_of({{"command",
+                                          {{"id", command.id},
+                                           {"name", command.name},
+                                           {"arguments", command.arguments},
+                                           {"expires_at_ms", command.expires_at_ms}}}});
+            goes_on = co_await write(sensor_, std::move(frame));
+        }
+        co_return goes_on;
+    }
+
+    std::shared_ptr<SensorSocket> sensor_;
+    api::SensorStream stream_;
+    api::Services services_;
+    Clock::time_point trusted_until_ = Clock::now() + kTokenTrusted;
+    bool is_heard_ = false;  // it has said something of now
+    bool is_anew_ = true;
+};
+
+// What is not written now, the sensor keeps and sends again; what belongs to another project never
+// will be.
+websocket::close_reason reason_of(const std::exception& failure) {
+    const auto* error = dynamic_cast<const Error*>(&failure);
+    const bool is_final = error != nullptr && error->code() == ErrorCode::Conflict;
+    constexpr std::size_t kMostReasonBytes = 120;  // RFC 6455, 5.5
+    const std::string why = error != nullptr ? error->what() : "nothing can be written now";
+    return {is_final ? websocket::close_code::policy_error : websocket::close_code::try_again_later,
+            why.substr(0, kMostReasonBytes)};
+}
+
+}  // namespace
+
+asio::awaitable<void> hear_sensor(std::shared_ptr<Connection> connection,
+                                  std::shared_ptr<RequestBody> request_body,
+                                  api::Request request,
+                                  api::SensorStream stream,
+                                  SessionContext context) {
+    connection->stream.expires_never();  // from here on the WebSocket has timeouts of its own
+    auto sensor = std::make_shared<SensorSocket>(connection);
+    set_options(sensor->socket, context.timeouts, kMostFrameTextBytes);
+    connection->on_stop = [sensor] { sensor->close(websocket::close_code::going_away); };
+    connection->on_abort = [sensor] { beast::get_lowest_layer(sensor->socket).close(); };
+    const auto [refused] =
+        co_await sensor->socket.async_accept(request_body->message(), kAwaitErrors);
+    if (!refused) {
+        const AtDesk at_desk(context.services.desk, stream.sensor, sensor);
+        ++context.services.metrics.sensor_streams;
+        asio::co_spawn(sensor->socket.get_executor(), read_frames(sensor, request), asio::detached);
+        websocket::close_reason reason;
+        try {
+            Answering answering(sensor, stream, context);
+            co_await answering.run();
+            reason = sensor->reason;
+        } catch (const std::exception& error) {
+            log_warning(
+                {{"event", "sensor_not_heard"}, {"sensor", stream.sensor}, {"what", error.what()}});
+            reason = reason_of(error);
+        }
+        sensor->close(websocket::close_code::going_away);
+        co_await sensor->socket.async_close(reason, kAwaitErrors);
+        --context.services.metrics.sensor_streams;
+    }
+    beast::get_lowest_layer(sensor->socket).close();
+    connection->on_stop = nullptr;
+    connection->on_abort = nullptr;
+}
+
+}  // namespace divemesh::server

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+#include "api/services.hpp"
+#include "api/stream.hpp"
+#include "server/server.hpp"
+
+namespace divemesh::server {
+
+// Without compression: events are small, pictures are compressed already.
+using WebSocket = boost::beast::websocket::stream<api::Stream&, false>;
+
+inline constexpr auto kAwaitErrors = boost::asio::as_tuple(boost::asio::use_awaitable);
+inline constexpr std::chrono::seconds kTokenTrusted{1};  // before it is looked at again
+
+// Timeouts, pings, and the largest message that the client may send.
+void set_options(WebSocket& socket, const Timeouts& timeouts, std::size_t most_bytes);
+
+// Whether the token that opened the socket still does; "": nobody asked for one.
+boost::asio::awaitable<bool> is_entitled(std::string token_id, api::Services services);
+
+}  // namespace divemesh::server
