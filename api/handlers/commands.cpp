@@ -30,10 +30,10 @@ storage::CommandRequest command_request(const Request& request) {
 }  // namespace
 
 Awaitable<Response> create_command(Request request, Services services) {
-    auto work = [services, request, wanted = command_request(request)] {
+    auto work = [services, request] {
         visible_sensor(request, services.catalog);
         auto catalog = audited(services, request);
-        return storage::CommandStore(catalog).create(wanted);
+        return storage::CommandStore(catalog).create(command_request(request));
     };
     const SensorCommand command = co_await in_pool(services.pool, std::move(work));
     services.desk.call(command.sensor);

@@ -8,6 +8,7 @@
 
 #include "api/routes.hpp"
 #include "storage/event_store.hpp"
+#include "storage/sensor_store.hpp"
 #include "storage/upload_store.hpp"
 #include "storage/worker_store.hpp"
 #include "tests/server/tus_fixture.hpp"
@@ -85,6 +86,14 @@ protected:
         return "/api/v1/tokens/" + made.json()["id"].get<std::string>();
     }
 
+    std::string willing_sensor() {
+        SensorMessage hello{.kind = MessageKind::Hello};
+        hello.body = {{"capabilities", {"start_recording"}}};
+        storage::SensorStore(server.catalog())
+            .receive({{"aqua", "default", {"boot", {hello}, {}}}});
+        return "/api/v1/sensors/aqua";
+    }
+
     // A request of each route that succeeds.
     using Change = std::function<RawResponse()>;
     std::map<std::string, Change> changes() {
@@ -114,6 +123,8 @@ protected:
              [this] { return ask("POST", "/api/v1/queue/redrive", {{"limit", 5}}); }},
             {"PATCH /api/v1/workers/{worker_name}",
              [this] { return ask("PATCH", worker_at_work(), {{"draining", true}}); }},
+            {"POST /api/v1/sensors/{sensor_id}/commands",
+             [this] { return ask("POST", willing_sensor() + "/commands", {{"name", "start_recording"}}); }},
             {"POST /api/v1/tokens",
              [this] { return ask("POST", "/api/v1/tokens", {{"name", "tablet"}, {"scopes", {"dives:read"}}}); }},
             {"DELETE /api/v1/tokens/{token_id}", [this] { return ask("DELETE", new_token()); }},

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <soci/soci.h>
@@ -10,49 +8,21 @@
 #include "schemas/json.hpp"
 #include "storage/event_store.hpp"
 #include "tests/server/test_server.hpp"
+#include "tests/server/web_socket_client.hpp"
 
 namespace divemesh {
 namespace {
 
-namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using namespace std::chrono_literals;
 
-class EventClient {
+class EventClient : public WebSocketClient {
 public:
-    EventClient(int port, const std::string& token, const std::string& query) {
-        asio::connect(socket_.next_layer(),
-                      asio::ip::tcp::resolver(context_).resolve("127.0.0.1", std::to_string(port)));
-        const timeval patience{20, 0};
-        setsockopt(socket_.next_layer().native_handle(),
-                   SOL_SOCKET,
-                   SO_RCVTIMEO,
-                   &patience,
-                   sizeof patience);
-        socket_.set_option(websocket::stream_base::decorator([token](websocket::request_type& r) {
-            if (!token.empty()) r.set(beast::http::field::authorization, "Bearer " + token);
-        }));
-        socket_.handshake("127.0.0.1", "/api/v1/events" + query);
-    }
+    EventClient(int port, const std::string& token, const std::string& query)
+        : WebSocketClient(port, token, "/api/v1/events" + query) {}
 
-    Event next() {
-        beast::flat_buffer buffer;
-        socket_.read(buffer);
-        return nlohmann::json::parse(beast::buffers_to_string(buffer.data())).get<Event>();
-    }
-
-    unsigned close_code() {  // reads until the server says goodbye
-        beast::error_code error;
-        for (beast::flat_buffer buffer; !error;) socket_.read(buffer, error);
-        return socket_.reason().code;
-    }
-
-    void say(const std::string& text) { socket_.write(asio::buffer(text)); }
-
-private:
-    asio::io_context context_;
-    websocket::stream<asio::ip::tcp::socket> socket_{context_};
+    Event next() { return next_json().get<Event>(); }
 };
 
 RawResponse open_socket(RawClient& client,

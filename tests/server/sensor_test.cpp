@@ -1,45 +1,17 @@
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <soci/soci.h>
 #include <thread>
 
 #include "schemas/json.hpp"
 #include "storage/event_store.hpp"
-#include "storage/token_store.hpp"
-#include "tests/server/test_server.hpp"
+#include "tests/server/sensor_fixture.hpp"
 
 namespace divemesh {
 namespace {
 
 using nlohmann::json;
 
-json report(int sequence, const json& status) {
-    return {
-        {"boot_id", "boot-1"},
-        {"messages", {{{"seq", sequence}, {"uptime_ms", 1000 * sequence}, {"status", status}}}}};
-}
-
-class SensorTest : public testing::Test {
-protected:
-    std::string sensor_token(const std::string& sensor, const std::string& project = "default") {
-        return storage::TokenStore(server_.catalog())
-            .create(
-                {.name = sensor, .project = project, .scopes = {"sensor:push"}, .sensor = sensor})
-            .secret;
-    }
-    RawResponse push(const std::string& token, const json& body, const std::string& id = "aqua") {
-        return server_.post_json("/api/v1/sensors/" + id + "/status", token, body);
-    }
-    json get(const std::string& target) {
-        const RawResponse response = server_.request("GET", target, server_.admin());
-        EXPECT_EQ(response.status, 200) << response.body;
-        return response.json();
-    }
-
-    TestServer server_;
-    const std::string token_ = sensor_token("aqua");
-};
+class SensorTest : public SensorFixture {};
 
 TEST_F(SensorTest, T1T2AStatusIsAcknowledgedAndShown) {
     const RawResponse answer = push(token_, report(0, {{"battery", 0.8}, {"depth_m", 0.4}}));

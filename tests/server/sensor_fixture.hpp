@@ -1,0 +1,77 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "storage/token_store.hpp"
+#include "tests/server/test_server.hpp"
+#include "tests/server/web_socket_client.hpp"
+
+namespace divemesh {
+
+// A server, the sensor "aqua" of its project default, and what it says.
+class SensorFixture : public testing::Test {
+protected:
+    using json = nlohmann::json;
+
+    std::string sensor_token(const std::string& sensor, const std::string& project = "default") {
+        return storage::TokenStore(server_.catalog())
+            .create(
+                {.name = sensor, .project = project, .scopes = {"sensor:push"}, .sensor = sensor})
+            .secret;
+    }
+    RawResponse push(const std::string& token, const json& body, const std::string& id = "aqua") {
+        return server_.post_json("/api/v1/sensors/" + id + "/status", token, body);
+    }
+    json get(const std::string& target) {
+        const RawResponse response = server_.request("GET", target, server_.admin());
+        EXPECT_EQ(response.status, 200) << response.body;
+        return response.json();
+    }
+    WebSocketClient stream() { return {server_.port(), token_, "/api/v1/sensors/aqua/stream"}; }
+
+    static json report(int sequence,
+                       const json& status,
+                       const std::string& boot = "boot-1",
+                       bool historical = false) {
+        return {{"boot_id", boot},
+                {"messages",
+                 {{{"seq", sequence},
+                   {"uptime_ms", 1000 * sequence},
+                   {"historical", historical},
+                   {"status", status}}}}};
+    }
+    static json hello(int sequence, const json& capabilities, const std::string& boot = "boot-1") {
+        return {{"boot_id", boot},
+                {"messages",
+                 {{{"seq", sequence},
+                   {"uptime_ms", 1000 * sequence},
+                   {"hello", {{"firmware", "2.1"}, {"capabilities", capabilities}}}}}}};
+    }
+
+    static std::string jpeg(int width = 64, int height = 48) {
+        std::vector<unsigned char> bytes;
+        cv::imencode(".jpg", cv::Mat(height, width, CV_8UC3, cv::Scalar(90, 60, 20)), bytes);
+        return {bytes.begin(), bytes.end()};
+    }
+    static std::string preview_frame(const json& header, const std::string& picture) {
+        const std::string text = header.dump();
+        std::string frame;
+        for (int shift = 24; shift >= 0; shift -= 8)
+            frame += static_cast<char>(text.size() >> shift & 0xFFU);
+        return frame + text + picture;
+    }
+    static json preview_header(int sequence, const json& preview) {
+        return {{"boot_id", "boot-1"},
+                {"seq", sequence},
+                {"uptime_ms", 1000 * sequence},
+                {"preview", preview}};
+    }
+
+    TestServer server_;
+    const std::string token_ = sensor_token("aqua");
+};
+
+}  // namespace divemesh
