@@ -2,7 +2,6 @@
 // of one job out of 10,000, and how much memory it takes when 1,000 clients watch events, 100 of
 // which do not read, while 100 others upload. Prints one JSON. Needs wrk.
 #include <CLI/CLI.hpp>
-#include <arpa/inet.h>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -18,7 +17,8 @@
 #include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/token_store.hpp"
-#include "tests/end_to_end/process.hpp"
+#include "tests/bench/raw_socket.hpp"
+#include "tests/bench/served.hpp"
 #include "tests/paths.hpp"
 #include "tests/ready_dive.hpp"
 #include "tests/temporary_folder.hpp"
@@ -54,41 +54,7 @@ void make_jobs(storage::Catalog& catalog, const fs::path& list) {
     }
 }
 
-class Server {
-public:
-    Server(const fs::path& program, const TemporaryFolder& folder)
-        : process_({program.string(),
-                    "serve",
-                    "--data",
-                    (folder / "data").string(),
-                    "--listen",
-                    "127.0.0.1:0",
-                    "--workers",
-                    "0"},
-                   folder.path()) {
-        const std::string mark = "listening on ";
-        const bool up =
-            wait_until(60s, [&] { return process_.stdout_text().find('\n') != std::string::npos; });
-        const std::string text = process_.stdout_text();
-        if (!up || !text.starts_with(mark)) throw std::runtime_error(process_.stderr_text());
-        address_ = text.substr(mark.size(), text.find('\n') - mark.size());
-    }
-
-    const std::string& address() const { return address_; }
-    int port() const { return std::stoi(address_.substr(address_.rfind(':') + 1)); }
-    std::int64_t peak_memory_bytes() const {
-        std::ifstream status("/proc/" + std::to_string(process_.pid()) + "/status");
-        for (std::string line; std::getline(status, line);)
-            if (line.starts_with("VmHWM:")) return std::stoll(line.substr(6)) * 1024;
-        return -1;
-    }
-
-private:
-    Process process_;
-    std::string address_;
-};
-
-nlohmann::json get_jobs(const Server& server,
+nlohmann::json get_jobs(const Served& server,
                         const fs::path& list,
                         const std::string& token,
                         int seconds) {
@@ -106,48 +72,13 @@ nlohmann::json get_jobs(const Server& server,
     return nlohmann::json::parse(last);
 }
 
-int connect_to(int port, int receive_buffer_bytes) {
-    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (receive_buffer_bytes > 0)
-        setsockopt(
-            socket, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-        throw std::runtime_error("cannot connect");
-    return socket;
-}
-
-void send_all(int socket, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const auto n = send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-        if (n <= 0) throw std::runtime_error("the server closed a connection");
-        bytes.remove_prefix(static_cast<std::size_t>(n));
-    }
-}
-
-std::string receive_head(int socket) {
-    std::string text;
-    for (char c = 0; text.find("\r\n\r\n") == std::string::npos && recv(socket, &c, 1, 0) == 1;)
-        text += c;
-    return text;
-}
-
 // Clients of the event stream; those that read look for the text of the last event.
 class Readers {
 public:
     Readers(int port, const std::string& token) {
         for (int i = 0; i < kNumReaders; ++i) {
             const int socket = connect_to(port, i < kNumSilent ? 4096 : 0);
-            send_all(socket,
-                     "GET /api/v1/events HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\n"
-                     "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nAuthorization: Bearer " +
-                         token + "\r\n\r\n");
-            if (!receive_head(socket).starts_with("HTTP/1.1 101"))
-                throw std::runtime_error("the server opened no stream");
+            open_web_socket(socket, "/api/v1/events", token);
             sockets_.push_back({socket, POLLIN, 0});
         }
     }
@@ -235,7 +166,7 @@ void make_events(storage::Catalog& catalog) {
         });
 }
 
-nlohmann::json watch_and_upload(const Server& server,
+nlohmann::json watch_and_upload(const Served& server,
                                 storage::Catalog& catalog,
                                 const std::string& token,
                                 std::size_t large_bytes) {
@@ -287,7 +218,7 @@ int run(int argc, char** argv) {
     const std::string token =
         storage::TokenStore(catalog).create({.name = "bench", .scopes = {"admin"}}).secret;
     make_jobs(catalog, folder / "jobs");
-    const Server server(program, folder);
+    const Served server(program, folder / "data");
     nlohmann::json result;
     result["get_job"] = get_jobs(server, folder / "jobs", token, seconds);
     result["watch_and_upload"] = watch_and_upload(server, catalog, token, large_bytes);
