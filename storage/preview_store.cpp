@@ -44,7 +44,7 @@ std::string jpeg_of(soci::session& session, std::int64_t number) {
     session << "SELECT jpeg FROM sensor_previews WHERE number = :number", soci::into(blob),
         soci::use(number, "number");
     std::string jpeg(blob.get_len(), '\0');
-    blob.read_from_start(jpeg.data(), jpeg.size());
+    blob.read(0, jpeg.data(), jpeg.size());
     return jpeg;
 }
 
@@ -73,7 +73,7 @@ Preview insert_preview(soci::session& session,
     preview.sha256 = sha256_hex(message.jpeg);
     const std::string about = to_text(preview.about);
     soci::blob jpeg(session);
-    jpeg.write_from_start(message.jpeg.data(), message.jpeg.size());
+    jpeg.write(0, message.jpeg.data(), message.jpeg.size());
     execute(session,
             "INSERT INTO sensor_previews (sensor, time_ms, camera, width, height, num_bytes,"
             " sha256, about, jpeg) VALUES (:sensor, :time, :camera, :width, :height, :bytes,"

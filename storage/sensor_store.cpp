@@ -209,6 +209,10 @@ private:
                                   "of its own"});
         set_alarms(session_, sensor, std::move(alarms));
         set_state(session_, sensor, SensorState::Online);
+        if (boot_.number == record_.boot) {
+            sensor.boot_id = boot_.boot_id;
+            sensor.received = boot_.received;
+        }
         save_boot(session_, record_.number, boot_, now_ms_);
         save_sensor(session_, record_);
         answer_.acknowledged = boot_.received.acknowledged();

@@ -204,9 +204,9 @@ TEST(EventsTest, SaysGoodbyeWhenTheServerStops) {
 TEST(EventsTest, LeavesAClientThatTalksTooMuch) {
     TestServer server;
     EventClient client(server.port(), server.admin(), "?since=0");
-    client.say("hello");
+    client.say_text("hello");
     const auto say_too_much = [&] {  // cut off while it talks, or afterwards
-        client.say(std::string(100'000, 'x'));
+        client.say_text(std::string(100'000, 'x'));
         client.next();
     };
     EXPECT_THROW(say_too_much(), beast::system_error);

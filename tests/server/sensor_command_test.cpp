@@ -17,12 +17,11 @@ protected:
         return server_.post_json(
             "/api/v1/sensors/aqua/commands", token.empty() ? operator_ : token, command);
     }
-    WebSocketClient willing_sensor() {
-        WebSocketClient sensor = stream();
+    // Says hello, and what it can do.
+    static void greet(WebSocketClient& sensor) {
         sensor.next_json();
         sensor.say(hello(0, {"preview", "start_recording"}));
         EXPECT_EQ(sensor.next_json()["answer"]["acknowledged"], 0);
-        return sensor;
     }
     static json outcome(int sequence, const std::string& command, const std::string& state) {
         return {{"boot_id", "boot-1"},
@@ -43,7 +42,8 @@ protected:
 };
 
 TEST_F(SensorCommandTest, IsHandedOverAtOnceAndItsOutcomeIsTold) {
-    WebSocketClient sensor = willing_sensor();
+    WebSocketClient sensor = stream();
+    greet(sensor);
     const RawResponse made = ask({{"name", "preview"}, {"arguments", {{"max_bytes", 9000}}}});
     ASSERT_EQ(made.status, 201) << made.body;
     const json handed = sensor.next_json()["command"];
@@ -63,7 +63,8 @@ TEST_F(SensorCommandTest, IsHandedOverAtOnceAndItsOutcomeIsTold) {
 
 TEST_F(SensorCommandTest, NeedsItsScopeAndTheCapability) {
     EXPECT_EQ(ask({{"name", "preview"}}).status, 404) << "never heard of";
-    WebSocketClient sensor = willing_sensor();
+    WebSocketClient sensor = stream();
+    greet(sensor);
     EXPECT_EQ(ask({{"name", "set_clock"}, {"arguments", {{"time_ms", 1}}}}).status, 409);
     EXPECT_EQ(ask({{"name", "preview"}}, server_.make_token("default", {"dives:write"})).status,
               403);
@@ -84,7 +85,10 @@ TEST_F(SensorCommandTest, NeedsItsScopeAndTheCapability) {
 
 // Under water: handed over on the way up in time, never after.
 TEST_F(SensorCommandTest, IsNeverHandedOverLate) {
-    { WebSocketClient sensor = willing_sensor(); }
+    {
+        WebSocketClient sensor = stream();
+        greet(sensor);
+    }
     const std::string late = ask({{"name", "preview"}, {"expires_in_ms", 1000}}).json()["id"];
     const std::string in_time = ask({{"name", "start_recording"}}).json()["id"];
     std::this_thread::sleep_for(1100ms);
@@ -101,7 +105,8 @@ TEST_F(SensorCommandTest, IsNeverHandedOverLate) {
 TEST_F(SensorCommandTest, ComesAgainUntilItIsAnswered) {
     std::string id;
     {
-        WebSocketClient sensor = willing_sensor();
+        WebSocketClient sensor = stream();
+        greet(sensor);
         id = ask({{"name", "preview"}}).json()["id"];
         EXPECT_EQ(sensor.next_json()["command"]["id"], id);
     }
@@ -121,7 +126,8 @@ TEST_F(SensorCommandTest, ComesAgainUntilItIsAnswered) {
 }
 
 TEST_F(SensorCommandTest, ASensorAnswersForItsOwnAlone) {
-    WebSocketClient sensor = willing_sensor();
+    WebSocketClient sensor = stream();
+    greet(sensor);
     const std::string id = ask({{"name", "preview"}}).json()["id"];
     EXPECT_EQ(push(sensor_token("rig"), outcome(0, id, "done"), "rig").status, 200);
     EXPECT_EQ(command(id)["state"], "sent");

@@ -124,7 +124,7 @@ TEST_F(SensorStreamTest, S34WhatIsNoFrameIsRefusedByItsNumber) {
     }
     for (const std::string text :
          {"", "[", "null", "{}", "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[["}) {
-        sensor.say(text);
+        sensor.say_text(text);
         EXPECT_TRUE(sensor.next_json().contains("refused")) << text;
     }
     sensor.say(report(7, {{"battery", "full"}}));
@@ -136,7 +136,7 @@ TEST_F(SensorStreamTest, S34WhatIsNoFrameIsRefusedByItsNumber) {
 TEST_F(SensorStreamTest, AFrameThatIsTooLongEndsTheStream) {
     WebSocketClient sensor = stream();
     sensor.next_json();
-    sensor.say(std::string((1U << 20) + 1, ' '));
+    sensor.say_text(std::string((1U << 20) + 1, ' '));
     EXPECT_EQ(sensor.close_code(), 1009U);
 }
 

@@ -39,11 +39,11 @@ public:
         socket_.read(buffer);
         return nlohmann::json::parse(boost::beast::buffers_to_string(buffer.data()));
     }
-    void say(const std::string& text) {
+    void say_text(const std::string& text) {
         socket_.text(true);
         socket_.write(boost::asio::buffer(text));
     }
-    void say(const nlohmann::json& frame) { say(frame.dump()); }
+    void say(const nlohmann::json& frame) { say_text(frame.dump()); }
     void say_bytes(const std::string& bytes) {
         socket_.binary(true);
         socket_.write(boost::asio::buffer(bytes));
