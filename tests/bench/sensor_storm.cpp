@@ -173,7 +173,8 @@ public:
             hear_until(at);
             const int sensor = static_cast<int>(turn % kNumSensors);
             say_status(sensor);
-            if ((turn / kNumSensors + sensor) % kPreviewEvery == 0) say_preview(sensor);
+            const int other = (sensor + kNumSensors / 2) % kNumSensors;  // between two statuses
+            if ((turn / kNumSensors + other) % kPreviewEvery == 0) say_preview(other);
             if (Clock::now() >= alive_at) say_alive();
             if (Clock::now() >= alive_at) alive_at += 5s;
         }
@@ -308,7 +309,7 @@ private:
                 left -= static_cast<std::size_t>(n);
             }
             if (head.starts_with("HTTP/1.1 200")) ++num_fetched_;
-            std::this_thread::sleep_for(1s / (kNumSensors / kPreviewEvery));
+            std::this_thread::sleep_for(1000ms / (kNumSensors / kPreviewEvery));
         }
         close(socket);
     }
