@@ -168,7 +168,7 @@ public:
         measures_from_us_ = now_us();
         auto alive_at = began;
         for (std::int64_t turn = 0;; ++turn) {
-            const auto at = began + turn * 1s / kNumSensors;
+            const auto at = began + turn * 1000ms / kNumSensors;
             if (at >= began + duration) break;
             hear_until(at);
             const int sensor = static_cast<int>(turn % kNumSensors);
