@@ -247,6 +247,16 @@ TEST_F(SensorStoreTest, WhatADeviceHasLostIsAcknowledged) {
     EXPECT_EQ(outcomes.at(0).answer.num_lost, 10);
 }
 
+TEST_F(SensorStoreTest, WhatWasGivenUpAndComesAfterAllIsKeptOnce) {
+    send("a", {status(10, 10'000)});
+    sensors_.receive({{"aqua", "default", {"a", {}, {{0, 9}}}}});
+    EXPECT_EQ(send("a", {historical(status(4, 4'000))}).num_new, 1);
+    EXPECT_EQ(send("a", {historical(status(4, 4'000))}).num_repeated, 1);
+    EXPECT_EQ(sensors_.get("aqua").received.num_lost(), 9);
+    const std::int64_t now = now_ms();
+    EXPECT_EQ(times(now - 8'000, now + 1).size(), 2U);
+}
+
 TEST_F(SensorStoreTest, ThinnedHistoryHasThePeaksAndMeansOfTheWhole) {
     std::mt19937 random(5);
     std::vector<SensorMessage> messages;
@@ -301,6 +311,12 @@ TEST_F(SensorStoreTest, ADeviceThatMakesUpBootsTakesNoRoomWithoutEnd) {
     });
     EXPECT_EQ(num_boots, 1000);
     EXPECT_EQ(sensors_.get("aqua").boot_id, "boot-1199");
+    for (int i = 0; i < 1200; ++i)
+        reports[static_cast<std::size_t>(i)].report = {
+            "old-" + std::to_string(i), {historical(status(0, 1))}, {}};
+    sensors_.receive(reports);
+    EXPECT_EQ(sensors_.get("aqua").boot_id, "boot-1199") << "what is shown is not forgotten";
+    EXPECT_EQ(send("boot-1199", {status(0, 1)}).num_repeated, 1);
 }
 
 TEST_F(SensorStoreTest, TheHistoryHasAColumnForEveryField) {
