@@ -76,6 +76,14 @@ void SensorDesk::publish(const Sensor& sensor) {
     renew(entry, now_ms());
 }
 
+void SensorDesk::introduce(const Sensor& sensor) {
+    const std::lock_guard lock(mutex_);
+    Entry& entry = entries_[sensor.id];
+    if (entry.news) return;
+    entry.sensor = sensor;
+    renew(entry, now_ms());
+}
+
 void SensorDesk::look_at_the_time() {
     const std::int64_t now = now_ms();
     const std::lock_guard lock(mutex_);

@@ -36,6 +36,9 @@ class SensorDesk {
 public:
     // As it is now; older than what is known changes nothing. Wakes who watches it.
     void publish(const Sensor& sensor);
+    // As the catalog has it, for who is about to watch it; where it is known already, nothing
+    // changes.
+    void introduce(const Sensor& sensor);
     // What the time alone changes of those that are known.
     void look_at_the_time();
 

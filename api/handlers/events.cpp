@@ -41,7 +41,7 @@ std::vector<std::string> watched_sensors(const Request& request, const Services&
     for (const std::string& id : ids) {
         const Sensor sensor = storage::SensorStore(services.catalog).get(id);
         require_visible(request.token, sensor.project, "sensor " + id);
-        services.desk.publish(sensor);
+        services.desk.introduce(sensor);
     }
     return ids;
 }
