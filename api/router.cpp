@@ -188,7 +188,8 @@ Awaitable<Response> answer(Request request, Services services, const Route& rout
         failure = std::current_exception();
     }
     auto release = [services] { return services.reserve.release(); };
-    if (!co_await in_pool(services.pool, std::move(release))) std::rethrow_exception(failure);
+    const bool released = co_await in_pool(services.pool, std::move(release));
+    if (!released) std::rethrow_exception(failure);
     co_return co_await route.handler(request, services);
 }
 

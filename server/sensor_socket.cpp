@@ -254,7 +254,10 @@ private:
 
     asio::awaitable<bool> round() {
         bool goes_on = co_await check_token();
-        if (goes_on && sensor_->has_frames()) goes_on = co_await answer(sensor_->take());
+        if (goes_on && sensor_->has_frames()) {
+            Batch batch = sensor_->take();
+            goes_on = co_await answer(std::move(batch));
+        }
         if (goes_on && is_heard_ && sensor_->has_commands) goes_on = co_await hand_over();
         co_return goes_on;
     }

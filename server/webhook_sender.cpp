@@ -157,7 +157,10 @@ asio::awaitable<void> WebhookSender::deliver_all(storage::DueDelivery due) {
     const std::string webhook = due.webhook_id;
     try {
         std::optional<storage::DueDelivery> next = std::move(due);
-        while (next && co_await deliver(*next) && !stopping_) {
+        while (next) {  // g++ 12 miscompiles a co_await in the condition of a loop
+            const bool delivered = co_await deliver(std::move(*next));
+            next.reset();
+            if (!delivered || stopping_) break;
             auto claim = [this, webhook] {
                 return storage::WebhookStore(services_.catalog).claim_next(webhook, kLease);
             };

@@ -122,7 +122,7 @@ TEST_F(CrashTest, U20BytesThatAllCameBecomeTheirDiveThoughNobodyAsks) {
         ++num_whole;
         expect_the_dive(server.port());
     });
-    EXPECT_GT(num_whole, 20);
+    EXPECT_GT(num_whole, 10);  // how many there are depends on who writes in between
 }
 
 }  // namespace
