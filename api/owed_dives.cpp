@@ -76,13 +76,15 @@ Awaitable<void> make_one(Services services, std::string upload_id) {
 
 }  // namespace
 
-Awaitable<bool> make_owed_dives(Services services) {
+Awaitable<OwedDives> make_owed_dives(Services services) {
     auto list = [services] { return whole_uploads(services); };
     const auto uploads = co_await in_pool(services.pool, std::move(list));
-    bool all_made = true;
+    bool is_any_busy = false;
+    bool has_any_failed = false;
     for (const Upload& upload : uploads) {
-        if (services.stopping) co_return false;
+        if (services.stopping) co_return OwedDives::Busy;
         const auto turn = co_await services.turns.take_if_free(upload.id);
+        is_any_busy = is_any_busy || !turn;
         if (!turn) continue;
         std::string failure;
         try {
@@ -91,12 +93,13 @@ Awaitable<bool> make_owed_dives(Services services) {
             failure = error.what();
         }
         if (failure.empty()) continue;
-        all_made = false;
+        has_any_failed = true;
         spdlog::warn(
             nlohmann::json{{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}}.dump(
                 -1, ' ', true, nlohmann::json::error_handler_t::replace));
     }
-    co_return all_made;
+    if (is_any_busy) co_return OwedDives::Busy;
+    co_return has_any_failed ? OwedDives::Failed : OwedDives::Made;
 }
 
 }  // namespace divemesh::api

@@ -45,6 +45,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 constexpr std::chrono::milliseconds kRarestOwedDives = 1h;
+constexpr std::chrono::milliseconds kBusyOwedDives = 1s;
 
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
@@ -265,13 +266,14 @@ asio::awaitable<void> Server::Implementation::make_owed_dives() {
     asio::steady_timer timer(io);
     auto pause = config.timeouts.owed_dives;
     while (!stopping) {
-        bool all_made = false;
-        auto work = [this, &all_made]() -> asio::awaitable<void> {
-            all_made = co_await api::make_owed_dives(context().services);
+        auto owed = api::OwedDives::Failed;
+        auto work = [this, &owed]() -> asio::awaitable<void> {
+            owed = co_await api::make_owed_dives(context().services);
         };
         co_await attempt("owed_dives_failed", std::move(work));
-        pause = all_made ? config.timeouts.owed_dives : std::min(2 * pause, kRarestOwedDives);
-        timer.expires_after(pause);
+        if (owed == api::OwedDives::Made) pause = config.timeouts.owed_dives;
+        if (owed == api::OwedDives::Failed) pause = std::min(2 * pause, kRarestOwedDives);
+        timer.expires_after(owed == api::OwedDives::Busy ? std::min(pause, kBusyOwedDives) : pause);
         co_await timer.async_wait(kAwaitErrors);
     }
 }
