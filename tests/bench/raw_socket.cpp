@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <stdexcept>
 #include <sys/socket.h>
+#include <unistd.h>
 
 namespace divemesh {
 
@@ -18,6 +19,20 @@ int connect_to(int port, int receive_buffer_bytes) {
     if (connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
         throw std::runtime_error("cannot connect");
     return socket;
+}
+
+int free_port() {
+    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof address;
+    const bool is_bound =
+        bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+        getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length) == 0;
+    close(socket);
+    if (!is_bound) throw std::runtime_error("no port is free");
+    return ntohs(address.sin_port);
 }
 
 void send_all(int socket, std::string_view bytes) {

@@ -10,6 +10,7 @@ namespace divemesh {
 
 // To loopback; `receive_buffer_bytes` 0: as the kernel likes.
 int connect_to(int port, int receive_buffer_bytes);
+int free_port();  // of loopback, that was free a moment ago
 void send_all(int socket, std::string_view bytes);
 // Up to the empty line; what came when the other end closed before.
 std::string receive_head(int socket);

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "storage/token_store.hpp"
+#include "tests/bench/process_usage.hpp"
 #include "tests/bench/raw_socket.hpp"
 #include "tests/bench/served.hpp"
 #include "tests/temporary_folder.hpp"
@@ -163,7 +164,7 @@ public:
 
     json run(std::chrono::seconds duration) {
         const auto began = Clock::now();
-        const double cpu_before = server_.cpu_seconds();
+        const double cpu_before = cpu_seconds_of(server_.pid());
         std::jthread fetching([this](const std::stop_token& stop) { fetch(stop); });
         measures_from_us_ = now_us();
         auto alive_at = began;
@@ -182,16 +183,17 @@ public:
         const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
         fetching.request_stop();
         fetching.join();
-        return {{"seconds", seconds},
-                {"sensors", kNumSensors},
-                {"watchers", kNumWatchers},
-                {"do_not_read", kNumSilent},
-                {"push_to_watcher", summary(told_ms_)},
-                {"push_to_answer", summary(answered_ms_)},
-                {"frames_per_s", static_cast<double>(told_ms_.size()) / seconds},
-                {"pictures_fetched", num_fetched_.load()},
-                {"server_cpu_share", (server_.cpu_seconds() - cpu_before) / seconds},
-                {"peak_memory_mib", static_cast<double>(server_.peak_memory_bytes() >> 20)}};
+        return {
+            {"seconds", seconds},
+            {"sensors", kNumSensors},
+            {"watchers", kNumWatchers},
+            {"do_not_read", kNumSilent},
+            {"push_to_watcher", summary(told_ms_)},
+            {"push_to_answer", summary(answered_ms_)},
+            {"frames_per_s", static_cast<double>(told_ms_.size()) / seconds},
+            {"pictures_fetched", num_fetched_.load()},
+            {"server_cpu_share", (cpu_seconds_of(server_.pid()) - cpu_before) / seconds},
+            {"peak_memory_mib", static_cast<double>(peak_memory_bytes_of(server_.pid()) >> 20)}};
     }
 
 private:

@@ -1,10 +1,11 @@
 #include "tests/bench/served.hpp"
 
 #include <chrono>
-#include <fstream>
+#include <cstdlib>
+#include <ctime>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
-#include <unistd.h>
 
 namespace divemesh {
 
@@ -28,24 +29,19 @@ Served::Served(const std::filesystem::path& program, const std::filesystem::path
     address_ = text.substr(mark.size(), text.find('\n') - mark.size());
 }
 
-std::int64_t Served::peak_memory_bytes() const {
-    std::ifstream status("/proc/" + std::to_string(process_.pid()) + "/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("VmHWM:")) return std::stoll(line.substr(6)) * 1024;
-    return -1;
-}
-
-double Served::cpu_seconds() const {
-    std::ifstream file("/proc/" + std::to_string(process_.pid()) + "/stat");
-    std::string line;
-    std::getline(file, line);
-    std::istringstream fields(line.substr(line.rfind(')') + 2));
-    std::string skipped;
-    for (int i = 0; i < 11; ++i) fields >> skipped;  // state to cmajflt: proc(5)
-    double user = 0.0;
-    double system = 0.0;
-    fields >> user >> system;
-    return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+// Of lines of the log that tell of a request.
+std::vector<std::int64_t> Served::times_of(const std::string& path) const {
+    std::vector<std::int64_t> times;
+    std::istringstream lines(process_.stderr_text());
+    for (std::string line; std::getline(lines, line);) {
+        const auto entry = nlohmann::json::parse(line, nullptr, false);
+        if (entry.is_discarded() || entry["data"].value("path", "") != path) continue;
+        std::tm date{};
+        const std::string time = entry["time"];
+        const char* rest = strptime(time.c_str(), "%Y-%m-%dT%H:%M:%S", &date);
+        times.push_back(1000 * std::int64_t{timegm(&date)} + std::atoi(rest + 1));
+    }
+    return times;
 }
 
 }  // namespace divemesh

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <sys/types.h>
+#include <vector>
 
 #include "tests/end_to_end/process.hpp"
 
@@ -16,8 +18,9 @@ public:
 
     const std::string& address() const { return address_; }
     int port() const { return std::stoi(address_.substr(address_.rfind(':') + 1)); }
-    std::int64_t peak_memory_bytes() const;  // VmHWM; -1: not known
-    double cpu_seconds() const;              // user and system so far
+    pid_t pid() const { return process_.pid(); }
+    // When requests of the path were answered so far, unix milliseconds.
+    std::vector<std::int64_t> times_of(const std::string& path) const;
 
 private:
     Process process_;

@@ -17,6 +17,7 @@
 #include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/token_store.hpp"
+#include "tests/bench/process_usage.hpp"
 #include "tests/bench/raw_socket.hpp"
 #include "tests/bench/served.hpp"
 #include "tests/paths.hpp"
@@ -171,7 +172,7 @@ nlohmann::json watch_and_upload(const Served& server,
                                 const std::string& token,
                                 std::size_t large_bytes) {
     Readers readers(server.port(), token);
-    const auto connected_bytes = server.peak_memory_bytes();
+    const auto connected_bytes = peak_memory_bytes_of(server.pid());
     std::atomic<int> num_uploads = 0;
     std::atomic<int> num_large = 0;
     std::vector<std::jthread> threads;
@@ -194,7 +195,7 @@ nlohmann::json watch_and_upload(const Served& server,
             {"upload_bytes", kUploadBytes},
             {"large_upload_bytes", num_large * large_bytes},
             {"connected_memory_mib", static_cast<double>(connected_bytes >> 20)},
-            {"peak_memory_mib", static_cast<double>(server.peak_memory_bytes() >> 20)}};
+            {"peak_memory_mib", static_cast<double>(peak_memory_bytes_of(server.pid()) >> 20)}};
 }
 
 int run(int argc, char** argv) {
