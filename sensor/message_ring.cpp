@@ -17,6 +17,11 @@ std::int64_t checked(std::int64_t max_bytes) {
     return max_bytes;
 }
 
+std::vector<MessageKind> kinds_of(MessageRing::Pile pile) {
+    if (pile == MessageRing::Pile::Previews) return {MessageKind::Preview};
+    return {MessageKind::Hello, MessageKind::Status, MessageKind::Outcome};
+}
+
 }  // namespace
 
 MessageRing::MessageRing(const std::filesystem::path& folder,
@@ -42,10 +47,10 @@ SegmentChain::Found MessageRing::loader() {
     };
     found.committed = [this](const std::string& boot_id, const SequenceRange& range) {
         const int boot = boot_of(boot_id);
-        for (Entries* entries : {&texts_, &previews_})
-            for (auto entry = entries->lower_bound({boot, range.first});
-                 entry != entries->end() && entry->first <= Key{boot, range.last};)
-                forget(entry++, *entries);
+        for (Entries& entries : entries_)
+            for (auto entry = entries.lower_bound({boot, range.first});
+                 entry != entries.end() && entry->first <= Key{boot, range.last};)
+                forget(entry++, entries);
     };
     found.lost = [this](const std::string& boot_id, const SequenceRange& range) {
         lost_[boot_of(boot_id)].add(range);
@@ -106,13 +111,17 @@ void MessageRing::keep_in_memory(Key key, MessageKind kind, std::string record) 
 
 // Pictures before words.
 void MessageRing::drop_from_memory() {
-    for (Entries* entries : {&previews_, &texts_})
-        for (auto entry = entries->begin(); entry != entries->end(); ++entry) {
-            if (entry->second.place.segment) continue;
-            const Key key = entry->first;
-            forget(entry, *entries);
-            return lose(key);
-        }
+    for (const MessageKind kind :
+         {MessageKind::Preview, MessageKind::Status, MessageKind::Outcome, MessageKind::Hello}) {
+        Entries& entries = entries_of(kind);
+        const auto entry = std::find_if(entries.begin(), entries.end(), [](const auto& one) {
+            return !one.second.place.segment;
+        });
+        if (entry == entries.end()) continue;
+        const Key key = entry->first;
+        forget(entry, entries);
+        return lose(key);
+    }
 }
 
 void MessageRing::make_room(std::size_t record_bytes) {
@@ -126,12 +135,12 @@ void MessageRing::make_room(std::size_t record_bytes) {
 
 void MessageRing::drop_first_segment() {
     const auto segment = chain_.first();
-    for (Entries* entries : {&texts_, &previews_})
-        for (auto entry = entries->begin(); entry != entries->end();) {
+    for (Entries& entries : entries_)
+        for (auto entry = entries.begin(); entry != entries.end();) {
             const auto next = std::next(entry);
             if (entry->second.place.segment == segment) {
                 const Key key = entry->first;
-                forget(entry, *entries);
+                forget(entry, entries);
                 lose(key);
             }
             entry = next;
@@ -168,32 +177,35 @@ void MessageRing::sync() {
 
 std::optional<MessageRing::Key> MessageRing::newest(MessageKind kind) const {
     const std::lock_guard lock(mutex_);
-    const Entries& entries = kind == MessageKind::Preview ? previews_ : texts_;
-    for (auto entry = entries.rbegin(); entry != entries.rend() && entry->first.boot == this_boot_;
-         ++entry)
-        if (entry->second.kind == kind) return entry->first;
-    return std::nullopt;
+    const Entries& entries = entries_.at(static_cast<std::size_t>(kind));
+    if (entries.empty() || entries.rbegin()->first.boot != this_boot_) return std::nullopt;
+    return entries.rbegin()->first;
 }
 
 std::optional<MessageRing::Key> MessageRing::oldest(Pile pile, const std::set<Key>& taken) const {
     const std::lock_guard lock(mutex_);
-    for (const auto& [key, entry] : pile == Pile::Texts ? texts_ : previews_)
-        if (!taken.contains(key)) return key;
-    return std::nullopt;
+    std::optional<Key> oldest;
+    for (const MessageKind kind : kinds_of(pile))
+        for (const auto& [key, entry] : entries_.at(static_cast<std::size_t>(kind))) {
+            if (taken.contains(key)) continue;
+            if (!oldest || key < *oldest) oldest = key;
+            break;
+        }
+    return oldest;
 }
 
 std::optional<Message> MessageRing::read(Key key) {
     const std::lock_guard lock(mutex_);
-    for (Entries* entries : {&texts_, &previews_}) {
-        const auto entry = entries->find(key);
-        if (entry == entries->end()) continue;
+    for (Entries& entries : entries_) {
+        const auto entry = entries.find(key);
+        if (entry == entries.end()) continue;
         try {
             const auto& [kind, place, record] = entry->second;
             return message_of_record(place.segment ? SegmentChain::read_message(place) : record,
                                      boots_.at(static_cast<std::size_t>(key.boot)));
         } catch (const Error& error) {
             trouble_ = error.what();
-            forget(entry, *entries);
+            forget(entry, entries);
             lose(key);
         }
     }
@@ -206,11 +218,11 @@ void MessageRing::committed(const std::string& boot_id, const SequenceRange& ran
     if (known == boots_.end()) return;
     const int boot = static_cast<int>(known - boots_.begin());
     bool is_on_disk = false;
-    for (Entries* entries : {&texts_, &previews_})
-        for (auto entry = entries->lower_bound({boot, range.first});
-             entry != entries->end() && entry->first <= Key{boot, range.last};) {
+    for (Entries& entries : entries_)
+        for (auto entry = entries.lower_bound({boot, range.first});
+             entry != entries.end() && entry->first <= Key{boot, range.last};) {
             is_on_disk = is_on_disk || entry->second.place.segment;
-            forget(entry++, *entries);
+            forget(entry++, entries);
         }
     remove_finished_segments();
     if (!is_on_disk || disk_is_given_up() || !chain_.first()) return;
@@ -234,9 +246,9 @@ void MessageRing::remove_finished_segments() {
 
 void MessageRing::refused(Key key) {
     const std::lock_guard lock(mutex_);
-    for (Entries* entries : {&texts_, &previews_})
-        if (const auto entry = entries->find(key); entry != entries->end()) {
-            forget(entry, *entries);
+    for (Entries& entries : entries_)
+        if (const auto entry = entries.find(key); entry != entries.end()) {
+            forget(entry, entries);
             lose(key);
         }
 }
@@ -265,7 +277,9 @@ void MessageRing::told_lost(const std::string& boot_id, const std::vector<Sequen
 
 std::size_t MessageRing::num_waiting() const {
     const std::lock_guard lock(mutex_);
-    return texts_.size() + previews_.size();
+    std::size_t count = 0;
+    for (const Entries& entries : entries_) count += entries.size();
+    return count;
 }
 
 std::string MessageRing::trouble() const {

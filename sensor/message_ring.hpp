@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <compare>
 #include <cstdint>
@@ -81,9 +82,7 @@ private:
 
     int boot_of(const std::string& boot_id);  // a new one when it is not known
     SegmentChain::Found loader();
-    Entries& entries_of(MessageKind kind) {
-        return kind == MessageKind::Preview ? previews_ : texts_;
-    }
+    Entries& entries_of(MessageKind kind) { return entries_.at(static_cast<std::size_t>(kind)); }
     void store(Key key, const Message& message);
     void keep_in_memory(Key key, MessageKind kind, std::string record);
     void make_room(std::size_t record_bytes);
@@ -101,8 +100,7 @@ private:
     std::int64_t next_sequence_ = 0;
     std::vector<std::string> boots_;  // in the order in which they were
     int this_boot_ = 0;
-    Entries texts_;
-    Entries previews_;
+    std::array<Entries, 4> entries_;  // of each kind
     std::map<const SegmentFile*, std::int64_t> num_waiting_in_;
     std::map<int, LostRanges> lost_;
     std::int64_t memory_bytes_ = 0;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMostPictures = 20;
 constexpr int kWorkWidth_px = 640;  // wider ones are measured at half their size, or a quarter
 constexpr int kDarkLevel = 40;      // of 255: a tenth of the picture at least is brighter
-constexpr double kSharp = 1.7;     // less: blurred by more than about 1.5 px
+constexpr double kSharp = 1.7;      // less: blurred by more than about 1.5 px
 constexpr double kReblur_px = 2.0;
 constexpr double kEdgeShare = 0.02;    // of the pixels: its strongest edges
 constexpr float kLeastEdge = 2.0F;     // grey levels per px, else there is nothing to measure
