@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "api/client/upload_state.hpp"
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/server_options.hpp"
@@ -178,7 +179,7 @@ void add_agent_options(CLI::App& command, sensor::AgentSettings& agent) {
         ->check(CLI::Range(0.0, 86'400.0))
         ->capture_default_str();
     command.add_flag(
-        "--quick-look", agent.quick_look, "track at two pairs a second: distance, coverage, drift");
+        "--quick-look", agent.quick_look, "track twice a second: distance, coverage, drift");
     command.add_flag("--draw-tracks", agent.draw_tracks, "and draw the tracks into the previews");
     command.add_option(
         "--battery-file", agent.battery_file, "file with the battery's percentage (else /sys)");

@@ -130,8 +130,10 @@ void Agent::look_at_picture() {
 
 void Agent::look_quickly() {
     if (!frame_ || !source_->state().is_recording) return;
+    const auto before = source_->newest_frame(frame_->timestamp_ns);
+    if (!before) return;
     if (!quick_look_) quick_look_ = std::make_unique<QuickLook>(dive_root_);
-    quick_look_->look(*frame_);
+    quick_look_->look(*before, *frame_);
 }
 
 void Agent::say_status() {

@@ -90,8 +90,9 @@ cv::Mat DiveTail::picture(const char* camera, const Row& row) const {
     return read_picture(root_ / camera / "data" / row.file);
 }
 
-std::optional<FramePictures> DiveTail::newest_frame() const {
+std::optional<FramePictures> DiveTail::newest_frame(std::int64_t before_ns) const {
     for (auto row = left_.rbegin(); row != left_.rend(); ++row) {
+        if (row->timestamp_ns >= before_ns) continue;
         const Row* partner = partner_of(*row);
         if (partner == nullptr && !right_.empty()) continue;  // is being written
         FramePictures frame{row->timestamp_ns, picture("cam0", *row), {}};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <limits>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -41,9 +42,10 @@ public:
     const DiveFigures& figures() const { return figures_; }
     std::optional<std::int64_t> newest_ns() const { return frame_stamps_.newest_ns(); }
 
-    // The newest frame whose pictures are there whole, both where there are two cameras. Nothing
-    // when none of the last ones is.
-    std::optional<FramePictures> newest_frame() const;
+    // The newest frame stamped before that, whose pictures are there whole, both where there are
+    // two cameras. Nothing when none of the last ones is.
+    std::optional<FramePictures> newest_frame(
+        std::int64_t before_ns = std::numeric_limits<std::int64_t>::max()) const;
 
     const std::filesystem::path& folder() const { return folder_; }
     std::filesystem::path root() const { return root_; }  // that cam0 is in

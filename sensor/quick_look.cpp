@@ -56,12 +56,19 @@ struct QuickLook::Implementation {
     cv::Mat picture;
     int num_frames = 0;
 
-    void follow(const cv::Mat& left, const cv::Mat& right, std::int64_t timestamp_ns) {
+    void follow(const FramePictures& before, const FramePictures& now) {
         if (!odometry) odometry.emplace(*rig);
-        odometry->add({num_frames, timestamp_ns, left, right});
+        const auto stereo = [this](const FramePictures& frame) {
+            return worker::StereoFrame{
+                num_frames, frame.timestamp_ns, grey_of(frame.left), grey_of(frame.right)};
+        };
+        odometry->add(stereo(before), stereo(now));
         for (const worker::Feature& feature : odometry->features())
             points.emplace_back(feature.pixel.x(), feature.pixel.y());
         picture = odometry->picture();
+    }
+    bool fits(const FramePictures& frame) const {
+        return rig && sensor::fits(frame.left, rig->cam0) && sensor::fits(frame.right, rig->cam1);
     }
     void count(const cv::Mat& left) {
         for (const cv::Point& point : worker::best_of_cells(
@@ -78,14 +85,13 @@ QuickLook::QuickLook(const std::filesystem::path& dive_root)
 
 QuickLook::~QuickLook() = default;
 
-void QuickLook::look(const FramePictures& frame) {
+void QuickLook::look(const FramePictures& before, const FramePictures& now) {
     auto& own = *implementation_;
-    const cv::Mat left = grey_of(frame.left);
-    const cv::Mat right = grey_of(frame.right);
+    const cv::Mat left = grey_of(now.left);
     own.quality = measure_picture(left);
     own.points.clear();
-    if (own.rig && fits(left, own.rig->cam0) && fits(right, own.rig->cam1))
-        own.follow(left, right, frame.timestamp_ns);
+    if (own.fits(before) && own.fits(now) && before.timestamp_ns < now.timestamp_ns)
+        own.follow(before, now);
     else
         own.count(left);
     ++own.num_frames;

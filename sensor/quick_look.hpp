@@ -11,21 +11,21 @@
 
 namespace divemesh::sensor {
 
-// A first look at a dive while it is made, from a few pairs a second: whether it is worth keeping.
-// With the calibration of both cameras beside the pictures the features are followed and the way
-// that was swum is measured by stereo alone; without it they are only counted.
+// A first look at a dive while it is made, from two frames now and then: whether it is worth
+// keeping. With the calibration of both cameras beside the pictures the features are followed and
+// the way that was swum is measured by stereo alone; without it they are only counted.
 class QuickLook {
 public:
     explicit QuickLook(const std::filesystem::path& dive_root);
     ~QuickLook();
 
-    // The next pair; some tens of milliseconds.
-    void look(const FramePictures& frame);
+    // Two frames that follow each other; some tens of milliseconds.
+    void look(const FramePictures& before, const FramePictures& now);
 
     // "features", "coverage" (share of a grid of the picture that has some), "mean_level",
     // "black", "bright", "sharpness", and once it is measured "tracked", "distance_m",
-    // "expected_drift_m" (one standard deviation of where it ends), "lost" (pairs without a
-    // motion), "pairs".
+    // "expected_drift_m" (one standard deviation of where a reconstruction ends, before it
+    // closes loops), "lost" (looks without a motion), "pairs" (looks).
     nlohmann::json report() const;
 
     // The last picture as it was measured, and what was followed in it; for a preview.

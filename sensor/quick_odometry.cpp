@@ -15,7 +15,7 @@ namespace {
 using namespace divemesh::worker;
 
 constexpr double kTolerance_px = 2.0;
-constexpr double kLongestGap_s = 3.0;  // after which nothing can be followed
+constexpr double kLongestGap_s = 3.0;  // for which a speed is believed
 constexpr int kNumDisparities_px = 128;
 constexpr int kNumFeatures = 200;
 
@@ -70,49 +70,56 @@ Eigen::Isometry3d QuickOdometry::expected(double interval_s) const {
     return T_current_previous;
 }
 
-void QuickOdometry::add(const StereoFrame& recorded) {
-    const RectifiedFrame frame = rectifier_.rectify(recorded);
+void QuickOdometry::add(const StereoFrame& before, const StereoFrame& now) {
+    const double interval_s = static_cast<double>(now.timestamp_ns - before.timestamp_ns) * 1e-9;
+    if (!(interval_s > 0.0)) return;
     const RectifiedRig& rig = rectifier_.rig();
-    const double interval_s = static_cast<double>(frame.timestamp_ns - before_ns_) * 1e-9;
-    const bool is_first = before_ns_ == 0 || !(interval_s > 0.0 && interval_s < kLongestGap_s);
-    before_ns_ = frame.timestamp_ns;
+    const RectifiedFrame first = rectifier_.rectify(before);
+    tracker_.track(first.left, {}, Eigen::Isometry3d::Identity());
+    Features features;
+    add_new_features(rig, first, {}, kNumDisparities_px, tracker_, features);
+    const RectifiedFrame frame = rectifier_.rectify(now);
+    const Eigen::Isometry3d guess = expected(interval_s);
+    features_ = tracker_.track(frame.left, features, guess);
+    match_features(frame, {}, kNumDisparities_px, features_);
+    const PointPairs pairs = with_depth_at_both_times(rig, features, features_);
     picture_ = frame.left;
-    if (is_first) features_.clear();
-    const Eigen::Isometry3d guess = is_first ? Eigen::Isometry3d::Identity() : expected(interval_s);
-    Features tracked = tracker_.track(frame.left, features_, guess);
-    match_features(frame, {}, kNumDisparities_px, tracked);
-    const PointPairs pairs = with_depth_at_both_times(rig, features_, tracked);
+    show(pairs);
+    const auto seed = static_cast<std::uint64_t>(num_pairs_++);
+    const Registration motion =
+        register_with_turn(rig, pairs, std::nullopt, guess, kTolerance_px, seed);
+    const double since_s = static_cast<double>(now.timestamp_ns - last_ns_) * 1e-9;
+    if (!motion.found) {
+        ++num_lost_;
+        return;
+    }
+    last_ns_ = now.timestamp_ns;
+    const bool goes_on = since_s > 0.0 && since_s < kLongestGap_s;
+    advance(refine_pose(rig, motion.inliers, {motion.T_current_previous, {}, 0.0}),
+            motion.inliers,
+            interval_s,
+            goes_on ? since_s / interval_s : 1.0);
+}
+
+void QuickOdometry::show(const PointPairs& pairs) {
     tracks_.clear();
     for (const PointPair& pair : pairs)
         tracks_.push_back(
             {{static_cast<float>(pair.previous_px.x()), static_cast<float>(pair.previous_px.y())},
              {static_cast<float>(pair.current_px.x()), static_cast<float>(pair.current_px.y())}});
-    Registration motion;
-    if (!is_first) {
-        const auto seed = static_cast<std::uint64_t>(num_pairs_);
-        motion = register_with_turn(rig, pairs, std::nullopt, guess, kTolerance_px, seed);
-        ++num_pairs_;
-        if (motion.found)
-            advance(refine_pose(rig, motion.inliers, {motion.T_current_previous, {}, 0.0}),
-                    motion.inliers,
-                    interval_s);
-        else
-            ++num_lost_;
-    }
-    features_ = consistent(tracked, pairs, motion);
-    add_new_features(rig, frame, {}, kNumDisparities_px, tracker_, features_);
 }
 
 void QuickOdometry::advance(const Eigen::Isometry3d& T_current_previous,
                             const PointPairs& pairs,
-                            double interval_s) {
+                            double interval_s,
+                            double num_steps) {
     const double step_m = T_current_previous.translation().norm();
     const StepVariance variance = variance_of(rectifier_.rig(), pairs);
     // Standing still, noise alone would add up to a way.
-    if (step_m * step_m > 4.0 * variance.position_m2) distance_m_ += step_m;
-    heading_drift_m_ += step_m * std::sqrt(heading_variance_rad2_);
-    position_variance_m2_ += variance.position_m2;
-    heading_variance_rad2_ += variance.heading_rad2;
+    if (step_m * step_m > 4.0 * variance.position_m2) distance_m_ += num_steps * step_m;
+    heading_drift_m_ += num_steps * step_m * std::sqrt(heading_variance_rad2_);
+    position_variance_m2_ += num_steps * variance.position_m2;
+    heading_variance_rad2_ += num_steps * variance.heading_rad2;
     const Eigen::AngleAxisd turn(T_current_previous.linear());
     turn_rate_cam_ = turn.axis() * turn.angle() / interval_s;
     velocity_cam_ = T_current_previous.translation() / interval_s;

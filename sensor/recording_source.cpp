@@ -62,8 +62,8 @@ public:
         else
             state_.is_recording = false;
     }
-    std::optional<FramePictures> newest_frame() const override {
-        return dive_ ? dive_->newest_frame() : std::nullopt;
+    std::optional<FramePictures> newest_frame(std::int64_t before_ns) const override {
+        return dive_ ? dive_->newest_frame(before_ns) : std::nullopt;
     }
     std::optional<fs::path> take_finished() override { return std::exchange(finished_, {}); }
     fs::path dive_root() const override { return dive_ ? dive_->root() : fs::path(); }
@@ -157,7 +157,9 @@ public:
         state_.figures = dive_.figures();
         if (is_over_) state_.figures.frame_rate_hz = state_.figures.imu_rate_hz = {};
     }
-    std::optional<FramePictures> newest_frame() const override { return dive_.newest_frame(); }
+    std::optional<FramePictures> newest_frame(std::int64_t before_ns) const override {
+        return dive_.newest_frame(before_ns);
+    }
     std::optional<fs::path> take_finished() override { return std::exchange(finished_, {}); }
     fs::path dive_root() const override { return dive_.root(); }
 

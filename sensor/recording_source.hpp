@@ -27,7 +27,8 @@ public:
     virtual ~RecordingSource() = default;
     // Looks again; takes milliseconds.
     virtual void update(Clock::time_point now) = 0;
-    virtual std::optional<FramePictures> newest_frame() const = 0;
+    virtual std::optional<FramePictures> newest_frame(
+        std::int64_t before_ns = std::numeric_limits<std::int64_t>::max()) const = 0;
     // The folder of a dive that is over, each once; for the upload.
     virtual std::optional<std::filesystem::path> take_finished() = 0;
     // Of the newest dive, that cam0 is in; empty: none.
