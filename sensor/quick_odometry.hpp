@@ -43,7 +43,7 @@ private:
     worker::Features features_;
     std::vector<TrackLine> tracks_;
     cv::Mat picture_;
-    std::int64_t last_ns_ = 0;  // of the last motion that was found
+    std::int64_t last_ns_ = 0;                                 // of the last motion that was found
     Eigen::Vector3d velocity_cam_ = Eigen::Vector3d::Zero();   // m/s, of T_current_previous
     Eigen::Vector3d turn_rate_cam_ = Eigen::Vector3d::Zero();  // rad/s
     double distance_m_ = 0.0;
