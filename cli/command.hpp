@@ -20,6 +20,7 @@ void add_attempt(CLI::App& app, Context& context);
 void add_token(CLI::App& app, Context& context);
 void add_backup(CLI::App& app, Context& context);
 void add_restore(CLI::App& app, Context& context);
+void add_sensor(CLI::App& app, Context& context);
 void add_upload(CLI::App& app, Context& context);
 void add_dives(CLI::App& app, Context& context);
 void add_jobs(CLI::App& app, Context& context);

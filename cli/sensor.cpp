@@ -1,0 +1,232 @@
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "api/client/upload_state.hpp"
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/server_options.hpp"
+#include "cli/stop_signal.hpp"
+#include "sensor/agent.hpp"
+#include "sensor/dive_upload.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SensorOptions {
+    ServerOptions server;
+    std::string id;
+    fs::path replay;
+    double speed = 1.0;
+    fs::path watch;
+    double over_after_s = 60.0;
+    std::string view = "cam0";
+    double back_in_s = 0.0;
+    bool upload = false;
+    fs::path upload_token_file;
+    std::string upload_job;
+    double stay_s = 30.0;
+    sensor::AgentSettings agent;
+};
+
+// What happens is told by several threads, line by line.
+class Told {
+public:
+    explicit Told(bool as_json) : as_json_(as_json) {}
+    void operator()(const std::string& what) const {
+        const std::lock_guard lock(*mutex_);
+        if (as_json_)
+            std::cout << nlohmann::json{{"event", what}}.dump() << std::endl;
+        else
+            std::cerr << "divemesh sensor: " << what << std::endl;
+    }
+
+private:
+    bool as_json_;
+    std::shared_ptr<std::mutex> mutex_ = std::make_shared<std::mutex>();
+};
+
+std::unique_ptr<sensor::RecordingSource> source_of(const SensorOptions& options) {
+    if (options.replay.empty() == options.watch.empty())
+        throw Error(ErrorCode::InvalidArgument, "give one of --replay DIVE and --watch DIR");
+    if (!options.replay.empty()) return sensor::replay_dive(options.replay, options.speed);
+    sensor::WatchSettings settings;
+    settings.over_after =
+        std::chrono::milliseconds(static_cast<std::int64_t>(options.over_after_s * 1000.0));
+    return sensor::watch_folder(options.watch, settings);
+}
+
+fs::path state_folder_of(const SensorOptions& options) {
+    if (!options.agent.state_folder.empty()) return options.agent.state_folder;
+    return api::client::default_state_folder() / "sensors" / options.id;
+}
+
+sensor::View view_of(const std::string& name) {
+    for (const auto view : {sensor::View::Left, sensor::View::Right, sensor::View::Pair})
+        if (name == sensor::to_string(view)) return view;
+    throw Error(ErrorCode::InvalidArgument, "--view has to be cam0, cam1 or pair");
+}
+
+sensor::AgentSettings settings_of(const SensorOptions& options, const Told& told) {
+    sensor::AgentSettings settings = options.agent;
+    settings.account = account_of(options.server);
+    settings.sensor_id = options.id;
+    settings.state_folder = state_folder_of(options);
+    settings.view = view_of(options.view);
+    settings.quick_look = settings.quick_look || settings.draw_tracks;
+    if (options.back_in_s > 0.0) settings.back_in_s = options.back_in_s;
+    settings.link.on_event = told;
+    return settings;
+}
+
+sensor::DiveUploadSettings upload_of(const SensorOptions& options, const Told& told) {
+    sensor::DiveUploadSettings settings;
+    ServerOptions server = options.server;
+    if (!options.upload_token_file.empty()) server.token_file = options.upload_token_file;
+    settings.account = account_of(server);
+    settings.max_bytes_per_s = options.agent.link.max_bytes_per_s;
+    settings.job = options.upload_job;
+    settings.on_event = told;
+    return settings;
+}
+
+// A replay ends when all of it was said and is on the server, or after a while without a server.
+bool is_all_said(const sensor::Agent& agent,
+                 sensor::Clock::time_point over_at,
+                 const SensorOptions& options) {
+    const std::chrono::duration<double> since = sensor::Clock::now() - over_at;
+    return since.count() > options.stay_s || (agent.ring().num_waiting() == 0 && since.count() > 1);
+}
+
+int run_sensor(const SensorOptions& options, const Context& context) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of the write, not the end
+    const Told told(context.json);
+    std::optional<sensor::Clock::time_point> over_at;
+    std::unique_ptr<sensor::DiveUpload> upload;
+    sensor::AgentSettings settings = settings_of(options, told);
+    sensor::DiveUploadSettings upload_settings = upload_of(options, told);
+    std::optional<fs::path> finished;
+    settings.on_dive_over = [&](const fs::path& dive) {
+        told(dive.string() + " is over");
+        over_at = sensor::Clock::now();
+        finished = dive;
+    };
+    const StopSignal stop;
+    sensor::Agent agent(std::move(settings), source_of(options));
+    upload_settings.is_link_good = [&agent] { return agent.link_state().is_connected; };
+    while (!stop.token().stop_requested()) {
+        agent.step(sensor::Clock::now());
+        if (finished && options.upload && (!upload || upload->is_done())) {
+            upload = std::make_unique<sensor::DiveUpload>(*finished, upload_settings);
+            finished.reset();
+        }
+        const bool has_ended = !options.replay.empty() && over_at && (!upload || upload->is_done());
+        if (has_ended && is_all_said(agent, *over_at, options)) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return upload && upload->has_failed() ? kExitFailed : kExitDone;
+}
+
+void add_source_options(CLI::App& command, SensorOptions& options) {
+    command.add_option("--id", options.id, "id of this sensor on the server")->required();
+    command.add_option(
+        "--watch", options.watch, "folder that dives are recorded to (EuRoC layout)");
+    command.add_option("--replay", options.replay, "a recorded dive, as if it were now")
+        ->check(CLI::ExistingDirectory);
+    command.add_option("--speed", options.speed, "of the replay")
+        ->check(CLI::Range(0.01, 1000.0))
+        ->capture_default_str();
+    command
+        .add_option("--over-after",
+                    options.over_after_s,
+                    "seconds without a new frame after which a dive is over; at once with a file "
+                    "recording.done in it")
+        ->check(CLI::Range(5.0, 86'400.0))
+        ->capture_default_str();
+    command.add_option("--back-in", options.back_in_s, "seconds until the team is expected back");
+}
+
+void add_agent_options(CLI::App& command, sensor::AgentSettings& agent) {
+    command.add_option("--state",
+                       agent.state_folder,
+                       "folder for what the server has not got yet (else below ~/.local/state)");
+    command
+        .add_option(
+            "--ring-size", agent.ring_bytes, "how much of it is kept (64M); then the oldest go")
+        ->transform(CLI::AsSizeValue(false))
+        ->capture_default_str();
+    command
+        .add_option("--limit-rate",
+                    agent.link.max_bytes_per_s,
+                    "send at most so many bytes per second (8k; 0: no limit)")
+        ->transform(CLI::AsSizeValue(true));
+    command.add_option("--status-every", agent.status_period_s, "seconds between statuses")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str();
+    command
+        .add_option("--preview-every",
+                    agent.preview_period_s,
+                    "seconds between previews; 0: those that are asked for alone")
+        ->check(CLI::Range(0.0, 86'400.0))
+        ->capture_default_str();
+    command.add_flag(
+        "--quick-look", agent.quick_look, "track twice a second: distance, coverage, drift");
+    command.add_flag("--draw-tracks", agent.draw_tracks, "and draw the tracks into the previews");
+    command.add_option(
+        "--battery-file", agent.battery_file, "file with the battery's percentage (else /sys)");
+    command.add_option(
+        "--firmware", agent.firmware, "what the hello says of the device's software");
+    command.add_option("--on-command",
+                       agent.on_command,
+                       "program for start_recording and stop_recording, which it gets as argument");
+    command.add_flag("--allow-set-clock", agent.allow_set_clock, "let the server set the clock");
+}
+
+void add_upload_options(CLI::App& command, SensorOptions& options) {
+    command.add_option("--view", options.view, "of the previews: cam0, cam1, pair")
+        ->capture_default_str();
+    command.add_flag("--upload", options.upload, "send a dive that is over, once the link is good");
+    command.add_option("--upload-token-file",
+                       options.upload_token_file,
+                       "file with a token that may write dives, which a sensor's may not");
+    command.add_option("--upload-job", options.upload_job, "preset to reconstruct it with");
+    command
+        .add_option("--stay",
+                    options.stay_s,
+                    "seconds after a replay in which the server has to take what is left")
+        ->check(CLI::Range(0.0, 86'400.0))
+        ->capture_default_str();
+}
+
+}  // namespace
+
+void add_sensor(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand(
+        "sensor",
+        "the agent on a device: says how it is and what it sees, whenever there is a link");
+    auto options = std::make_shared<SensorOptions>();
+    options->agent.firmware = "divemesh";
+    add_server_options(*command, options->server);
+    add_source_options(*command, *options);
+    add_agent_options(*command, options->agent);
+    add_upload_options(*command, *options);
+    command->footer(
+        "The token has the scope sensor:push for this sensor. Ends at SIGTERM and Ctrl-C, a "
+        "replay\n"
+        "also when all of it was said; what the server has not got is sent at the next start.\n"
+        "Exit codes: 0 done, 1 failed, 2 bad usage.");
+    command->callback([options, &context] {
+        context.command = [options, &context] { return run_sensor(*options, context); };
+    });
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,204 @@
+#include "sensor/agent.hpp"
+
+#include <condition_variable>
+#include <mutex>
+#include <random>
+#include <utility>
+
+#include "schemas/error.hpp"
+#include "sensor/device_state.hpp"
+#include "sensor/status_maker.hpp"
+#include "sensor/uptime.hpp"
+
+namespace divemesh::sensor {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::chrono::milliseconds kTick{100};
+
+Clock::duration seconds(double value) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
+}
+
+// The next time after `last`; what was missed is not made up for.
+bool is_due(Clock::time_point& next, Clock::time_point now, double period_s) {
+    if (period_s <= 0.0 || now < next) return false;
+    next += seconds(period_s);
+    if (next <= now) next = now + seconds(period_s);
+    return true;
+}
+
+std::string text_of(const json& body) {
+    return body.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::optional<View> view_of(const std::string& camera) {
+    for (const View view : {View::Left, View::Right, View::Pair})
+        if (camera == to_string(view)) return view;
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::string new_boot_id() {
+    std::random_device random;
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    std::string id;
+    for (int i = 0; i < 16; ++i) id.push_back(kDigits[random() % kDigits.size()]);
+    return id;
+}
+
+Agent::Agent(AgentSettings settings, std::unique_ptr<RecordingSource> source)
+    : settings_(std::move(settings)),
+      source_(std::move(source)),
+      ring_(settings_.state_folder / "ring", settings_.ring_bytes, new_boot_id()),
+      desk_({settings_.state_folder / "commands.json",
+             settings_.on_command,
+             std::chrono::seconds(30),
+             settings_.allow_set_clock,
+             [this](const json& arguments) { return preview_as_asked(arguments); },
+             uptime_ms,
+             set_machine_clock}) {
+    say_hello();
+    link_ = std::make_unique<Link>(settings_.account, settings_.sensor_id, ring_, settings_.link);
+}
+
+Agent::~Agent() = default;
+
+void Agent::say_hello() {
+    const json hello = {{"sensor", settings_.sensor_id},
+                        {"firmware", settings_.firmware},
+                        {"capabilities", desk_.capabilities()},
+                        {"clock", is_wall_time_synchronised() ? "synchronised" : "free"}};
+    say(MessageKind::Hello, text_of(hello));
+}
+
+void Agent::say(MessageKind kind, std::string body, std::string jpeg) {
+    Message message;
+    message.kind = kind;
+    message.uptime_ms = uptime_ms();
+    message.time_ms = wall_time_ms();
+    message.body = std::move(body);
+    message.jpeg = std::move(jpeg);
+    ring_.append(std::move(message));
+}
+
+void Agent::run(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+        step(Clock::now());
+        never.wait_for(lock, stop, kTick, [] { return false; });
+    }
+    ring_.sync();
+}
+
+void Agent::step(Clock::time_point now) {
+    for (const Command& command : link_->take_commands()) desk_.take(command);
+    const bool shows = is_due(preview_at_, now, settings_.preview_period_s);
+    const bool tells = is_due(status_at_, now, settings_.status_period_s);
+    const bool looks =
+        settings_.quick_look && is_due(quick_look_at_, now, 1.0 / settings_.quick_look_rate_hz);
+    if (shows || tells || looks) {
+        source_->update(now);
+        look_at_picture();
+        if (looks) look_quickly();
+    }
+    if (tells) say_status();
+    if (shows && source_->state().is_recording)
+        say_preview(settings_.view, preview_budget(link_->state().bytes_per_s));
+    for (const json& outcome : desk_.work()) say(MessageKind::Outcome, text_of(outcome));
+    if (tells) ring_.sync();
+    if (const auto dive = source_->take_finished(); dive && settings_.on_dive_over)
+        settings_.on_dive_over(*dive);
+}
+
+void Agent::look_at_picture() {
+    if (source_->dive_root() != dive_root_) {
+        dive_root_ = source_->dive_root();
+        pictures_.forget();
+        quick_look_.reset();
+        frame_.reset();
+    }
+    auto newest = source_->newest_frame();
+    if (!newest || (frame_ && frame_->timestamp_ns == newest->timestamp_ns)) return;
+    frame_ = std::move(newest);
+    if (source_->state().is_recording) pictures_.look(frame_->left, frame_->timestamp_ns);
+}
+
+void Agent::look_quickly() {
+    if (!frame_ || !source_->state().is_recording) return;
+    const auto before = source_->newest_frame(frame_->timestamp_ns);
+    if (!before) return;
+    if (!quick_look_) quick_look_ = std::make_unique<QuickLook>(dive_root_);
+    quick_look_->look(*before, *frame_);
+}
+
+void Agent::say_status() {
+    StatusParts parts;
+    parts.recording = source_->state();
+    parts.pictures = pictures_.shares();
+    parts.link = link_->state();
+    parts.battery = battery_level(settings_.battery_file);
+    parts.link_rssi_dbm = link_rssi_dbm();
+    parts.is_clock_synchronised = is_wall_time_synchronised();
+    parts.uptime_ms = uptime_ms();
+    parts.wall_time_ms = wall_time_ms();
+    if (settings_.back_in_s) {
+        const double left_s = *settings_.back_in_s - static_cast<double>(parts.uptime_ms) / 1000.0;
+        if (left_s > 0.0) parts.back_in_s = left_s;
+    }
+    if (quick_look_) parts.quick_look = quick_look_->report();
+    if (const std::string trouble = ring_.trouble(); !trouble.empty())
+        parts.errors.push_back("what is said is kept in memory alone: " + trouble);
+    say(MessageKind::Status, text_of(make_status(parts)));
+}
+
+// For a command: of the camera and the size that it asks for.
+std::string Agent::preview_as_asked(const json& arguments) {
+    View view = settings_.view;
+    if (arguments.contains("camera")) {
+        const json& camera = arguments["camera"];
+        const auto asked = camera.is_string() ? view_of(camera.get<std::string>()) : std::nullopt;
+        if (!asked) return "there is no such camera: cam0, cam1 or pair";
+        view = *asked;
+    }
+    std::int64_t max_bytes = preview_budget(link_->state().bytes_per_s);
+    if (arguments.contains("max_bytes") && arguments["max_bytes"].is_number_integer())
+        max_bytes = arguments["max_bytes"].get<std::int64_t>();
+    source_->update(Clock::now());
+    look_at_picture();
+    return say_preview(view, max_bytes);
+}
+
+cv::Mat Agent::shown(View view) const {
+    const bool draws = settings_.draw_tracks && view == View::Left && quick_look_ &&
+                       !quick_look_->tracks().empty();
+    if (draws) return with_tracks(quick_look_->picture(), quick_look_->tracks());
+    return picture_of(*frame_, view);
+}
+
+// "" or why there is none.
+std::string Agent::say_preview(View view, std::int64_t max_bytes) {
+    if (!frame_) return "there is no picture";
+    const cv::Mat picture = shown(view);
+    if (picture.empty()) return "this camera has no picture";
+    try {
+        Preview preview = make_preview(picture, max_bytes);
+        json body = {{"camera", to_string(view)},
+                     {"captured_ns", frame_->timestamp_ns},
+                     {"width", preview.width_px},
+                     {"height", preview.height_px}};
+        if (const auto shares = pictures_.shares())
+            body["pictures"] = {
+                {"dark", shares->dark}, {"blurred", shares->blurred}, {"frozen", shares->frozen}};
+        say(MessageKind::Preview, text_of(body), std::move(preview.jpeg));
+        return "";
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+}  // namespace divemesh::sensor

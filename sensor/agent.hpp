@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "sensor/command_desk.hpp"
+#include "sensor/link.hpp"
+#include "sensor/message_ring.hpp"
+#include "sensor/picture_check.hpp"
+#include "sensor/preview_maker.hpp"
+#include "sensor/quick_look.hpp"
+#include "sensor/recording_source.hpp"
+
+namespace divemesh::sensor {
+
+struct AgentSettings {
+    api::client::Account account;
+    std::string sensor_id;
+    std::filesystem::path state_folder;  // of the ring and of what has to outlive a restart
+    std::int64_t ring_bytes = std::int64_t{64} << 20;
+    std::string firmware;
+    double status_period_s = 1.0;
+    double preview_period_s = 5.0;  // 0: none but those that are asked for
+    View view = View::Left;
+    bool draw_tracks = false;  // with the quick look
+    bool quick_look = false;
+    double quick_look_rate_hz = 2.0;
+    std::filesystem::path battery_file;  // "": what the machine says
+    std::optional<double> back_in_s;     // when the team is expected back, from the start
+    std::filesystem::path on_command;    // "": no recording by command
+    bool allow_set_clock = false;
+    LinkSettings link;
+    // A dive is over: its folder; whether the link is good by then.
+    std::function<void(const std::filesystem::path& dive)> on_dive_over;
+};
+
+// The agent on the device: looks at what is recorded, says how it is once a second and what it sees
+// every few, keeps all of it until the server has it, and does what it is asked to. run() is the
+// whole of it.
+class Agent {
+public:
+    // Throws Error{Conflict} when another agent uses the state folder.
+    Agent(AgentSettings settings, std::unique_ptr<RecordingSource> source);
+    ~Agent();
+
+    // Until it is to stop. What went wrong on the way is told in the status and goes on.
+    void run(const std::stop_token& stop);
+    // One round of run(); for programs with a loop of their own, ten times a second.
+    void step(Clock::time_point now);
+
+    const MessageRing& ring() const { return ring_; }
+    LinkState link_state() const { return link_->state(); }
+
+private:
+    void say_hello();
+    void say(MessageKind kind, std::string body, std::string jpeg = "");
+    void say_status();
+    void look_at_picture();
+    void look_quickly();
+    std::string preview_as_asked(const nlohmann::json& arguments);
+    std::string say_preview(View view, std::int64_t max_bytes);
+    cv::Mat shown(View view) const;
+
+    AgentSettings settings_;
+    std::unique_ptr<RecordingSource> source_;
+    MessageRing ring_;
+    CommandDesk desk_;
+    PictureCheck pictures_;
+    std::unique_ptr<QuickLook> quick_look_;  // of the dive below
+    std::filesystem::path dive_root_;
+    std::optional<FramePictures> frame_;  // the newest that was looked at
+    Clock::time_point status_at_;
+    Clock::time_point preview_at_;
+    Clock::time_point quick_look_at_;
+    std::unique_ptr<Link> link_;  // last: it reads the ring
+};
+
+// Of random letters, new at each start.
+std::string new_boot_id();
+
+}  // namespace divemesh::sensor

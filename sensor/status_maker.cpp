@@ -1,0 +1,71 @@
+#include "sensor/status_maker.hpp"
+
+#include <algorithm>
+
+#include "worker/dive/entry_name.hpp"
+
+namespace divemesh::sensor {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostErrors = 32;
+constexpr std::size_t kMostDiveBytes = 64;
+constexpr std::size_t kMostErrorBytes = 256;
+
+template <typename Value>
+void set(json& status, const char* name, const std::optional<Value>& value) {
+    if (value) status[name] = *value;
+}
+
+// As a status may hold it: valid UTF-8, at most so long.
+std::string shortened(const std::string& text, std::size_t most_bytes) {
+    std::string clean = worker::printable(text);
+    std::size_t end = std::min(clean.size(), most_bytes);
+    while (end > 0 && end < clean.size() && (clean[end] & 0xC0) == 0x80) --end;
+    return clean.substr(0, end);
+}
+
+void set_errors(const StatusParts& parts, json& status) {
+    json errors = json::array();
+    for (const auto* list : {&parts.errors, &parts.recording.errors})
+        for (const std::string& error : *list)
+            if (errors.size() < kMostErrors) errors.push_back(shortened(error, kMostErrorBytes));
+    status["errors"] = errors;
+}
+
+void set_clock(const StatusParts& parts, json& status) {
+    status["clock_quality"] = parts.is_clock_synchronised ? "synchronised" : "free";
+    if (parts.link.server_time)
+        status["clock_offset_ms"] =
+            parts.wall_time_ms - parts.link.server_time->earliest_ms(parts.uptime_ms);
+}
+
+}  // namespace
+
+json make_status(const StatusParts& parts) {
+    const DiveFigures& figures = parts.recording.figures;
+    json status = {{"recording", parts.recording.is_recording},
+                   {"dive", shortened(parts.recording.dive, kMostDiveBytes)},
+                   {"num_frames", figures.num_frames},
+                   {"num_dropped_frames", figures.num_dropped_frames}};
+    set(status, "frame_rate_hz", figures.frame_rate_hz);
+    set(status, "imu_rate_hz", figures.imu_rate_hz);
+    set(status, "orientation", figures.orientation);
+    set(status, "depth_m", figures.depth_m);
+    set(status, "storage_free_bytes", parts.recording.storage_free_bytes);
+    set(status, "battery", parts.battery);
+    set(status, "link_rssi_dbm", parts.link_rssi_dbm);
+    if (parts.link.bytes_per_s > 0.0) status["link_bytes_per_s"] = parts.link.bytes_per_s;
+    if (parts.pictures)
+        status["pictures"] = {{"dark", parts.pictures->dark},
+                              {"blurred", parts.pictures->blurred},
+                              {"frozen", parts.pictures->frozen}};
+    if (parts.back_in_s) status["dive_plan"] = {{"back_in_s", *parts.back_in_s}};
+    if (!parts.quick_look.is_null()) status["quick_look"] = parts.quick_look;
+    set_clock(parts, status);
+    set_errors(parts, status);
+    return status;
+}
+
+}  // namespace divemesh::sensor

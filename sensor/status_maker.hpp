@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sensor/link.hpp"
+#include "sensor/picture_check.hpp"
+#include "sensor/recording_source.hpp"
+
+namespace divemesh::sensor {
+
+// All that a status is made of; what is not known is left out.
+struct StatusParts {
+    RecordingState recording;
+    std::optional<PictureCheck::Shares> pictures;
+    LinkState link;
+    std::optional<double> battery;  // 0 to 1
+    std::optional<double> link_rssi_dbm;
+    bool is_clock_synchronised = false;
+    std::int64_t uptime_ms = 0;
+    std::int64_t wall_time_ms = 0;
+    std::optional<double> back_in_s;  // the dive plan
+    nlohmann::json quick_look;        // null: none
+    std::vector<std::string> errors;  // besides the recording's
+};
+
+// A status as schemas/sensor-report.schema.json has it, and the key "quick_look".
+nlohmann::json make_status(const StatusParts& parts);
+
+}  // namespace divemesh::sensor
