@@ -155,7 +155,8 @@ void add_source_options(CLI::App& command, SensorOptions& options) {
     command.add_option("--back-in", options.back_in_s, "seconds until the team is expected back");
 }
 
-void add_agent_options(CLI::App& command, sensor::AgentSettings& agent) {
+void add_agent_options(CLI::App& command, SensorOptions& options) {
+    sensor::AgentSettings& agent = options.agent;
     command.add_option("--state",
                        agent.state_folder,
                        "folder for what the server has not got yet (else below ~/.local/state)");
@@ -178,6 +179,8 @@ void add_agent_options(CLI::App& command, sensor::AgentSettings& agent) {
                     "seconds between previews; 0: those that are asked for alone")
         ->check(CLI::Range(0.0, 86'400.0))
         ->capture_default_str();
+    command.add_option("--view", options.view, "of the previews: cam0, cam1, pair")
+        ->capture_default_str();
     command.add_flag(
         "--quick-look", agent.quick_look, "track twice a second: distance, coverage, drift");
     command.add_flag("--draw-tracks", agent.draw_tracks, "and draw the tracks into the previews");
@@ -192,8 +195,6 @@ void add_agent_options(CLI::App& command, sensor::AgentSettings& agent) {
 }
 
 void add_upload_options(CLI::App& command, SensorOptions& options) {
-    command.add_option("--view", options.view, "of the previews: cam0, cam1, pair")
-        ->capture_default_str();
     command.add_flag("--upload", options.upload, "send a dive that is over, once the link is good");
     command.add_option("--upload-token-file",
                        options.upload_token_file,
@@ -217,7 +218,7 @@ void add_sensor(CLI::App& app, Context& context) {
     options->agent.firmware = "divemesh";
     add_server_options(*command, options->server);
     add_source_options(*command, *options);
-    add_agent_options(*command, options->agent);
+    add_agent_options(*command, *options);
     add_upload_options(*command, *options);
     command->footer(
         "The token has the scope sensor:push for this sensor. Ends at SIGTERM and Ctrl-C, a "

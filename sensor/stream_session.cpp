@@ -26,8 +26,9 @@ bool is_range(const json& range) {
 
 void StreamSession::send(Clock::time_point now, double max_bytes_per_s) {
     if (!is_welcome_) return;
-    send_lost(now);
     while (send_next(now, max_bytes_per_s)) continue;
+    const auto next = order_.next();
+    if (!next || next->is_historical) send_lost(now);  // how it is now comes first
 }
 
 bool StreamSession::may_send(std::size_t num_bytes, Clock::time_point now) const {
