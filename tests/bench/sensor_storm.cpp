@@ -355,4 +355,11 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace divemesh
 
-int main(int argc, char** argv) { return divemesh::run(argc, argv); }
+int main(int argc, char** argv) {
+    try {
+        return divemesh::run(argc, argv);
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << '\n';
+        return 1;
+    }
+}

@@ -102,7 +102,8 @@ private:
 
     std::vector<std::string> proxy_command(int port) const {
         const fs::path script = shared_tool("flaky_proxy.mjs");
-        return {"node",
+        return {"/usr/bin/env",
+                "node",
                 script.string(),
                 "--listen",
                 std::to_string(port),
@@ -228,4 +229,11 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace divemesh
 
-int main(int argc, char** argv) { return divemesh::run(argc, argv); }
+int main(int argc, char** argv) {
+    try {
+        return divemesh::run(argc, argv);
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << '\n';
+        return 1;
+    }
+}
