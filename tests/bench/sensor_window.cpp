@@ -86,7 +86,8 @@ public:
                 {"pictures", pictures_ms_.size()},
                 {"backlog_messages", num_stored() - static_cast<int>(statuses_ms_.size())},
                 {"proxy", json::parse(proxy.stdout_text())},
-                {"agent_cpu_share", cpu_s / setting_.seconds}};
+                {"agent_cpu_share", cpu_s / setting_.seconds},
+                {"agent_said", agent.stderr_text()}};
     }
 
 private:
