@@ -6,15 +6,21 @@ namespace divemesh::sensor {
 namespace {
 
 constexpr std::chrono::seconds kMemory{20};
-constexpr std::chrono::milliseconds kShortest{5};  // answers that came at once say nothing
+constexpr std::chrono::milliseconds kShortest{5};  // what comes at once says nothing
 
 }  // namespace
 
-void RateMeter::answered(Clock::time_point now, Clock::time_point sent_at, std::int64_t num_bytes) {
-    const auto begin = std::max(sent_at, last_answer_at_);
-    last_answer_at_ = now;
-    const std::chrono::duration<double> took = std::max<Clock::duration>(now - begin, kShortest);
-    samples_.emplace_back(now, static_cast<double>(num_bytes) / took.count());
+RateMeter::Stamp RateMeter::sent(Clock::time_point now, bool is_idle) {
+    if (is_idle) answered_.at = now;
+    return answered_;
+}
+
+void RateMeter::answered(Clock::time_point now, const Stamp& last, std::int64_t num_bytes) {
+    answered_.num_bytes += num_bytes;
+    answered_.at = now;
+    const std::chrono::duration<double> took = std::max<Clock::duration>(now - last.at, kShortest);
+    samples_.emplace_back(now,
+                          static_cast<double>(answered_.num_bytes - last.num_bytes) / took.count());
     while (samples_.front().first + kMemory < now) samples_.pop_front();
 }
 

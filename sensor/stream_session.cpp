@@ -50,7 +50,8 @@ bool StreamSession::send_next(Clock::time_point now, double max_bytes_per_s) {
     const Message& message = prepared_->second;
     if (!may_send(message.body.size() + message.jpeg.size(), now)) return false;
     std::string frame = frame_of(message, next->is_historical);
-    in_flight_[next->key] = {static_cast<std::int64_t>(frame.size()), now};
+    const auto stamp = rate_.sent(now, in_flight_.empty());
+    in_flight_.emplace(next->key, Sent{static_cast<std::int64_t>(frame.size()), stamp});
     in_flight_bytes_ += static_cast<std::int64_t>(frame.size());
     order_.sent(next->key, message.kind);
     put(std::move(frame), message.kind == MessageKind::Preview, now, max_bytes_per_s);
@@ -114,7 +115,7 @@ void StreamSession::answered(Clock::time_point now, const json& frame) {
         return;
     const std::string boot_id = boot->get<std::string>();
     std::int64_t num_bytes = 0;
-    Clock::time_point first_sent = now;
+    RateMeter::Stamp last;
     for (const json& range : *ranges) {
         if (!is_range(range)) continue;
         const SequenceRange committed{range[0].get<std::int64_t>(), range[1].get<std::int64_t>()};
@@ -125,25 +126,25 @@ void StreamSession::answered(Clock::time_point now, const json& frame) {
                 keys.push_back(key);
         for (const auto& key : keys) {
             order_.committed(key);
-            take_from_flight(key, num_bytes, first_sent);
+            const Sent sent = take_from_flight(key);
+            num_bytes += sent.num_bytes;
+            if (sent.stamp.at >= last.at) last = sent.stamp;
         }
         ring_.committed(boot_id, committed);
     }
-    if (num_bytes > 0) rate_.answered(now, first_sent, num_bytes);
+    if (num_bytes > 0) rate_.answered(now, last, num_bytes);
     if (const auto lost = lost_in_flight_.find(boot_id); lost != lost_in_flight_.end()) {
         ring_.told_lost(boot_id, lost->second);
         lost_in_flight_.erase(lost);
     }
 }
 
-void StreamSession::take_from_flight(MessageRing::Key key,
-                                     std::int64_t& num_bytes,
-                                     Clock::time_point& first) {
-    const auto sent = in_flight_.find(key);
-    num_bytes += sent->second.num_bytes;
-    in_flight_bytes_ -= sent->second.num_bytes;
-    first = std::min(first, sent->second.at);
-    in_flight_.erase(sent);
+StreamSession::Sent StreamSession::take_from_flight(MessageRing::Key key) {
+    const auto found = in_flight_.find(key);
+    const Sent sent = found->second;
+    in_flight_bytes_ -= sent.num_bytes;
+    in_flight_.erase(found);
+    return sent;
 }
 
 // Which boot it is of the server does not say: of this one, if it has such a message under way.
@@ -158,10 +159,8 @@ void StreamSession::refused(const json& frame) {
         const auto meant = std::find_if(in_flight_.rbegin(), in_flight_.rend(), is_meant);
         if (meant == in_flight_.rend()) continue;
         const MessageRing::Key key = meant->first;
-        std::int64_t num_bytes = 0;
-        Clock::time_point first;
         order_.refused(key);
-        take_from_flight(key, num_bytes, first);
+        take_from_flight(key);
         ring_.refused(key);
     }
 }

@@ -45,7 +45,7 @@ public:
 private:
     struct Sent {
         std::int64_t num_bytes = 0;
-        Clock::time_point at;
+        RateMeter::Stamp stamp;
     };
 
     bool may_send(std::size_t num_bytes, Clock::time_point now) const;
@@ -55,7 +55,7 @@ private:
     void welcome(const nlohmann::json& welcome);
     void answered(Clock::time_point now, const nlohmann::json& frame);
     void refused(const nlohmann::json& frame);
-    void take_from_flight(MessageRing::Key key, std::int64_t& num_bytes, Clock::time_point& first);
+    Sent take_from_flight(MessageRing::Key key);
 
     Connection& connection_;
     MessageRing& ring_;

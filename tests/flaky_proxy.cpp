@@ -1,5 +1,6 @@
 #include "tests/flaky_proxy.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -19,6 +20,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
+constexpr double kPiecesPerSecond = 50.0;
 constexpr std::size_t kPieceBytes = std::size_t{64} << 10;
 
 void reset(tcp::socket& socket) {
@@ -60,7 +62,10 @@ struct FlakyProxy::Implementation {
     }
 
     asio::awaitable<void> pass_up(std::shared_ptr<Link> link) {
-        std::vector<char> buffer(kPieceBytes);
+        // A slow link passes a little all the time, not much at once and then nothing for long.
+        const auto piece_bytes = static_cast<std::size_t>(bad_link.bytes_per_s / kPiecesPerSecond);
+        std::vector<char> buffer(piece_bytes > 0 ? std::min(piece_bytes, kPieceBytes)
+                                                 : kPieceBytes);
         std::int64_t seen = 0;
         asio::steady_timer pause(io);
         for (;;) {
