@@ -57,8 +57,8 @@ int run(int argc, char** argv) {
     // clang-format off
     for (const auto add : {add_reconstruct, add_validate, add_evaluate, add_simulate,
                            add_serve, add_worker, add_attempt, add_token, add_backup, add_restore,
-                           add_sensor, add_upload, add_dives, add_jobs, add_download, add_cancel, add_retry,
-                           add_queue, add_workers})
+                           add_sensor, add_upload, add_dives, add_jobs, add_download, add_cancel,
+                           add_retry, add_queue, add_workers})
         add(app, context);
     // clang-format on
     name_variables(app);
