@@ -224,6 +224,8 @@ private:
 
 }  // namespace
 
+std::string_view to_string(MessageKind kind) { return enum_to_text(kKinds, kind); }
+
 SensorReport sensor_report(const json& body) { return Reader().read(body); }
 
 PreviewFrame split_preview(std::string_view frame) {

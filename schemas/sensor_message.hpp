@@ -18,6 +18,7 @@ namespace divemesh {
 //   preview  what a camera sees
 //   outcome  what became of a command
 enum class MessageKind { Hello, Status, Preview, Outcome };
+std::string_view to_string(MessageKind kind);
 
 // One message of a device. Its boot and its sequence name it: a second one with the same name is
 // the same message, sent again.

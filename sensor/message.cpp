@@ -1,6 +1,5 @@
 #include "sensor/message.hpp"
 
-#include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 4> kWords = {"hello", "status", "preview", "outcome"};
+constexpr std::uint32_t kNumKinds = 4;
 constexpr std::int64_t kNoTime = -1;
 
 // Before the body of a record. Read and written by the same machine: its own byte order.
@@ -53,8 +52,6 @@ std::string preview_frame(const Message& message, bool historical) {
 
 }  // namespace
 
-std::string_view to_string(MessageKind kind) { return kWords.at(static_cast<std::size_t>(kind)); }
-
 std::string to_record(const Message& message) {
     const RecordHead head{message.sequence,
                           message.uptime_ms,
@@ -69,7 +66,7 @@ std::string to_record(const Message& message) {
 Message message_of_record(std::string_view record, const std::string& boot_id) {
     RecordHead head;
     if (record.size() >= sizeof head) std::memcpy(&head, record.data(), sizeof head);
-    if (record.size() < sizeof head || head.kind >= kWords.size() ||
+    if (record.size() < sizeof head || head.kind >= kNumKinds ||
         head.num_body_bytes > record.size() - sizeof head)
         throw Error(ErrorCode::BadData, "a record of the ring holds no message");
     Message message;

@@ -6,12 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include "schemas/sensor_message.hpp"
 #include "schemas/sequence_ranges.hpp"
 
 namespace divemesh::sensor {
-
-enum class MessageKind { Hello, Status, Preview, Outcome };
-std::string_view to_string(MessageKind kind);  // the word on the wire
 
 // One thing that this device says, or said. Boot and sequence name it.
 struct Message {

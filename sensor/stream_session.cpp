@@ -147,14 +147,19 @@ StreamSession::Sent StreamSession::take_from_flight(MessageRing::Key key) {
     return sent;
 }
 
-// Which boot it is of the server does not say: of this one, if it has such a message under way.
+// Of a frame that the server could not even read it does not say which boot it is of: of the newest
+// that has such a message under way.
 void StreamSession::refused(const json& frame) {
     const auto sequences = frame.find("messages");
     if (sequences == frame.end() || !sequences->is_array()) return;
+    const auto boot = frame.find("boot_id");
+    const std::string boot_id =
+        boot != frame.end() && boot->is_string() ? boot->get<std::string>() : "";
     for (const json& sequence : *sequences) {
         if (!sequence.is_number_integer()) continue;
         const auto is_meant = [&](const auto& sent) {
-            return sent.first.sequence == sequence.template get<std::int64_t>();
+            return sent.first.sequence == sequence.template get<std::int64_t>() &&
+                   (boot_id.empty() || ring_.boot_id(sent.first) == boot_id);
         };
         const auto meant = std::find_if(in_flight_.rbegin(), in_flight_.rend(), is_meant);
         if (meant == in_flight_.rend()) continue;

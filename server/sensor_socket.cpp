@@ -185,8 +185,11 @@ Incoming read_frame(const api::Request& request, std::string_view frame, bool is
         }
     } catch (const std::exception&) {
         const api::Response problem = api::error_response(request, std::current_exception());
-        incoming.refusal = text_of({{"refused", json::parse(std::get<std::string>(problem.body))},
-                                    {"messages", sequences_in(header)}});
+        json refusal = {{"refused", json::parse(std::get<std::string>(problem.body))},
+                        {"messages", sequences_in(header)}};
+        if (header.is_object() && header.contains("boot_id"))
+            refusal["boot_id"] = header["boot_id"];
+        incoming.refusal = text_of(refusal);
     }
     return incoming;
 }

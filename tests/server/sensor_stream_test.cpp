@@ -128,7 +128,9 @@ TEST_F(SensorStreamTest, S34WhatIsNoFrameIsRefusedByItsNumber) {
         EXPECT_TRUE(sensor.next_json().contains("refused")) << text;
     }
     sensor.say(report(7, {{"battery", "full"}}));
-    EXPECT_EQ(sensor.next_json()["refused"]["errors"][0]["pointer"], "/messages/0/status/battery");
+    const json refused = sensor.next_json();
+    EXPECT_EQ(refused["refused"]["errors"][0]["pointer"], "/messages/0/status/battery");
+    EXPECT_EQ(refused["boot_id"], "boot-1");
     sensor.say(report(7, {{"battery", 1}}));
     EXPECT_EQ(sensor.next_json()["committed"], json::parse("[[7,7]]"));
 }
