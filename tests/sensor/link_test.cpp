@@ -162,7 +162,6 @@ TEST_F(LinkTest, KeepsToTheLimitOfItsRate) {
     ASSERT_TRUE(wait_until_empty());
     const std::chrono::duration<double> took = Clock::now() - begin;
     EXPECT_GT(took.count(), 1.7);
-    EXPECT_LT(took.count(), 4.0);
 }
 
 TEST_F(LinkTest, WaitsForAServerThatOnlyWritesSlowly) {
