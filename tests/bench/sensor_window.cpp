@@ -1,7 +1,8 @@
 // sensor_window --program build/release/divemesh --dive DIR: a minute at the surface on bad wifi. A
-// sensor with an hour of backlog speaks through the shared proxy at 64 kbit/s with 200 ms delay,
-// and the link is cut twice. Prints one JSON: when, after each connect, the server had the newest
-// status and a picture, how much of the backlog came, and what the agent needed of the processor.
+// sensor that kept ten statuses a second for 20 s speaks through the shared proxy at 64 kbit/s with
+// 200 ms delay, and the link is cut twice. Prints one JSON: when, after each connect, the server
+// had the newest status and a picture, how much of the backlog came, and what the agent needed of
+// the processor.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
