@@ -99,6 +99,13 @@ json refined(const MetricsInput& input) {
     return result;
 }
 
+json pose(const Eigen::Isometry3d& T) {
+    const Eigen::Vector3d p = T.translation();
+    const Eigen::Quaterniond q(T.linear());
+    return {{"position_m", {p.x(), p.y(), p.z()}},
+            {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
 json calibration(const MetricsInput& input) {
     const Rig& rig = input.rig;
     json result = {{"body_frame", rig.imu_noise ? "imu" : "cam0"},
@@ -106,6 +113,7 @@ json calibration(const MetricsInput& input) {
                    {"focal_px", {rig.cam0.fx_px, rig.cam0.fy_px}},
                    {"image_size_px", {rig.cam0.width_px, rig.cam0.height_px}},
                    {"distortion_model", to_string(rig.cam0.distortion)},
+                   {"T_imu_cam0", pose(rig.T_imu_cam0)},
                    {"sha256", calibration_sha256(rig)}};
     if (input.gravity)
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
