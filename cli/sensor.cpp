@@ -15,7 +15,6 @@
 #include "cli/server_options.hpp"
 #include "cli/stop_signal.hpp"
 #include "sensor/agent.hpp"
-#include "sensor/dive_upload.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -55,13 +54,16 @@ private:
     std::shared_ptr<std::mutex> mutex_ = std::make_shared<std::mutex>();
 };
 
+std::chrono::milliseconds over_after(const SensorOptions& options) {
+    return std::chrono::milliseconds(static_cast<std::int64_t>(options.over_after_s * 1000.0));
+}
+
 std::unique_ptr<sensor::RecordingSource> source_of(const SensorOptions& options) {
     if (options.replay.empty() == options.watch.empty())
         throw Error(ErrorCode::InvalidArgument, "give one of --replay DIVE and --watch DIR");
     if (!options.replay.empty()) return sensor::replay_dive(options.replay, options.speed);
     sensor::WatchSettings settings;
-    settings.over_after =
-        std::chrono::milliseconds(static_cast<std::int64_t>(options.over_after_s * 1000.0));
+    settings.over_after = over_after(options);
     return sensor::watch_folder(options.watch, settings);
 }
 
@@ -76,6 +78,17 @@ sensor::View view_of(const std::string& name) {
     throw Error(ErrorCode::InvalidArgument, "--view has to be cam0, cam1 or pair");
 }
 
+sensor::DiveUploadSettings upload_of(const SensorOptions& options, const Told& told) {
+    sensor::DiveUploadSettings settings;
+    ServerOptions server = options.server;
+    if (!options.upload_token_file.empty()) server.token_file = options.upload_token_file;
+    settings.account = account_of(server);
+    settings.max_bytes_per_s = options.agent.link.max_bytes_per_s;
+    settings.job = options.upload_job;
+    settings.on_event = told;
+    return settings;
+}
+
 sensor::AgentSettings settings_of(const SensorOptions& options, const Told& told) {
     sensor::AgentSettings settings = options.agent;
     settings.account = account_of(options.server);
@@ -85,17 +98,8 @@ sensor::AgentSettings settings_of(const SensorOptions& options, const Told& told
     settings.quick_look = settings.quick_look || settings.draw_tracks;
     if (options.back_in_s > 0.0) settings.back_in_s = options.back_in_s;
     settings.link.on_event = told;
-    return settings;
-}
-
-sensor::DiveUploadSettings upload_of(const SensorOptions& options, const Told& told) {
-    sensor::DiveUploadSettings settings;
-    ServerOptions server = options.server;
-    if (!options.upload_token_file.empty()) server.token_file = options.upload_token_file;
-    settings.account = account_of(server);
-    settings.max_bytes_per_s = options.agent.link.max_bytes_per_s;
-    settings.job = options.upload_job;
-    settings.on_event = told;
+    settings.over_after = over_after(options);
+    if (options.upload) settings.upload = upload_of(options, told);
     return settings;
 }
 
@@ -111,29 +115,18 @@ int run_sensor(const SensorOptions& options, const Context& context) {
     std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of the write, not the end
     const Told told(context.json);
     std::optional<sensor::Clock::time_point> over_at;
-    std::unique_ptr<sensor::DiveUpload> upload;
     sensor::AgentSettings settings = settings_of(options, told);
-    sensor::DiveUploadSettings upload_settings = upload_of(options, told);
-    std::optional<fs::path> finished;
     settings.on_dive_over = [&](const fs::path& dive) {
         told(dive.string() + " is over");
         over_at = sensor::Clock::now();
-        finished = dive;
     };
     const StopSignal stop;
     sensor::Agent agent(std::move(settings), source_of(options));
-    upload_settings.is_link_good = [&agent] { return agent.link_state().is_connected; };
-    while (!stop.token().stop_requested()) {
-        agent.step(sensor::Clock::now());
-        if (finished && options.upload && (!upload || upload->is_done())) {
-            upload = std::make_unique<sensor::DiveUpload>(*finished, upload_settings);
-            finished.reset();
-        }
-        const bool has_ended = !options.replay.empty() && over_at && (!upload || upload->is_done());
-        if (has_ended && is_all_said(agent, *over_at, options)) break;
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    }
-    return upload && upload->has_failed() ? kExitFailed : kExitDone;
+    agent.run(stop.token(), [&] {
+        return !options.replay.empty() && over_at && !agent.is_uploading() &&
+               is_all_said(agent, *over_at, options);
+    });
+    return agent.has_upload_failed() ? kExitFailed : kExitDone;
 }
 
 void add_source_options(CLI::App& command, SensorOptions& options) {

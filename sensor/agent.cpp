@@ -62,6 +62,11 @@ Agent::Agent(AgentSettings settings, std::unique_ptr<RecordingSource> source)
              set_machine_clock}) {
     say_hello();
     link_ = std::make_unique<Link>(settings_.account, settings_.sensor_id, ring_, settings_.link);
+    if (!settings_.upload) return;
+    if (!settings_.upload->is_link_good)
+        settings_.upload->is_link_good = [this] { return link_->state().is_connected; };
+    uploads_ = std::make_unique<DiveUploads>(
+        settings_.state_folder, *settings_.upload, settings_.over_after);
 }
 
 Agent::~Agent() = default;
@@ -84,12 +89,13 @@ void Agent::say(MessageKind kind, std::string body, std::string jpeg) {
     ring_.append(std::move(message));
 }
 
-void Agent::run(const std::stop_token& stop) {
+void Agent::run(const std::stop_token& stop, const std::function<bool()>& is_enough) {
     std::mutex mutex;
     std::condition_variable_any never;
     std::unique_lock lock(mutex);
     while (!stop.stop_requested()) {
         step(Clock::now());
+        if (is_enough && is_enough()) break;
         never.wait_for(lock, stop, kTick, [] { return false; });
     }
     ring_.sync();
@@ -103,6 +109,7 @@ void Agent::step(Clock::time_point now) {
         settings_.quick_look && is_due(quick_look_at_, now, 1.0 / settings_.quick_look_rate_hz);
     if (shows || tells || looks) {
         source_->update(now);
+        look_at_dives(now);
         look_at_picture();
         if (looks) look_quickly();
     }
@@ -111,8 +118,14 @@ void Agent::step(Clock::time_point now) {
         say_preview(settings_.view, preview_budget(link_->state().bytes_per_s));
     for (const json& outcome : desk_.work()) say(MessageKind::Outcome, text_of(outcome));
     if (tells) ring_.sync();
-    if (const auto dive = source_->take_finished(); dive && settings_.on_dive_over)
-        settings_.on_dive_over(*dive);
+}
+
+void Agent::look_at_dives(Clock::time_point now) {
+    if (const auto dive = source_->take_finished()) {
+        if (uploads_) uploads_->over(*dive);
+        if (settings_.on_dive_over) settings_.on_dive_over(*dive);
+    }
+    if (uploads_) uploads_->look(*source_, now);
 }
 
 void Agent::look_at_picture() {
@@ -153,6 +166,8 @@ void Agent::say_status() {
     if (quick_look_) parts.quick_look = quick_look_->report();
     if (const std::string trouble = ring_.trouble(); !trouble.empty())
         parts.errors.push_back("what is said is kept in memory alone: " + trouble);
+    if (const std::string trouble = uploads_ ? uploads_->trouble() : ""; !trouble.empty())
+        parts.errors.push_back("which dives are sent is not on disk: " + trouble);
     say(MessageKind::Status, text_of(make_status(parts)));
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sensor/command_desk.hpp"
+#include "sensor/dive_uploads.hpp"
 #include "sensor/link.hpp"
 #include "sensor/message_ring.hpp"
 #include "sensor/picture_check.hpp"
@@ -35,7 +36,9 @@ struct AgentSettings {
     std::filesystem::path on_command;    // "": no recording by command
     bool allow_set_clock = false;
     LinkSettings link;
-    // A dive is over: its folder; whether the link is good by then.
+    // Of the dives that are over; whether the link is good is seen from the stream unless it says.
+    std::optional<DiveUploadSettings> upload;
+    std::chrono::milliseconds over_after{60'000};  // silence of a dive that was open at the stop
     std::function<void(const std::filesystem::path& dive)> on_dive_over;
 };
 
@@ -48,18 +51,22 @@ public:
     Agent(AgentSettings settings, std::unique_ptr<RecordingSource> source);
     ~Agent();
 
-    // Until it is to stop. What went wrong on the way is told in the status and goes on.
-    void run(const std::stop_token& stop);
+    // Until it is to stop, or `is_enough`. What went wrong on the way is told in the status and
+    // goes on.
+    void run(const std::stop_token& stop, const std::function<bool()>& is_enough = {});
     // One round of run(); for programs with a loop of their own, ten times a second.
     void step(Clock::time_point now);
 
     const MessageRing& ring() const { return ring_; }
     LinkState link_state() const { return link_->state(); }
+    bool is_uploading() const { return uploads_ && !uploads_->is_idle(); }
+    bool has_upload_failed() const { return uploads_ && uploads_->has_failed(); }
 
 private:
     void say_hello();
     void say(MessageKind kind, std::string body, std::string jpeg = "");
     void say_status();
+    void look_at_dives(Clock::time_point now);
     void look_at_picture();
     void look_quickly();
     std::string preview_as_asked(const nlohmann::json& arguments);
@@ -77,7 +84,8 @@ private:
     Clock::time_point status_at_;
     Clock::time_point preview_at_;
     Clock::time_point quick_look_at_;
-    std::unique_ptr<Link> link_;  // last: it reads the ring
+    std::unique_ptr<Link> link_;            // it reads the ring
+    std::unique_ptr<DiveUploads> uploads_;  // last: it asks the link
 };
 
 // Of random letters, new at each start.

@@ -15,29 +15,33 @@ namespace {
 
 namespace client = api::client;
 
-constexpr std::chrono::seconds kLook{1};
-constexpr int kGoodLooks = 5;  // in a row, before the link is believed
+constexpr std::chrono::milliseconds kLook{500};
 constexpr std::chrono::milliseconds kStall{10'000};
 
 void throw_if(const std::stop_token& stop) {
     if (stop.stop_requested()) throw Error(ErrorCode::Cancelled, "stopped");
 }
 
-void wait_for_link(const std::function<bool()>& is_good, const std::stop_token& stop) {
+void wait_for_link(const DiveUploadSettings& settings, const std::stop_token& stop) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
     std::condition_variable_any never;
-    for (int num_good = 0; num_good < kGoodLooks; num_good = is_good() ? num_good + 1 : 0) {
+    std::chrono::milliseconds good{0};
+    while (good < settings.good_for) {
         never.wait_for(lock, stop, kLook, [] { return false; });
         throw_if(stop);
+        good = settings.is_link_good() ? good + kLook : std::chrono::milliseconds(0);
     }
 }
 
 }  // namespace
 
-DiveUpload::DiveUpload(std::filesystem::path dive, DiveUploadSettings settings)
+DiveUpload::DiveUpload(std::filesystem::path dive,
+                       DiveUploadSettings settings,
+                       UploadLedger& ledger)
     : dive_(std::move(dive)),
       settings_(std::move(settings)),
+      ledger_(ledger),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 DiveUpload::~DiveUpload() {
@@ -45,14 +49,18 @@ DiveUpload::~DiveUpload() {
     thread_.join();
 }
 
+void DiveUpload::tell(const std::string& what) const {
+    if (settings_.on_event) settings_.on_event(what);
+}
+
 void DiveUpload::run(const std::stop_token& stop) {
     try {
-        wait_for_link(settings_.is_link_good, stop);
-        settings_.on_event("sending " + dive_.string());
+        wait_for_link(settings_, stop);
+        tell("sending " + dive_.string());
         send(stop);
     } catch (const std::exception& error) {
         has_failed_ = true;
-        settings_.on_event(dive_.string() + " is not sent: " + error.what());
+        tell(dive_.string() + " is not sent: " + error.what());
     }
     is_done_ = true;
 }
@@ -60,6 +68,11 @@ void DiveUpload::run(const std::stop_token& stop) {
 void DiveUpload::send(const std::stop_token& stop) {
     client::DiveTar tar(dive_);
     const auto hashes = tar.hash([&](std::int64_t) { throw_if(stop); });
+    const std::string name = settings_.account.server.url() + " " + hashes.archive_sha256;
+    if (const auto known = ledger_.find(dive_); known && known->sent == name) {
+        ledger_.note_sent(dive_, name);
+        return tell(dive_.string() + " is on the server already");
+    }
     std::map<std::string, std::string> metadata = {{"filename", dive_.filename().string() + ".tar"},
                                                    {"sha256", hashes.archive_sha256}};
     if (!hashes.content_sha256.empty()) metadata["dive"] = hashes.content_sha256;
@@ -71,7 +84,7 @@ void DiveUpload::send(const std::stop_token& stop) {
     transfer.max_bytes_per_s = settings_.max_bytes_per_s;
     transfer.stall = kStall;
     const client::UploadState state(
-        client::default_state_folder(), settings_.account.server.url(), hashes.archive_sha256);
+        settings_.state_folder, settings_.account.server.url(), hashes.archive_sha256);
     const std::string upload =
         client::upload_by_tus(settings_.account, tar, metadata, state, observer, transfer);
     client::RestClient rest(settings_.account);
@@ -80,8 +93,10 @@ void DiveUpload::send(const std::stop_token& stop) {
                                      {{"upload_id", upload.substr(upload.rfind('/') + 1)}},
                                      backoff,
                                      client::hashing_patience(tar.size_bytes()));
+    // In this order: with the power gone between them the dive is known to be there.
+    ledger_.note_sent(dive_, name);
     state.forget();
-    settings_.on_event(dive_.string() + " is dive " + dive.value("id", "") + " on the server");
+    tell(dive_.string() + " is dive " + dive.value("id", "") + " on the server");
 }
 
 }  // namespace divemesh::sensor

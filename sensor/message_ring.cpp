@@ -1,6 +1,7 @@
 #include "sensor/message_ring.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "schemas/error.hpp"
@@ -28,6 +29,7 @@ MessageRing::MessageRing(const std::filesystem::path& folder,
                          std::int64_t max_bytes,
                          std::string boot_id)
     : boot_id_(std::move(boot_id)), chain_(folder, checked(max_bytes), loader()) {
+    lose_what_is_missing();
     this_boot_ = boot_of(boot_id_);
     remove_finished_segments();
 }
@@ -39,6 +41,7 @@ SegmentChain::Found MessageRing::loader() {
             const Message message = message_of_record(record, boot_id);
             const Key key{boot_of(boot_id), message.sequence};
             const Entry entry{message.kind, place, ""};
+            accounted_[key.boot].add({key.sequence, key.sequence});
             if (entries_of(message.kind).emplace(key, entry).second)
                 ++num_waiting_in_[place.segment.get()];
         } catch (const Error&) {
@@ -47,6 +50,7 @@ SegmentChain::Found MessageRing::loader() {
     };
     found.committed = [this](const std::string& boot_id, const SequenceRange& range) {
         const int boot = boot_of(boot_id);
+        accounted_[boot].add(range);
         for (Entries& entries : entries_)
             for (auto entry = entries.lower_bound({boot, range.first});
                  entry != entries.end() && entry->first <= Key{boot, range.last};)
@@ -54,8 +58,26 @@ SegmentChain::Found MessageRing::loader() {
     };
     found.lost = [this](const std::string& boot_id, const SequenceRange& range) {
         lost_[boot_of(boot_id)].add(range);
+        accounted_[boot_of(boot_id)].add(range);
     };
+    found.damaged = [this] { is_damaged_ = true; };
     return found;
+}
+
+// Messages of which the disk says nothing, though it has later ones of their boot: damaged, or kept
+// in memory when the power went. Of those before the first that is known the words that they are
+// committed went with their segments, unless something is damaged: to call lost what the server has
+// changes nothing.
+void MessageRing::lose_what_is_missing() {
+    for (const auto& [boot, accounted] : accounted_) {
+        const auto known = accounted.first(std::numeric_limits<std::size_t>::max());
+        LostRanges missing;
+        missing.add({is_damaged_ ? 0 : known.front().first, known.back().last});
+        for (const SequenceRange& range : known) missing.remove(range);
+        for (const SequenceRange& range : missing.first(std::numeric_limits<std::size_t>::max()))
+            lost_[boot].add(range);
+    }
+    accounted_.clear();
 }
 
 int MessageRing::boot_of(const std::string& boot_id) {

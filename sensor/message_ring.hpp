@@ -20,8 +20,8 @@ namespace divemesh::sensor {
 
 // What the device has said and the server has not got yet, of this boot and of earlier ones: on
 // disk, bounded, in segments that survive a power cut (SegmentChain). When there is no room the
-// oldest are dropped and told as lost. Where the disk cannot be written to it goes on in memory,
-// with less room, and says so in trouble(). Any thread.
+// oldest are dropped and told as lost, as is what cannot be read any more. Where the disk cannot be
+// written to it goes on in memory, with less room, and says so in trouble(). Any thread.
 class MessageRing {
 public:
     // Names a message; older ones first, whatever boot they are of.
@@ -82,6 +82,7 @@ private:
 
     int boot_of(const std::string& boot_id);  // a new one when it is not known
     SegmentChain::Found loader();
+    void lose_what_is_missing();
     Entries& entries_of(MessageKind kind) { return entries_.at(static_cast<std::size_t>(kind)); }
     void store(Key key, const Message& message);
     void keep_in_memory(Key key, MessageKind kind, std::string record);
@@ -106,7 +107,9 @@ private:
     std::int64_t memory_bytes_ = 0;
     std::string trouble_;
     std::chrono::steady_clock::time_point try_disk_at_;
-    SegmentChain chain_;  // last: what it finds goes into the others
+    bool is_damaged_ = false;
+    std::map<int, LostRanges> accounted_;  // at the start: what became of a boot's messages
+    SegmentChain chain_;                   // last: what it finds goes into the others
 };
 
 }  // namespace divemesh::sensor

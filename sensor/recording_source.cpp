@@ -17,13 +17,18 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kAllOfIt = std::numeric_limits<std::int64_t>::max();
 constexpr std::chrono::seconds kScanPause{2};  // between looks for a newer dive
 constexpr std::size_t kMostNameBytes = 64;
-constexpr const char* kDone = "recording.done";
 
 std::string name_of(const fs::path& folder) {
     std::error_code ignored;
     fs::path path = fs::weakly_canonical(folder, ignored);
     if (path.filename() == "mav0" || path.filename().empty()) path = path.parent_path();
     return path.filename().string().substr(0, kMostNameBytes);
+}
+
+// As one that it is known by, wherever the program was started.
+fs::path settled(const fs::path& folder) {
+    const fs::path path = fs::absolute(folder).lexically_normal();
+    return path.filename().empty() ? path.parent_path() : path;
 }
 
 // When the recorder last wrote a row; nothing where there is no dive.
@@ -34,23 +39,23 @@ std::optional<fs::file_time_type> last_row_at(const fs::path& folder) {
     return std::nullopt;
 }
 
-std::optional<fs::path> newest_dive(const fs::path& folder, std::error_code& failure) {
-    if (last_row_at(folder)) return folder;
-    std::optional<fs::path> newest;
-    fs::file_time_type newest_at = fs::file_time_type::min();
+// The newest last.
+std::vector<fs::path> dives_in(const fs::path& folder, std::error_code& failure) {
+    if (last_row_at(folder)) return {folder};
+    std::vector<std::pair<fs::file_time_type, fs::path>> found;
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure))
-        if (const auto at = last_row_at(entry->path()); at && *at >= newest_at) {
-            newest = entry->path();
-            newest_at = *at;
-        }
-    return newest;
+        if (const auto at = last_row_at(entry->path())) found.emplace_back(*at, entry->path());
+    std::sort(found.begin(), found.end());
+    std::vector<fs::path> dives;
+    for (auto& [at, dive] : found) dives.push_back(std::move(dive));
+    return dives;
 }
 
 class WatchedFolder : public RecordingSource {
 public:
-    WatchedFolder(fs::path folder, const WatchSettings& settings)
-        : folder_(std::move(folder)), settings_(settings) {}
+    WatchedFolder(const fs::path& folder, const WatchSettings& settings)
+        : folder_(settled(folder)), settings_(settings) {}
 
     void update(Clock::time_point now) override {
         state_.errors.clear();
@@ -66,17 +71,22 @@ public:
         return dive_ ? dive_->newest_frame(before_ns) : std::nullopt;
     }
     std::optional<fs::path> take_finished() override { return std::exchange(finished_, {}); }
+    std::optional<std::vector<fs::path>> dives() const override { return dives_; }
     fs::path dive_root() const override { return dive_ ? dive_->root() : fs::path(); }
 
 private:
     void scan(Clock::time_point now) {
         scan_at_ = now + kScanPause;
         std::error_code failure;
-        const auto newest = newest_dive(folder_, failure);
+        auto dives = dives_in(folder_, failure);
         scan_error_ = failure ? folder_.string() + ": " + failure.message() : "";
-        if (newest && (!dive_ || dive_->folder() != *newest)) open(*newest);
+        dives_.reset();
+        if (failure) return;
+        if (!dives.empty() && (!dive_ || dive_->folder() != dives.back())) open(dives.back());
+        dives_ = std::move(dives);
     }
     void open(const fs::path& dive) {
+        if (grew_at_) finished_ = dive_->folder();  // another began after it
         const bool is_first = !has_looked_;
         dive_ = std::make_unique<DiveTail>(dive);
         grew_at_ = {};
@@ -93,18 +103,20 @@ private:
         knows_begin_ = true;
         const auto silence = grew_at_ ? now - *grew_at_ : Clock::duration::max();
         std::error_code ignored;
-        const bool is_done = fs::exists(dive_->folder() / kDone, ignored);
+        const bool is_done = fs::exists(dive_->folder() / kRecordingDone, ignored);
         const bool is_open = grew_at_ && silence < settings_.over_after && !is_done;
         if (grew_at_ && !is_open) finished_ = dive_->folder();
         if (!is_open) grew_at_.reset();
         state_.is_recording = is_open && silence < settings_.silence;
         state_.dive = is_open ? name_of(dive_->folder()) : "";
+        state_.open_dive = is_open ? dive_->folder() : fs::path();
         state_.figures = dive_->figures();
         if (!state_.is_recording) state_.figures.frame_rate_hz = state_.figures.imu_rate_hz = {};
     }
 
     fs::path folder_;
     WatchSettings settings_;
+    std::optional<std::vector<fs::path>> dives_;  // nothing: the folder cannot be read
     std::unique_ptr<DiveTail> dive_;
     Clock::time_point scan_at_ = Clock::time_point::min();
     std::string scan_error_;
@@ -138,7 +150,7 @@ std::pair<std::int64_t, std::int64_t> span_of(const fs::path& dive) {
 
 class ReplayedDive : public RecordingSource {
 public:
-    ReplayedDive(const fs::path& dive, double speed) : dive_(dive), speed_(speed) {
+    ReplayedDive(const fs::path& dive, double speed) : dive_(settled(dive)), speed_(speed) {
         std::tie(first_ns_, last_ns_) = span_of(dive);
     }
 
@@ -154,6 +166,7 @@ public:
         if (!state_.is_recording && !is_over_) finished_ = dive_.folder();
         is_over_ = !state_.is_recording;
         state_.dive = is_over_ ? "" : name_of(dive_.folder());
+        state_.open_dive = is_over_ ? fs::path() : dive_.folder();
         state_.figures = dive_.figures();
         if (is_over_) state_.figures.frame_rate_hz = state_.figures.imu_rate_hz = {};
     }
@@ -161,6 +174,7 @@ public:
         return dive_.newest_frame(before_ns);
     }
     std::optional<fs::path> take_finished() override { return std::exchange(finished_, {}); }
+    std::optional<std::vector<fs::path>> dives() const override { return std::vector<fs::path>(); }
     fs::path dive_root() const override { return dive_.root(); }
 
 private:
@@ -184,8 +198,9 @@ void RecordingSource::look_at_storage(const fs::path& folder) {
         state_.storage_free_bytes.reset();
 }
 
-std::unique_ptr<RecordingSource> watch_folder(fs::path folder, const WatchSettings& settings) {
-    return std::make_unique<WatchedFolder>(std::move(folder), settings);
+std::unique_ptr<RecordingSource> watch_folder(const fs::path& folder,
+                                              const WatchSettings& settings) {
+    return std::make_unique<WatchedFolder>(folder, settings);
 }
 
 std::unique_ptr<RecordingSource> replay_dive(const fs::path& dive, double speed) {

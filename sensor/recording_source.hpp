@@ -13,10 +13,13 @@ namespace divemesh::sensor {
 
 using Clock = std::chrono::steady_clock;
 
+inline constexpr const char* kRecordingDone = "recording.done";  // in the folder of a dive
+
 struct RecordingState {
     bool is_recording = false;
-    std::string dive;     // "": none is open
-    DiveFigures figures;  // of the newest dive
+    std::string dive;                 // "": none is open
+    std::filesystem::path open_dive;  // the folder of it, absolute
+    DiveFigures figures;              // of the newest dive
     std::optional<double> storage_free_bytes;
     std::vector<std::string> errors;  // for people
 };
@@ -31,6 +34,8 @@ public:
         std::int64_t before_ns = std::numeric_limits<std::int64_t>::max()) const = 0;
     // The folder of a dive that is over, each once; for the upload.
     virtual std::optional<std::filesystem::path> take_finished() = 0;
+    // The folders of all that are there, as it last looked; nothing where that was not possible.
+    virtual std::optional<std::vector<std::filesystem::path>> dives() const = 0;
     // Of the newest dive, that cam0 is in; empty: none.
     virtual std::filesystem::path dive_root() const = 0;
 
@@ -49,7 +54,7 @@ struct WatchSettings {
 };
 
 // A folder that dives are recorded to: one, or one below it for each; the newest counts.
-std::unique_ptr<RecordingSource> watch_folder(std::filesystem::path folder,
+std::unique_ptr<RecordingSource> watch_folder(const std::filesystem::path& folder,
                                               const WatchSettings& settings);
 
 // A dive that was recorded, as if it were now; `speed` times as fast. Throws Error{NotFound} when

@@ -108,7 +108,6 @@ void SegmentChain::load(const fs::path& path, const Found& found) {
     std::string boot_id;
     std::vector<std::pair<std::int64_t, std::string>> messages;
     const auto read = [&](std::int64_t offset, std::string_view payload) {
-        if (payload.empty()) return;
         const std::string_view rest = payload.substr(1);
         if (payload[0] == kBoot) boot_id = rest;
         if (payload[0] == kMessage) messages.emplace_back(offset, rest);
@@ -119,7 +118,9 @@ void SegmentChain::load(const fs::path& path, const Found& found) {
         const auto segment = std::make_shared<SegmentFile>(SegmentFile::open(path, read));
         segments_.push_back(segment);
         size_bytes_ += segment->size_bytes();
+        if (segment->is_damaged()) found.damaged();
         for (const auto& [offset, record] : messages) {
+            if (offset >= 0 && boot_id.empty()) continue;
             if (offset >= 0)
                 found.message(boot_id, {segment, offset}, record);
             else
@@ -174,9 +175,10 @@ void SegmentChain::begin_segment() {
     auto segment =
         std::make_shared<SegmentFile>(SegmentFile::create(folder_ / name_of(next_number_)));
     ++next_number_;
-    std::string record(1, kBoot);
+    const std::string record = kBoot + boot_of_last_;
     try {
-        segment->append(record.append(boot_of_last_));
+        // Twice: without it the messages would be nobody's.
+        for (int i = 0; i < 2; ++i) segment->append(record);
     } catch (const Error&) {
         fs::remove(segment->path(), failure);
         throw;

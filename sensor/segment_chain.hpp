@@ -31,6 +31,7 @@ public:
             message;
         std::function<void(const std::string& boot_id, const SequenceRange& range)> committed;
         std::function<void(const std::string& boot_id, const SequenceRange& range)> lost;
+        std::function<void()> damaged;  // there was more than can be read
     };
 
     // Reads what is in `folder`, which need not be there. Throws Error{Conflict} when another

@@ -64,6 +64,29 @@ std::optional<std::string> record_at(int descriptor, std::int64_t offset) {
     return payload;
 }
 
+struct FoundRecord {
+    std::int64_t offset = 0;
+    std::string payload;
+};
+
+// The first whole record from there on.
+std::optional<FoundRecord> find_record(int descriptor, std::int64_t offset) {
+    constexpr std::size_t kWindowBytes = std::size_t{64} << 10;
+    const std::int64_t end = offset + SegmentFile::kLongestSearchBytes;
+    for (; offset < end; offset += static_cast<std::int64_t>(kWindowBytes)) {
+        const std::string window = read_at(descriptor, offset, kWindowBytes + sizeof(Head));
+        for (std::size_t i = 0; i < kWindowBytes && i + sizeof(Head) < window.size(); ++i) {
+            Head head;
+            std::memcpy(&head, window.data() + i, sizeof head);
+            if (head.num_bytes == 0 || head.num_bytes > SegmentFile::kMostRecordBytes) continue;
+            const std::int64_t at = offset + static_cast<std::int64_t>(i);
+            if (auto payload = record_at(descriptor, at)) return {{at, std::move(*payload)}};
+        }
+        if (window.size() < kWindowBytes) break;
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 SegmentFile SegmentFile::create(const std::filesystem::path& path) {
@@ -85,13 +108,16 @@ SegmentFile SegmentFile::open(const std::filesystem::path& path, const OnRecord&
     if (descriptor < 0) descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0) fail(path, "open", errno);
     SegmentFile file(path, descriptor);
-    if (read_at(descriptor, 0, kMagic.size()) != kMagic)
-        throw Error(ErrorCode::BadData, path.string() + " is no segment of a ring");
     file.size_bytes_ = static_cast<std::int64_t>(kMagic.size());
-    while (const auto payload = record_at(descriptor, file.size_bytes_)) {
-        on_record(file.size_bytes_, *payload);
-        file.size_bytes_ += kHeadBytes + static_cast<std::int64_t>(payload->size());
+    file.is_damaged_ = read_at(descriptor, 0, kMagic.size()) != kMagic;
+    while (const auto record = find_record(descriptor, file.size_bytes_)) {
+        file.is_damaged_ = file.is_damaged_ || record->offset != file.size_bytes_;
+        on_record(record->offset, record->payload);
+        file.size_bytes_ =
+            record->offset + kHeadBytes + static_cast<std::int64_t>(record->payload.size());
     }
+    if (file.is_damaged_ && file.size_bytes_ == static_cast<std::int64_t>(kMagic.size()))
+        throw Error(ErrorCode::BadData, path.string() + " is no segment of a ring");
     // Where the disk can only be read the torn tail stays, and is cut off at the next start.
     if (::ftruncate(descriptor, file.size_bytes_) != 0) return file;
     return file;

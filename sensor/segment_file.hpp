@@ -11,10 +11,12 @@
 namespace divemesh::sensor {
 
 // A file that only grows, of records with length and checksum: what a power cut leaves of the last
-// one is recognised and cut off, all before it is kept. One writer; read() from any thread.
+// one is recognised and cut off, all before it is kept; what is damaged elsewhere is passed over,
+// up to kLongestSearchBytes for the next whole record. One writer; read() from any thread.
 class SegmentFile {
 public:
     static constexpr std::size_t kMostRecordBytes = std::size_t{1} << 20;
+    static constexpr std::int64_t kLongestSearchBytes = std::int64_t{2} << 20;
     static constexpr std::int64_t kHeadBytes = 8;  // before each record: its length and checksum
 
     using OnRecord = std::function<void(std::int64_t offset, std::string_view payload)>;
@@ -34,6 +36,7 @@ public:
     bool is_removed() const;
 
     std::int64_t size_bytes() const { return size_bytes_; }
+    bool is_damaged() const { return is_damaged_; }  // between its records, when it was opened
     const std::filesystem::path& path() const { return path_; }
 
 private:
@@ -44,6 +47,7 @@ private:
     std::filesystem::path path_;
     worker::FileDescriptor descriptor_;
     std::int64_t size_bytes_ = 0;
+    bool is_damaged_ = false;
 };
 
 }  // namespace divemesh::sensor
