@@ -35,6 +35,9 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("simplify", options.simplify, "share of the triangles that stays, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error that ends simplifying sooner, m; 0: no limit");
     visit("texture", options.texture, "make texture and mosaic");
+    visit("marker_family", options.marker_family, "look for AprilTags: tag36h11, tag25h9, tagStandard41h12; empty: as markers.json says");
+    visit("marker_size_m", options.marker_size_m, "printed size of the tags, m (docs/markers.md says from where to where); 0: as markers.json says");
+    visit("correct_scale", options.correct_scale, "scale the whole result by the known distances between markers");
     visit("num_threads", options.num_threads, "0: all cores; never changes the result");
     visit("seed", options.seed, "of the random numbers that RANSAC draws");
     // clang-format on
@@ -101,6 +104,12 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require(options.simplify_error_m >= 0.0 && options.simplify_error_m <= 1.0,
                    "simplify_error_m",
                    "must be 0 (no limit) to 1 m");
+    faults.require_one_of(
+        "marker_family", options.marker_family, {"", "tag36h11", "tag25h9", "tagStandard41h12"});
+    faults.require(options.marker_size_m == 0.0 ||
+                       (options.marker_size_m >= 0.005 && options.marker_size_m <= 10.0),
+                   "marker_size_m",
+                   "must be 0 (as markers.json says) or 0.005 to 10 m");
     faults.require(options.num_threads >= 0 && options.num_threads <= 1024,
                    "num_threads",
                    "must be 0 (all cores) to 1024");

@@ -40,6 +40,10 @@ struct ReconstructionOptions {
     double simplify = 1.0;                // share of the triangles that stays
     double simplify_error_m = 0;          // quadric error that ends simplifying sooner; 0: no limit
     bool texture = true;                  // texture and mosaic
+    // markers in the scene; what markers.json says of them, these say in its place
+    std::string marker_family;   // tag36h11 | tag25h9 | tagStandard41h12; empty: as the dive says
+    double marker_size_m = 0.0;  // of all tags; 0: as the dive says
+    bool correct_scale = false;  // of the whole result, by the markers' known distances
     // machine
     int num_threads = 0;    // 0: all cores; never changes a byte of the result
     std::int64_t seed = 1;  // of RANSAC

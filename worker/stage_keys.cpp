@@ -16,6 +16,9 @@ constexpr std::initializer_list<const char*> kFuseReads = {
 constexpr std::initializer_list<const char*> kMeshReads = {
     "mesher", "simplify", "simplify_error_m"};
 constexpr std::initializer_list<const char*> kTextureReads = {"texture"};
+// Read between optimise and fuse; fuse reads them through the scale that they lead to.
+constexpr std::initializer_list<const char*> kScaleReads = {
+    "correct_scale", "marker_family", "marker_size_m"};
 // Change no byte.
 constexpr std::initializer_list<const char*> kNobodyReads = {"num_threads", "fusion_memory_bytes"};
 
@@ -40,7 +43,9 @@ StageKeys stage_keys(const std::string& program,
     nlohmann::json rest = options_to_json(options);
     take_out(rest, kNobodyReads);
     const auto optimise = take_out(rest, kOptimiseReads);
-    const auto fuse = take_out(rest, kFuseReads);
+    auto fuse = take_out(rest, kFuseReads);
+    const auto scale = take_out(rest, kScaleReads);
+    if (options.correct_scale) fuse["scale"] = scale;
     const auto mesh = take_out(rest, kMeshReads);
     const auto texture = take_out(rest, kTextureReads);
     StageKeys keys;

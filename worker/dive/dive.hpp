@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "worker/markers/marker_plan.hpp"
 #include "worker/observer.hpp"
 #include "worker/recording.hpp"
 #include "worker/volume/mesh.hpp"
@@ -77,6 +78,8 @@ public:
     virtual const Trajectory& ground_truth()
         const = 0;  // empty: none; T_world_imu of its own world
     virtual const std::vector<KnownDistance>& known_distances() const = 0;
+    // markers.json; nothing: none.
+    virtual const std::optional<MarkerPlan>& markers() const = 0;
     virtual std::optional<Mesh> read_reference_mesh() const = 0;  // world of the ground truth
 };
 

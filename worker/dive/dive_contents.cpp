@@ -13,6 +13,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr std::int64_t kMaxJsonBytes = std::int64_t{16} << 20;
+constexpr std::int64_t kMaxMarkersBytes = std::int64_t{4} << 20;
 constexpr const char* kSensors[] = {
     "cam0", "cam1", "imu0", "ahrs0", "pressure0", "state_groundtruth_estimate0"};
 
@@ -73,6 +74,8 @@ void ContentsReader::read_json() {
         contents_.info = parse_dive_info(*text, findings_);
     if (const auto text = read_text("measurements.json", kMaxJsonBytes))
         contents_.known_distances = parse_known_distances(*text, findings_);
+    if (const auto text = read_text("markers.json", kMaxMarkersBytes))
+        contents_.markers = parse_markers(*text, findings_);
 }
 
 void ContentsReader::report_unknown_sensors() {

@@ -19,6 +19,7 @@ struct DiveContents {
     std::vector<PressureSample> pressure;
     Trajectory ground_truth;
     std::vector<KnownDistance> known_distances;
+    std::optional<MarkerPlan> markers;
 };
 
 // What is missing or wrong is a finding.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "schemas/invalid_input.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/text.hpp"
 
@@ -146,6 +147,21 @@ std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingL
                          "least four frames, in pixels.");
     }
     return distances;
+}
+
+std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findings) {
+    const std::string file = "markers.json";
+    const std::string remedy = "Correct it, or remove the file if nobody needs the markers.";
+    try {
+        return marker_plan_from_json(json::parse(text));
+    } catch (const json::exception& error) {
+        findings.error("markers_unreadable", file, file + ": " + printable(error.what()), remedy);
+    } catch (const InvalidInput& wrong) {
+        for (const Fault& fault : wrong.faults())
+            findings.error(
+                "markers_unreadable", file, file + ": " + printable(fault.detail), remedy);
+    }
+    return std::nullopt;
 }
 
 }  // namespace divemesh::worker

@@ -36,6 +36,7 @@ public:
     const std::vector<KnownDistance>& known_distances() const override {
         return contents_.known_distances;
     }
+    const std::optional<MarkerPlan>& markers() const override { return contents_.markers; }
     std::optional<Mesh> read_reference_mesh() const override;
 
     // Hashes what is not hashed yet, with progress.

@@ -51,6 +51,7 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
     const nlohmann::json values = options_to_json(options);
     for (const auto& [name, value] : values.items()) {
         if (name == "num_threads" || name == "fusion_memory_bytes") continue;
+        if (name.starts_with("marker_")) continue;
         nlohmann::json other = values;
         if (kOtherWords.contains(name))
             other[name] = kOtherWords.at(name);
@@ -65,6 +66,20 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
         EXPECT_NE(stage_keys("1.0", "dive", make_options("standard", other)).texture, texture)
             << name;
     }
+}
+
+TEST(StageKeysTest, MarkersChangeTheMapWhereItIsScaledByThem) {
+    const StageKeys plain = keys_with(nlohmann::json::object());
+    const StageKeys scaled = keys_with({{"correct_scale", true}});
+    const nlohmann::json family = {{"marker_family", "tag25h9"}};
+    const nlohmann::json scaled_by_family = {{"correct_scale", true}, {"marker_family", "tag25h9"}};
+
+    EXPECT_EQ(keys_with(family).fuse, plain.fuse);
+    EXPECT_EQ(keys_with(family).texture, plain.texture);
+    EXPECT_EQ(scaled.optimise, plain.optimise);
+    EXPECT_NE(scaled.fuse, plain.fuse);
+    EXPECT_NE(keys_with(scaled_by_family).fuse, scaled.fuse);
+    EXPECT_EQ(keys_with(scaled_by_family).optimise, plain.optimise);
 }
 
 TEST(StageKeysTest, AnotherDiveOrVersionSharesNothing) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <apriltag/apriltag.h>
+#include <memory>
+
+#include "worker/markers/marker_family.hpp"
+
+namespace divemesh::worker {
+
+// A family as the library knows it, with the function that frees it.
+using AprilTagFamily = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+AprilTagFamily make_april_tag_family(MarkerFamily family);
+
+}  // namespace divemesh::worker
