@@ -30,6 +30,7 @@ void add_retry(CLI::App& app, Context& context);
 void add_queue(CLI::App& app, Context& context);
 void add_workers(CLI::App& app, Context& context);
 void add_reconstruct(CLI::App& app, Context& context);
+void add_export(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_simulate(CLI::App& app, Context& context);
 void add_validate(CLI::App& app, Context& context);

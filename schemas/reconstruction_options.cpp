@@ -38,6 +38,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("marker_family", options.marker_family, "look for AprilTags: tag36h11, tag25h9, tagStandard41h12; empty: as markers.json says");
     visit("marker_size_m", options.marker_size_m, "printed size of the tags, m (docs/markers.md says from where to where); 0: as markers.json says");
     visit("correct_scale", options.correct_scale, "scale the whole result by the known distances between markers");
+    visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj (mesh)");
     visit("num_threads", options.num_threads, "0: all cores; never changes the result");
     visit("seed", options.seed, "of the random numbers that RANSAC draws");
     // clang-format on
@@ -69,7 +70,20 @@ private:
     std::vector<Fault> faults_;
 };
 
+void validate_exports(const ReconstructionOptions& options, OptionFaults& faults) {
+    const std::string& list = options.exports;
+    for (std::size_t start = 0; start < list.size();) {
+        const std::size_t end = std::min(list.find(',', start), list.size());
+        const std::string word = list.substr(start, end - start);
+        faults.require_one_of("exports", word, {"kitti", "euroc", "obj"});
+        faults.require(
+            word != "obj" || options.surface, "exports", "has obj, which needs a surface");
+        start = end + 1;
+    }
+}
+
 void validate(const ReconstructionOptions& options, OptionFaults& faults) {
+    validate_exports(options, faults);
     faults.require_one_of("stereo", options.stereo, {"block", "sgm", "opencv_sgbm"});
     faults.require_one_of("estimator", options.estimator, {"pairwise", "window"});
     faults.require_one_of("fusion", options.fusion, {"octree", "tsdf"});

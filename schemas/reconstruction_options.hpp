@@ -44,6 +44,8 @@ struct ReconstructionOptions {
     std::string marker_family;   // tag36h11 | tag25h9 | tagStandard41h12; empty: as the dive says
     double marker_size_m = 0.0;  // of all tags; 0: as the dive says
     bool correct_scale = false;  // of the whole result, by the markers' known distances
+    // other programs' formats beside our own, separated by commas: kitti, euroc, obj
+    std::string exports;
     // machine
     int num_threads = 0;    // 0: all cores; never changes a byte of the result
     std::int64_t seed = 1;  // of RANSAC

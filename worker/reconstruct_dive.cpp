@@ -24,8 +24,10 @@
 #include "worker/mosaic/mosaic.hpp"
 #include "worker/output/atomic_file.hpp"
 #include "worker/output/covariance_file.hpp"
+#include "worker/output/exports.hpp"
 #include "worker/output/glb_writer.hpp"
 #include "worker/output/ply.hpp"
+#include "worker/output/reconstruction_folder.hpp"
 #include "worker/output/trajectory_file.hpp"
 #include "worker/reconstruct.hpp"
 #include "worker/stage_cache.hpp"
@@ -107,6 +109,7 @@ private:
                         const std::filesystem::path& picture,
                         const ProgressCallback& progress) const;
     nlohmann::json evaluate();
+    void write_exports() const;
     Evaluation compare_with_truth() const;
     nlohmann::json metrics(const Evaluation& evaluation) const;
     std::optional<MeshFigures> mesh_figures() const;
@@ -332,8 +335,18 @@ nlohmann::json DiveRun::evaluate() {
                             .trajectory = optimised_.trajectory,
                             .evaluation = evaluation,
                             .picture_png = picture_png_}));
+    write_exports();
     stages_.finish();
     return document;
+}
+
+void DiveRun::write_exports() const {
+    auto formats = export_formats(request_.options.exports);
+    const ReconstructionFolder made(request_.out);
+    const auto position = position_of(made);
+    if (position && request_.options.surface && request_.options.texture)
+        formats.push_back(ExportFormat::Geotiff);
+    export_reconstruction(made, formats, position, request_.out);
 }
 
 Evaluation DiveRun::compare_with_truth() const {
@@ -354,6 +367,7 @@ nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
                              .preset = request_.preset,
                              .options = request_.options,
                              .dive_name = dive_->info().name,
+                             .position = dive_->info().position,
                              .content_sha256 = dive_->content_sha256(),
                              .duration_s = dive_->duration_s(),
                              .rig = dive_->rig(),

@@ -19,8 +19,9 @@ constexpr std::initializer_list<const char*> kTextureReads = {"texture"};
 // Read between optimise and fuse; fuse reads them through the scale that they lead to.
 constexpr std::initializer_list<const char*> kScaleReads = {
     "correct_scale", "marker_family", "marker_size_m"};
-// Change no byte.
-constexpr std::initializer_list<const char*> kNobodyReads = {"num_threads", "fusion_memory_bytes"};
+// Change no byte of what stages make.
+constexpr std::initializer_list<const char*> kNobodyReads = {
+    "num_threads", "fusion_memory_bytes", "exports"};
 
 nlohmann::json take_out(nlohmann::json& options, std::initializer_list<const char*> names) {
     nlohmann::json taken = nlohmann::json::object();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "worker/geometry/geographic_position.hpp"
 #include "worker/markers/marker_plan.hpp"
 #include "worker/observer.hpp"
 #include "worker/recording.hpp"
@@ -34,6 +35,7 @@ struct DiveInfo {
     std::vector<std::string> tags;
     std::optional<double> water_temperature_c;
     std::optional<double> water_salinity_psu;
+    std::optional<GeographicPosition> position;  // of the first pose of the body
 };
 
 // A point as it is marked in one stereo pair; pixels of the recorded (distorted) pictures.

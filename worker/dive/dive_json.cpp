@@ -55,6 +55,29 @@ void read_water(const json& object, DiveInfo& info) {
         if (!info.water_salinity_psu) info.water_salinity_psu = number_at(water, key);
 }
 
+// {"latitude_deg": 44.6, "longitude_deg": -63.6, "x_azimuth_deg": 90}, the azimuth optional. Half a
+// position or a wrong one would put the model elsewhere: it is left out, with a warning.
+std::optional<GeographicPosition> position_at(const json& object, FindingLog& findings) {
+    const auto found = object.find("position");
+    if (found == object.end()) return std::nullopt;
+    if (found->is_object()) {
+        const auto latitude_deg = number_at(*found, "latitude_deg");
+        const auto longitude_deg = number_at(*found, "longitude_deg");
+        const auto azimuth_deg = number_at(*found, "x_azimuth_deg");
+        const GeographicPosition position{
+            latitude_deg.value_or(0.0), longitude_deg.value_or(0.0), azimuth_deg};
+        if (latitude_deg && longitude_deg && position.is_valid() &&
+            (azimuth_deg || !found->contains("x_azimuth_deg")))
+            return position;
+    }
+    findings.warning("position_unusable",
+                     "dive.json",
+                     "the position is left out: it needs latitude_deg (-80 to 84) and "
+                     "longitude_deg (-180 to 180), and may have x_azimuth_deg, all numbers",
+                     "Write it in decimal degrees, WGS 84.");
+    return std::nullopt;
+}
+
 template <int kSize>
 std::optional<Eigen::Vector<double, kSize>> point_at(const json& object, const char* key) {
     const auto found = object.find(key);
@@ -117,6 +140,7 @@ DiveInfo parse_dive_info(std::string_view text, FindingLog& findings) {
     info.rig = printable(text_at(object, "rig"));
     info.notes = text_at(object, "notes");
     read_water(object, info);
+    info.position = position_at(object, findings);
     const auto tags = object.find("tags");
     if (tags != object.end() && tags->is_array())
         for (const json& tag : *tags)

@@ -106,6 +106,18 @@ json pose(const Eigen::Isometry3d& T) {
             {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
+json dive(const MetricsInput& input) {
+    json result = {{"name", input.dive_name},
+                   {"content_sha256", input.content_sha256},
+                   {"duration_s", input.duration_s}};
+    if (const auto& position = input.position) {
+        result["position"] = {{"latitude_deg", position->latitude_deg},
+                              {"longitude_deg", position->longitude_deg}};
+        if (position->x_azimuth_deg) result["position"]["x_azimuth_deg"] = *position->x_azimuth_deg;
+    }
+    return result;
+}
+
 json calibration(const MetricsInput& input) {
     const Rig& rig = input.rig;
     json result = {{"body_frame", rig.imu_noise ? "imu" : "cam0"},
@@ -267,10 +279,7 @@ json metrics_document(const MetricsInput& input) {
                      {"version", input.version},
                      {"preset", input.preset},
                      {"options", options_to_json(input.options)},
-                     {"dive",
-                      {{"name", input.dive_name},
-                       {"content_sha256", input.content_sha256},
-                       {"duration_s", input.duration_s}}},
+                     {"dive", dive(input)},
                      {"calibration", calibration(input)},
                      {"frames", frames(input)},
                      {"tracking", tracking(input)},

@@ -8,6 +8,7 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "worker/geometry/geographic_position.hpp"
 #include "worker/geometry/rig.hpp"
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/imu_check.hpp"
@@ -53,6 +54,7 @@ struct MetricsInput {
     std::string preset;
     ReconstructionOptions options;  // as used
     std::string dive_name;
+    std::optional<GeographicPosition> position;
     std::string content_sha256;
     double duration_s = 0.0;
     Rig rig;

@@ -30,7 +30,7 @@ struct MosaicOptions {
 Mosaic render_mosaic(const Mesh& mesh, const MosaicOptions& options = {});
 
 // mosaic.png, mosaic_height.png (16 bit; 0: nothing there) and mosaic.json with the scales of
-// both, in `folder`.
+// both, and a world file for each picture (.pgw, the world in m), in `folder`.
 void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic);
 
 // The picture scaled down to `max_side_px` on white, for the report.

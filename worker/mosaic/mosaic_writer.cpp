@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -43,6 +44,23 @@ void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
     write_file(file, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
+// The six lines of an ESRI world file: the world's (x, y) of a pixel's centre is
+// (A column + B row + C, D column + E row + F), in the order A D B E C F.
+std::string world_file(const Mosaic& mosaic) {
+    std::string text;
+    for (const double value : {mosaic.pixel_m,
+                               0.0,
+                               0.0,
+                               -mosaic.pixel_m,
+                               mosaic.corner_x_m + 0.5 * mosaic.pixel_m,
+                               mosaic.corner_y_m - 0.5 * mosaic.pixel_m}) {
+        char line[40];
+        std::snprintf(line, sizeof line, "%.12g\n", value);
+        text += line;
+    }
+    return text;
+}
+
 }  // namespace
 
 void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic) {
@@ -62,6 +80,8 @@ void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic) {
           {"step_m", heights.step_m}}}};
     write_png(folder / "mosaic.png", mosaic.color);
     write_png(folder / "mosaic_height.png", heights.steps);
+    write_file(folder / "mosaic.pgw", world_file(mosaic));
+    write_file(folder / "mosaic_height.pgw", world_file(mosaic));
     write_file(folder / "mosaic.json", description.dump(2) + "\n");
 }
 

@@ -71,6 +71,8 @@ Trajectory ReconstructionFolder::causal_trajectory() const {
 
 Mesh ReconstructionFolder::mesh() const { return read_ply(folder_ / "mesh.ply"); }
 
+json ReconstructionFolder::mosaic() const { return read_json(folder_ / "mosaic.json"); }
+
 std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
     const auto file = folder_ / "keyframes.json";
     const json document = read_json(file);

@@ -34,6 +34,7 @@ public:
     Trajectory causal_trajectory() const;
     Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
     std::vector<KeyframePose> keyframes() const;
+    nlohmann::json mosaic() const;  // mosaic.json
     // Where the left camera sits on the body; nothing in what older versions wrote.
     std::optional<Eigen::Isometry3d> T_imu_cam0() const;
 

@@ -130,6 +130,34 @@ bool holds_no_pose(const std::string& text, int line_number) {
     return line_number == 1 && std::isalpha(static_cast<unsigned char>(text[start])) != 0;
 }
 
+Eigen::Quaterniond rotation_of(const Eigen::Isometry3d& pose) {
+    Eigen::Quaterniond q(pose.linear());
+    if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+    return q;
+}
+
+// A row's numbers, with a separator before the first of them or not, and the end of its line.
+std::string row_of(const std::vector<double>& values, char separator, bool separator_first) {
+    std::string text;
+    for (const double value : values) {
+        if (separator_first || !text.empty()) text += separator;
+        char number[64];
+        text.append(number,
+                    static_cast<std::size_t>(std::snprintf(number, sizeof number, "%.9f", value)));
+    }
+    return text + "\n";
+}
+
+std::string seconds_text(std::int64_t timestamp_ns) {
+    char text[48];
+    const int length = std::snprintf(text,
+                                     sizeof text,
+                                     "%lld.%09lld",
+                                     static_cast<long long>(timestamp_ns / kNsPerSecond),
+                                     static_cast<long long>(timestamp_ns % kNsPerSecond));
+    return {text, static_cast<std::size_t>(length)};
+}
+
 }  // namespace
 
 std::string_view to_string(TrajectoryFormat format) {
@@ -146,22 +174,34 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
     output.write("# timestamp_s x_m y_m z_m qx qy qz qw\n");
     for (const auto& [timestamp_ns, pose] : trajectory) {
         const Eigen::Vector3d p = pose.translation();
-        Eigen::Quaterniond q(pose.linear());
-        if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-        char text[256];
-        const int length = std::snprintf(text,
-                                         sizeof text,
-                                         "%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                                         static_cast<long long>(timestamp_ns / kNsPerSecond),
-                                         static_cast<long long>(timestamp_ns % kNsPerSecond),
-                                         p.x(),
-                                         p.y(),
-                                         p.z(),
-                                         q.x(),
-                                         q.y(),
-                                         q.z(),
-                                         q.w());
-        output.write({text, static_cast<std::size_t>(length)});
+        const Eigen::Quaterniond q = rotation_of(pose);
+        output.write(seconds_text(timestamp_ns) +
+                     row_of({p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}, ' ', true));
+    }
+    output.commit();
+}
+
+void write_euroc(const std::filesystem::path& file, const Trajectory& trajectory) {
+    AtomicFile output(file);
+    output.write(
+        "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
+        "q_RS_z []\n");
+    for (const auto& [timestamp_ns, pose] : trajectory) {
+        const Eigen::Vector3d p = pose.translation();
+        const Eigen::Quaterniond q = rotation_of(pose);
+        output.write(std::to_string(timestamp_ns) +
+                     row_of({p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()}, ',', true));
+    }
+    output.commit();
+}
+
+void write_kitti(const std::filesystem::path& file, const Trajectory& trajectory) {
+    AtomicFile output(file);
+    for (const StampedPose& stamped : trajectory) {
+        std::vector<double> values;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 4; ++j) values.push_back(stamped.T_world_imu(i, j));
+        output.write(row_of(values, ' ', false));
     }
     output.commit();
 }

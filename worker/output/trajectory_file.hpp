@@ -20,6 +20,10 @@ struct TrajectoryFile {
 
 // Nanoseconds are kept; positions and quaternions have nine decimals.
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory);
+// The first eight columns of EuRoC's state_groundtruth_estimate0/data.csv, as precise.
+void write_euroc(const std::filesystem::path& file, const Trajectory& trajectory);
+// One row a pose, nine decimals; the stamps are lost, as that format has none.
+void write_kitti(const std::filesystem::path& file, const Trajectory& trajectory);
 
 // Finds out the format from the first line that holds numbers. Throws Error{NotFound}, or
 // Error{BadData} with file and line: not a number, no rotation, stamps that do not rise.

@@ -1,0 +1,76 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "schemas/error.hpp"
+#include "worker/output/exports.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportOptions {
+    fs::path reconstruction;
+    fs::path out;
+    std::string formats;
+    std::optional<double> latitude_deg;
+    std::optional<double> longitude_deg;
+    std::optional<double> x_azimuth_deg;
+};
+
+// What is given here goes before what dive.json said.
+std::optional<worker::GeographicPosition> position(
+    const ExportOptions& options, const worker::ReconstructionFolder& reconstruction) {
+    if (!options.latitude_deg) return worker::position_of(reconstruction);
+    return worker::GeographicPosition{
+        *options.latitude_deg, *options.longitude_deg, options.x_azimuth_deg};
+}
+
+int run(const ExportOptions& options, const Context& context) {
+    const auto formats = worker::export_formats(options.formats);
+    const worker::ReconstructionFolder reconstruction(options.reconstruction);
+    const fs::path out = options.out.empty() ? options.reconstruction : options.out;
+    const auto place = position(options, reconstruction);
+    const auto names = worker::export_reconstruction(reconstruction, formats, place, out);
+    nlohmann::json files = nlohmann::json::array();
+    for (const std::string& name : names) files.push_back((out / name).string());
+    if (context.json)
+        std::cout << nlohmann::json{{"files", files}}.dump(2) << '\n';
+    else
+        for (const auto& file : files) std::cout << file.get<std::string>() << '\n';
+    return kExitDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("export", "files of a reconstruction for other programs");
+    auto options = std::make_shared<ExportOptions>();
+    command->add_option("reconstruction", options->reconstruction, "folder of a reconstruction")
+        ->required();
+    command
+        ->add_option("--format",
+                     options->formats,
+                     "kitti, euroc (trajectory), obj (mesh), geotiff (mosaic, heights); several "
+                     "with commas")
+        ->required();
+    command->add_option("--out", options->out, "default: the reconstruction's own folder");
+    auto* latitude = command->add_option(
+        "--latitude", options->latitude_deg, "of the first pose, degrees, WGS 84");
+    auto* longitude = command->add_option("--longitude", options->longitude_deg, "the same");
+    latitude->needs(longitude);
+    longitude->needs(latitude);
+    command
+        ->add_option("--x-azimuth",
+                     options->x_azimuth_deg,
+                     "of the world's x axis from true north, clockwise, degrees")
+        ->needs(latitude);
+    command->callback([options, &context] {
+        context.command = [options, &context] { return run(*options, context); };
+    });
+}
+
+}  // namespace divemesh::cli
