@@ -19,14 +19,34 @@ void add_trajectory(CLI::App& parent, Context& context) {
     struct Options {
         std::filesystem::path estimate;
         std::filesystem::path reference;
+        worker::TrajectoryEvaluationOptions how;
+        std::string pairs = "consecutive";
+        std::string lever_arm;
+        std::string time_offset;
     };
     auto* command = parent.add_subcommand("trajectory", "error of a trajectory against the truth");
     auto options = std::make_shared<Options>();
     command->add_option("--estimate", options->estimate, "TUM, EuRoC or KITTI file")->required();
     command->add_option("--reference", options->reference, "TUM, EuRoC or KITTI file")->required();
+    command
+        ->add_option("--rpe-delta-m", options->how.relative.delta_m, "of the relative pose error")
+        ->check(CLI::Range(1e-3, 1e6))
+        ->capture_default_str();
+    command->add_option("--rpe-pairs", options->pairs, "consecutive or all, as evo takes them")
+        ->check(CLI::IsMember({"consecutive", "all"}))
+        ->capture_default_str();
+    command->add_option(
+        "--lever-arm", options->lever_arm, "x,y,z[,qw,qx,qy,qz] of the tracked marker, or solve");
+    command->add_option(
+        "--time-offset", options->time_offset, "s, the truth's clock minus ours, or solve");
     command->callback([options, &context] {
         context.command = [options, &context] {
-            return print(worker::evaluate_trajectory(options->estimate, options->reference),
+            auto how = options->how;
+            if (options->pairs == "all")
+                how.relative.pairs = worker::RelativePoseOptions::Pairs::All;
+            if (!options->lever_arm.empty()) set_lever_arm(how.truth, options->lever_arm);
+            if (!options->time_offset.empty()) set_time_offset(how.truth, options->time_offset);
+            return print(worker::evaluate_trajectory(options->estimate, options->reference, how),
                          context);
         };
     });

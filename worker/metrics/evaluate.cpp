@@ -1,32 +1,64 @@
 #include "worker/metrics/evaluate.hpp"
 
+#include <utility>
+
 #include "schemas/error.hpp"
 #include "worker/metrics/surface_error.hpp"
 #include "worker/metrics/trajectory_error.hpp"
+#include "worker/metrics/truth_registration.hpp"
 #include "worker/output/ply.hpp"
 #include "worker/output/trajectory_file.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-TrajectoryError error_between(const TrajectoryFile& estimate, const TrajectoryFile& reference) {
-    TrajectoryErrorOptions options;
-    options.pair_by_index = estimate.format == TrajectoryFormat::Kitti;
-    if (options.pair_by_index != (reference.format == TrajectoryFormat::Kitti))
+void require_same_pairing(const TrajectoryFile& estimate, const TrajectoryFile& reference) {
+    if ((estimate.format == TrajectoryFormat::Kitti) !=
+        (reference.format == TrajectoryFormat::Kitti))
         throw Error(ErrorCode::InvalidArgument,
                     "a KITTI file has no timestamps and can only be compared with a KITTI file");
+}
+
+void require_no_truth_options(const TruthOptions& options) {
+    if (options.solve_lever_arm || options.solve_time_offset || options.lever_arm ||
+        options.time_offset_s != 0.0)
+        throw Error(ErrorCode::InvalidArgument,
+                    "lever arm and time offset need timestamps, which a KITTI file has not; give "
+                    "TUM or EuRoC files");
+}
+
+TrajectoryError error_between(const TrajectoryFile& estimate, const TrajectoryFile& reference) {
+    require_same_pairing(estimate, reference);
+    TrajectoryErrorOptions options;
+    options.pair_by_index = estimate.format == TrajectoryFormat::Kitti;
     return trajectory_error(estimate.poses, reference.poses, options);
 }
 
 }  // namespace
 
 nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
-                                   const std::filesystem::path& reference) {
+                                   const std::filesystem::path& reference,
+                                   const TrajectoryEvaluationOptions& options) {
     const TrajectoryFile estimated = read_trajectory(estimate);
-    const TrajectoryFile truth = read_trajectory(reference);
-    nlohmann::json json = to_metrics(error_between(estimated, truth));
+    TrajectoryFile truth = read_trajectory(reference);
+    require_same_pairing(estimated, truth);
+    const std::string_view truth_format = to_string(truth.format);
+    RegisteredTruth registered;
+    if (truth.format == TrajectoryFormat::Kitti) {
+        require_no_truth_options(options.truth);
+        registered.poses = std::move(truth.poses);
+        registered.options.pair_by_index = true;
+    } else {
+        registered = registered_truth(estimated.poses, std::move(truth.poses), options.truth);
+    }
+    const auto& [registration, poses, pairing] = registered;
+    nlohmann::json json = to_metrics(trajectory_error(estimated.poses, poses, pairing));
+    json["relative_pose"] = to_metrics(
+        relative_pose_error(pair_poses(estimated.poses, poses, pairing), options.relative));
+    if (!registration.has_orientation) json = without_rotations(std::move(json));
+    json["truth"] = to_metrics(registration, options.truth);
     json["estimate_format"] = to_string(estimated.format);
-    json["reference_format"] = to_string(truth.format);
+    json["reference_format"] = truth_format;
     return json;
 }
 

@@ -4,12 +4,22 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "schemas/truth_options.hpp"
+#include "worker/metrics/relative_pose_error.hpp"
+
 namespace divemesh::worker {
 
+struct TrajectoryEvaluationOptions {
+    RelativePoseOptions relative = {.delta_m = 1.0};
+    TruthOptions truth;  // of the reference; not for KITTI files
+};
+
 // `divemesh evaluate trajectory`: any pair of TUM, EuRoC and KITTI files; KITTI's are paired line
-// by line, which only works with another KITTI file. The figures of metrics.json's trajectory.
+// by line, which only works with another KITTI file. The figures of metrics.json's trajectory,
+// `relative_pose`, and `truth`: lever arm and time offset.
 nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
-                                   const std::filesystem::path& reference);
+                                   const std::filesystem::path& reference,
+                                   const TrajectoryEvaluationOptions& options = {});
 
 struct MeshEvaluationRequest {
     std::filesystem::path estimate;   // PLY

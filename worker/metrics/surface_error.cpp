@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "schemas/error.hpp"
 #include "worker/metrics/nearest_camera.hpp"
+#include "worker/metrics/summary.hpp"
 #include "worker/metrics/surface_index.hpp"
 #include "worker/metrics/surface_samples.hpp"
+#include "worker/parallel.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -95,6 +99,42 @@ RelativeDistance relative_to(const std::vector<double>& ranges_m,
     return {quantile(ratios, 0.5), quantile(ratios, 0.8)};
 }
 
+// Points of the cloud, evenly over their order, at most as many as samples of a mesh.
+std::vector<Eigen::Vector3f> sample_points(const Mesh& cloud, std::int64_t num_samples) {
+    const auto step =
+        std::max<std::size_t>(1,
+                              (cloud.vertices.size() + static_cast<std::size_t>(num_samples) - 1) /
+                                  static_cast<std::size_t>(num_samples));
+    std::vector<Eigen::Vector3f> samples;
+    for (std::size_t i = 0; i < cloud.vertices.size(); i += step)
+        samples.push_back(cloud.vertices[i]);
+    return samples;
+}
+
+// Against every other point; points at the same place count as one.
+double spacing_m(const Mesh& cloud, int num_threads) {
+    constexpr std::size_t kNumSamples = 256;
+    const std::size_t step = std::max<std::size_t>(1, cloud.vertices.size() / kNumSamples);
+    std::vector<double> nearest_m((cloud.vertices.size() + step - 1) / step);
+    for_each_index(num_threads, nearest_m.size(), [&](std::size_t i) {
+        float nearest = std::numeric_limits<float>::infinity();
+        for (const Eigen::Vector3f& other : cloud.vertices) {
+            const float squared = (other - cloud.vertices[i * step]).squaredNorm();
+            if (squared > 0.0F) nearest = std::min(nearest, squared);
+        }
+        nearest_m[i] = std::sqrt(static_cast<double>(nearest));
+    });
+    return median(std::move(nearest_m));
+}
+
+std::vector<double> histogram_of(const std::vector<double>& distances_m) {
+    std::vector<double> shares(kNumErrorBins, 0.0);
+    for (const double distance : distances_m)
+        shares[std::min(static_cast<std::size_t>(distance / kErrorBin_m), kNumErrorBins - 1)] +=
+            1.0 / static_cast<double>(distances_m.size());
+    return shares;
+}
+
 double share_within(const std::vector<double>& sorted, double threshold) {
     if (sorted.empty()) return 0.0;
     const auto end = std::upper_bound(sorted.begin(), sorted.end(), threshold);
@@ -114,8 +154,13 @@ nlohmann::json to_json(const DistanceSummary& summary) {
 SurfaceError surface_error(const Mesh& mesh_world,
                            const Mesh& reference,
                            const SurfaceErrorInput& input) {
+    if (reference.vertices.empty())
+        throw Error(ErrorCode::BadData, "the reference holds neither triangles nor points");
+    const bool is_cloud = reference.triangles.empty();
     const Mesh mesh = moved(mesh_world, input.T_reference_world);
-    const auto reference_samples = sample_surface(reference, input.num_samples, input.seed);
+    const auto reference_samples = is_cloud
+                                       ? sample_points(reference, input.num_samples)
+                                       : sample_surface(reference, input.num_samples, input.seed);
     auto completeness = distances(reference_samples, SurfaceIndex(mesh), input.num_threads);
     auto our_samples = sample_surface(mesh, input.num_samples, input.seed);
     const auto num_samples = static_cast<double>(our_samples.size());
@@ -133,7 +178,10 @@ SurfaceError surface_error(const Mesh& mesh_world,
         std::sort(near.begin(), near.end());
         error.near_completeness = summarise(near);
     }
-    auto accuracy = distances(our_samples, SurfaceIndex(reference), input.num_threads);
+    auto accuracy = is_cloud ? distances(our_samples, PointIndex(reference), input.num_threads)
+                             : distances(our_samples, SurfaceIndex(reference), input.num_threads);
+    if (is_cloud) error.reference_spacing_m = spacing_m(reference, input.num_threads);
+    error.histogram = histogram_of(accuracy);
     if (!our_ranges_m.empty()) error.relative = relative_to(our_ranges_m, accuracy);
     std::sort(accuracy.begin(), accuracy.end());
     std::sort(completeness.begin(), completeness.end());

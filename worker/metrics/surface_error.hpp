@@ -53,11 +53,19 @@ struct SurfaceError {
     std::optional<DistanceSummary> near_completeness;  // of the reference near a camera
     double share_beyond_range = 0.0;                   // of our samples, left out of accuracy
     std::vector<ThresholdScore> scores;                // 5, 10, 20, 50 mm
+    // Median distance from a point of the reference to the next; only where it is a cloud.
+    std::optional<double> reference_spacing_m;
+    // Share of our samples in bins of kErrorBin_m; the last holds all beyond. Not in to_metrics().
+    std::vector<double> histogram;
 };
 
+inline constexpr double kErrorBin_m = 0.001;
+inline constexpr std::size_t kNumErrorBins = 51;
+
 // How far our mesh is from the reference mesh. No ICP: ours is moved by T_reference_world alone.
-// Samples are uniform over area; distances are to the nearest point of the nearest triangle.
-// Throws Error{BadData} when either mesh has no area.
+// Samples are uniform over area; distances are to the nearest point of the nearest triangle. A
+// reference without triangles is a cloud: distances are to its nearest point, and its points are
+// the samples. Throws Error{BadData} when a mesh has no area, or the reference nothing at all.
 SurfaceError surface_error(const Mesh& mesh_world,
                            const Mesh& reference,
                            const SurfaceErrorInput& input);

@@ -102,6 +102,19 @@ std::optional<float> SurfaceIndex::first_hit_m(const Eigen::Vector3f& origin,
     return ray.ray.tfar;
 }
 
+namespace {
+
+Mesh as_triangles(const Mesh& cloud) {
+    Mesh points;
+    points.vertices = cloud.vertices;
+    for (std::uint32_t i = 0; i < cloud.vertices.size(); ++i) points.triangles.push_back({i, i, i});
+    return points;
+}
+
+}  // namespace
+
+PointIndex::PointIndex(const Mesh& cloud) : points_(as_triangles(cloud)), index_(points_) {}
+
 float squared_distance_to_triangle(const Eigen::Vector3f& point,
                                    const Eigen::Vector3f& a,
                                    const Eigen::Vector3f& b,

@@ -29,6 +29,18 @@ private:
     std::unique_ptr<Implementation> implementation_;
 };
 
+// Nearest point of a cloud: its vertices as triangles without extent.
+class PointIndex {
+public:
+    explicit PointIndex(const Mesh& cloud);
+
+    float distance_m(const Eigen::Vector3f& point) const { return index_.distance_m(point); }
+
+private:
+    Mesh points_;
+    SurfaceIndex index_;
+};
+
 // Squared distance to the nearest point of triangle abc (Ericson 2005, 5.1.5).
 float squared_distance_to_triangle(const Eigen::Vector3f& point,
                                    const Eigen::Vector3f& a,

@@ -132,8 +132,14 @@ std::string polyline(const PlotLine& line, const Axes& axes) {
     std::string points;
     for (std::size_t i = 0; i < count; i += step)
         points += number(axes.x_px(line.x[i]), 1) + "," + number(axes.y_px(line.y[i]), 1) + " ";
-    return "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" + escape_html(line.color) +
-           "\" points=\"" + points + "\"/>";
+    std::string area;
+    if (line.filled && count > 0)
+        area = "<polygon stroke=\"none\" fill-opacity=\"0.25\" fill=\"" + escape_html(line.color) +
+               "\" points=\"" + number(axes.x_px(line.x[0]), 1) + "," + number(axes.y_px(0.0), 1) +
+               " " + points + number(axes.x_px(line.x[count - 1]), 1) + "," +
+               number(axes.y_px(0.0), 1) + "\"/>";
+    return area + "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" +
+           escape_html(line.color) + "\" points=\"" + points + "\"/>";
 }
 
 std::string legend(const Plot& plot) {

@@ -10,6 +10,7 @@ struct PlotLine {
     std::string color;  // CSS
     std::vector<double> x;
     std::vector<double> y;
+    bool filled = false;  // down to zero
 };
 
 struct Plot {

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/follow.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/metrics_table.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/scratch.hpp"
+#include "cli/text.hpp"
+#include "schemas/requirement.hpp"
+#include "worker/metrics/accuracy_report.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportOptions {
+    std::string subject;  // folder of a reconstruction
+    fs::path dive;
+    fs::path ground_truth;
+    fs::path reference;
+    fs::path measurements;
+    fs::path areas;
+    std::string lever_arm;
+    std::string time_offset;
+    std::vector<std::string> requirements;
+    fs::path out;
+    fs::path junit;
+    int num_threads = 0;
+};
+
+std::optional<fs::path> given(const fs::path& path) {
+    return path.empty() ? std::nullopt : std::optional<fs::path>(path);
+}
+
+std::string value_text(const nlohmann::json& value) {
+    if (!value.is_number()) return "-";
+    char text[40];
+    std::snprintf(text, sizeof text, "%.6g", value.get<double>());
+    return text;
+}
+
+std::string unit_text(const nlohmann::json& figure) {
+    const auto unit = figure.at("unit").get<std::string>();
+    return unit == "1" ? "" : " " + unit;
+}
+
+// Lever arm and offset where they were solved.
+void add_truth(const nlohmann::json& report, std::vector<std::vector<std::string>>& rows) {
+    const nlohmann::json truth = report.value("truth", nlohmann::json::object());
+    if (!truth.contains("num_poses")) return;
+    const auto& offset = truth.at("time_offset_s");
+    const auto& lever = truth.at("lever_arm_m");
+    if (offset.contains("sigma"))
+        rows.push_back({"",
+                        "time offset of the truth",
+                        value_text(offset.at("value")) + " s, sigma " +
+                            value_text(offset.at("sigma")) + " s"});
+    if (lever.contains("sigma"))
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            rows.push_back({"",
+                            std::string("lever arm of the truth, ") + "xyz"[axis],
+                            value_text(lever.at("vector").at(axis)) + " m, sigma " +
+                                value_text(lever.at("sigma").at(axis)) + " m"});
+}
+
+// What a person wants to know first: the verdicts, then the figures that papers quote.
+std::string summary(const nlohmann::json& report) {
+    constexpr const char* kQuoted[] = {"trajectory.final.ate_rmse_m",
+                                       "trajectory.final.drift_percent",
+                                       "surface.accuracy.median_m",
+                                       "surface.completeness.median_m",
+                                       "known_distances.scale_error"};
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& requirement : report.at("requirements"))
+        rows.push_back({requirement.at("met").get<bool>() ? "met" : "NOT MET",
+                        requirement.at("text").get<std::string>(),
+                        requirement.at("reason").get<std::string>()});
+    for (const auto& regression : report.at("regressions"))
+        rows.push_back({"WORSE",
+                        regression.at("figure").get<std::string>(),
+                        value_text(regression.at("value")) + ", its history allows " +
+                            value_text(regression.at("limit"))});
+    for (const auto& figure : report.at("figures"))
+        if (std::find(std::begin(kQuoted),
+                      std::end(kQuoted),
+                      figure.at("figure").get<std::string>()) != std::end(kQuoted))
+            rows.push_back(
+                {"",
+                 figure.at("figure").get<std::string>(),
+                 value_text(figure.at("value")) + " " + figure.at("unit").get<std::string>()});
+    add_truth(report, rows);
+    return table_text(rows);
+}
+
+int finish(const nlohmann::json& report, const Context& context) {
+    for (const auto& finding : report.at("findings"))
+        std::cerr << finding.at("severity").get<std::string>() << ": "
+                  << finding.at("message").get<std::string>() << '\n';
+    std::cout << (context.json ? report.dump(2) + "\n" : summary(report));
+    return report.at("passed") == false ? kExitRequirementUnmet : kExitDone;
+}
+
+int report_here(const ReportOptions& options, const Context& context) {
+    const fs::path folder = options.subject;
+    worker::AccuracyReportRequest request;
+    request.reconstruction = folder;
+    request.dive = given(options.dive);
+    request.out = options.out.empty() ? folder / "accuracy" : options.out;
+    request.ground_truth = given(options.ground_truth);
+    request.reference = given(options.reference);
+    request.measurements = given(options.measurements);
+    request.areas = given(options.areas);
+    request.requirements = options.requirements;
+    request.num_threads = options.num_threads;
+    if (!options.lever_arm.empty()) set_lever_arm(request.truth, options.lever_arm);
+    if (!options.time_offset.empty()) set_time_offset(request.truth, options.time_offset);
+    for (const std::string& text : options.requirements) parse_requirement(text);
+    if (!fs::exists(folder / "metrics.json"))
+        throw Error(ErrorCode::NotFound,
+                    "no metrics.json in " + folder.string() +
+                        "; give the folder that `divemesh reconstruct --out` or `divemesh "
+                        "download` made");
+    fs::create_directories(request.out);
+    const ScratchFolder scratch(request.out);
+    request.scratch = scratch.path();
+    catch_interrupts();
+    nlohmann::json report;
+    {
+        ProgressBar bar;
+        report = worker::make_accuracy_report(request, [&](const Progress& progress) {
+            throw_if_interrupted();
+            show_progress(bar, progress);
+        });
+    }
+    if (!options.junit.empty())
+        fs::copy_file(
+            request.out / "junit.xml", options.junit, fs::copy_options::overwrite_existing);
+    return finish(report, context);
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("report",
+                                       "how accurate a reconstruction is, and whether "
+                                       "that is good enough");
+    auto options = std::make_shared<ReportOptions>();
+    command->add_option("reconstruction", options->subject, "folder of a reconstruction")
+        ->required();
+    command->add_option("--dive", options->dive, "the dive: its rig and its own truth");
+    command->add_option(
+        "--ground-truth", options->ground_truth, "true trajectory: TUM, EuRoC or KITTI");
+    command->add_option(
+        "--reference", options->reference, "true surface: PLY, OBJ or GLB, mesh or points");
+    command->add_option(
+        "--measurements", options->measurements, "known lengths, as measurements.json");
+    command->add_option("--areas", options->areas, "polygons for reef figures");
+    command->add_option(
+        "--lever-arm",
+        options->lever_arm,
+        "x,y,z[,qw,qx,qy,qz] of what the truth follows on the rig's body, or solve");
+    command->add_option(
+        "--time-offset", options->time_offset, "s, the truth's clock minus the dive's, or solve");
+    command
+        ->add_option("--require",
+                     options->requirements,
+                     "'drift_percent<=0.5': a figure, <= >= < or >, a number; may be repeated")
+        ->allow_extra_args(false);
+    command->add_option("--out", options->out, "folder of the report; default: accuracy/ in it");
+    command->add_option("--junit", options->junit, "write the verdicts here as JUnit XML too");
+    command->add_option("--threads", options->num_threads, "0: all cores; never changes a figure");
+    command->callback([options, &context] {
+        context.command = [options, &context] { return report_here(*options, context); };
+    });
+}
+
+}  // namespace divemesh::cli

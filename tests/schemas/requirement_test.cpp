@@ -1,0 +1,130 @@
+#include "schemas/requirement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "schemas/figure.hpp"
+
+namespace divemesh {
+namespace {
+
+std::string refusal(const std::string& text) {
+    try {
+        parse_requirement(text);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+        return error.what();
+    }
+    ADD_FAILURE() << text << " was taken";
+    return "";
+}
+
+TEST(Requirement, AShortNameMeansTheFinalTrajectory) {
+    const Requirement requirement = parse_requirement("drift_percent<=0.5");
+    EXPECT_EQ(requirement.figure, "trajectory.final.drift_percent");
+    EXPECT_EQ(requirement.comparison, Comparison::LessOrEqual);
+    EXPECT_EQ(requirement.limit, 0.5);
+    EXPECT_EQ(requirement.text, "drift_percent<=0.5");
+}
+
+TEST(Requirement, TheWholeNameSaysWhichIsMeant) {
+    EXPECT_EQ(parse_requirement("trajectory.causal.ate_rmse_m<1").figure,
+              "trajectory.causal.ate_rmse_m");
+    EXPECT_EQ(parse_requirement("causal.ate_rmse_m<1").figure, "trajectory.causal.ate_rmse_m");
+}
+
+TEST(Requirement, BlanksAndEveryComparisonAreTaken) {
+    EXPECT_EQ(parse_requirement(" coverage >= 0.99 ").comparison, Comparison::GreaterOrEqual);
+    EXPECT_EQ(parse_requirement("coverage > 9.9e-1").comparison, Comparison::Greater);
+    EXPECT_EQ(parse_requirement("surface.accuracy.median_m < +0.01").comparison, Comparison::Less);
+}
+
+TEST(Requirement, LimitsAreHeldAsTheirSignSays) {
+    EXPECT_TRUE(is_met(parse_requirement("ate_rmse_m<=0.02"), 0.02));
+    EXPECT_FALSE(is_met(parse_requirement("ate_rmse_m<0.02"), 0.02));
+    EXPECT_TRUE(is_met(parse_requirement("coverage>=1"), 1.0));
+    EXPECT_FALSE(is_met(parse_requirement("coverage>1"), 1.0));
+}
+
+TEST(Requirement, EntriesOfListsAreNamedByTheirLabel) {
+    EXPECT_EQ(parse_requirement("segments[2].translation_mean_percent<=1").figure,
+              "trajectory.final.segments[2].translation_mean_percent");
+    EXPECT_EQ(parse_requirement("distances[bar <1> a.b].error_m<=0.003").figure,
+              "known_distances.distances[bar <1> a.b].error_m");
+}
+
+TEST(Requirement, AMisspeltFigureIsRefusedWithTheOneThatIsMeant) {
+    EXPECT_NE(refusal("drift_precent<=0.5").find("drift_percent"), std::string::npos);
+    EXPECT_NE(refusal("ate_rms_m<=0.5").find("ate_rmse_m"), std::string::npos);
+}
+
+TEST(Requirement, ANameThatCouldBeSeveralFiguresListsThem) {
+    const std::string message = refusal("median_m<=0.1");
+    EXPECT_NE(message.find("surface.accuracy.median_m"), std::string::npos);
+    EXPECT_NE(message.find("surface.completeness.median_m"), std::string::npos);
+}
+
+TEST(Requirement, WhatIsNoComparisonWithANumberIsRefused) {
+    for (const char* text : {"",
+                             "drift_percent",
+                             "drift_percent=0.5",
+                             "<=0.5",
+                             "drift_percent<=",
+                             "drift_percent<=half",
+                             "drift_percent<=0.5%",
+                             "drift_percent<=nan",
+                             "drift_percent<=1e999",
+                             "drift_percent=<0.5",
+                             "a<=1<=2"})
+        refusal(text);
+    refusal(std::string(100'000, '<'));
+}
+
+TEST(Figures, EveryNumberOfADocumentHasUnitMethodAndAlignment) {
+    const nlohmann::json metrics = {
+        {"options", {{"voxel_m", 0.01}}},
+        {"frames", {{"num_frames", 700}}},
+        {"trajectory",
+         {{"final",
+           {{"ate_rmse_m", 0.02},
+            {"segments", {{{"length_m", 2.0}, {"translation_mean_percent", 0.3}}}}}}}},
+        {"known_distances", {{"distances", {{{"name", "bar"}, {"measured_m", nullptr}}}}}}};
+
+    const auto figures = figures_of(metrics);
+
+    ASSERT_EQ(figures.size(), 5U);
+    const auto named = [&](const std::string& name) {
+        return *std::find_if(figures.begin(), figures.end(), [&](const Figure& figure) {
+            return figure.name == name;
+        });
+    };
+    EXPECT_EQ(named("trajectory.final.ate_rmse_m").value, 0.02);
+    EXPECT_EQ(named("trajectory.final.ate_rmse_m").unit, "m");
+    EXPECT_NE(named("trajectory.final.ate_rmse_m").alignment.find("SE(3)"), std::string::npos);
+    const Figure segment = named("trajectory.final.segments[2].translation_mean_percent");
+    EXPECT_EQ(segment.unit, "%");
+    EXPECT_EQ(segment.alignment, "none: relative");
+    EXPECT_FALSE(segment.method.empty());
+    EXPECT_EQ(named("frames.num_frames").unit, "1");
+    EXPECT_FALSE(named("known_distances.distances[bar].measured_m").value);
+}
+
+TEST(Figures, WhatAParentMeasuresGivesItsPartsTheirUnit) {
+    const nlohmann::json metrics = {
+        {"calibration", {{"refined", {{"time_offset_s", {{"value", 0.01}, {"sigma", 1e-4}}}}}}}};
+    for (const Figure& figure : figures_of(metrics)) EXPECT_EQ(figure.unit, "s") << figure.name;
+}
+
+TEST(Figures, EntriesOfOneNameStayApart) {
+    const nlohmann::json metrics = {
+        {"known_distances",
+         {{"distances",
+           {{{"name", "bar"}, {"known_m", 1.0}}, {{"name", "bar"}, {"known_m", 2.0}}}}}}};
+    const auto figures = figures_of(metrics);
+    ASSERT_EQ(figures.size(), 2U);
+    EXPECT_NE(figures[0].name, figures[1].name);
+}
+
+}  // namespace
+}  // namespace divemesh

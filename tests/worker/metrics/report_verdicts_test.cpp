@@ -1,0 +1,65 @@
+#include "worker/metrics/report_verdicts.hpp"
+
+#include <gtest/gtest.h>
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+std::vector<Figure> figures() {
+    return {{"trajectory.final.drift_percent", 0.4, "%", "", ""},
+            {"frames.coverage", 0.5, "1", "", ""},
+            {"known_distances.distances[bar].error_m", std::nullopt, "m", "", ""}};
+}
+
+json judged(const std::vector<std::string>& texts) {
+    std::vector<Requirement> requirements;
+    for (const std::string& text : texts) requirements.push_back(parse_requirement(text));
+    return judge_requirements(requirements, figures());
+}
+
+TEST(Verdicts, AFigureWithinItsLimitIsMet) {
+    const json verdicts = judged({"drift_percent<=0.4"});
+    EXPECT_EQ(verdicts[0]["met"], true);
+    EXPECT_EQ(verdicts[0]["reason"], "");
+    EXPECT_EQ(passed(verdicts), json(true));
+}
+
+TEST(Verdicts, OneThatIsNotMetFailsTheReportAndSaysTheValue) {
+    const json verdicts = judged({"drift_percent<=0.5", "coverage>=0.99"});
+    EXPECT_EQ(verdicts[1]["met"], false);
+    EXPECT_EQ(verdicts[1]["reason"], "it is 0.5");
+    EXPECT_EQ(passed(verdicts), json(false));
+}
+
+TEST(Verdicts, WhatIsNotToBeHadIsNotMetAndSaysWhatIsMissing) {
+    for (const char* text : {"surface.accuracy.median_m<=1", "distances[bar].error_m<=1"}) {
+        const json verdicts = judged({text});
+        EXPECT_EQ(verdicts[0]["met"], false);
+        EXPECT_TRUE(verdicts[0]["value"].is_null());
+        EXPECT_NE(verdicts[0]["reason"].get<std::string>().find("not available"),
+                  std::string::npos);
+    }
+}
+
+TEST(Verdicts, NothingAskedIsNeitherPassedNorFailed) { EXPECT_TRUE(passed(judged({})).is_null()); }
+
+TEST(Regressions, AFigureThatIsWorseThanItsHistoryAllowsIsNamed) {
+    const std::string drift = "trajectory.final.drift_percent";
+    EXPECT_EQ(find_regressions({{drift, {0.20, 0.21, 0.19, 0.2}}}, figures()).size(), 1U);
+    EXPECT_EQ(find_regressions({{drift, {0.38, 0.4, 0.39}}}, figures()).size(), 0U);
+    EXPECT_EQ(find_regressions({{drift, {0.1, 0.7, 0.3}}}, figures()).size(), 0U);  // wide
+}
+
+TEST(Regressions, AShareThatFellIsWorseAndOneThatRoseIsNot) {
+    EXPECT_EQ(find_regressions({{"frames.coverage", {0.99, 1.0, 1.0}}}, figures()).size(), 1U);
+    EXPECT_EQ(find_regressions({{"frames.coverage", {0.2, 0.2, 0.2}}}, figures()).size(), 0U);
+}
+
+TEST(Regressions, TwoEarlierValuesSayNothing) {
+    EXPECT_TRUE(find_regressions({{"frames.coverage", {1.0, 1.0}}}, figures()).empty());
+}
+
+}  // namespace
+}  // namespace divemesh::worker

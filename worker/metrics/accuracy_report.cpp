@@ -1,0 +1,81 @@
+#include "worker/metrics/accuracy_report.hpp"
+
+#include <utility>
+
+#include "schemas/figure.hpp"
+#include "schemas/json.hpp"
+#include "schemas/requirement.hpp"
+#include "worker/metrics/report_formats.hpp"
+#include "worker/metrics/report_inputs.hpp"
+#include "worker/metrics/report_measurements.hpp"
+#include "worker/metrics/report_page.hpp"
+#include "worker/metrics/report_verdicts.hpp"
+#include "worker/output/atomic_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const Figure& figure) {
+    return {{"figure", figure.name},
+            {"value", figure.value ? json(*figure.value) : json()},
+            {"unit", figure.unit},
+            {"method", figure.method},
+            {"alignment", figure.alignment}};
+}
+
+std::string text_at(const json& document, const char* pointer) {
+    return document.value(json::json_pointer(pointer), std::string());
+}
+
+json report_document(const AccuracyReportRequest& request,
+                     const std::vector<Requirement>& requirements,
+                     const ReportInputs& inputs,
+                     const ReportMeasurements& measured) {
+    const json& metrics = measured.document;
+    const std::vector<Figure> figures = figures_of(metrics);
+    json report = {{"format", 1},
+                   {"version", DIVEMESH_VERSION},
+                   {"dive",
+                    {{"name", text_at(metrics, "/dive/name")},
+                     {"content_sha256", text_at(metrics, "/dive/content_sha256")}}},
+                   {"reconstruction",
+                    {{"version", text_at(metrics, "/version")},
+                     {"preset", text_at(metrics, "/preset")},
+                     {"calibration_sha256", text_at(metrics, "/calibration/sha256")}}},
+                   {"files", inputs.files},
+                   {"figures", json::array()},
+                   {"requirements", judge_requirements(requirements, figures)},
+                   {"regressions", find_regressions(request.history, figures)},
+                   {"findings", measured.findings}};
+    for (const Figure& figure : figures) report["figures"].push_back(to_json(figure));
+    report["passed"] = passed(report["requirements"]);
+    if (!metrics.contains("truth")) return report;
+    report["truth"] = metrics["truth"];
+    report["truth"]["source"] = inputs.truth_source;
+    report["truth"]["format"] = to_string(inputs.truth->format);
+    return report;
+}
+
+}  // namespace
+
+json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCallback& progress) {
+    std::vector<Requirement> requirements;
+    for (const std::string& text : request.requirements)
+        requirements.push_back(parse_requirement(text));
+    const ReportInputs inputs = read_report_inputs(request, progress);
+    const ReportMeasurements measured = measure_for_report(inputs, request, progress);
+    const json report = report_document(request, requirements, inputs, measured);
+    std::filesystem::create_directories(request.out);
+    // A name in a dive may be no UTF-8: it must not cost the report.
+    const auto replace = json::error_handler_t::replace;
+    write_file(request.out / "report.json", report.dump(2, ' ', false, replace) + "\n");
+    write_file(request.out / "report.csv", report_csv(report));
+    write_file(request.out / "junit.xml", report_junit(report));
+    write_file(request.out / "report.html", report_page(report, measured));
+    progress({.stage = "evaluate", .fraction = 1.0});
+    return report;
+}
+
+}  // namespace divemesh::worker

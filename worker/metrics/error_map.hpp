@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "worker/metrics/surface_error.hpp"
+
+namespace divemesh::worker {
+
+// The mesh from above, coloured by its distance to the reference: 0 dark blue, `end_m` and more
+// yellow (viridis, S. van der Walt and N. Smith 2015); grey where it is farther than the limit of
+// range from every camera, white where there is no surface.
+struct ErrorMap {
+    std::string png;
+    double end_m = 0.0;  // the 95th percentile, rounded up to 1, 2 or 5 times a power of ten
+};
+
+ErrorMap render_error_map(const Mesh& mesh_world,
+                          const Mesh& reference,
+                          const SurfaceErrorInput& input);
+
+// Colours of the scale, evenly from 0 to `end_m`, "#rrggbb".
+std::vector<std::string> error_map_colors();
+
+}  // namespace divemesh::worker

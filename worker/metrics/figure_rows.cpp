@@ -1,0 +1,116 @@
+#include "worker/metrics/figure_rows.hpp"
+
+#include <cstdio>
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+// A figure by its path in metrics.json, scaled to what a person reads; no row when it is not there.
+class Figures {
+public:
+    explicit Figures(const json& metrics) : metrics_(metrics) {}
+
+    void add(HtmlRows& rows,
+             const std::string& name,
+             const char* path,
+             const char* format,
+             double factor = 1.0) const {
+        const json::json_pointer pointer(path);
+        if (!metrics_.contains(pointer) || !metrics_[pointer].is_number()) return;
+        char text[64];
+        std::snprintf(text, sizeof text, format, metrics_[pointer].get<double>() * factor);
+        rows.emplace_back(name, text);
+    }
+
+private:
+    const json& metrics_;
+};
+
+}  // namespace
+
+HtmlRows accuracy_rows(const json& metrics) {
+    const Figures figures(metrics);
+    HtmlRows rows;
+    figures.add(
+        rows, "Trajectory error (ATE), RMS", "/trajectory/final/ate_rmse_m", "%.1f mm", 1e3);
+    figures.add(rows, "Trajectory error, median", "/trajectory/final/ate_median_m", "%.1f mm", 1e3);
+    figures.add(rows, "Trajectory error, largest", "/trajectory/final/ate_max_m", "%.1f mm", 1e3);
+    figures.add(
+        rows, "Without hindsight (causal), RMS", "/trajectory/causal/ate_rmse_m", "%.1f mm", 1e3);
+    figures.add(rows, "Drift over segments", "/trajectory/final/drift_percent", "%.2f %%");
+    figures.add(rows, "Drift at the end", "/trajectory/final/end_drift_percent", "%.2f %% of path");
+    figures.add(rows, "Scale of the trajectory", "/trajectory/final/sim3_scale", "%.4f");
+    figures.add(rows, "Known distances measured", "/known_distances/num_measured", "%.0f");
+    figures.add(
+        rows, "Scale error by known distances", "/known_distances/scale_error", "%+.2f %%", 1e2);
+    figures.add(rows,
+                "Known distances, median error",
+                "/known_distances/median_abs_error_m",
+                "%.1f mm",
+                1e3);
+    figures.add(rows, "Mesh accuracy, median", "/surface/accuracy/median_m", "%.1f mm", 1e3);
+    figures.add(rows,
+                "Mesh error over range, median",
+                "/surface/relative_accuracy/median_percent",
+                "%.2f %%");
+    figures.add(rows, "Mesh accuracy, RMS", "/surface/accuracy/rms_m", "%.1f mm", 1e3);
+    figures.add(
+        rows, "Mesh completeness, median", "/surface/completeness/median_m", "%.1f mm", 1e3);
+    figures.add(rows, "F1 at 10 mm", "/surface/scores/1/f1", "%.1f %%", 1e2);
+    figures.add(rows, "F1 at 20 mm", "/surface/scores/2/f1", "%.1f %%", 1e2);
+    return rows;
+}
+
+HtmlRows dive_rows(const json& metrics) {
+    const Figures figures(metrics);
+    HtmlRows rows;
+    figures.add(rows, "Duration", "/dive/duration_s", "%.1f s");
+    figures.add(rows, "Path", "/trajectory/path_length_m", "%.2f m");
+    figures.add(rows, "Frames", "/frames/num_frames", "%.0f");
+    figures.add(rows, "Frames that did not decode", "/frames/num_skipped_frames", "%.0f");
+    figures.add(rows, "Frames tracked by vision", "/frames/coverage", "%.1f %%", 1e2);
+    figures.add(rows, "Keyframes", "/frames/num_keyframes", "%.0f");
+    figures.add(rows, "Baseline", "/calibration/baseline_m", "%.4f m");
+    figures.add(rows, "Focal length", "/calibration/focal_px/0", "%.1f px");
+    figures.add(rows, "Gravity as measured", "/calibration/gravity/magnitude_m_s2", "%.3f m/s²");
+    figures.add(rows, "Tilt of gravity", "/calibration/gravity/tilt_deg", "%.2f°");
+    figures.add(rows,
+                "IMU clock ahead of the cameras",
+                "/calibration/refined/time_offset_s/value",
+                "%.2f ms",
+                1e3);
+    figures.add(
+        rows, "Its standard deviation", "/calibration/refined/time_offset_s/sigma", "%.2f ms", 1e3);
+    figures.add(rows,
+                "IMU turned against the calibration",
+                "/calibration/refined/rotation_deg/angle",
+                "%.2f°");
+    figures.add(rows,
+                "Bending of the pictures that the calibration misses",
+                "/calibration/refined/lenses/shift_px",
+                "%.2f px");
+    return rows;
+}
+
+HtmlRows result_rows(const json& metrics) {
+    const Figures figures(metrics);
+    HtmlRows rows;
+    figures.add(rows, "Mesh area", "/mesh/area_m2", "%.2f m²");
+    figures.add(rows, "Triangles", "/mesh/num_triangles", "%.0f");
+    figures.add(rows, "Lost by simplifying, largest", "/mesh/simplification/max_m", "%.1f mm", 1e3);
+    figures.add(rows, "Holes", "/mesh/num_holes", "%.0f");
+    figures.add(rows, "Area of the holes", "/mesh/hole_area_m2", "%.3f m²");
+    figures.add(rows, "Voxel", "/mesh/voxel_m", "%.1f mm", 1e3);
+    figures.add(rows, "Features tracked, mean", "/tracking/mean_tracked_features", "%.0f");
+    figures.add(rows, "Inliers", "/tracking/inlier_share", "%.1f %%", 1e2);
+    figures.add(
+        rows, "Gyro against vision", "/tracking/imu_vision_disagreement_deg", "%.3f° a frame");
+    figures.add(rows, "Reprojection error, RMS", "/tracking/reprojection_rms_px", "%.2f px");
+    figures.add(rows, "Speed", "/speed/frames_per_s", "%.1f frames/s");
+    figures.add(rows, "Peak memory", "/speed/peak_memory_bytes", "%.0f MB", 1e-6);
+    return rows;
+}
+
+}  // namespace divemesh::worker

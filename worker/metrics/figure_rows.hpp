@@ -1,0 +1,14 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "worker/metrics/html_parts.hpp"
+
+namespace divemesh::worker {
+
+// Figures of metrics.json in the words and units of a person; what is not there is left out.
+HtmlRows accuracy_rows(const nlohmann::json& metrics);
+HtmlRows dive_rows(const nlohmann::json& metrics);
+HtmlRows result_rows(const nlohmann::json& metrics);
+
+}  // namespace divemesh::worker

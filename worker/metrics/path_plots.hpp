@@ -1,0 +1,18 @@
+#pragma once
+
+#include "worker/metrics/svg_plot.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+
+namespace divemesh::worker {
+
+// Truth and aligned estimate where `error` is given, else the path as it is.
+Plot path_from_above(const TrajectoryError* error, const Trajectory& path);
+Plot path_from_the_side(const TrajectoryError* error, const Trajectory& path);
+
+// With truth: the error over time. Without: how high the rig was.
+Plot error_over_time(const TrajectoryError* error, const Trajectory& path);
+
+// Relative error of translation over length of segment.
+Plot error_by_segment(const TrajectoryError& error);
+
+}  // namespace divemesh::worker

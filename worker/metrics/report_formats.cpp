@@ -1,0 +1,89 @@
+#include "worker/metrics/report_formats.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+std::string quoted(std::string text) {
+    if (!text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos)
+        text.insert(0, 1, '\'');
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string cell = "\"";
+    for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
+    return cell + '"';
+}
+
+// As short as reads back the same.
+std::string number_text(const json& value) {
+    if (!value.is_number()) return "";
+    std::array<char, 40> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), value.get<double>()).ptr;
+    return {text.data(), end};
+}
+
+// Characters that XML 1.0 does not know are left out.
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        switch (c) {
+            case '&': result += "&amp;"; break;
+            case '<': result += "&lt;"; break;
+            case '>': result += "&gt;"; break;
+            case '"': result += "&quot;"; break;
+            case '\n': result += "&#10;"; break;
+            default:
+                if (static_cast<unsigned char>(c) >= 0x20) result += c;
+        }
+    }
+    return result;
+}
+
+std::string attribute(const char* name, const std::string& value) {
+    return std::string(" ").append(name).append("=\"").append(escaped(value)).append("\"");
+}
+
+std::string test_case(const json& requirement) {
+    std::string xml = "    <testcase" +
+                      attribute("classname", requirement.at("figure").get<std::string>()) +
+                      attribute("name", requirement.at("text").get<std::string>()) + " time=\"0\"";
+    if (requirement.at("met").get<bool>()) return xml + "/>\n";
+    const auto reason = requirement.at("reason").get<std::string>();
+    return xml + ">\n      <failure" + attribute("type", "requirement") +
+           attribute("message", reason) + ">" + escaped(reason) + "</failure>\n    </testcase>\n";
+}
+
+}  // namespace
+
+std::string report_csv(const json& report) {
+    std::string csv = "figure,value,unit,method,alignment\r\n";
+    for (const json& figure : report.at("figures"))
+        csv += quoted(figure.at("figure")) + "," + number_text(figure.at("value")) + "," +
+               quoted(figure.at("unit")) + "," + quoted(figure.at("method")) + "," +
+               quoted(figure.at("alignment")) + "\r\n";
+    return csv;
+}
+
+std::string report_junit(const json& report) {
+    const json& requirements = report.at("requirements");
+    const auto num_unmet =
+        std::count_if(requirements.begin(), requirements.end(), [](const json& requirement) {
+            return !requirement.at("met").get<bool>();
+        });
+    const std::string counts = attribute("tests", std::to_string(requirements.size())) +
+                               attribute("failures", std::to_string(num_unmet)) +
+                               " errors=\"0\" skipped=\"0\" time=\"0\"";
+    std::string name = report.at("dive").at("name");
+    if (name.empty()) name = report.at("dive").at("content_sha256").get<std::string>();
+    std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + counts +
+                      ">\n  <testsuite" + attribute("name", "divemesh accuracy " + name) + counts +
+                      ">\n";
+    for (const json& requirement : requirements) xml += test_case(requirement);
+    return xml + "  </testsuite>\n</testsuites>\n";
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schemas/finding.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/metrics/accuracy_report.hpp"
+#include "worker/output/reconstruction_folder.hpp"
+#include "worker/output/trajectory_file.hpp"
+
+namespace divemesh::worker {
+
+// What an accuracy report is made of: the reconstruction, and whatever is known from elsewhere,
+// files of the request before what the dive brings.
+struct ReportInputs {
+    ReconstructionFolder reconstruction;
+    std::unique_ptr<Dive> dive;           // none: not given
+    std::optional<TrajectoryFile> truth;  // nothing: none
+    std::string truth_source;             // "dive" or the name of the file
+    std::optional<Mesh> reference;        // without triangles: a cloud
+    std::vector<KnownDistance> known_distances;
+    nlohmann::json files;  // "files" of report.json
+    std::vector<Finding> findings;
+};
+
+// Throws Error{BadData} when the dive is another one than that of the reconstruction.
+ReportInputs read_report_inputs(const AccuracyReportRequest& request,
+                                const ProgressCallback& progress);
+
+}  // namespace divemesh::worker

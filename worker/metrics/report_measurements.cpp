@@ -1,0 +1,219 @@
+#include "worker/metrics/report_measurements.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "schemas/error.hpp"
+#include "worker/metrics/error_map.hpp"
+#include "worker/metrics/known_distances.hpp"
+#include "worker/metrics/relative_pose_error.hpp"
+#include "worker/metrics/surface_index.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+// The frames of the piece that has most of them, by metrics.json.
+Trajectory largest_piece(Trajectory trajectory, const json& metrics) {
+    const json pieces = metrics.value("pieces", json::array());
+    const auto largest =
+        std::max_element(pieces.begin(), pieces.end(), [](const json& a, const json& b) {
+            return a.value("num_frames", 0) < b.value("num_frames", 0);
+        });
+    if (pieces.size() < 2) return trajectory;
+    const json intervals = largest->value("intervals", json::array());
+    std::erase_if(trajectory, [&](const StampedPose& pose) {
+        return std::none_of(intervals.begin(), intervals.end(), [&](const json& interval) {
+            return interval.at("first_ns").get<std::int64_t>() <= pose.timestamp_ns &&
+                   pose.timestamp_ns <= interval.at("last_ns").get<std::int64_t>();
+        });
+    });
+    return trajectory;
+}
+
+RegisteredTruth register_for(const Trajectory& path,
+                             const TrajectoryFile& truth,
+                             const TruthOptions& options) {
+    if (truth.format != TrajectoryFormat::Kitti)
+        return registered_truth(path, truth.poses, options);
+    RegisteredTruth registered;
+    registered.poses = truth.poses;
+    registered.options.pair_by_index = true;
+    return registered;
+}
+
+// All that is compared with one truth.
+class Measuring {
+public:
+    Measuring(const ReportInputs& inputs, const AccuracyReportRequest& request)
+        : inputs_(inputs), request_(request) {
+        result_.document = inputs.reconstruction.metrics();
+        result_.path = largest_piece(inputs.reconstruction.trajectory(), result_.document);
+        result_.findings = inputs.findings;
+    }
+
+    ReportMeasurements measure(const ProgressCallback& progress) {
+        if (inputs_.truth) compare_trajectories();
+        progress({.stage = "evaluate", .fraction = 0.3});
+        if (inputs_.reference) compare_surfaces(progress);
+        if (!inputs_.known_distances.empty()) measure_distances();
+        return std::move(result_);
+    }
+
+private:
+    void compare_trajectories();
+    void compare_surfaces(const ProgressCallback& progress);
+    void measure_distances();
+    Trajectory true_body_path() const;
+
+    void cannot(const char* code,
+                const std::string& where,
+                const std::string& why,
+                const char* remedy) {
+        result_.findings.push_back({Severity::Warning, code, where, why, remedy});
+    }
+
+    const ReportInputs& inputs_;
+    const AccuracyReportRequest& request_;
+    RegisteredTruth registered_;
+    ReportMeasurements result_;
+};
+
+void Measuring::compare_trajectories() try {
+    registered_ = register_for(result_.path, *inputs_.truth, request_.truth);
+    const auto& [registration, poses, options] = registered_;
+    result_.trajectory = trajectory_error(result_.path, poses, options);
+    result_.has_orientation = registration.has_orientation;
+    const auto figures = [&](json metrics) {
+        return registration.has_orientation ? metrics : without_rotations(std::move(metrics));
+    };
+    json& section = result_.document["trajectory"];
+    json final_path = to_metrics(*result_.trajectory);
+    final_path["relative_pose"] =
+        to_metrics(relative_pose_error(pair_poses(result_.path, poses, options), {.delta_m = 1.0}));
+    section["final"] = figures(std::move(final_path));
+    if (inputs_.truth_source != "dive" && section.contains("covariance"))
+        section["covariance"].erase("check");
+    section.erase("causal");
+    if (std::filesystem::exists(inputs_.reconstruction.path() / "trajectory_causal.tum") &&
+        !options.pair_by_index)
+        section["causal"] = figures(to_metrics(
+            trajectory_error(inputs_.reconstruction.causal_trajectory(), poses, options)));
+    result_.document["truth"] = to_metrics(registration, request_.truth);
+} catch (const Error& error) {
+    if (error.code() != ErrorCode::BadData) throw;
+    result_.trajectory.reset();
+    result_.document["trajectory"].erase("final");
+    result_.document["trajectory"].erase("causal");
+    cannot("ground_truth_unusable",
+           inputs_.truth_source,
+           error.what(),
+           "give a truth of this dive, on its clock or with the offset and lever arm between both");
+}
+
+void Measuring::compare_surfaces(const ProgressCallback& progress) try {
+    if (!inputs_.reconstruction.has_surface()) return;
+    if (!result_.trajectory) {
+        cannot("surface_not_measured",
+               "reference",
+               "nothing lays the mesh on the reference: there is no true trajectory",
+               "give the ground truth in whose world the reference is");
+        return;
+    }
+    const Mesh mesh = inputs_.reconstruction.mesh();
+    progress({.stage = "evaluate", .fraction = 0.4});
+    const auto T_imu_cam0 = inputs_.reconstruction.T_imu_cam0();
+    SurfaceErrorInput input;
+    input.T_reference_world = result_.trajectory->T_reference_surface;
+    input.num_threads = request_.num_threads;
+    for (const StampedPose& pose : inputs_.reconstruction.trajectory())
+        input.camera_positions_world.emplace_back(
+            (T_imu_cam0 ? pose.T_world_imu * *T_imu_cam0 : pose.T_world_imu).translation());
+    result_.surface = surface_error(mesh, *inputs_.reference, input);
+    result_.document["surface"] = to_metrics(*result_.surface);
+    if (result_.surface->reference_spacing_m)
+        result_.document["surface"]["reference_spacing_m"] = *result_.surface->reference_spacing_m;
+    progress({.stage = "evaluate", .fraction = 0.7});
+    const ErrorMap map = render_error_map(mesh, *inputs_.reference, input);
+    result_.error_map_png = map.png;
+    result_.error_map_end_m = map.end_m;
+    progress({.stage = "evaluate", .fraction = 0.8});
+} catch (const Error& error) {
+    if (error.code() != ErrorCode::BadData) throw;
+    cannot("surface_not_measured",
+           "reference",
+           error.what(),
+           "check that both the mesh and the reference hold triangles or points");
+}
+
+// The truth of the rig's body, whatever the tracker followed.
+Trajectory Measuring::true_body_path() const {
+    const Eigen::Isometry3d T_marker_body = registered_.options.T_referencebody_estimatebody;
+    Trajectory path = registered_.poses;
+    for (StampedPose& pose : path) pose.T_world_imu = pose.T_world_imu * T_marker_body;
+    return path;
+}
+
+void Measuring::measure_distances() {
+    const bool all_marked = std::all_of(inputs_.known_distances.begin(),
+                                        inputs_.known_distances.end(),
+                                        [](const KnownDistance& d) { return d.is_marked(); });
+    const bool has_truth = result_.trajectory && inputs_.reference &&
+                           !inputs_.reference->triangles.empty() &&
+                           !registered_.options.pair_by_index;
+    if (!inputs_.dive || (!all_marked && !has_truth)) {
+        cannot("known_distances_not_measured",
+               "measurements.json",
+               inputs_.dive ? "nothing says where the ends of all lengths appear in the pictures"
+                            : "lengths are measured with the calibration of the rig, which the "
+                              "dive holds",
+               inputs_.dive ? "mark both ends in four frames or more (marks_a, marks_b), or give "
+                              "ground truth and a reference mesh"
+                            : "give the dive as well");
+        return;
+    }
+    const Trajectory path = inputs_.reconstruction.trajectory();
+    KnownDistanceErrors errors;
+    if (has_truth) {
+        std::vector<std::int64_t> timestamps_ns;
+        for (const KeyframePose& keyframe : inputs_.reconstruction.keyframes())
+            timestamps_ns.push_back(keyframe.timestamp_ns);
+        const Trajectory truth = true_body_path();
+        const SurfaceIndex reference(*inputs_.reference);
+        const MarkingInput marking{inputs_.dive->rig(), truth, timestamps_ns, reference};
+        errors =
+            measure_known_distances(inputs_.known_distances, &marking, inputs_.dive->rig(), path);
+    } else {
+        errors =
+            measure_known_distances(inputs_.known_distances, nullptr, inputs_.dive->rig(), path);
+    }
+    result_.document["known_distances"] = to_metrics(errors);
+}
+
+void add_distance_errors(json& document) {
+    const json::json_pointer pointer("/known_distances/distances");
+    if (!document.contains(pointer)) return;
+    for (json& distance : document[pointer]) {
+        const bool is_measured = distance.value("measured_m", json()).is_number();
+        const double known_m = distance.at("known_m").get<double>();
+        distance["error_m"] = nullptr;
+        distance["error_percent"] = nullptr;
+        if (!is_measured) continue;
+        const double error_m = distance["measured_m"].get<double>() - known_m;
+        distance["error_m"] = error_m;
+        if (known_m > 0.0) distance["error_percent"] = 100.0 * error_m / known_m;
+    }
+}
+
+}  // namespace
+
+ReportMeasurements measure_for_report(const ReportInputs& inputs,
+                                      const AccuracyReportRequest& request,
+                                      const ProgressCallback& progress) {
+    ReportMeasurements measured = Measuring(inputs, request).measure(progress);
+    add_distance_errors(measured.document);
+    return measured;
+}
+
+}  // namespace divemesh::worker

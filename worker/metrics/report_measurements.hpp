@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/metrics/report_inputs.hpp"
+#include "worker/metrics/surface_error.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+#include "worker/metrics/truth_registration.hpp"
+
+namespace divemesh::worker {
+
+// What was measured anew, and what the page shows of it.
+struct ReportMeasurements {
+    nlohmann::json document;  // metrics.json with the sections that were measured anew
+    Trajectory path;          // final, its largest piece
+    std::optional<TrajectoryError> trajectory;
+    bool has_orientation = true;  // of the truth
+    std::optional<SurfaceError> surface;
+    std::string error_map_png;     // "": none
+    double error_map_end_m = 0.0;  // what its last colour stands for
+    std::vector<Finding> findings;
+};
+
+ReportMeasurements measure_for_report(const ReportInputs& inputs,
+                                      const AccuracyReportRequest& request,
+                                      const ProgressCallback& progress);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,111 @@
+#include "worker/metrics/report_verdicts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "worker/metrics/summary.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+std::string number_text(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+const Figure* find(const std::vector<Figure>& figures, const std::string& name) {
+    const auto found = std::find_if(
+        figures.begin(), figures.end(), [&](const Figure& figure) { return figure.name == name; });
+    return found == figures.end() ? nullptr : &*found;
+}
+
+std::string missing_reason(const std::string& name) {
+    if (name.starts_with("surface."))
+        return "not available: it needs a surface, ground truth and a reference";
+    if (name.starts_with("trajectory.") || name.starts_with("truth."))
+        return "not available: it needs ground truth";
+    if (name.starts_with("known_distances."))
+        return "not available: it needs known distances whose ends were seen";
+    return "not available for this reconstruction";
+}
+
+// Of which more is better.
+bool is_better_when_more(const std::string& name) {
+    static constexpr const char* kEndings[] = {"coverage",
+                                               "precision",
+                                               "recall",
+                                               "f1",
+                                               "share_in_95",
+                                               "inlier_share",
+                                               "frames_per_s",
+                                               "num_frames_tracked",
+                                               "num_measured",
+                                               "num_accepted",
+                                               "mean_tracked_features"};
+    return std::any_of(std::begin(kEndings), std::end(kEndings), [&](const char* ending) {
+        return name.ends_with(ending);
+    });
+}
+
+}  // namespace
+
+json judge_requirements(const std::vector<Requirement>& requirements,
+                        const std::vector<Figure>& figures) {
+    json verdicts = json::array();
+    for (const Requirement& requirement : requirements) {
+        const Figure* figure = find(figures, requirement.figure);
+        json verdict = {{"text", requirement.text},
+                        {"figure", requirement.figure},
+                        {"value", nullptr},
+                        {"met", false},
+                        {"reason", missing_reason(requirement.figure)}};
+        if (figure != nullptr && figure->value) {
+            const bool met = is_met(requirement, *figure->value);
+            verdict["value"] = *figure->value;
+            verdict["met"] = met;
+            verdict["reason"] = met ? ""
+                                    : "it is " + number_text(*figure->value) +
+                                          (figure->unit == "1" ? "" : " " + figure->unit);
+        }
+        verdicts.push_back(std::move(verdict));
+    }
+    return verdicts;
+}
+
+json passed(const json& requirements) {
+    if (requirements.empty()) return nullptr;
+    return std::all_of(requirements.begin(), requirements.end(), [](const json& requirement) {
+        return requirement.at("met").get<bool>();
+    });
+}
+
+json find_regressions(const std::map<std::string, std::vector<double>>& history,
+                      const std::vector<Figure>& figures) {
+    constexpr std::size_t kLeastValues = 3;
+    constexpr double kSigmas = 3.0;
+    constexpr double kTolerated = 0.1;
+    json regressions = json::array();
+    for (const auto& [name, earlier] : history) {
+        const Figure* figure = find(figures, name);
+        if (figure == nullptr || !figure->value || earlier.size() < kLeastValues) continue;
+        const double middle = median(earlier);
+        std::vector<double> deviations;
+        for (const double value : earlier) deviations.push_back(std::abs(value - middle));
+        const double allowed =
+            std::max(kSigmas * 1.4826 * median(deviations), kTolerated * std::abs(middle));
+        const double sign = is_better_when_more(name) ? -1.0 : 1.0;
+        if (sign * (*figure->value - middle) <= allowed) continue;
+        regressions.push_back({{"figure", name},
+                               {"value", *figure->value},
+                               {"limit", middle + sign * allowed},
+                               {"median", middle},
+                               {"num_earlier", earlier.size()}});
+    }
+    return regressions;
+}
+
+}  // namespace divemesh::worker

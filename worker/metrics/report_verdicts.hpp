@@ -1,0 +1,27 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "schemas/figure.hpp"
+#include "schemas/requirement.hpp"
+
+namespace divemesh::worker {
+
+// "requirements" of report.json. What is not to be had is not met.
+nlohmann::json judge_requirements(const std::vector<Requirement>& requirements,
+                                  const std::vector<Figure>& figures);
+
+// "passed": whether all are met; null when there are none.
+nlohmann::json passed(const nlohmann::json& requirements);
+
+// "regressions": figures that are worse than their history allows, of which at least three values
+// are asked: beyond the median by more than three robust standard deviations (1.4826 median
+// absolute deviations) and by more than 10 % of it. Worse is more, but for figures that say how
+// much was found, where it is less.
+nlohmann::json find_regressions(const std::map<std::string, std::vector<double>>& history,
+                                const std::vector<Figure>& figures);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,366 @@
+#include "worker/metrics/truth_registration.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "schemas/error.hpp"
+#include "worker/metrics/alignment.hpp"
+#include "worker/metrics/motion_correlation.hpp"
+#include "worker/metrics/trajectory_pairs.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using Matrix10d = Eigen::Matrix<double, 10, 10>;
+using Vector10d = Eigen::Matrix<double, 10, 1>;
+
+constexpr double kDegPerRad = 57.29577951308232;
+constexpr double kLeastTurn = 0.035;          // root mean square sine of what fixes a lever arm
+constexpr double kLeastVelocity_m_s = 0.02;   // root mean square of what fixes an offset
+constexpr double kMaxOrientationRms_deg = 5;  // beyond it the truth's axes are not of this body
+constexpr std::size_t kLeastPoses = 20;
+
+std::int64_t nanoseconds(double seconds) {
+    return static_cast<std::int64_t>(std::llround(seconds * 1e9));
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+    Eigen::Matrix3d m;
+    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+    return m;
+}
+
+Trajectory shifted(Trajectory trajectory, double offset_s) {
+    for (StampedPose& pose : trajectory) pose.timestamp_ns -= nanoseconds(offset_s);
+    return trajectory;
+}
+
+// What is looked for: rotation and translation between the worlds, lever arm, offset; parameters
+// 0-2, 3-5, 6-8, 9 of the equations.
+struct State {
+    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();
+    Eigen::Vector3d lever_m = Eigen::Vector3d::Zero();
+    double offset_s = 0.0;
+};
+
+// A true position, what is left of it, and how that changes with each parameter.
+struct Row {
+    Eigen::Vector3d residual;
+    Eigen::Matrix<double, 3, 10> J = Eigen::Matrix<double, 3, 10>::Zero();
+};
+
+class Registration {
+public:
+    Registration(const Trajectory& estimate, const Trajectory& truth, const TruthOptions& options)
+        : estimate_(estimate), truth_(truth), options_(options) {}
+
+    std::vector<Row> rows(const State& state) const {
+        constexpr double kStep_s = 0.02;
+        std::vector<Row> result;
+        for (const auto& [time_ns, T_world_body] : estimate_) {
+            const std::int64_t truth_ns = time_ns + nanoseconds(state.offset_s);
+            const auto truth = pose_at(truth_, truth_ns);
+            const auto before = pose_at(truth_, truth_ns - nanoseconds(kStep_s));
+            const auto after = pose_at(truth_, truth_ns + nanoseconds(kStep_s));
+            if (!truth || !before || !after) continue;
+            const Eigen::Matrix3d R = state.T_reference_world.linear();
+            const Eigen::Vector3d p_world = T_world_body * state.lever_m;
+            Row row;
+            row.residual = truth->translation() - state.T_reference_world * p_world;
+            row.J.block<3, 3>(0, 0) = R * cross_matrix(p_world);
+            row.J.block<3, 3>(0, 3) = -Eigen::Matrix3d::Identity();
+            if (options_.solve_lever_arm) row.J.block<3, 3>(0, 6) = -R * T_world_body.linear();
+            if (options_.solve_time_offset)
+                row.J.col(9) = (after->translation() - before->translation()) / (2.0 * kStep_s);
+            result.push_back(row);
+        }
+        return result;
+    }
+
+    // Gauss-Newton. Where poses come to lie outside of the truth on the way, nothing.
+    std::optional<State> solve(State state) const {
+        constexpr int kMaxIterations = 50;
+        const Trajectory here = shifted(truth_, state.offset_s);
+        auto pairs = pair_poses(estimate_, here, {});
+        if (pairs.size() < kLeastPoses) return std::nullopt;
+        for (PosePair& pair : pairs) pair.T_world_body.translate(state.lever_m);
+        state.T_reference_world = align(pairs).T_reference_world;
+        for (int i = 0; i < kMaxIterations; ++i) {
+            const auto equations = rows(state);
+            if (equations.size() < kLeastPoses) return std::nullopt;
+            const Vector10d step = step_of(equations);
+            if (!step.allFinite()) return std::nullopt;
+            apply(step, state);
+            if (step.norm() < 1e-10) break;
+        }
+        return state;
+    }
+
+private:
+    static Vector10d step_of(const std::vector<Row>& equations) {
+        Matrix10d H = Matrix10d::Zero();
+        Vector10d gradient = Vector10d::Zero();
+        for (const Row& row : equations) {
+            H += row.J.transpose() * row.J;
+            gradient -= row.J.transpose() * row.residual;
+        }
+        // What is not looked for, or not to be told, stays.
+        return H.completeOrthogonalDecomposition().solve(gradient);
+    }
+
+    static void apply(const Vector10d& step, State& state) {
+        constexpr double kMaxStep_s = 0.5;
+        const Eigen::Vector3d turn = step.segment<3>(0);
+        if (turn.norm() > 0.0)
+            state.T_reference_world.linear() =
+                state.T_reference_world.linear() *
+                Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+        state.T_reference_world.translation() += step.segment<3>(3);
+        state.lever_m += step.segment<3>(6);
+        state.offset_s += std::clamp(step[9], -kMaxStep_s, kMaxStep_s);
+    }
+
+    const Trajectory& estimate_;
+    const Trajectory& truth_;
+    const TruthOptions& options_;
+};
+
+double rms_m(const std::vector<Row>& rows) {
+    double sum = 0.0;
+    for (const Row& row : rows) sum += row.residual.squaredNorm();
+    return std::sqrt(sum / static_cast<double>(rows.size()));
+}
+
+// Integrated autocorrelation time of the residuals, in samples, up to the first lag at which they
+// no longer go together.
+double autocorrelation_time(const std::vector<Row>& rows) {
+    const auto at = [&](std::size_t lag) {
+        double sum = 0.0;
+        for (std::size_t i = lag; i < rows.size(); ++i)
+            sum += rows[i].residual.dot(rows[i - lag].residual);
+        return sum;
+    };
+    const double power = at(0);
+    if (power <= 0.0) return 1.0;
+    double time = 1.0;
+    for (std::size_t lag = 1; lag < rows.size() / 2; ++lag) {
+        const double together = at(lag) / power;
+        if (together <= 0.0) break;
+        time += 2.0 * together;
+    }
+    return time;
+}
+
+// The information on some parameters that is left when the others are free (Schur complement).
+Eigen::MatrixXd reduced(const Matrix10d& H, const std::vector<int>& kept) {
+    std::vector<int> others;
+    for (int i = 0; i < 10; ++i)
+        if (std::find(kept.begin(), kept.end(), i) == kept.end() && H(i, i) > 0.0)
+            others.push_back(i);
+    const Eigen::MatrixXd across = H(kept, others);
+    const Eigen::MatrixXd theirs = H(others, others);
+    return H(kept, kept) -
+           across * theirs.completeOrthogonalDecomposition().solve(across.transpose());
+}
+
+std::string vector_text(const Eigen::Vector3d& v) {
+    char text[80];
+    std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", v.x(), v.y(), v.z());
+    return text;
+}
+
+// Throws when the poses do not fix what was looked for; else its standard deviations.
+void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegistration& result) {
+    Matrix10d H = Matrix10d::Zero();
+    for (const Row& row : rows) H += row.J.transpose() * row.J;
+    const auto num_poses = static_cast<double>(rows.size());
+    const auto num_free = static_cast<double>((H.diagonal().array() > 0.0).count());
+    const double variance_m2 = num_poses * result.residual_rms_m * result.residual_rms_m /
+                               (3.0 * num_poses - num_free) * autocorrelation_time(rows);
+    if (options.solve_lever_arm) {
+        const Eigen::Matrix3d information = reduced(H, {6, 7, 8});
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information);
+        if (solver.eigenvalues()[0] < kLeastTurn * kLeastTurn * num_poses)
+            throw Error(
+                ErrorCode::BadData,
+                "the lever arm cannot be solved: the rig hardly turned about anything but " +
+                    vector_text(solver.eigenvectors().col(0)) +
+                    " of its axes, so how far along that the marker sits cannot be told; "
+                    "give the lever arm as measured, or turn the rig about two axes while "
+                    "the tracker sees it");
+        result.lever_arm_sigma_m = (variance_m2 * information.inverse()).diagonal().cwiseSqrt();
+    }
+    if (options.solve_time_offset) {
+        const double information = reduced(H, {9})(0, 0);
+        if (information < kLeastVelocity_m_s * kLeastVelocity_m_s * num_poses)
+            throw Error(ErrorCode::BadData,
+                        "the time offset cannot be solved: the rig's velocity hardly changed; give "
+                        "the offset, or move to and fro at the start");
+        result.time_offset_sigma_s = std::sqrt(variance_m2 / information);
+    }
+}
+
+// The marker's axes on the body: the mean over all poses (chordal), and how far single ones lie
+// from it. Keeps positions alone where the truth's orientations are not those of this body.
+void solve_axes(const Trajectory& estimate,
+                const Trajectory& truth,
+                const State& state,
+                double samples_together,
+                TruthRegistration& result) {
+    std::vector<Eigen::Matrix3d> turns;
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const auto& [time_ns, T_world_body] : estimate) {
+        const auto marker = pose_at(truth, time_ns + nanoseconds(state.offset_s));
+        if (!marker) continue;
+        turns.push_back((state.T_reference_world.linear() * T_world_body.linear()).transpose() *
+                        marker->linear());
+        sum += turns.back();
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+    if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
+    const Eigen::Matrix3d R_body_marker =
+        svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    double squares = 0.0;
+    for (const Eigen::Matrix3d& turn : turns) {
+        const double angle = Eigen::AngleAxisd(R_body_marker.transpose() * turn).angle();
+        squares += angle * angle;
+    }
+    const auto count = static_cast<double>(turns.size());
+    const double rms_deg = kDegPerRad * std::sqrt(squares / count);
+    result.has_orientation = rms_deg <= kMaxOrientationRms_deg;
+    if (!result.has_orientation) return;
+    result.T_body_marker.linear() = R_body_marker;
+    result.rotation_sigma_deg = rms_deg * std::sqrt(std::min(1.0, samples_together / count));
+}
+
+State initial_state(const TruthOptions& options) {
+    State state;
+    state.offset_s = options.time_offset_s;
+    if (options.lever_arm)
+        state.lever_m = Eigen::Map<const Eigen::Vector3d>(options.lever_arm->position_m.data());
+    return state;
+}
+
+TruthRegistration as_given(const TruthOptions& options) {
+    TruthRegistration result;
+    result.time_offset_s = options.time_offset_s;
+    if (!options.lever_arm) return result;
+    const auto& q = options.lever_arm->orientation_wxyz;
+    result.T_body_marker.linear() =
+        Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+    result.T_body_marker.translation() = initial_state(options).lever_m;
+    return result;
+}
+
+// The best of the solutions that start at each likely offset.
+State best_state(const Registration& registration,
+                 const Trajectory& estimate,
+                 const Trajectory& truth,
+                 const TruthOptions& options) {
+    std::vector<double> offsets_s = {options.time_offset_s};
+    if (options.solve_time_offset) offsets_s = likely_time_offsets_s(estimate, truth);
+    std::optional<State> best;
+    double best_rms_m = std::numeric_limits<double>::infinity();
+    for (const double offset_s : offsets_s) {
+        State start = initial_state(options);
+        start.offset_s = offset_s;
+        const auto solved = registration.solve(start);
+        if (!solved) continue;
+        const auto rows = registration.rows(*solved);
+        if (rows.size() < kLeastPoses || rms_m(rows) >= best_rms_m) continue;
+        best_rms_m = rms_m(rows);
+        best = solved;
+    }
+    if (best) return *best;
+    throw Error(ErrorCode::BadData,
+                options.solve_time_offset && offsets_s.empty()
+                    ? "the time offset cannot be solved: at no offset do both trajectories turn or "
+                      "move alike; check that they are of one dive"
+                    : "fewer than " + std::to_string(kLeastPoses) +
+                          " poses have ground truth at their time; check the offset of the clocks");
+}
+
+}  // namespace
+
+TruthRegistration register_truth(const Trajectory& estimate,
+                                 const Trajectory& truth,
+                                 const TruthOptions& options) {
+    TruthRegistration result = as_given(options);
+    result.has_orientation = has_rotation(truth) || !has_rotation(estimate);
+    if (!options.solve_lever_arm && !options.solve_time_offset) return result;
+    const Registration registration(estimate, truth, options);
+    const State state = best_state(registration, estimate, truth, options);
+    const auto rows = registration.rows(state);
+    result.num_poses = std::ssize(rows);
+    result.residual_rms_m = rms_m(rows);
+    result.time_offset_s = state.offset_s;
+    result.T_body_marker.translation() = state.lever_m;
+    judge(rows, options, result);
+    if (options.solve_lever_arm && result.has_orientation)
+        solve_axes(estimate, truth, state, autocorrelation_time(rows), result);
+    return result;
+}
+
+RegisteredTruth registered_truth(const Trajectory& estimate,
+                                 Trajectory truth,
+                                 const TruthOptions& options) {
+    RegisteredTruth result;
+    result.registration = register_truth(estimate, truth, options);
+    result.poses = shifted(std::move(truth), result.registration.time_offset_s);
+    result.options.T_referencebody_estimatebody = result.registration.T_body_marker.inverse();
+    if (result.registration.has_orientation) return result;
+    const auto pairs = pair_poses(estimate, result.poses, result.options);
+    if (pairs.size() < 3) return result;
+    const Eigen::Matrix3d R_reference_world = align(pairs).T_reference_world.linear();
+    result.poses.clear();
+    for (const PosePair& pair : pairs) {
+        Eigen::Isometry3d pose = pair.T_reference_body;
+        pose.linear() = R_reference_world * pair.T_world_body.linear();
+        result.poses.push_back({pair.timestamp_ns, pose});
+    }
+    return result;
+}
+
+nlohmann::json to_metrics(const TruthRegistration& registration, const TruthOptions& options) {
+    const Eigen::Vector3d p = registration.T_body_marker.translation();
+    const Eigen::Quaterniond q(registration.T_body_marker.linear());
+    nlohmann::json json = {
+        {"positions_only", !registration.has_orientation},
+        {"time_offset_s", {{"value", registration.time_offset_s}, {"how", "given"}}},
+        {"lever_arm_m", {{"vector", {p.x(), p.y(), p.z()}}, {"how", "given"}}},
+        {"marker_orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+    if (options.time_offset_s == 0.0) json["time_offset_s"]["how"] = "none";
+    if (!options.lever_arm) json["lever_arm_m"]["how"] = "none";
+    if (registration.num_poses == 0) return json;
+    json["num_poses"] = registration.num_poses;
+    json["residual_rms_m"] = registration.residual_rms_m;
+    if (const auto sigma_s = registration.time_offset_sigma_s) {
+        json["time_offset_s"]["how"] = "solved";
+        json["time_offset_s"]["sigma"] = *sigma_s;
+    }
+    if (const auto sigma_m = registration.lever_arm_sigma_m) {
+        json["lever_arm_m"]["how"] = "solved";
+        json["lever_arm_m"]["sigma"] = {sigma_m->x(), sigma_m->y(), sigma_m->z()};
+    }
+    if (registration.rotation_sigma_deg)
+        json["marker_rotation_sigma_deg"] = *registration.rotation_sigma_deg;
+    return json;
+}
+
+nlohmann::json without_rotations(nlohmann::json trajectory) {
+    trajectory.erase("rotation_rmse_deg");
+    for (const char* part : {"revisit", "relative_pose"})
+        if (trajectory.contains(part)) trajectory[part].erase("rotation_rmse_deg");
+    if (!trajectory.contains("segments")) return trajectory;
+    for (nlohmann::json& segment : trajectory["segments"])
+        for (const char* figure : {"rotation_mean_deg_per_m", "rotation_rmse_deg_per_m"})
+            segment.erase(figure);
+    return trajectory;
+}
+
+}  // namespace divemesh::worker
