@@ -60,8 +60,8 @@ void add_mesh(CLI::App& parent, Context& context) {
         std::filesystem::path reference_trajectory;
     };
     auto options = std::make_shared<Options>();
-    command->add_option("--estimate", options->request.estimate, "PLY")->required();
-    command->add_option("--reference", options->request.reference, "PLY")->required();
+    command->add_option("--estimate", options->request.estimate, "PLY, OBJ or GLB")->required();
+    command->add_option("--reference", options->request.reference, "PLY, OBJ or GLB")->required();
     auto* ours = command->add_option("--estimate-trajectory",
                                      options->estimate_trajectory,
                                      "moves the mesh to the truth's frame, with the one below");

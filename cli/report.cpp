@@ -93,10 +93,9 @@ std::string summary(const nlohmann::json& report) {
         if (std::find(std::begin(kQuoted),
                       std::end(kQuoted),
                       figure.at("figure").get<std::string>()) != std::end(kQuoted))
-            rows.push_back(
-                {"",
-                 figure.at("figure").get<std::string>(),
-                 value_text(figure.at("value")) + " " + figure.at("unit").get<std::string>()});
+            rows.push_back({"",
+                            figure.at("figure").get<std::string>(),
+                            value_text(figure.at("value")) + unit_text(figure)});
     add_truth(report, rows);
     return table_text(rows);
 }

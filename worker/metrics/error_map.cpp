@@ -106,7 +106,7 @@ double scale_end_m(const cv::Mat& distance_m) {
                      [](float distance) { return !std::isnan(distance); });
     if (sorted.empty()) return 0.0;
     std::sort(sorted.begin(), sorted.end());
-    return rounded_up(static_cast<double>(sorted[(sorted.size() - 1) * 95 / 100]));
+    return rounded_up(static_cast<double>(sorted[(sorted.size() - 1) * 9 / 10]));
 }
 
 }  // namespace

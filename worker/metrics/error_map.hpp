@@ -11,7 +11,7 @@ namespace divemesh::worker {
 // range from every camera, white where there is no surface.
 struct ErrorMap {
     std::string png;
-    double end_m = 0.0;  // the 95th percentile, rounded up to 1, 2 or 5 times a power of ten
+    double end_m = 0.0;  // the 90th percentile, rounded up to 1, 2 or 5 times a power of ten
 };
 
 ErrorMap render_error_map(const Mesh& mesh_world,

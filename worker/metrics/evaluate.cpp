@@ -6,7 +6,7 @@
 #include "worker/metrics/surface_error.hpp"
 #include "worker/metrics/trajectory_error.hpp"
 #include "worker/metrics/truth_registration.hpp"
-#include "worker/output/ply.hpp"
+#include "worker/output/mesh_reader.hpp"
 #include "worker/output/trajectory_file.hpp"
 
 namespace divemesh::worker {
@@ -76,7 +76,7 @@ nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request) {
             input.camera_positions_world.push_back(pose.T_world_imu.translation());
     }
     return to_metrics(
-        surface_error(read_ply(request.estimate), read_ply(request.reference), input));
+        surface_error(read_mesh(request.estimate), read_mesh(request.reference), input));
 }
 
 }  // namespace divemesh::worker

@@ -22,8 +22,8 @@ nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
                                    const TrajectoryEvaluationOptions& options = {});
 
 struct MeshEvaluationRequest {
-    std::filesystem::path estimate;   // PLY
-    std::filesystem::path reference;  // PLY
+    std::filesystem::path estimate;   // PLY, OBJ or GLB
+    std::filesystem::path reference;  // the same, or points alone
     // Both: the estimate is moved by the SE(3) that lays its poses, positions and orientations, on
     // the true ones, and what is farther than 4 m from every pose is left out. Neither: the meshes
     // share a frame.

@@ -116,14 +116,16 @@ HtmlRows truth_rows(const json& report) {
     std::string offset_text = number_text(offset.at("value"), "%.6f s");
     if (offset.contains("sigma"))
         offset_text += number_text(offset["sigma"], " \u00b1 %.2g ms", 1e3);
-    rows.emplace_back("Clock offset, " + offset.value("how", ""), offset_text);
+    const bool one_clock = offset.value("how", "") == "none";
+    rows.emplace_back("Clock offset", one_clock ? "none: the dive's clock" : offset_text);
     std::string lever_text;
     for (std::size_t i = 0; i < 3; ++i) {
         lever_text += (i == 0 ? "" : ", ") + number_text(lever.at("vector").at(i), "%.4f");
         if (lever.contains("sigma"))
             lever_text += number_text(lever["sigma"].at(i), " \u00b1 %.4f");
     }
-    rows.emplace_back("Lever arm, " + lever.value("how", "") + ", m", lever_text);
+    const bool one_body = lever.value("how", "") == "none";
+    rows.emplace_back("Lever arm, m", one_body ? "none: the rig's body" : lever_text);
     if (truth.value("positions_only", false))
         rows.emplace_back("Orientations", "none: figures of rotation are left out");
     if (truth.contains("residual_rms_m"))

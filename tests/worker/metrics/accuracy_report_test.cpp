@@ -1,0 +1,225 @@
+#include "worker/metrics/accuracy_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "schemas/error.hpp"
+#include "tests/paths.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/output/ply.hpp"
+#include "worker/output/trajectory_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+constexpr char kHostileName[] = "=cmd <script>alert('x')</script> \"&";
+
+bool is_valid(const json& report) {
+    const json text =
+        json::parse(std::ifstream(source_directory() / "schemas" / "report.schema.json"));
+    valijson::Schema schema;
+    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+    return valijson::Validator().validate(
+        schema, valijson::adapters::NlohmannJsonAdapter(report), nullptr);
+}
+
+// A square of 2 m in cells of 0.1 m.
+Mesh square(float z_m) {
+    Mesh mesh;
+    constexpr std::uint32_t kSide = 21;
+    for (std::uint32_t row = 0; row < kSide; ++row)
+        for (std::uint32_t column = 0; column < kSide; ++column)
+            mesh.vertices.emplace_back(
+                0.1F * static_cast<float>(column), 0.1F * static_cast<float>(row), z_m);
+    for (std::uint32_t row = 0; row + 1 < kSide; ++row)
+        for (std::uint32_t column = 0; column + 1 < kSide; ++column) {
+            const std::uint32_t corner = row * kSide + column;
+            mesh.triangles.push_back({corner, corner + 1, corner + kSide + 1});
+            mesh.triangles.push_back({corner, corner + kSide + 1, corner + kSide});
+        }
+    return mesh;
+}
+
+// A rig 1 m above the square, swaying about all axes; `offset_s`: of the clock it is told on.
+Trajectory sway(double offset_s, const Eigen::Vector3d& lever_m) {
+    Trajectory trajectory;
+    for (int i = 0; i < 400; ++i) {
+        const double t = 0.1 * i;
+        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+        pose.translation() = Eigen::Vector3d(
+            1.0 + 0.9 * std::sin(0.5 * t), 1.0 + 0.9 * std::cos(0.31 * t), 1.0 + 0.1 * std::sin(t));
+        pose.rotate(Eigen::AngleAxisd(0.5 * std::sin(0.7 * t), Eigen::Vector3d::UnitZ()));
+        pose.rotate(Eigen::AngleAxisd(0.4 * std::sin(0.9 * t), Eigen::Vector3d::UnitX()));
+        pose.translate(lever_m);
+        trajectory.push_back({1'000'000'000 + std::llround((t + offset_s) * 1e9), pose});
+    }
+    return trajectory;
+}
+
+class AccuracyReportTest : public testing::Test {
+protected:
+    AccuracyReportTest() {
+        std::filesystem::create_directories(folder_ / "result");
+        const json metrics = {
+            {"version", "0.1.0"},
+            {"preset", "standard"},
+            {"dive", {{"name", kHostileName}, {"content_sha256", "abc"}, {"duration_s", 40.0}}},
+            {"calibration", {{"sha256", "def"}, {"baseline_m", 0.12}}},
+            {"frames", {{"num_frames", 400}, {"coverage", 1.0}}},
+            {"trajectory", {{"path_length_m", 20.0}}},
+            {"known_distances",
+             {{"distances",
+               {{{"name", kHostileName}, {"known_m", 1.0}, {"measured_m", 1.002}},
+                {{"name", "unseen"}, {"known_m", 1.0}, {"measured_m", nullptr}}}}}}};
+        std::ofstream(folder_ / "result/metrics.json") << metrics;
+        write_tum(folder_ / "result/trajectory.tum", sway(0.0, Eigen::Vector3d::Zero()));
+        write_ply(folder_ / "result/mesh.ply", square(0.003F));
+        write_tum(folder_ / "truth.tum", sway(0.0, Eigen::Vector3d::Zero()));
+        write_ply(folder_ / "reference.ply", square(0.0F));
+        request_.reconstruction = folder_ / "result";
+        request_.out = folder_ / "out";
+        request_.scratch = folder_ / "scratch";
+        request_.num_threads = 1;
+    }
+
+    json make() { return make_accuracy_report(request_, ignore_progress); }
+    void give_truth() {
+        request_.ground_truth = folder_ / "truth.tum";
+        request_.reference = folder_ / "reference.ply";
+    }
+    std::string read(const std::string& name) const {
+        std::ifstream stream(request_.out / name, std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+    static json figure(const json& report, const std::string& name) {
+        for (const json& entry : report.at("figures"))
+            if (entry.at("figure") == name) return entry;
+        ADD_FAILURE() << "no " << name;
+        return json();
+    }
+
+    TemporaryFolder folder_;
+    AccuracyReportRequest request_;
+};
+
+TEST_F(AccuracyReportTest, MeasuresPathAndSurfaceAgainstTheTruth) {
+    give_truth();
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_LT(figure(report, "trajectory.final.ate_rmse_m")["value"].get<double>(), 1e-6);
+    EXPECT_NEAR(figure(report, "surface.accuracy.median_m")["value"].get<double>(), 0.003, 1e-5);
+    EXPECT_EQ(figure(report, "surface.accuracy.median_m")["unit"], "m");
+    EXPECT_EQ(report["reconstruction"]["calibration_sha256"], "def");
+    EXPECT_EQ(report["truth"]["source"], "truth.tum");
+    EXPECT_EQ(report["files"].size(), 5U);
+    EXPECT_TRUE(report["findings"].empty());
+    EXPECT_TRUE(report["passed"].is_null());
+}
+
+TEST_F(AccuracyReportTest, WithoutTruthTheFiguresOfTheReconstructionRemain) {
+    request_.requirements = {"coverage>=1", "drift_percent<=0.5"};
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_EQ(report["requirements"][0]["met"], true);
+    EXPECT_EQ(report["requirements"][1]["met"], false);
+    EXPECT_EQ(report["passed"], false);
+    EXPECT_NE(read("junit.xml").find("needs ground truth"), std::string::npos);
+}
+
+TEST_F(AccuracyReportTest, AnExternalTrackersLeverArmAndClockAreSolvedAndStated) {
+    give_truth();
+    const Eigen::Vector3d lever_m(0.2, -0.1, 0.15);
+    write_tum(folder_ / "truth.tum", sway(2.5, lever_m));
+    request_.truth.solve_lever_arm = true;
+    request_.truth.solve_time_offset = true;
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_NEAR(report["truth"]["time_offset_s"]["value"].get<double>(), 2.5, 1e-3);
+    EXPECT_EQ(report["truth"]["time_offset_s"]["how"], "solved");
+    EXPECT_TRUE(report["truth"]["lever_arm_m"].contains("sigma"));
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(
+            figure(report, "truth.lever_arm_m.vector[" + std::to_string(axis) + "]")["value"]
+                .get<double>(),
+            lever_m[axis],
+            2e-3);
+    EXPECT_LT(figure(report, "trajectory.final.ate_rmse_m")["value"].get<double>(), 2e-3);
+}
+
+TEST_F(AccuracyReportTest, ACloudAsReferenceSaysHowDenseItIs) {
+    give_truth();
+    Mesh cloud = square(0.0F);
+    cloud.triangles.clear();
+    write_ply(folder_ / "reference.ply", cloud);
+    const json report = make();
+    EXPECT_NEAR(figure(report, "surface.reference_spacing_m")["value"].get<double>(), 0.1, 1e-4);
+    EXPECT_NEAR(
+        figure(report, "surface.completeness.median_m")["value"].get<double>(), 0.003, 1e-5);
+    // The mean distance to the nearest point of a square lattice is 0.3826 of its spacing.
+    EXPECT_NEAR(figure(report, "surface.accuracy.mean_m")["value"].get<double>(), 0.0383, 5e-4);
+}
+
+TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoFigure) {
+    give_truth();
+    write_tum(folder_ / "truth.tum", sway(5000.0, Eigen::Vector3d::Zero()));
+    request_.requirements = {"ate_rmse_m<=1"};
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_EQ(report["findings"][0]["code"], "ground_truth_unusable");
+    EXPECT_EQ(report["passed"], false);
+}
+
+TEST_F(AccuracyReportTest, WhatNamesHoldComesOutAsTextAlone) {
+    give_truth();
+    request_.requirements = {"coverage>=1"};
+    make();
+    const std::string html = read("report.html");
+    EXPECT_EQ(html.find("<script"), std::string::npos);
+    EXPECT_NE(html.find("&lt;script&gt;"), std::string::npos);
+    for (const char* loads : {"http://", "https://", "url(", "src=\"/", "@import", "<link"})
+        EXPECT_EQ(html.find(loads), std::string::npos) << loads;
+    EXPECT_EQ(read("junit.xml").find("<script"), std::string::npos);
+    EXPECT_EQ(read("report.csv").find("\n="), std::string::npos);
+}
+
+TEST_F(AccuracyReportTest, IsTheSameWhateverTheNumberOfThreads) {
+    give_truth();
+    make();
+    const std::string files[] = {read("report.json"), read("report.csv"), read("report.html")};
+    request_.num_threads = 2;
+    make();
+    EXPECT_EQ(read("report.json"), files[0]);
+    EXPECT_EQ(read("report.csv"), files[1]);
+    EXPECT_EQ(read("report.html"), files[2]);
+}
+
+TEST_F(AccuracyReportTest, AWrongRequirementIsRefusedBeforeAnyWork) {
+    request_.reconstruction = folder_ / "nowhere";
+    request_.requirements = {"nonsense<=1"};
+    try {
+        make();
+        FAIL() << "was taken";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    }
+}
+
+TEST_F(AccuracyReportTest, ACancelledReportLeavesNothing) {
+    EXPECT_THROW(
+        make_accuracy_report(
+            request_, [](const Progress&) { throw Error(ErrorCode::Cancelled, "cancelled"); }),
+        Error);
+    EXPECT_FALSE(std::filesystem::exists(request_.out / "report.json"));
+}
+
+}  // namespace
+}  // namespace divemesh::worker
