@@ -28,42 +28,50 @@ public:
 private:
     static constexpr int kRowsAtOnce = 2;  // as the kernels take them
 
+    // Costs where vectors begin.
+    struct alignas(kWidestVector) Line {
+        std::uint8_t bytes[kWidestVector];
+    };
+    struct Costs {
+        std::vector<Line> lines;
+        void resize(std::size_t num_bytes);
+        std::uint8_t* begin() { return lines.front().bytes; }
+    };
     struct Row {
-        std::vector<std::uint8_t> penalty[5];         // P2: three from above, from left, from right
-        std::vector<std::uint8_t> right_reversed[4];  // so that d runs with the address
-        std::vector<std::uint8_t> cost;               // [x][d]
-        std::vector<std::uint8_t> sum;                // over the paths, [x][d]
-        std::vector<std::uint8_t> from_left;          // path costs of two pixels
-        std::vector<std::uint8_t> from_right;
-        std::vector<std::uint8_t> least;  // of the sums, by x, and where and how
+        std::vector<std::uint8_t> penalty[5];  // P2: three from above, from left, from right
+        Costs cost;                            // [x][d]
+        Costs sum;                             // over the paths, [x][d]
+        std::vector<std::uint8_t> least;       // of the sums, by x, and where and how
         std::vector<std::int16_t> least_at;
         std::vector<std::uint8_t> is_unique;
-        std::vector<std::uint8_t> around;
+        std::vector<std::uint8_t> lower;
+        std::vector<std::uint8_t> upper;
     };
     // Costs of one path, see VerticalPath.
     struct Slots {
-        std::vector<std::uint8_t> costs;
+        Costs costs;
         std::vector<std::uint8_t> least;
     };
 
+    void begin_path(std::uint8_t* costs) const;
     void prepare(const cv::Mat& left);
     void prepare_row(const cv::Mat& left, int y, Row& row) const;
     void aggregate(int y, int num_rows);
     VerticalPath vertical_path(int p, int y);
     void select_winners(int num_rows);
-    void write_row(const Row& row, float* disparity_px);
+    void write_row(Row& row, float* disparity_px);
 
     int num_disparities_;  // of the range at hand
     int whole_num_disparities_;
     int first_disparity_ = 0;
-    Instructions instructions_;
+    SgmKernels kernels_;
     int width_ = 0;
-    std::vector<std::uint8_t> left_census_[4];  // byte planes of the signatures
-    std::vector<std::uint8_t> right_census_[4];
+    int stride_ = 0;                             // of [d]: whole vectors
+    std::vector<std::uint8_t> left_census_[4];   // byte planes of the signatures
+    std::vector<std::uint8_t> right_census_[4];  // from right to left: d runs with the address
     Row rows_[kRowsAtOnce];
     Slots above_[3];
-    std::vector<std::uint8_t> right_best_cost_;
-    std::vector<std::int16_t> right_best_disparity_;
+    std::vector<std::uint32_t> right_best_;
 };
 
 }  // namespace divemesh::worker

@@ -49,9 +49,50 @@ DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
     constexpr std::uint64_t kGather = 0x0102040810204080U;
     return ((halves[0] * kGather) >> 56) | (((halves[1] * kGather) >> 56) << 8);
 }
+// How many of the first `num` are no larger.
+DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int /*num: all*/) {
+    const V ones = (least_of(a, limit) == a) ? splat(1) : splat(0);
+    std::uint64_t halves[2];
+    std::memcpy(halves, &ones, kBytes);
+    constexpr std::uint64_t kSum = 0x0101010101010101U;  // into the highest byte
+    return static_cast<int>(((halves[0] + halves[1]) * kSum) >> 56);
+}
 DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
     return (a == b) ? splat(value) : splat(0);
 }
+// The bytes at d - 1, where `before` ends at the first of `here`, and those at d + 1.
+#if defined(__SSE2__)
+DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
+    return reinterpret_cast<V>(_mm_or_si128(_mm_slli_si128(reinterpret_cast<__m128i>(here), 1),
+                                            _mm_srli_si128(reinterpret_cast<__m128i>(before), 15)));
+}
+DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
+    return reinterpret_cast<V>(_mm_or_si128(_mm_srli_si128(reinterpret_cast<__m128i>(here), 1),
+                                            _mm_slli_si128(reinterpret_cast<__m128i>(after), 15)));
+}
+#else
+DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
+    return __builtin_shufflevector(
+        before, here, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30);
+}
+DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
+    return __builtin_shufflevector(
+        here, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+}
+#endif
+struct Leasts {
+    std::uint8_t of[4];
+};
+DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
+    Leasts leasts;
+    for (int p = 0; p < 4; ++p) leasts.of[p] = static_cast<std::uint8_t>(least_byte(v[p]));
+    return leasts;
+}
+template <int p>
+DIVEMESH_INLINE_BODY std::uint8_t least_of_path(Leasts leasts) {
+    return leasts.of[p];
+}
+DIVEMESH_INLINE_BODY V splat_last(Leasts leasts) { return splat(leasts.of[3]); }
 // Bits set in each nibble of a byte.
 DIVEMESH_INLINE_BODY V nibble_counts(V bits) {
     const V pairs = bits - ((bits >> 1) & splat(0x55));
@@ -132,9 +173,31 @@ DIVEMESH_INLINE_BODY int least_byte(V v) {
 DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
     return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a, b)));
 }
+DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int /*num: all*/) {
+    return __builtin_popcountll(where_equal(least_of(a, limit), a));
+}
 DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
     return _mm256_and_si256(_mm256_cmpeq_epi8(a, b), splat(value));
 }
+DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
+    return _mm256_alignr_epi8(here, _mm256_permute2x128_si256(before, here, 0x21), 15);
+}
+DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
+    return _mm256_alignr_epi8(_mm256_permute2x128_si256(here, after, 0x21), here, 1);
+}
+struct Leasts {
+    std::uint8_t of[4];
+};
+DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
+    Leasts leasts;
+    for (int p = 0; p < 4; ++p) leasts.of[p] = static_cast<std::uint8_t>(least_byte(v[p]));
+    return leasts;
+}
+template <int p>
+DIVEMESH_INLINE_BODY std::uint8_t least_of_path(Leasts leasts) {
+    return leasts.of[p];
+}
+DIVEMESH_INLINE_BODY V splat_last(Leasts leasts) { return splat(leasts.of[3]); }
 DIVEMESH_INLINE_BODY V by_nibble(V table, V bits) {
     const V low = _mm256_set1_epi8(0x0f);
     return _mm256_add_epi8(
@@ -193,7 +256,7 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 #pragma GCC pop_options
 
 #pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512vl,avx512bitalg")
+#pragma GCC target("avx512f,avx512bw,avx512vl,avx512vbmi,avx512bitalg")
 namespace avx512 {
 
 constexpr int kBytes = 64;
@@ -222,8 +285,55 @@ DIVEMESH_INLINE_BODY int least_byte(V v) {
     return _mm_cvtsi128_si32(_mm_minpos_epu16(pairs)) & 0xff;
 }
 DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) { return _mm512_cmpeq_epi8_mask(a, b); }
+DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int num) {
+    const __mmask64 all = _mm512_cmple_epu8_mask(a, limit);
+    return __builtin_popcountll(num < kBytes ? all & ((__mmask64{1} << num) - 1) : all);
+}
 DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
     return _mm512_maskz_mov_epi8(_mm512_cmpeq_epi8_mask(a, b), splat(value));
+}
+// 0, 1, 2 ... and so on from `first`.
+struct Places {
+    constexpr explicit Places(int first) {
+        for (int i = 0; i < kBytes; ++i) bytes[i] = static_cast<std::uint8_t>(first + i);
+    }
+    alignas(kBytes) std::uint8_t bytes[kBytes] = {};
+};
+constexpr Places kOneLower(kBytes - 1);
+constexpr Places kOneUpper(1);
+DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
+    return _mm512_permutex2var_epi8(before, load(kOneLower.bytes), here);
+}
+DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
+    return _mm512_permutex2var_epi8(here, load(kOneUpper.bytes), after);
+}
+// In the lowest byte of each of four words.
+using Leasts = __m128i;
+DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
+    // With masks, as in least_byte.
+    constexpr __mmask8 kAll = 0xff;
+    constexpr __mmask16 kAllWords = 0xffff;
+    __m512 pairs_of[2];
+    for (int i = 0; i < 2; ++i)
+        pairs_of[i] = _mm512_castsi512_ps(
+            least_of(_mm512_maskz_unpacklo_epi64(kAll, v[2 * i], v[2 * i + 1]),
+                     _mm512_maskz_unpackhi_epi64(kAll, v[2 * i], v[2 * i + 1])));
+    const V all = least_of(
+        _mm512_castps_si512(_mm512_maskz_shuffle_ps(kAllWords, pairs_of[0], pairs_of[1], 0x88)),
+        _mm512_castps_si512(_mm512_maskz_shuffle_ps(kAllWords, pairs_of[0], pairs_of[1], 0xdd)));
+    const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, all, 0),
+                                           _mm512_maskz_extracti64x4_epi64(kAll, all, 1));
+    const __m128i words =
+        _mm_min_epu8(_mm256_castsi256_si128(halves), _mm256_extracti128_si256(halves, 1));
+    const __m128i pairs = _mm_min_epu8(words, _mm_srli_epi32(words, 16));
+    return _mm_min_epu8(pairs, _mm_srli_epi32(pairs, 8));
+}
+template <int p>
+DIVEMESH_INLINE_BODY std::uint8_t least_of_path(Leasts leasts) {
+    return static_cast<std::uint8_t>(_mm_extract_epi8(leasts, 4 * p));
+}
+DIVEMESH_INLINE_BODY V splat_last(Leasts leasts) {
+    return _mm512_maskz_broadcastb_epi8(~__mmask64{0}, _mm_srli_si128(leasts, 12));
 }
 DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
     V counts[4];
@@ -242,14 +352,13 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 
 }  // namespace
 
-SgmKernels sgm_kernels(Instructions instructions, int num_disparities) {
+SgmKernels sgm_kernels(Instructions instructions) {
 #if defined(__x86_64__)
-    if (instructions == Instructions::Avx512 && num_disparities % avx512::kBytes == 0)
-        return {avx512::forward, avx512::backward, avx512::census, avx512::penalties};
-    if (instructions != Instructions::Baseline)
-        return {avx2::forward, avx2::backward, avx2::census, avx2::penalties};
+    if (instructions == Instructions::Avx512 && __builtin_cpu_supports("avx512vbmi"))
+        return avx512::kernels();
+    if (instructions != Instructions::Baseline) return avx2::kernels();
 #endif
-    return {baseline::forward, baseline::backward, baseline::census, baseline::penalties};
+    return baseline::kernels();
 }
 
 }  // namespace divemesh::worker

@@ -37,28 +37,64 @@ void penalties(const std::uint8_t* __restrict a,
     }
 }
 
+// What is behind the last disparity where the vectors end later: costs too large to be chosen from
+// any path, and not too large for a byte.
+constexpr int kBehindRange = 140;
+static_assert(kNumCensusBits + kLargestStepPenalty < kBehindRange);
+static_assert(kBehindRange + kLargestStepPenalty <= kOutsideCost);
+
+DIVEMESH_INLINE_BODY int stride_of(int num_disparities) {
+    return (num_disparities + kBytes - 1) / kBytes * kBytes;
+}
+
 struct Step {
     V least;
     V far;
-    V before;
-    V lower;  // the one before, at d - 1
-    V upper;
+    V before;  // costs of the pixel before: at the last disparities, at these and at the next
+    V here;
+    V after;
 };
 
 // L(p, d) = C(p, d) + min(L(q, d), L(q, d +- 1) + P1, min L(q) + P2) - min L(q); eq. 14 of
 // Hirschmueller 2008.
 DIVEMESH_INLINE_BODY V path_cost(const Step& step, V cost) {
-    const V near = add(least_of(step.lower, step.upper), splat(kSmallStepPenalty));
-    return add(subtract(least_of(least_of(step.before, near), step.far), step.least), cost);
+    const V near =
+        add(least_of(one_lower(step.before, step.here), one_upper(step.here, step.after)),
+            splat(kSmallStepPenalty));
+    return add(subtract(least_of(least_of(step.here, near), step.far), step.least), cost);
 }
 
+// The path's next step; its costs replace those that it comes from.
+DIVEMESH_INLINE_BODY V take_step(Step& step, std::uint8_t* costs, int d, int stride, V cost) {
+    step.after = d + kBytes < stride ? load(costs + d + kBytes) : splat(kOutsideCost);
+    const V next = path_cost(step, cost);
+    store(costs + d, next);
+    step.before = step.here;
+    step.here = step.after;
+    return next;
+}
+
+DIVEMESH_INLINE_BODY Step first_step(const std::uint8_t* costs, V least, int penalty) {
+    Step step;
+    step.least = least;
+    step.far = add(least, splat(penalty));
+    step.before = splat(kOutsideCost);
+    step.here = load(costs);
+    return step;
+}
+
+// One row on its way from left to right.
+struct Sweep {
+    const ForwardRow* row = nullptr;
+    int slots[3] = {};
+    V left_least;
+    alignas(kWidestVector) std::uint8_t from_left[kMostDisparities];
+};
+
 template <bool kClipped>
-DIVEMESH_INLINE_BODY void forward_pixel(const ForwardRow& row,
-                                        int x,
-                                        const int (&slots)[3],
-                                        V& left_least) {
-    const int num = row.num_disparities;
-    const int stride = num + kPathMargin;
+DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
+    const ForwardRow& row = *sweep.row;
+    const int stride = num_vectors * kBytes;
     const int num_in_image = x + 1 - row.first_disparity;
     const std::ptrdiff_t reversed = row.width - 1 - x;
     const std::uint8_t* right[4];
@@ -67,174 +103,196 @@ DIVEMESH_INLINE_BODY void forward_pixel(const ForwardRow& row,
         left[p] = splat(row.left[p][x]);
         right[p] = row.right_reversed[p] + reversed;
     }
-    std::uint8_t* above[3];
+    std::uint8_t* paths[4];
     Step step[4];
-    V least[4];
-    for (int p = 0; p < 3; ++p) {
-        above[p] = row.above[p].costs + static_cast<std::ptrdiff_t>(slots[p]) * stride;
-        step[p].least = splat(row.above[p].least[slots[p]]);
-        step[p].lower = load(above[p] - 1);
-    }
-    step[3].least = left_least;
+    V lowest[4];
     for (int p = 0; p < 4; ++p) {
-        step[p].far = add(step[p].least, splat(row.penalty[p][x]));
-        least[p] = splat(255);
+        paths[p] = p == 3
+                       ? sweep.from_left
+                       : row.above[p].costs + static_cast<std::ptrdiff_t>(sweep.slots[p]) * stride;
+        step[p] = first_step(paths[p],
+                             p == 3 ? sweep.left_least : splat(row.above[p].least[sweep.slots[p]]),
+                             row.penalty[p][x]);
+        lowest[p] = splat(255);
     }
-    const std::uint8_t* before = row.from_left + (x & 1) * stride + kPathMargin;
-    std::uint8_t* here = row.from_left + ((x + 1) & 1) * stride + kPathMargin;
-    std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * num;
-    std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * num;
-    for (int d = 0; d < num; d += kBytes) {
+    std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * stride;
+    std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * stride;
+    for (int i = 0; i < num_vectors; ++i) {
+        const int d = i * kBytes;
         V c = hamming(left, right, d);
         if constexpr (kClipped) c = first_or(c, num_in_image - d, kNumCensusBits);
+        if (kBytes > 32 && d + kBytes > row.num_disparities)
+            c = first_or(c, row.num_disparities - d, kBehindRange);
         store(cost + d, c);
         V costs[4];
-        for (int p = 0; p < 3; ++p) {
-            step[p].before = load(above[p] + d);
-            step[p].upper = load(above[p] + d + 1);
-            const V next_lower = load(above[p] + d + kBytes - 1);  // before it is overwritten
-            costs[p] = path_cost(step[p], c);
-            step[p].lower = next_lower;
-            store(above[p] + d, costs[p]);
+        for (int p = 0; p < 4; ++p) {
+            costs[p] = take_step(step[p], paths[p], d, stride, c);
+            lowest[p] = least_of(lowest[p], costs[p]);
         }
-        step[3].before = load(before + d);
-        step[3].lower = load(before + d - 1);
-        step[3].upper = load(before + d + 1);
-        costs[3] = path_cost(step[3], c);
-        store(here + d, costs[3]);
-        for (int p = 0; p < 4; ++p) least[p] = least_of(least[p], costs[p]);
         store(sum + d,
               add_saturated(add_saturated(costs[0], costs[1]), add_saturated(costs[2], costs[3])));
     }
-    for (int p = 0; p < 3; ++p)
-        row.above[p].least[slots[p]] = static_cast<std::uint8_t>(least_byte(least[p]));
-    left_least = splat(least_byte(least[3]));
+    const Leasts leasts = least_bytes(lowest);
+    row.above[0].least[sweep.slots[0]] = least_of_path<0>(leasts);
+    row.above[1].least[sweep.slots[1]] = least_of_path<1>(leasts);
+    row.above[2].least[sweep.slots[2]] = least_of_path<2>(leasts);
+    sweep.left_least = splat_last(leasts);
 }
 
-// One row on its way from left to right.
-struct Sweep {
-    const ForwardRow* row = nullptr;
-    int slots[3] = {};
-    V left_least;
-};
-
-DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x) {
+DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x, int num_vectors) {
     const ForwardRow& row = *sweep.row;
     if (x + 1 - row.first_disparity < row.num_disparities)
-        forward_pixel<true>(row, x, sweep.slots, sweep.left_least);
+        forward_pixel<true>(sweep, x, num_vectors);
     else
-        forward_pixel<false>(row, x, sweep.slots, sweep.left_least);
+        forward_pixel<false>(sweep, x, num_vectors);
     for (int& slot : sweep.slots) slot = slot == row.width ? 0 : slot + 1;
 }
 
 // The step from left to right waits for the pixel before it, so a second row goes along, far enough
 // behind to find the row above done.
-void forward(const ForwardRow* rows, int num_rows) {
+DIVEMESH_INLINE_BODY void forward_body(const ForwardRow* rows, int num_rows, int num_vectors) {
     constexpr int kLag = 2;
     Sweep sweeps[2];
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
         sweeps[r].left_least = splat(0);
+        for (int i = 0; i < num_vectors; ++i)
+            store(sweeps[r].from_left + i * kBytes,
+                  first_or(splat(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
         for (int p = 0; p < 3; ++p) sweeps[r].slots[p] = rows[r].above[p].first_slot;
     }
     const int width = rows[0].width;
     if (num_rows == 1) {
-        for (int x = 0; x < width; ++x) advance(sweeps[0], x);
+        for (int x = 0; x < width; ++x) advance(sweeps[0], x, num_vectors);
         return;
     }
-    for (int x = 0; x < kLag; ++x) advance(sweeps[0], x);
+    for (int x = 0; x < kLag; ++x) advance(sweeps[0], x, num_vectors);
     for (int x = kLag; x < width; ++x) {
-        advance(sweeps[0], x);
-        advance(sweeps[1], x - kLag);
+        advance(sweeps[0], x, num_vectors);
+        advance(sweeps[1], x - kLag, num_vectors);
     }
-    for (int x = width - kLag; x < width; ++x) advance(sweeps[1], x);
+    for (int x = width - kLag; x < width; ++x) advance(sweeps[1], x, num_vectors);
 }
 
-struct Winner {
-    int d;
-    std::uint8_t is_unique;
-};
-
-// The first place of `best` in sums[0, num), and whether anything but its neighbours comes near it.
-DIVEMESH_INLINE_BODY Winner find_winner(const std::uint8_t* sums, int num, int best) {
-    constexpr int kMostWords = kMostDisparities / 64;
-    std::uint64_t equal[kMostWords + 1] = {};
-    std::uint64_t near[kMostWords + 1] = {};
+// The first place of `best`, which is the least of the sums.
+DIVEMESH_INLINE_BODY int find_first(const std::uint8_t* sums, int num_vectors, int best) {
     const V best_v = splat(best);
-    const V limit = splat(std::min(255, best * 100 / (100 - kUniqueness_percent)));
-    for (int d = 0; d < num; d += kBytes) {
-        const V s = load(sums + d);
-        equal[d / 64] |= where_equal(s, best_v) << (d % 64);
-        near[d / 64] |= where_equal(least_of(s, limit), s) << (d % 64);
+    int first = 0;
+    for (int i = num_vectors - 1; i >= 0; --i) {
+        const std::uint64_t equal = where_equal(load(sums + i * kBytes), best_v);
+        first = equal != 0 ? i * kBytes + __builtin_ctzll(equal) : first;
     }
-    int winner = 0;
-    for (int i = (num - 1) / 64; i >= 0; --i)
-        winner = equal[i] != 0 ? 64 * i + __builtin_ctzll(equal[i]) : winner;
-    if (best == 255) return {winner, 0};
-    const int first = std::max(0, winner - 1);
-    const std::uint64_t neighbours = winner == 0 ? 3 : 7;
-    near[first / 64] &= ~(neighbours << (first % 64));
-    near[first / 64 + 1] &= ~(neighbours >> 1 >> (63 - first % 64));
-    std::uint64_t any = 0;
-    for (int i = 0; i <= (num - 1) / 64; ++i) any |= near[i];
-    const bool at_end = winner == 0 || winner == num - 1;
-    return {winner, static_cast<std::uint8_t>(any == 0 && !at_end)};
+    return first;
+}
+
+// Whether nothing but the neighbours of the winner comes near it.
+DIVEMESH_INLINE_BODY bool is_unique(const std::uint8_t* sums,
+                                    int num,
+                                    int num_vectors,
+                                    int winner) {
+    const int best = sums[winner];
+    const int limit = std::min(255, best * 100 / (100 - kUniqueness_percent));
+    int num_near = 0;
+    for (int i = 0; i < num_vectors; ++i)
+        num_near += num_at_most(load(sums + i * kBytes), splat(limit), num - i * kBytes);
+    const int num_own =
+        1 + (sums[winner - 1] <= limit ? 1 : 0) + (sums[winner + 1] <= limit ? 1 : 0);
+    return (best < 255) & (winner > 0) & (winner < num - 1) & (num_near == num_own);
 }
 
 // One row on its way from right to left.
 struct Return {
     const BackwardRow* row = nullptr;
     V least;
+    alignas(kWidestVector) std::uint8_t from_right[kMostDisparities];
     // What the last pixel's disparities sum up to, between margins.
     alignas(kWidestVector) std::uint8_t sums[kMostDisparities + 2 * kWidestVector];
 };
 
-DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x) {
+DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x, int num_vectors) {
     const BackwardRow& row = *sweep.row;
-    const int num = row.num_disparities;
-    const int stride = num + kPathMargin;
-    Step step;
-    step.least = sweep.least;
-    step.far = add(step.least, splat(row.penalty[x]));
-    const std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * num;
-    const std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * num;
-    const std::uint8_t* before = row.from_right + (x & 1) * stride + kPathMargin;
-    std::uint8_t* here = row.from_right + ((x + 1) & 1) * stride + kPathMargin;
+    const int stride = num_vectors * kBytes;
+    Step step = first_step(sweep.from_right, sweep.least, row.penalty[x]);
+    const std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * stride;
+    const std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * stride;
     std::uint8_t* sums = sweep.sums + kWidestVector;
     V least = splat(255);
     V best = splat(255);
-    for (int d = 0; d < num; d += kBytes) {
-        step.before = load(before + d);
-        step.lower = load(before + d - 1);
-        step.upper = load(before + d + 1);
-        const V c = path_cost(step, load(cost + d));
+    for (int i = 0; i < num_vectors; ++i) {
+        const int d = i * kBytes;
+        const V c = take_step(step, sweep.from_right, d, stride, load(cost + d));
         const V s = add_saturated(load(sum + d), c);
-        store(here + d, c);
         store(sums + d, s);
         least = least_of(least, c);
         best = least_of(best, s);
     }
-    sweep.least = splat(least_byte(least));
-    const int lowest = least_byte(best);
-    const Winner winner = find_winner(sums, num, lowest);
-    row.least[x] = static_cast<std::uint8_t>(lowest);
-    row.least_at[x] = static_cast<std::int16_t>(winner.d);
-    row.is_unique[x] = winner.is_unique;
-    std::memcpy(row.around + 3 * x, sums + winner.d - 1, 3);
+    const Leasts leasts = least_bytes({best, least, best, least});
+    sweep.least = splat_last(leasts);
+    row.least[x] = least_of_path<0>(leasts);
+    const int winner = find_first(sums, num_vectors, row.least[x]);
+    row.least_at[x] = static_cast<std::int16_t>(winner);
+    row.is_unique[x] = is_unique(sums, row.num_disparities, num_vectors, winner) ? 1 : 0;
+    row.lower[x] = sums[winner - 1];
+    row.upper[x] = sums[winner + 1];
 }
 
-void backward(const BackwardRow* rows, int num_rows) {
+DIVEMESH_INLINE_BODY void backward_body(const BackwardRow* rows, int num_rows, int num_vectors) {
     Return sweeps[2];
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
         sweeps[r].least = splat(0);
+        for (int i = 0; i < num_vectors; ++i)
+            store(sweeps[r].from_right + i * kBytes,
+                  first_or(splat(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
     }
     if (num_rows == 1) {
-        for (int x = rows[0].width - 1; x >= 0; --x) retreat(sweeps[0], x);
+        for (int x = rows[0].width - 1; x >= 0; --x) retreat(sweeps[0], x, num_vectors);
         return;
     }
     for (int x = rows[0].width - 1; x >= 0; --x) {
-        retreat(sweeps[0], x);
-        retreat(sweeps[1], x);
+        retreat(sweeps[0], x, num_vectors);
+        retreat(sweeps[1], x, num_vectors);
     }
 }
+
+// Between whole disparities by the two lines that a cost of absolute differences has.
+void place(const WinnerRow& row, float* __restrict disparity_px) {
+    const std::int16_t* __restrict least_at = row.least_at;
+    const std::uint8_t* __restrict least = row.least;
+    const std::uint8_t* __restrict lower = row.lower;
+    const std::uint8_t* __restrict upper = row.upper;
+    const std::uint8_t* __restrict is_confirmed = row.is_confirmed;
+    for (int x = 0; x < row.width; ++x) {
+        const int d = row.first_disparity + least_at[x];
+        const int larger = lower[x] > upper[x] ? lower[x] : upper[x];
+        const int slope = larger - least[x];
+        const auto whole = static_cast<float>(d);
+        const float between = whole + 0.5F * static_cast<float>(lower[x] - upper[x]) /
+                                          static_cast<float>(slope > 0 ? slope : 1);
+        const float known = is_confirmed[x] != 0 ? between : -whole;
+        disparity_px[x] = d < x ? known : 0.0F;
+    }
+}
+
+// Small numbers of vectors are constants to the compiler.
+void forward(const ForwardRow* rows, int num_rows) {
+    switch (const int num_vectors = stride_of(rows[0].num_disparities) / kBytes; num_vectors) {
+        case 1: return forward_body(rows, num_rows, 1);
+        case 2: return forward_body(rows, num_rows, 2);
+        case 3: return forward_body(rows, num_rows, 3);
+        case 4: return forward_body(rows, num_rows, 4);
+        default: return forward_body(rows, num_rows, num_vectors);
+    }
+}
+
+void backward(const BackwardRow* rows, int num_rows) {
+    switch (const int num_vectors = stride_of(rows[0].num_disparities) / kBytes; num_vectors) {
+        case 1: return backward_body(rows, num_rows, 1);
+        case 2: return backward_body(rows, num_rows, 2);
+        case 3: return backward_body(rows, num_rows, 3);
+        case 4: return backward_body(rows, num_rows, 4);
+        default: return backward_body(rows, num_rows, num_vectors);
+    }
+}
+
+SgmKernels kernels() { return {forward, backward, place, census, penalties, kBytes}; }

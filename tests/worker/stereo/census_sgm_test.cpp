@@ -37,7 +37,7 @@ TEST(CensusSgm, IsToTheBitThePlainMethodOverCostVolumes) {
 TEST(CensusSgm, EveryInstructionSetGivesTheSameIntegers) {
     const WarpedPair pair = difficult_pair();
     for (const int width : {317, 320})  // whole vectors, and a rest
-        for (const int range : {32, 64, 96, 128}) {
+        for (const int range : {32, 64, 96, 128, 288}) {
             const cv::Rect part(0, 0, width, 101);
             const cv::Mat plain =
                 CensusSgm(range, Instructions::Baseline).compute(pair.left(part), pair.right(part));
