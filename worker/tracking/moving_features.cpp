@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 
@@ -23,32 +24,55 @@ cv::Point pixel_of(const Feature& feature) {
             static_cast<int>(std::lround(feature.pixel.y()))};
 }
 
-// The connected surface under a feature, 255 in a mask with a pixel of rim more on every side;
-// empty when there is none of its depth.
-cv::Mat thing_under(const Feature& feature, const cv::Mat& disparity_px) {
+// Connected surfaces of a disparity image, each looked at once however many features lie on it.
+class Things {
+public:
+    explicit Things(const cv::Mat& disparity_px)
+        : disparity_px_(disparity_px),
+          found_(disparity_px.rows + 2, disparity_px.cols + 2, CV_8U, cv::Scalar(0)) {}
+
+    struct Thing {
+        cv::Rect where;
+        cv::Mat mask;  // of `where`
+    };
+    // The one under a feature; none where nothing has its depth or it was asked for before.
+    std::optional<Thing> take_under(const Feature& feature);
+
+private:
+    cv::Mat disparity_px_;
+    cv::Mat found_;  // with a pixel of rim on every side
+};
+
+std::optional<Things::Thing> Things::take_under(const Feature& feature) {
+    constexpr int kThis = 2;
+    constexpr int kBefore = 255;
     const cv::Point seed = pixel_of(feature);
-    if (!cv::Rect(0, 0, disparity_px.cols, disparity_px.rows).contains(seed) ||
-        std::abs(disparity_px.at<float>(seed) - feature.disparity_px) > kSameThing_px)
+    if (!cv::Rect({}, disparity_px_.size()).contains(seed) ||
+        std::abs(disparity_px_.at<float>(seed) - feature.disparity_px) > kSameThing_px ||
+        found_.at<std::uint8_t>(seed + cv::Point(1, 1)) != 0)
         return {};
-    cv::Mat mask = cv::Mat::zeros(disparity_px.rows + 2, disparity_px.cols + 2, CV_8U);
-    cv::Mat disparity = disparity_px;  // FLOODFILL_MASK_ONLY leaves it as it is
-    const int num_pixels = cv::floodFill(disparity,
-                                         mask,
-                                         seed,
-                                         {},
-                                         nullptr,
-                                         cv::Scalar(kLargestStep_px),
-                                         cv::Scalar(kLargestStep_px),
-                                         4 | cv::FLOODFILL_MASK_ONLY | (255 << 8));
-    if (num_pixels > kLargestShare * static_cast<double>(disparity_px.total())) return {};
-    return mask;
+    Thing thing;
+    const int num_pixels =
+        cv::floodFill(disparity_px_,  // which FLOODFILL_MASK_ONLY leaves as it is
+                      found_,
+                      seed,
+                      {},
+                      &thing.where,
+                      cv::Scalar(kLargestStep_px),
+                      cv::Scalar(kLargestStep_px),
+                      4 | cv::FLOODFILL_MASK_ONLY | (kThis << 8));
+    cv::Mat found = found_(thing.where + cv::Point(1, 1));
+    thing.mask = found == kThis;
+    found.setTo(kBefore, thing.mask);
+    if (num_pixels > kLargestShare * static_cast<double>(disparity_px_.total())) return {};
+    return thing;
 }
 
-bool holds_any(const cv::Mat& mask, const Features& features) {
-    const cv::Rect inside(0, 0, mask.cols - 2, mask.rows - 2);
+bool holds_any(const Things::Thing& thing, const Features& features) {
     return std::any_of(features.begin(), features.end(), [&](const Feature& feature) {
         const cv::Point pixel = pixel_of(feature);
-        return inside.contains(pixel) && mask.at<std::uint8_t>(pixel + cv::Point(1, 1)) != 0;
+        return thing.where.contains(pixel) &&
+               thing.mask.at<std::uint8_t>(pixel - thing.where.tl()) != 0;
     });
 }
 
@@ -112,11 +136,11 @@ void leave_out_moving(const Features& moving, const Features& scene, DepthMap& d
     Features still = scene;
     std::erase_if(still, [&](const Feature& feature) { return moving_ids.contains(feature.id); });
     cv::Mat out = cv::Mat::zeros(depth.disparity_px.size(), CV_8U);
+    Things things(depth.disparity_px);
     for (const Feature& feature : moving) {
         if (!has_depth(feature)) continue;
-        const cv::Mat thing = thing_under(feature, depth.disparity_px);
-        if (thing.empty() || holds_any(thing, still)) continue;
-        out |= thing(cv::Rect(1, 1, out.cols, out.rows));
+        const auto thing = things.take_under(feature);
+        if (thing && !holds_any(*thing, still)) out(thing->where).setTo(255, thing->mask);
     }
     cv::dilate(out, out, cv::Mat::ones(2 * kRim_px + 1, 2 * kRim_px + 1, CV_8U));
     depth.disparity_px.setTo(0.0F, out);

@@ -65,5 +65,22 @@ TEST(LeaveOutMovingTest, ATrackThatSlippedTakesNothingOfTheScene) {
     EXPECT_EQ(cv::norm(depth.disparity_px, wall_and_fish().disparity_px, cv::NORM_INF), 0.0);
 }
 
+TEST(LeaveOutMovingTest, EachOfTwoFishGoesHoweverManyTracksAreOnThemAndOnTheWall) {
+    DepthMap depth = wall_and_fish();
+    depth.disparity_px(cv::Rect(200, 150, 40, 40)).setTo(30.0F);
+    leave_out_moving({{1, {250.0, 90.0}, 20.2},
+                      {2, {120.0, 90.0}, 40.3},
+                      {3, {150.0, 100.0}, 39.8},
+                      {4, {20.0, 20.0}, 19.9},
+                      {5, {220.0, 170.0}, 30.1}},
+                     {},
+                     depth);
+    const int num_out = 240 * 320 - cv::countNonZero(depth.disparity_px);
+    EXPECT_GT(num_out, 60 * 30 + 40 * 40);
+    EXPECT_LE(num_out, 66 * 36 + 46 * 46);  // with their rims
+    EXPECT_EQ(depth.disparity_px.at<float>(95, 155), 0.0F);
+    EXPECT_EQ(depth.disparity_px.at<float>(170, 220), 0.0F);
+}
+
 }  // namespace
 }  // namespace divemesh::worker
