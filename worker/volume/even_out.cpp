@@ -140,7 +140,6 @@ void Membrane::for_each_moving(const Work& work) const {
 Points Membrane::evened(const Points& values) const {
     Points now = values;
     Points before = values;
-    Points next = values;
     constexpr float kRadius = 1.0F / (1.0F + 1.0F / (kLongestReach * kLongestReach));
     float acceleration = 1.0F;
     for (int iteration = 0; iteration < kNumIterations; ++iteration) {
@@ -153,10 +152,9 @@ Points Membrane::evened(const Points& values) const {
             for (std::uint32_t k = begin; k < end; ++k) mean += now[neighbours_[k]];
             mean /= static_cast<float>(end - begin);
             const Eigen::Vector4f step = values[i] + pulls_[i] * (mean - values[i]);
-            next[i] = before[i] + acceleration * (step - before[i]);
+            before[i] += acceleration * (step - before[i]);
         });
         before.swap(now);
-        now.swap(next);
     }
     return now;
 }
