@@ -16,6 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::chrono::milliseconds kTick{100};
+constexpr double kMeasurePeriod_s = 0.9;  // with a status a second: at each
 
 Clock::duration seconds(double value) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
@@ -27,10 +28,6 @@ bool is_due(Clock::time_point& next, Clock::time_point now, double period_s) {
     next += seconds(period_s);
     if (next <= now) next = now + seconds(period_s);
     return true;
-}
-
-std::string text_of(const json& body) {
-    return body.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::optional<View> view_of(const std::string& camera) {
@@ -138,7 +135,11 @@ void Agent::look_at_picture() {
     auto newest = source_->newest_frame();
     if (!newest || (frame_ && frame_->timestamp_ns == newest->timestamp_ns)) return;
     frame_ = std::move(newest);
-    if (source_->state().is_recording) pictures_.look(frame_->left, frame_->timestamp_ns);
+    // Not at each quick look: it takes longer than to decode the picture.
+    const bool is_new_dive = !pictures_.shares();
+    if (source_->state().is_recording &&
+        (is_due(measure_at_, Clock::now(), kMeasurePeriod_s) || is_new_dive))
+        quality_ = pictures_.look(frame_->left, frame_->timestamp_ns);
 }
 
 void Agent::look_quickly() {
@@ -146,7 +147,7 @@ void Agent::look_quickly() {
     const auto before = source_->newest_frame(frame_->timestamp_ns);
     if (!before) return;
     if (!quick_look_) quick_look_ = std::make_unique<QuickLook>(dive_root_);
-    quick_look_->look(*before, *frame_);
+    quick_look_->look(*before, *frame_, quality_);
 }
 
 void Agent::say_status() {

@@ -81,6 +81,8 @@ private:
     std::unique_ptr<QuickLook> quick_look_;  // of the dive below
     std::filesystem::path dive_root_;
     std::optional<FramePictures> frame_;  // the newest that was looked at
+    PictureQuality quality_;              // of the last that was measured, once a second
+    Clock::time_point measure_at_;
     Clock::time_point status_at_;
     Clock::time_point preview_at_;
     Clock::time_point quick_look_at_;

@@ -36,10 +36,6 @@ json pairs_of(std::span<const SequenceRange> ranges) {
     return pairs;
 }
 
-std::string text_of(const json& frame) {
-    return frame.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 std::string preview_frame(const Message& message, bool historical) {
     json head = head_of(message, historical);
     head["boot_id"] = message.boot_id;
@@ -51,6 +47,10 @@ std::string preview_frame(const Message& message, bool historical) {
 }
 
 }  // namespace
+
+std::string text_of(const json& frame) {
+    return frame.dump(-1, ' ', false, json::error_handler_t::replace);
+}
 
 std::string to_record(const Message& message) {
     const RecordHead head{message.sequence,

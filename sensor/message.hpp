@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,6 +22,9 @@ struct Message {
     std::string body;                     // the JSON object of its kind
     std::string jpeg;                     // of a preview
 };
+
+// JSON as it is sent; bytes that are not UTF-8 are replaced, as names of dives may have them.
+std::string text_of(const nlohmann::json& json);
 
 // A message as bytes for the disk, all but its boot, and back. Throws Error{BadData} for bytes that
 // are no message.

@@ -6,8 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "sensor/picture_check.hpp"
-#include "sensor/quick_odometry.hpp"
 #include "sensor/rig_file.hpp"
 #include "worker/tracking/corner_scores.hpp"
 
@@ -85,15 +83,16 @@ QuickLook::QuickLook(const std::filesystem::path& dive_root)
 
 QuickLook::~QuickLook() = default;
 
-void QuickLook::look(const FramePictures& before, const FramePictures& now) {
+void QuickLook::look(const FramePictures& before,
+                     const FramePictures& now,
+                     const PictureQuality& quality) {
     auto& own = *implementation_;
-    const cv::Mat left = grey_of(now.left);
-    own.quality = measure_picture(left);
+    own.quality = quality;
     own.points.clear();
     if (own.fits(before) && own.fits(now) && before.timestamp_ns < now.timestamp_ns)
         own.follow(before, now);
     else
-        own.count(left);
+        own.count(grey_of(now.left));
     ++own.num_frames;
 }
 
@@ -110,9 +109,13 @@ nlohmann::json QuickLook::report() const {
     report["tracked"] = own.odometry->num_tracked();
     report["distance_m"] = rounded(own.odometry->distance_m());
     report["expected_drift_m"] = rounded(own.odometry->expected_drift_m());
-    report["pairs"] = own.odometry->num_pairs();
+    report["pairs"] = own.odometry->num_looks();
     report["lost"] = own.odometry->num_lost();
     return report;
+}
+
+const QuickOdometry* QuickLook::odometry() const {
+    return implementation_->odometry ? &*implementation_->odometry : nullptr;
 }
 
 cv::Mat QuickLook::picture() const { return implementation_->picture; }

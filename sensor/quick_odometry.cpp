@@ -1,10 +1,10 @@
 #include "sensor/quick_odometry.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "worker/estimation/frame_features.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 #include "worker/steps/match_features.hpp"
 #include "worker/steps/refine_pose.hpp"
 #include "worker/steps/register_with_turn.hpp"
@@ -13,11 +13,14 @@ namespace divemesh::sensor {
 namespace {
 
 using namespace divemesh::worker;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kTolerance_px = 2.0;
-constexpr double kLongestGap_s = 3.0;  // for which a speed is believed
+constexpr double kLongestGuess_s = 3.0;  // for which a speed is believed
 constexpr int kNumDisparities_px = 128;
 constexpr int kNumFeatures = 200;
+constexpr int kFewestChanges = 4;  // that say how restless a camera is
+constexpr double kUnrest = 0.01;   // until then: 0.1 m/s, 6 deg/s within a second
 
 ReconstructionOptions options() {
     ReconstructionOptions options;
@@ -25,34 +28,21 @@ ReconstructionOptions options() {
     return options;
 }
 
-// Of translation and rotation of the camera as these pairs measure it: m^2, rad^2, the larger sums
-// of the two blocks' diagonals.
-struct StepVariance {
-    double position_m2 = 0.0;
-    double heading_rad2 = 0.0;
-};
+double seconds_between(std::int64_t before_ns, std::int64_t after_ns) {
+    return static_cast<double>(after_ns - before_ns) * 1e-9;
+}
 
-// By the information of (u, v, disparity) at each pair's point p, which moves with t + w x p.
-StepVariance variance_of(const RectifiedRig& rig, const PointPairs& pairs) {
-    Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
-    for (const PointPair& pair : pairs) {
-        const Eigen::Vector3d& p = pair.p_current;
-        if (p.z() < 1e-3) continue;
-        const double f = rig.focal_px / p.z();
-        Eigen::Matrix3d by_point;
-        by_point << f, 0.0, -f * p.x() / p.z(), 0.0, f, -f * p.y() / p.z(), 0.0, 0.0,
-            -f * rig.baseline_m / p.z();
-        Eigen::Matrix3d cross;
-        cross << 0.0, p.z(), -p.y(), -p.z(), 0.0, p.x(), p.y(), -p.x(), 0.0;
-        Eigen::Matrix<double, 3, 6> J;
-        J << by_point, by_point * cross;
-        const Eigen::Vector3d variance =
-            pair.current_sigma_px.cwiseAbs2() + pair.previous_sigma_px.cwiseAbs2();
-        information += J.transpose() * variance.cwiseInverse().asDiagonal() * J;
-    }
-    const Eigen::Matrix<double, 6, 6> covariance =
-        information.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
-    return {covariance.topLeftCorner<3, 3>().trace(), covariance.bottomRightCorner<3, 3>().trace()};
+Vector6d vector_of(const Eigen::Isometry3d& T) {
+    Vector6d vector;
+    vector << vector_from_rotation(Eigen::Quaterniond(T.linear())), T.translation();
+    return vector;
+}
+
+Eigen::Isometry3d motion_of(const Vector6d& vector) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = rotation_from_vector(vector.head<3>()).toRotationMatrix();
+    T.translation() = vector.tail<3>();
+    return T;
 }
 
 }  // namespace
@@ -60,45 +50,48 @@ StepVariance variance_of(const RectifiedRig& rig, const PointPairs& pairs) {
 QuickOdometry::QuickOdometry(const Rig& rig)
     : rectifier_(rig), tracker_(rectifier_.rig(), options()) {}
 
-Eigen::Isometry3d QuickOdometry::expected(double interval_s) const {
-    Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
-    const Eigen::Vector3d turn = turn_rate_cam_ * interval_s;
-    if (turn.norm() > 1e-9)
-        T_current_previous.linear() =
-            Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-    T_current_previous.translation() = velocity_cam_ * interval_s;
-    return T_current_previous;
+void QuickOdometry::add(const StereoFrame& before, const StereoFrame& now) {
+    const double interval_s = seconds_between(before.timestamp_ns, now.timestamp_ns);
+    if (!(interval_s > 0.0)) return;
+    const bool is_known =
+        motion_ && seconds_between(motion_->timestamp_ns, now.timestamp_ns) < kLongestGuess_s;
+    const Eigen::Isometry3d guess =
+        is_known ? motion_of(motion_->rate * interval_s) : Eigen::Isometry3d::Identity();
+    const PointPairs pairs = follow(before, now, guess);
+    const auto seed = static_cast<std::uint64_t>(num_looks_++);
+    const RectifiedRig& rig = rectifier_.rig();
+    const Registration found =
+        register_with_turn(rig, pairs, std::nullopt, guess, kTolerance_px, seed);
+    if (!found.found) {
+        ++num_lost_;
+        return;
+    }
+    const Eigen::Isometry3d T_current_previous =
+        refine_pose(rig, found.inliers, {found.T_current_previous, {}, 0.0});
+    const Motion motion{
+        now.timestamp_ns,
+        vector_of(T_current_previous) / interval_s,
+        motion_covariance(rig, found.inliers, T_current_previous) / (interval_s * interval_s)};
+    if (motion_ && motion_->timestamp_ns < motion.timestamp_ns) advance(*motion_, motion);
+    motion_before_ = motion_;
+    motion_ = motion;
 }
 
-void QuickOdometry::add(const StereoFrame& before, const StereoFrame& now) {
-    const double interval_s = static_cast<double>(now.timestamp_ns - before.timestamp_ns) * 1e-9;
-    if (!(interval_s > 0.0)) return;
+PointPairs QuickOdometry::follow(const StereoFrame& before,
+                                 const StereoFrame& now,
+                                 const Eigen::Isometry3d& guess) {
     const RectifiedRig& rig = rectifier_.rig();
     const RectifiedFrame first = rectifier_.rectify(before);
     tracker_.track(first.left, {}, Eigen::Isometry3d::Identity());
     Features features;
     add_new_features(rig, first, {}, kNumDisparities_px, tracker_, features);
     const RectifiedFrame frame = rectifier_.rectify(now);
-    const Eigen::Isometry3d guess = expected(interval_s);
     features_ = tracker_.track(frame.left, features, guess);
     match_features(frame, {}, kNumDisparities_px, features_);
-    const PointPairs pairs = with_depth_at_both_times(rig, features, features_);
     picture_ = frame.left;
+    const PointPairs pairs = with_depth_at_both_times(rig, features, features_);
     show(pairs);
-    const auto seed = static_cast<std::uint64_t>(num_pairs_++);
-    const Registration motion =
-        register_with_turn(rig, pairs, std::nullopt, guess, kTolerance_px, seed);
-    const double since_s = static_cast<double>(now.timestamp_ns - last_ns_) * 1e-9;
-    if (!motion.found) {
-        ++num_lost_;
-        return;
-    }
-    last_ns_ = now.timestamp_ns;
-    const bool goes_on = since_s > 0.0 && since_s < kLongestGap_s;
-    advance(refine_pose(rig, motion.inliers, {motion.T_current_previous, {}, 0.0}),
-            motion.inliers,
-            interval_s,
-            goes_on ? since_s / interval_s : 1.0);
+    return pairs;
 }
 
 void QuickOdometry::show(const PointPairs& pairs) {
@@ -109,24 +102,65 @@ void QuickOdometry::show(const PointPairs& pairs) {
              {static_cast<float>(pair.current_px.x()), static_cast<float>(pair.current_px.y())}});
 }
 
-void QuickOdometry::advance(const Eigen::Isometry3d& T_current_previous,
-                            const PointPairs& pairs,
-                            double interval_s,
-                            double num_steps) {
-    const double step_m = T_current_previous.translation().norm();
-    const StepVariance variance = variance_of(rectifier_.rig(), pairs);
-    // Standing still, noise alone would add up to a way.
-    if (step_m * step_m > 4.0 * variance.position_m2) distance_m_ += num_steps * step_m;
-    heading_drift_m_ += num_steps * step_m * std::sqrt(heading_variance_rad2_);
-    position_variance_m2_ += num_steps * variance.position_m2;
-    heading_variance_rad2_ += num_steps * variance.heading_rad2;
-    const Eigen::AngleAxisd turn(T_current_previous.linear());
-    turn_rate_cam_ = turn.axis() * turn.angle() / interval_s;
-    velocity_cam_ = T_current_previous.translation() / interval_s;
+// A look's error is in the step before it and in the one after it, each time for half of the step:
+// as much as if both steps had the whole of the mean of their looks' variances, each for itself.
+// Between its ends the rate is a Brownian bridge, if its changes are a random walk of intensity q:
+// its integral has the variance q T^3 / 12.
+void QuickOdometry::advance(const Motion& from, const Motion& to) {
+    const double interval_s = seconds_between(from.timestamp_ns, to.timestamp_ns);
+    if (motion_before_) learn_unrest(*motion_before_, from, to);
+    const Eigen::Isometry3d T_current_previous =
+        motion_of(0.5 * interval_s * (from.rate + to.rate));
+    Vector6d intensity = Vector6d::Constant(kUnrest);
+    if (num_changes_ >= kFewestChanges) intensity = (unrest_ / num_changes_).cwiseMax(0.0);
+    Matrix6d covariance = 0.5 * interval_s * interval_s * (from.covariance + to.covariance);
+    covariance.diagonal() += std::pow(interval_s, 3) / 12.0 * intensity;
+    add_error(T_current_previous, covariance);
+    T_first_current_ = T_first_current_ * T_current_previous.inverse();
+    distance_m_ += 0.5 * interval_s * (from.speed_m_s() + to.speed_m_s());
+}
+
+// By what the line between the looks before and after it misses a look, its own errors taken off:
+// the variance of a Brownian bridge there is q a b / (a + b).
+void QuickOdometry::learn_unrest(const Motion& before, const Motion& look, const Motion& after) {
+    const double a = seconds_between(before.timestamp_ns, look.timestamp_ns);
+    const double b = seconds_between(look.timestamp_ns, after.timestamp_ns);
+    const double share = a / (a + b);
+    const Vector6d missed = look.rate - (1.0 - share) * before.rate - share * after.rate;
+    const Vector6d noise = look.covariance.diagonal() +
+                           (1.0 - share) * (1.0 - share) * before.covariance.diagonal() +
+                           share * share * after.covariance.diagonal();
+    unrest_ += (missed.cwiseAbs2() - noise) / (share * b);
+    ++num_changes_;
+}
+
+// Of the way alone, without what noise adds to it: standing still it would become a way.
+double QuickOdometry::Motion::speed_m_s() const {
+    const double square =
+        rate.tail<3>().squaredNorm() - covariance.bottomRightCorner<3, 3>().trace();
+    return std::sqrt(std::max(square, 0.0));
+}
+
+// With the motion's error (w, e) as motion_covariance() has it, R = exp(w) R and t = t + e, and d
+// the step in the first frame: the turn's error phi becomes phi - R_first w, the position's
+// p + phi x d - R_first (e + t x w).
+void QuickOdometry::add_error(const Eigen::Isometry3d& T_current_previous,
+                              const Matrix6d& covariance) {
+    const Eigen::Isometry3d T_first_next = T_first_current_ * T_current_previous.inverse();
+    const Eigen::Vector3d step = T_first_next.translation() - T_first_current_.translation();
+    const Eigen::Matrix3d R = T_first_next.linear();
+    Matrix6d by_before = Matrix6d::Identity();
+    by_before.bottomLeftCorner<3, 3>() = -cross_matrix(step);
+    Matrix6d by_motion = Matrix6d::Zero();
+    by_motion.topLeftCorner<3, 3>() = -R;
+    by_motion.bottomLeftCorner<3, 3>() = -R * cross_matrix(T_current_previous.translation());
+    by_motion.bottomRightCorner<3, 3>() = -R;
+    covariance_ = by_before * covariance_ * by_before.transpose() +
+                  by_motion * covariance * by_motion.transpose();
 }
 
 double QuickOdometry::expected_drift_m() const {
-    return std::sqrt(position_variance_m2_ + heading_drift_m_ * heading_drift_m_);
+    return std::sqrt(covariance_.bottomRightCorner<3, 3>().trace());
 }
 
 }  // namespace divemesh::sensor

@@ -28,7 +28,8 @@ std::optional<worker::Rig> read_rig(const std::filesystem::path& dive_root) {
     worker::Rig rig;
     rig.cam0 = cam0->camera;
     rig.cam1 = cam1->camera;
-    rig.T_imu_cam1 = cam0->T_body_cam.inverse() * cam1->T_body_cam;
+    rig.T_imu_cam0 = cam0->T_body_cam;
+    rig.T_imu_cam1 = cam1->T_body_cam;
     if (!(rig.baseline_m() > 1e-3)) return std::nullopt;
     return rig;
 }

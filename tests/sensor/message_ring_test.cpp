@@ -4,7 +4,11 @@
 
 #include <csignal>
 #include <fstream>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
@@ -220,6 +224,42 @@ TEST_F(MessageRingTest, WritesAnewWhenItsFolderDisappears) {
     ring.sync();
     EXPECT_EQ(ring.trouble(), "");
     EXPECT_TRUE(fs::exists(newest_segment(folder_ / "ring")));
+    EXPECT_EQ(waiting_in(ring), (Names{"one/0", "one/1"}));
+}
+
+// What the child process below says.
+enum ReadOnly { kAsItShould, kNotAsItShould, kNoSuchDisk };
+
+ReadOnly use_read_only(const fs::path& folder) {
+    if (::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return kNoSuchDisk;
+    const char* place = folder.c_str();
+    if (::mount(place, place, nullptr, MS_BIND, nullptr) != 0) return kNoSuchDisk;
+    if (::mount(nullptr, place, nullptr, MS_BIND | MS_REMOUNT | MS_RDONLY, nullptr) != 0)
+        return kNoSuchDisk;
+    MessageRing ring(folder, kRoom, "two");
+    ring.append(status(0));
+    ring.sync();
+    if (waiting_in(ring) != Names{"one/0", "one/1", "two/0"} || ring.trouble().empty())
+        return kNotAsItShould;
+    ring.committed("one", {0, 1});
+    ring.committed("two", {0, 0});
+    return ring.num_waiting() == 0 ? kAsItShould : kNotAsItShould;
+}
+
+TEST_F(MessageRingTest, GoesOnInMemoryOnADiskThatCanOnlyBeRead) {
+    {
+        MessageRing ring(folder_ / "ring", kRoom, "one");
+        ring.append(status(0));
+        ring.append(status(1));
+    }
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(use_read_only(folder_ / "ring"));
+    int ended = 0;
+    ASSERT_EQ(::waitpid(child, &ended, 0), child);
+    ASSERT_TRUE(WIFEXITED(ended));
+    if (WEXITSTATUS(ended) == kNoSuchDisk) GTEST_SKIP() << "this machine mounts nothing for us";
+    EXPECT_EQ(WEXITSTATUS(ended), kAsItShould);
+    MessageRing ring(folder_ / "ring", kRoom, "three");  // it could not note what was taken
     EXPECT_EQ(waiting_in(ring), (Names{"one/0", "one/1"}));
 }
 

@@ -146,6 +146,14 @@ Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
     return best;
 }
 
+Matrix6d motion_covariance(const RectifiedRig& rig,
+                           const PointPairs& pairs,
+                           const Eigen::Isometry3d& T_current_previous) {
+    return linearise(rig, pairs, std::nullopt, T_current_previous)
+        .H.ldlt()
+        .solve(Matrix6d::Identity());
+}
+
 double least_certain_rad(const RectifiedRig& rig,
                          const PointPairs& pairs,
                          const MotionGuess& motion) {

@@ -22,6 +22,12 @@ Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
                               const PointPairs& pairs,
                               const MotionGuess& guess);
 
+// Of a motion that refine_pose has found, the inverse of its normal equations: rotation vector
+// (rad), then translation (m), of R <- exp(w) R, T <- T + t.
+Eigen::Matrix<double, 6, 6> motion_covariance(const RectifiedRig& rig,
+                                              const PointPairs& pairs,
+                                              const Eigen::Isometry3d& T_current_previous);
+
 // Standard deviation of a motion that refine_pose has found, along what the pairs and the known
 // rotation say least about; in rad, translations as angles at the pairs' median depth. Large where
 // the pairs are too few, too far or nearly on one line.
