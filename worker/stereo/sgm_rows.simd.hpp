@@ -206,7 +206,7 @@ struct Return {
     V least;
     alignas(kWidestVector) std::uint8_t from_right[kMostDisparities];
     // What the last pixel's disparities sum up to, between margins.
-    alignas(kWidestVector) std::uint8_t sums[kMostDisparities + 2 * kWidestVector];
+    alignas(kWidestVector) std::uint8_t sums[kMostDisparities + 2 * kWidestVector] = {};
 };
 
 DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x, int num_vectors) {
