@@ -1,0 +1,119 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/markers/marker_plan.hpp"
+
+namespace divemesh::worker {
+
+inline RectifiedRig test_rig() {
+    RectifiedRig rig;
+    rig.width_px = 640;
+    rig.height_px = 480;
+    rig.focal_px = 500.0;
+    rig.cx_px = 320.0;
+    rig.cy_px = 240.0;
+    rig.baseline_m = 0.12;
+    return rig;
+}
+
+// A tag on white board, the true place of its frame `marker`.
+struct DrawnTag {
+    MarkerFamily family = MarkerFamily::Tag36h11;
+    int id = 0;
+    double size_m = 0.12;
+    Eigen::Isometry3d T_world_marker = Eigen::Isometry3d::Identity();
+
+    Eigen::Vector3d corner_world(TagCorner corner) const {
+        const double half = 0.5 * size_m;
+        const bool right = corner == TagCorner::BottomRight || corner == TagCorner::TopRight;
+        const bool top = corner == TagCorner::TopRight || corner == TagCorner::TopLeft;
+        return T_world_marker * Eigen::Vector3d(right ? half : -half, top ? half : -half, 0.0);
+    }
+};
+
+// How the water and the sensor spoil a picture.
+struct Spoiling {
+    double blur_px = 0.6;   // sigma
+    double contrast = 1.0;  // of what is behind the haze
+    double noise = 0.0;     // sigma, grey levels
+    unsigned seed = 1;
+};
+
+// Ray by ray, 6 x 6 a pixel: what an ideal camera sees of the tags before a mottled ground.
+inline cv::Mat draw(const std::vector<DrawnTag>& tags,
+                    const Eigen::Isometry3d& T_world_cam,
+                    const RectifiedRig& rig,
+                    const Spoiling& spoiling = {}) {
+    constexpr int kSub = 6;
+    std::mt19937 random(spoiling.seed);
+    cv::Mat picture(rig.height_px, rig.width_px, CV_32F);
+    cv::RNG rng(spoiling.seed);
+    rng.fill(picture, cv::RNG::NORMAL, 90.0, 40.0);
+    cv::GaussianBlur(picture, picture, {}, 3.0);
+    for (const DrawnTag& tag : tags) {
+        const cv::Mat cells = tag_picture(tag.family, tag.id);
+        const TagLayout layout = tag_layout(tag.family);
+        const double cell_m = tag.size_m / layout.size_cells;
+        const double half_cells = 0.5 * layout.total_cells + 1.0;
+        const Eigen::Isometry3d T_marker_cam = tag.T_world_marker.inverse() * T_world_cam;
+        const Eigen::Vector3d eye = T_marker_cam.translation();
+        for (int v = 0; v < picture.rows; ++v)
+            for (int u = 0; u < picture.cols; ++u) {
+                double sum = 0.0;
+                int num = 0;
+                for (int i = 0; i < kSub * kSub; ++i) {
+                    const double du = (i % kSub + 0.5) / kSub - 0.5;
+                    const double dv = (i / kSub + 0.5) / kSub - 0.5;
+                    const Eigen::Vector3d ray =
+                        T_marker_cam.linear() * rig.point_cam(u + du, v + dv, 1.0);
+                    const Eigen::Vector3d p = eye - eye.z() / ray.z() * ray;
+                    const double x = p.x() / cell_m;
+                    const double y = -p.y() / cell_m;
+                    if (std::abs(x) >= half_cells || std::abs(y) >= half_cells) continue;
+                    ++num;
+                    const int column = static_cast<int>(std::floor(x + half_cells)) - 1;
+                    const int row = static_cast<int>(std::floor(y + half_cells)) - 1;
+                    const bool on_tag =
+                        column >= 0 && row >= 0 && column < cells.cols && row < cells.rows;
+                    sum += on_tag && cells.at<std::uint8_t>(row, column) == 0 ? 25.0 : 210.0;
+                }
+                if (num == 0) continue;
+                float& pixel = picture.at<float>(v, u);
+                const double share = static_cast<double>(num) / (kSub * kSub);
+                pixel = static_cast<float>((1.0 - share) * pixel + sum / (kSub * kSub));
+            }
+    }
+    if (spoiling.blur_px > 0.0) cv::GaussianBlur(picture, picture, {}, spoiling.blur_px);
+    picture = spoiling.contrast * picture + (1.0 - spoiling.contrast) * 120.0;
+    std::normal_distribution<float> noise(0.0F, static_cast<float>(spoiling.noise));
+    if (spoiling.noise > 0.0)
+        for (int v = 0; v < picture.rows; ++v)
+            for (int u = 0; u < picture.cols; ++u) picture.at<float>(v, u) += noise(random);
+    cv::Mat result;
+    picture.convertTo(result, CV_8U);
+    return result;
+}
+
+// Camera above the ground z = 0 looking down, turned and tilted.
+inline Eigen::Isometry3d looking_down(const Eigen::Vector3d& position, double yaw, double tilt) {
+    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+    T_world_cam.translation() = position;
+    T_world_cam.linear() =
+        (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(static_cast<double>(EIGEN_PI) + tilt, Eigen::Vector3d::UnitX()))
+            .toRotationMatrix();
+    return T_world_cam;
+}
+
+// The same with the origin in the middle of the picture.
+inline Eigen::Isometry3d looking_at_origin(double height_m, double yaw, double tilt) {
+    const Eigen::Vector3d aside(0.0, -height_m * std::tan(tilt), height_m);
+    return looking_down(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * aside, yaw, tilt);
+}
+
+}  // namespace divemesh::worker

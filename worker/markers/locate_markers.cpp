@@ -1,0 +1,207 @@
+#include "worker/markers/locate_markers.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "worker/geometry/rotation_vector.hpp"
+#include "worker/markers/triangulate_corners.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kSamePlace_px = 6.0;   // how far views of one tag may disagree at first
+constexpr double kLeastGate_px = 0.75;  // rms of a view over its corners that is never too much
+constexpr double kGate = 3.0;           // medians
+constexpr std::size_t kMaxHypotheses = 40;
+
+std::vector<double> path_lengths(const std::vector<Keyframe>& keyframes) {
+    std::vector<double> lengths(keyframes.size(), 0.0);
+    for (std::size_t i = 1; i < keyframes.size(); ++i) {
+        const bool joined = keyframes[i].piece == keyframes[i - 1].piece;
+        const Eigen::Vector3d way =
+            keyframes[i].T_world_cam.translation() - keyframes[i - 1].T_world_cam.translation();
+        lengths[i] = lengths[i - 1] + (joined ? way.norm() : 0.0);
+    }
+    return lengths;
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// The views that agree with the place that two of them give; of all places tried the one with most.
+std::vector<CornerView> agreeing_views(const std::vector<CornerView>& views) {
+    std::vector<CornerView> best;
+    const std::size_t step = std::max<std::size_t>(1, views.size() / (kMaxHypotheses / 2));
+    for (std::size_t i = 0; i < views.size(); i += step) {
+        for (const std::size_t partner : {i + 1, i + views.size() / 2}) {
+            const CornerView& other = views[partner % views.size()];
+            const auto corners = triangulate_corners({views[i], other});
+            if (!corners) continue;
+            std::vector<CornerView> agreeing;
+            for (const CornerView& view : views)
+                if (view.rms_px(*corners) < kSamePlace_px) agreeing.push_back(view);
+            if (agreeing.size() > best.size()) best = std::move(agreeing);
+        }
+    }
+    return best;
+}
+
+int num_keyframes(const std::vector<CornerView>& views) {
+    int num = 0;
+    for (std::size_t i = 0; i < views.size(); ++i)
+        if (i == 0 || views[i].keyframe != views[i - 1].keyframe) ++num;
+    return num;
+}
+
+// Least squares, the views that miss by far left out, and again.
+std::optional<Corners> settle(std::vector<CornerView>& views) {
+    for (int round = 0; round < 3; ++round) {
+        if (num_keyframes(views) < kMinMarkerKeyframes) return std::nullopt;
+        const auto corners = triangulate_corners(views);
+        if (!corners) return std::nullopt;
+        std::vector<double> errors_px;
+        for (const CornerView& view : views) errors_px.push_back(view.rms_px(*corners));
+        const double most = std::max(kLeastGate_px, kGate * median(errors_px));
+        const auto num_out = std::erase_if(
+            views, [&](const CornerView& view) { return view.rms_px(*corners) > most; });
+        if (num_out == 0) return corners;
+    }
+    if (num_keyframes(views) < kMinMarkerKeyframes) return std::nullopt;
+    return triangulate_corners(views);
+}
+
+Eigen::Isometry3d pose_of(const Corners& corners) {
+    const Eigen::Vector3d right = corners[1] - corners[0] + corners[2] - corners[3];
+    const Eigen::Vector3d up = corners[3] - corners[0] + corners[2] - corners[1];
+    const Eigen::Vector3d out = right.cross(up).normalized();
+    // The square's axes, turned as little as possible from both edges.
+    const Eigen::Vector3d middle = (right.normalized() + up.normalized()).normalized();
+    const Eigen::Vector3d aside = (right.normalized() - up.normalized()).normalized();
+    Eigen::Isometry3d T_world_marker = Eigen::Isometry3d::Identity();
+    T_world_marker.linear().col(0) = (middle + aside).normalized();
+    T_world_marker.linear().col(2) = out;
+    T_world_marker.linear().col(1) = out.cross(T_world_marker.linear().col(0));
+    T_world_marker.translation() = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+    return T_world_marker;
+}
+
+const PoseCovariance& covariance_at(const CovarianceTrack& track, std::int64_t timestamp_ns) {
+    const auto at = std::lower_bound(
+        track.begin(), track.end(), timestamp_ns, [](const PoseCovariance& one, std::int64_t time) {
+            return one.timestamp_ns < time;
+        });
+    return at == track.end() ? track.back() : *at;
+}
+
+// Mean over the views of what the pose's errors do to the middle of the marker.
+Eigen::Matrix3d drift_at(const std::vector<CornerView>& views,
+                         const Eigen::Vector3d& p_world,
+                         const MarkerWorld& world) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    if (world.covariances.empty() || world.trajectory.empty()) return sum;
+    const Eigen::Matrix3d R_world_first = world.trajectory.front().T_world_imu.linear();
+    for (const CornerView& view : views) {
+        const Keyframe& keyframe = world.keyframes[view.keyframe];
+        const auto& covariance = covariance_at(world.covariances, keyframe.timestamp_ns);
+        const Eigen::Matrix3d arm = cross_matrix(R_world_first.transpose() *
+                                                 (p_world - keyframe.T_world_cam.translation()));
+        sum += covariance.position_m2 + arm * covariance.rotation_rad2 * arm.transpose();
+    }
+    return R_world_first * (sum / static_cast<double>(views.size())) * R_world_first.transpose();
+}
+
+class MarkerLocator {
+public:
+    explicit MarkerLocator(const MarkerWorld& world)
+        : world_(world), path_m_(path_lengths(world.keyframes)) {}
+
+    std::optional<Marker> locate(const std::vector<const TagView*>& views) const {
+        std::vector<CornerView> seen;
+        for (const TagView* view : views) seen.push_back(corner_view(*view));
+        std::vector<CornerView> kept = agreeing_views(seen);
+        const auto corners = settle(kept);
+        if (!corners) return std::nullopt;
+        Marker marker;
+        marker.id = views.front()->id;
+        marker.piece = world_.keyframes[views.front()->keyframe].piece;
+        marker.num_views = static_cast<int>(kept.size());
+        marker.num_keyframes = num_keyframes(kept);
+        marker.num_rejected_views = static_cast<int>(seen.size() - kept.size());
+        marker.corners_world = *corners;
+        marker.T_world_marker = pose_of(*corners);
+        const auto fit = corner_covariance(kept, *corners);
+        marker.reprojection_rms_px = fit.rms_px;
+        marker.corner_covariance_m2 = fit.covariance_m2;
+        const Eigen::Vector3d middle = marker.T_world_marker.translation();
+        marker.drift_covariance_m2 = drift_at(kept, middle, world_);
+        add_distances(kept, marker);
+        return marker;
+    }
+
+private:
+    CornerView corner_view(const TagView& view) const {
+        CornerView result;
+        result.keyframe = view.keyframe;
+        result.focal_px = world_.rig.focal_px;
+        result.principal_px = {world_.rig.cx_px, world_.rig.cy_px};
+        result.T_cam_world = world_.keyframes[view.keyframe].T_world_cam.inverse();
+        if (view.is_right)
+            result.T_cam_world.pretranslate(Eigen::Vector3d(-world_.rig.baseline_m, 0, 0));
+        result.corners_px = view.corners_px;
+        return result;
+    }
+
+    void add_distances(const std::vector<CornerView>& views, Marker& marker) const {
+        std::vector<double> ranges_m;
+        double path_m = 0.0;
+        for (const CornerView& view : views) {
+            ranges_m.push_back((view.T_cam_world * marker.T_world_marker.translation()).norm());
+            path_m += path_m_[view.keyframe];
+        }
+        marker.range_m = median(std::move(ranges_m));
+        marker.pixel_m = marker.range_m / world_.rig.focal_px;
+        marker.path_m = path_m / static_cast<double>(views.size());
+    }
+
+    const MarkerWorld& world_;
+    std::vector<double> path_m_;
+};
+
+}  // namespace
+
+std::vector<Marker> locate_markers(std::vector<TagView> views, const MarkerWorld& world) {
+    std::sort(views.begin(), views.end(), [](const TagView& a, const TagView& b) {
+        return std::tie(a.keyframe, a.is_right) < std::tie(b.keyframe, b.is_right);
+    });
+    std::map<std::pair<std::int32_t, int>, std::vector<const TagView*>> by_marker;
+    for (const TagView& view : views)
+        by_marker[{world.keyframes[view.keyframe].piece, view.id}].push_back(&view);
+    const MarkerLocator locator(world);
+    std::vector<Marker> markers;
+    for (const auto& [key, of_marker] : by_marker)
+        if (auto marker = locator.locate(of_marker)) markers.push_back(std::move(*marker));
+    return markers;
+}
+
+double drift_rate(const MarkerWorld& world) {
+    if (world.covariances.empty() || world.keyframes.empty()) return 0.0;
+    const auto path_m = path_lengths(world.keyframes);
+    constexpr double kBegun = 0.05;  // of the way: nearer to the start the quotient is of noise
+    double rate = 0.0;
+    for (std::size_t i = 0; i < path_m.size(); ++i)
+        if (path_m[i] > kBegun * path_m.back())
+            rate = std::max(rate,
+                            covariance_at(world.covariances, world.keyframes[i].timestamp_ns)
+                                    .position_m2.trace() /
+                                path_m[i]);
+    return rate;
+}
+
+}  // namespace divemesh::worker

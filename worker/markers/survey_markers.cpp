@@ -1,0 +1,210 @@
+#include "worker/markers/survey_markers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "worker/geometry/rectifier.hpp"
+#include "worker/markers/find_tags.hpp"
+#include "worker/markers/measure_bars.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// What the edges of a tag may be apart, left against right, beyond their noise: rectification and
+// lenses are known no better. All lengths of a reconstruction share it.
+constexpr double kDisparityBias_px = 0.05;
+constexpr std::size_t kPairsAtOnce = 16;
+
+struct KeyframePair {
+    std::size_t keyframe = 0;
+    StereoFrame frame;
+    std::vector<TagView> views;
+};
+
+void look_at(const Rectifier& rectifier,
+             MarkerFamily family,
+             const Rerectifier* refined,
+             KeyframePair& pair) {
+    const RectifiedFrame rectified = rectifier.rectify(pair.frame);
+    pair.frame = {};
+    for (const bool is_right : {false, true}) {
+        for (const Tag& tag : find_tags(is_right ? rectified.right : rectified.left, family)) {
+            TagView view{tag.id, pair.keyframe, is_right, tag.corners_px};
+            if (refined != nullptr)
+                for (Eigen::Vector2d& corner : view.corners_px)
+                    corner = refined->forward(is_right ? 1 : 0, corner);
+            pair.views.push_back(view);
+        }
+    }
+}
+
+class FindingWriter {
+public:
+    FindingWriter(const std::vector<TagView>& views,
+                  const MarkerPlan& plan,
+                  const MarkerWorld& world,
+                  MarkerFigures& figures)
+        : plan_(plan), figures_(figures) {
+        for (const TagView& view : views)
+            keyframes_of_[view.id].insert({world.keyframes[view.keyframe].piece, view.keyframe});
+    }
+
+    void write() {
+        tell_too_few();
+        tell_rejected();
+        tell_unmeasured();
+        tell_inconsistent();
+        tell_scale();
+    }
+
+private:
+    bool is_located(int id) const {
+        return std::any_of(figures_.markers.begin(),
+                           figures_.markers.end(),
+                           [id](const Marker& marker) { return marker.id == id; });
+    }
+
+    void warn(const std::string& code, const std::string& message, const std::string& remedy) {
+        figures_.findings.push_back({Severity::Warning, code, "markers.json", message, remedy});
+    }
+
+    // A tag that nobody spoke of and that was read once is more likely a pattern than a tag.
+    void tell_too_few() {
+        std::set<int> ids;
+        for (const auto& [id, keyframes] : keyframes_of_)
+            if (keyframes.size() > 1) ids.insert(id);
+        for (const auto& [id, size_m] : plan_.sizes_m) ids.insert(id);
+        for (const ScaleBar& bar : plan_.scale_bars) ids.insert({bar.from.id, bar.to.id});
+        for (const int id : ids) {
+            if (is_located(id)) continue;
+            const auto seen = keyframes_of_.find(id);
+            const auto num = seen == keyframes_of_.end() ? 0 : seen->second.size();
+            warn(
+                "marker_seen_too_few",
+                "tag " + std::to_string(id) + " was read in " + std::to_string(num) +
+                    " keyframes and is not measured: it takes " +
+                    std::to_string(kMinMarkerKeyframes) + " that agree on its place",
+                "swim over it slowly and near enough: one cell of the tag takes 3 pixels and more");
+        }
+    }
+
+    void tell_rejected() {
+        for (const Marker& marker : figures_.markers)
+            if (2 * marker.num_rejected_views > marker.num_views)
+                warn("marker_in_two_places",
+                     "tag " + std::to_string(marker.id) + " was read in " +
+                         std::to_string(marker.num_rejected_views) +
+                         " pictures in another place than in the " +
+                         std::to_string(marker.num_views) + " that it was measured in",
+                     "check that no id lies in the scene twice and that no tag was moved");
+    }
+
+    void tell_unmeasured() {
+        for (const BarFigures& bar : figures_.bars)
+            if (!bar.measured_m && is_located(bar.from.id) && is_located(bar.to.id))
+                warn("scale_bar_in_two_pieces",
+                     "scale bar '" + bar.name +
+                         "' is not measured: its ends were seen in pieces of the dive that are not "
+                         "tied to each other",
+                     "keep the scene in sight between both ends");
+            else if (!bar.measured_m)
+                warn("scale_bar_not_measured",
+                     "scale bar '" + bar.name + "' is not measured: an end of it was not found",
+                     "see the findings about its tags");
+    }
+
+    void tell_inconsistent() {
+        for (const BarFigures& bar : figures_.bars) {
+            if (bar.leave_one_out_sigmas() <= 3.0) continue;
+            std::ostringstream message;
+            message << std::fixed << std::setprecision(1) << "'" << bar.name << "', known as "
+                    << 1e3 * bar.known_m << " mm, is off by " << 1e3 * *bar.leave_one_out_error_m
+                    << " mm when measured with the scale that the others give (standard deviation "
+                    << 1e3 * bar.leave_one_out_sigma_m << " mm)";
+            warn("scale_bar_inconsistent",
+                 message.str(),
+                 "measure it again, and the printed sizes; state what the distances are worth as "
+                 "sigma_m");
+        }
+    }
+
+    void tell_scale() {
+        if (!figures_.scale) return;
+        const double error = 1.0 / figures_.scale->factor - 1.0;
+        const double sigma = std::hypot(figures_.scale->sigma, figures_.systematic_scale_sigma);
+        if (std::abs(error) <= 3.0 * sigma) return;
+        std::ostringstream message;
+        message << std::fixed << std::setprecision(2) << "by the known distances, lengths come out "
+                << 100.0 * std::abs(error) << " % too " << (error > 0.0 ? "long" : "short")
+                << " (standard deviation " << 100.0 * sigma << " %)";
+        warn("scale_off",
+             message.str(),
+             "calibrate the rig again in water, its baseline above all; --set correct_scale=true "
+             "scales the result by the known distances");
+    }
+
+    const MarkerPlan& plan_;
+    MarkerFigures& figures_;
+    std::map<int, std::set<std::pair<std::int32_t, std::size_t>>> keyframes_of_;
+};
+
+}  // namespace
+
+std::vector<TagView> find_tags_in(Recording& recording,
+                                  const std::vector<Keyframe>& keyframes,
+                                  MarkerFamily family,
+                                  const Rerectifier* refined,
+                                  const ProgressShare& progress,
+                                  int num_threads) {
+    const Rectifier rectifier(recording.rig());
+    std::vector<TagView> views;
+    std::vector<KeyframePair> pairs;
+    const auto look = [&] {
+        for_each_index(num_threads, pairs.size(), [&](std::size_t i) {
+            look_at(rectifier, family, refined, pairs[i]);
+        });
+        for (const KeyframePair& pair : pairs)
+            views.insert(views.end(), pair.views.begin(), pair.views.end());
+        pairs.clear();
+    };
+    recording.rewind();
+    std::size_t next = 0;
+    while (next < keyframes.size()) {
+        progress.at(static_cast<double>(next) / static_cast<double>(keyframes.size()));
+        auto frame = recording.next_frame();
+        if (!frame) break;
+        while (next < keyframes.size() && keyframes[next].frame_index < frame->index) ++next;
+        if (next == keyframes.size() || keyframes[next].frame_index != frame->index) continue;
+        pairs.push_back({next++, std::move(*frame), {}});
+        if (pairs.size() == kPairsAtOnce) look();
+    }
+    look();
+    return views;
+}
+
+MarkerFigures measure_markers(const std::vector<TagView>& views,
+                              const MarkerPlan& plan,
+                              const MarkerWorld& world) {
+    MarkerFigures figures;
+    figures.family = plan.family;
+    figures.markers = locate_markers(views, world);
+    std::vector<double> ranges_m;
+    for (const Marker& marker : figures.markers) ranges_m.push_back(marker.range_m);
+    if (!ranges_m.empty()) {
+        const auto middle = ranges_m.begin() + std::ssize(ranges_m) / 2;
+        std::nth_element(ranges_m.begin(), middle, ranges_m.end());
+        figures.systematic_scale_sigma = kDisparityBias_px / world.rig.disparity_px(*middle);
+    }
+    figures.bars =
+        measure_bars(figures.markers, plan, {drift_rate(world), figures.systematic_scale_sigma});
+    figures.scale = scale_of(figures.bars);
+    FindingWriter(views, plan, world, figures).write();
+    return figures;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,150 @@
+#include "worker/markers/triangulate_corners.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+
+constexpr double kFar_px = 1e6;
+constexpr double kNearest_m = 0.01;
+constexpr double kReading_px = 0.1;  // how well a corner is read at best
+
+std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& views,
+                                               std::size_t corner) {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const CornerView& view : views) {
+        const Eigen::Vector2d on_plane =
+            (view.corners_px[corner] - view.principal_px) / view.focal_px;
+        const Eigen::Isometry3d T_world_cam = view.T_cam_world.inverse();
+        const Eigen::Vector3d ray =
+            (T_world_cam.linear() * Eigen::Vector3d(on_plane.x(), on_plane.y(), 1.0)).normalized();
+        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+        A += across;
+        b += across * T_world_cam.translation();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
+    constexpr double kLeastParallax = 1e-5;  // mean squared sine between the rays
+    if (solver.eigenvalues()[0] < kLeastParallax * static_cast<double>(views.size()))
+        return std::nullopt;
+    return A.ldlt().solve(b);
+}
+
+std::optional<Eigen::Vector3d> newton_step(const std::vector<CornerView>& views,
+                                           std::size_t corner,
+                                           const Eigen::Vector3d& point) {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    for (const CornerView& view : views) {
+        const auto residual = view.residual_px(corner, point);
+        if (!residual) return std::nullopt;
+        const auto J = view.jacobian_px_per_m(point);
+        H += J.transpose() * J;
+        gradient += J.transpose() * *residual;
+    }
+    return H.ldlt().solve(gradient);
+}
+
+// What the readings of one keyframe pull at the corners, and the sums over all.
+struct Pulls {
+    CornerCovariance H = CornerCovariance::Zero();
+    std::vector<Vector12> of_keyframe;
+    double squares_px2 = 0.0;
+};
+
+Pulls pulls_of(const std::vector<CornerView>& views, const Corners& corners) {
+    Pulls pulls;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        if (i == 0 || views[i].keyframe != views[i - 1].keyframe)
+            pulls.of_keyframe.push_back(Vector12::Zero());
+        for (std::size_t corner = 0; corner < kNumTagCorners; ++corner) {
+            const auto at = 3 * static_cast<Eigen::Index>(corner);
+            const Eigen::Vector2d residual =
+                views[i].residual_px(corner, corners[corner]).value_or(Eigen::Vector2d::Zero());
+            const auto J = views[i].jacobian_px_per_m(corners[corner]);
+            pulls.H.block<3, 3>(at, at) += J.transpose() * J;
+            pulls.of_keyframe.back().segment<3>(at) += J.transpose() * residual;
+            pulls.squares_px2 += residual.squaredNorm();
+        }
+    }
+    return pulls;
+}
+
+// Bartlett's weights over about the third root of their number of neighbours.
+CornerCovariance long_run_variance(const std::vector<Vector12>& pulls) {
+    CornerCovariance sum = CornerCovariance::Zero();
+    const std::size_t num = pulls.size();
+    const auto lags =
+        std::min(num - 1, static_cast<std::size_t>(std::ceil(std::cbrt(static_cast<double>(num)))));
+    for (std::size_t i = 0; i < num; ++i) {
+        sum += pulls[i] * pulls[i].transpose();
+        for (std::size_t lag = 1; lag <= lags && i + lag < num; ++lag) {
+            const double weight = 1.0 - static_cast<double>(lag) / static_cast<double>(lags + 1);
+            const CornerCovariance product = pulls[i] * pulls[i + lag].transpose();
+            sum += weight * (product + product.transpose());
+        }
+    }
+    return sum * (static_cast<double>(num) / static_cast<double>(num - 1));
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> CornerView::residual_px(std::size_t corner,
+                                                       const Eigen::Vector3d& p_world) const {
+    const Eigen::Vector3d p_cam = T_cam_world * p_world;
+    if (!(p_cam.z() > kNearest_m)) return std::nullopt;
+    return corners_px[corner] - (focal_px / p_cam.z() * p_cam.head<2>() + principal_px);
+}
+
+Eigen::Matrix<double, 2, 3> CornerView::jacobian_px_per_m(const Eigen::Vector3d& p_world) const {
+    const Eigen::Vector3d p_cam = T_cam_world * p_world;
+    Eigen::Matrix<double, 2, 3> J_cam;
+    J_cam << 1.0, 0.0, -p_cam.x() / p_cam.z(), 0.0, 1.0, -p_cam.y() / p_cam.z();
+    return focal_px / p_cam.z() * J_cam * T_cam_world.linear();
+}
+
+double CornerView::rms_px(const Corners& corners_world) const {
+    double squares = 0.0;
+    for (std::size_t corner = 0; corner < kNumTagCorners; ++corner) {
+        const auto residual = residual_px(corner, corners_world[corner]);
+        if (!residual) return kFar_px;
+        squares += residual->squaredNorm();
+    }
+    return std::sqrt(squares / (2.0 * kNumTagCorners));
+}
+
+std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views) {
+    Corners corners;
+    for (std::size_t corner = 0; corner < kNumTagCorners; ++corner) {
+        const auto start = nearest_to_rays(views, corner);
+        if (!start) return std::nullopt;
+        corners[corner] = *start;
+        for (int i = 0; i < 10; ++i) {
+            const auto step = newton_step(views, corner, corners[corner]);
+            if (!step || !step->allFinite()) return std::nullopt;
+            corners[corner] += *step;
+            if (step->norm() < 1e-9) break;
+        }
+    }
+    return corners;
+}
+
+CornerFit corner_covariance(const std::vector<CornerView>& views, const Corners& corners_world) {
+    const Pulls pulls = pulls_of(views, corners_world);
+    const auto num_readings = 2.0 * kNumTagCorners * static_cast<double>(views.size());
+    CornerFit fit;
+    fit.rms_px = std::sqrt(pulls.squares_px2 / std::max(1.0, num_readings - 12.0));
+    const double reading_px = std::max(kReading_px, fit.rms_px);
+    const CornerCovariance inverse = pulls.H.ldlt().solve(CornerCovariance::Identity());
+    fit.covariance_m2 = reading_px * reading_px * inverse;
+    if (pulls.of_keyframe.size() > 1)
+        fit.covariance_m2 += inverse * long_run_variance(pulls.of_keyframe) * inverse;
+    return fit;
+}
+
+}  // namespace divemesh::worker

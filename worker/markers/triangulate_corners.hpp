@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "worker/markers/marker_figures.hpp"
+
+namespace divemesh::worker {
+
+using Corners = std::array<Eigen::Vector3d, kNumTagCorners>;
+
+// The corners of a tag in one picture of an ideal camera, whose pose is taken as it is.
+struct CornerView {
+    std::size_t keyframe = 0;
+    double focal_px = 0.0;
+    Eigen::Vector2d principal_px = Eigen::Vector2d::Zero();
+    Eigen::Isometry3d T_cam_world = Eigen::Isometry3d::Identity();
+    std::array<Eigen::Vector2d, kNumTagCorners> corners_px;
+
+    // Where it appears less where it should; nothing when it lies behind the camera.
+    std::optional<Eigen::Vector2d> residual_px(std::size_t corner,
+                                               const Eigen::Vector3d& p_world) const;
+    Eigen::Matrix<double, 2, 3> jacobian_px_per_m(const Eigen::Vector3d& p_world) const;
+    double rms_px(const Corners& corners_world) const;  // over corners; large when behind
+};
+
+// Each corner by itself: nearest to the rays, then Gauss-Newton over reprojection. Nothing when the
+// rays are too parallel to fix a point or a corner comes to lie behind a camera.
+std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views);
+
+struct CornerFit {
+    double rms_px = 0.0;  // of one axis, for the number of parameters
+    CornerCovariance covariance_m2 = CornerCovariance::Zero();
+};
+
+// The views in the order of their keyframes.
+CornerFit corner_covariance(const std::vector<CornerView>& views, const Corners& corners_world);
+
+}  // namespace divemesh::worker

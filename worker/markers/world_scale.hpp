@@ -1,0 +1,42 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "worker/estimation/pose_covariance.hpp"
+#include "worker/geometry/rig.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// A world made larger by a factor, about its first camera: what cameras see of it stays the same
+// with their baseline larger by it. Where the cameras sit on the body does not change, so that the
+// body's first pose stays too, and everything else moves as its camera does.
+class WorldScale {
+public:
+    // `T_imu_cam` of the rectified left camera.
+    WorldScale(double factor, const Eigen::Isometry3d& T_imu_cam)
+        : factor_(factor), T_imu_cam_(T_imu_cam) {}
+
+    Trajectory applied(const Trajectory& trajectory) const;
+    // Of the trajectory's world: with its first camera in the place that it has there.
+    std::vector<Keyframe> applied(const std::vector<Keyframe>& keyframes,
+                                  const Trajectory& trajectory) const;
+    CovarianceTrack applied(const CovarianceTrack& covariances) const;
+    Rig applied(const Rig& rig) const;  // the right camera farther from the left one
+
+private:
+    Eigen::Isometry3d scaled(const Eigen::Isometry3d& T_world_cam,
+                             const Eigen::Vector3d& center_world) const;
+    Eigen::Vector3d center_of(const Trajectory& trajectory) const;
+
+    double factor_;
+    Eigen::Isometry3d T_imu_cam_;
+};
+
+// The rig that the poses of a reconstruction belong to: as stated, or as correct_scale made it.
+// `metrics` is metrics.json.
+Rig rig_as_scaled(const Rig& stated, const nlohmann::json& metrics);
+
+}  // namespace divemesh::worker
