@@ -1,0 +1,110 @@
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <set>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/text.hpp"
+#include "worker/output/atomic_file.hpp"
+#include "worker/reef/measure_reconstruction.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+using nlohmann::json;
+
+std::string number_text(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), std::abs(value) >= 1000.0 ? "%.6g" : "%.4g", value);
+    return text.data();
+}
+
+std::string area_line(const json& area) {
+    std::string line = area["name"].get<std::string>() + " (" + area["kind"].get<std::string>();
+    if (area.contains("label")) line += ", " + area["label"].get<std::string>();
+    line += "): ";
+    if (area.contains("planar_area_m2"))
+        line += number_text(area["planar_area_m2"].get<double>()) + " m2, ";
+    if (area.contains("length_m")) line += number_text(area["length_m"].get<double>()) + " m, ";
+    line += number_text(100.0 * area["coverage"].get<double>()) + " % seen";
+    for (const char* key : {"sigma_m", "detail_m"})
+        if (area.contains(key))
+            line += std::string(key == std::string("sigma_m") ? ", sigma " : ", detail ") +
+                    number_text(1000.0 * area[key].get<double>()) + " mm";
+    return line + "\n";
+}
+
+std::vector<std::string> figure_row(const json& figure) {
+    std::string name = "  " + figure["figure"].get<std::string>();
+    if (figure.contains("label")) name += " of " + figure["label"].get<std::string>();
+    const std::string resolution =
+        figure.contains("resolution_m")
+            ? "at " + number_text(1000.0 * figure["resolution_m"].get<double>()) + " mm"
+            : "";
+    if (figure.contains("refused"))
+        return {name, resolution, "refused: " + figure["refused"].get<std::string>()};
+    const auto number = [&](const char* key) { return number_text(figure[key].get<double>()); };
+    return {name,
+            resolution,
+            number("value") + " " + figure["unit"].get<std::string>(),
+            "[" + number("low") + ", " + number("high") + "]"};
+}
+
+// Area by area, then what belongs to several of them.
+std::string report_text(const json& result) {
+    std::string text;
+    std::set<std::string> shown;
+    for (const json& area : result["areas"]) {
+        const std::string name = area["name"];
+        shown.insert(name);
+        std::vector<std::vector<std::string>> rows;
+        for (const json& figure : result["figures"])
+            if (figure["area"] == name) rows.push_back(figure_row(figure));
+        text += area_line(area) + table_text(rows);
+    }
+    std::vector<std::vector<std::string>> rows;
+    for (const json& figure : result["figures"])
+        if (!shown.contains(figure["area"].get<std::string>())) rows.push_back(figure_row(figure));
+    if (!rows.empty()) text += "quadrats together:\n" + table_text(rows);
+    return text;
+}
+
+struct Options {
+    worker::MeasureRequest request;
+    std::filesystem::path csv;
+};
+
+int measure(const Options& options, const Context& context) {
+    const json result = worker::measure_reconstruction(options.request);
+    if (!options.csv.empty())
+        worker::write_file(options.csv, worker::figures_csv(result["figures"]));
+    std::cout << (context.json ? result.dump(2) + "\n" : report_text(result));
+    return kExitDone;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand(
+        "measure", "areas, rugosity and other figures of a reconstruction, with intervals");
+    auto options = std::make_shared<Options>();
+    command
+        ->add_option(
+            "reconstruction", options->request.reconstruction, "folder of `reconstruct --out`")
+        ->required();
+    command->add_option("--areas", options->request.areas, "JSON: quadrats, polygons, transects");
+    command->add_option("--ground-truth",
+                        options->request.ground_truth,
+                        "trajectory (TUM, EuRoC) whose frame the areas are in");
+    command->add_option("--csv", options->csv, "writes the figures there too");
+    command->add_option("--threads", options->request.num_threads, "0: all cores")
+        ->check(CLI::Range(0, 1024));
+    command->callback([options, &context] {
+        context.command = [options, &context] { return measure(*options, context); };
+    });
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,153 @@
+#include "worker/reef/estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "tests/worker/reef/sheets.hpp"
+#include "worker/reef/area_plane.hpp"
+#include "worker/reef/heights.hpp"
+#include "worker/reef/rugosity.hpp"
+#include "worker/reef/simulate_figures.hpp"
+#include "worker/reef/surface_noise.hpp"
+#include "worker/reef/terrain.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kSigma_m = 0.004;
+constexpr double kCorrelationLength_m = 0.02;
+
+// Noise of another make: waves whose frequencies are normally distributed, so that the correlation
+// is a Gaussian of the distance, 1/e at the correlation length (Rahimi and Recht 2007).
+class WaveNoise {
+public:
+    explicit WaveNoise(std::uint64_t seed) : state_(seed * 7919 + 1) {
+        for (Eigen::Vector4d& wave : waves_) {
+            for (int axis = 0; axis < 3; ++axis)
+                wave[axis] = std::numbers::sqrt2 / kCorrelationLength_m * normal();
+            wave[3] = 2.0 * std::numbers::pi * uniform();
+        }
+    }
+    double at(const Eigen::Vector3d& place) const {
+        double sum = 0.0;
+        for (const Eigen::Vector4d& wave : waves_)
+            sum += std::cos(wave.head<3>().dot(place) + wave[3]);
+        return sum * std::sqrt(2.0 / static_cast<double>(waves_.size()));
+    }
+
+private:
+    double uniform() {
+        state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
+        return static_cast<double>(state_ >> 11U) * 0x1.0p-53;
+    }
+    double normal() {
+        return std::sqrt(-2.0 * std::log(1.0 - uniform())) *
+               std::cos(2.0 * std::numbers::pi * uniform());
+    }
+
+    std::uint64_t state_;
+    std::array<Eigen::Vector4d, 128> waves_;
+};
+
+double sine(double x, double y) {
+    return 0.03 * std::sin(2.0 * std::numbers::pi * x / 0.3) *
+           std::cos(2.0 * std::numbers::pi * y / 0.4);
+}
+
+struct Setting {
+    AreaPlane plane = plane_of(quadrat("q", 0.0, 0.6));
+    GridShape fine = grid_over(plane.outline, 0.05);
+    GridShape coarse = grid_over(plane.outline, 0.1);
+
+    std::vector<double> figures(const SurfacePatch& patch, const Places& places) const {
+        const HeightGrid grid = sample_heights(places[0], patch.triangles, fine);
+        return {rugosity(grid).value(),
+                rugosity(sample_heights(places[0], patch.triangles, coarse)).value(),
+                volume_over_plane(grid) + 1.0,
+                terrain(grid)->mean_slope,
+                terrain(grid)->vrm};
+    }
+};
+
+SurfacePatch exact_patch(const Setting& setting) {
+    Mesh mesh = sheet(0.66, 0.015, [](double x, double y) { return sine(x - 0.03, y - 0.03); });
+    for (Eigen::Vector3f& vertex : mesh.vertices) vertex -= Eigen::Vector3f(0.03F, 0.03F, 0.0F);
+    mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
+    return cut_patch(mesh, setting.plane, 0.05);
+}
+
+SurfacePatch noisy_patch(const Setting& setting, std::uint64_t seed) {
+    SurfacePatch patch = exact_patch(setting);
+    const WaveNoise noise(seed);
+    for (std::size_t i = 0; i < patch.vertices.size(); ++i)
+        patch.vertices[i] += kSigma_m * noise.at(patch.vertices[i]) * patch.normals[i];
+    return patch;
+}
+
+TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
+    const Setting setting;
+    const SurfacePatch exact = exact_patch(setting);
+    const std::vector<double> truth = setting.figures(exact, {exact.vertices});
+    MeasureOptions options;
+    options.num_replicates = 20;
+    constexpr int kNumSeeds = 100;
+    std::vector<int> num_held(truth.size(), 0);
+    double raised = 0.0;
+    for (int seed = 1; seed <= kNumSeeds; ++seed) {
+        const SurfacePatch patch = noisy_patch(setting, seed);
+        const auto simulated = simulate_figures(
+            {patch}, kCorrelationLength_m, options, [&](const Places& places, bool) {
+                return setting.figures(patch, places);
+            });
+        raised += (simulated[0].measured - truth[0]) / kNumSeeds;
+        for (std::size_t k = 0; k < truth.size(); ++k) {
+            const Estimate estimated = estimate(simulated[k], 0.0);
+            if (estimated.low <= truth[k] && truth[k] <= estimated.high) ++num_held[k];
+        }
+    }
+    EXPECT_GT(raised, 0.005);  // what would be outside every interval if it were left in
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+        EXPECT_GE(num_held[k], 90) << "figure " << k;
+        EXPECT_LE(num_held[k], 99) << "figure " << k;
+    }
+}
+
+TEST(Estimate, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
+    const Estimate exact = estimate({1.5, {}, {}, 1.5}, 0.25);
+    EXPECT_EQ(exact.value, 1.5);
+    EXPECT_EQ(exact.low, 1.5);
+    EXPECT_EQ(exact.high, 1.5);
+}
+
+TEST(Estimate, WhatBlurringTookIsPutBackAndDoubted) {
+    const Estimate sharper = estimate({1.40, {}, {}, 1.35}, 0.25);
+    EXPECT_NEAR(sharper.value, 1.45, 1e-12);
+    EXPECT_NEAR(sharper.high - sharper.low, 2.0 * 1.96 * 0.05, 1e-4);
+}
+
+TEST(Estimate, StudentsQuantilesAreThoseOfTheTables) {
+    EXPECT_NEAR(student_t_975(5), 2.571, 5e-3);
+    EXPECT_NEAR(student_t_975(10), 2.228, 1e-3);
+    EXPECT_NEAR(student_t_975(99), 1.984, 1e-3);
+}
+
+TEST(NoiseField, HasVarianceOneAndFallsToOneOverEAtItsLength) {
+    double square = 0.0;
+    double product = 0.0;
+    constexpr int kNum = 20'000;
+    for (int i = 0; i < kNum; ++i) {
+        const NoiseField noise(0.02, i);
+        const Eigen::Vector3d place(0.31 + 1e-3 * (i % 37), -0.7, 0.013 * (i % 11));
+        const double here = noise.at(place);
+        square += here * here / kNum;
+        product += here * noise.at(place + Eigen::Vector3d(0.02, 0.0, 0.0)) / kNum;
+    }
+    EXPECT_NEAR(square, 1.0, 0.03);
+    EXPECT_NEAR(product, std::exp(-1.0), 0.03);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,168 @@
+#include "worker/reef/measure_areas.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "schemas/error.hpp"
+#include "tests/worker/reef/sheets.hpp"
+#include "worker/reef/measure_reconstruction.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+double hills(double x, double y) { return 0.02 * std::sin(20.0 * x) * std::cos(17.0 * y) + 0.05; }
+
+MeasureOptions few_replicates() {
+    MeasureOptions options;
+    options.num_replicates = 8;
+    return options;
+}
+
+AreaSet set_of(std::vector<Area> areas) { return {AreaFrame::World, std::move(areas)}; }
+
+TEST(MeasureAreas, FiguresOfAKnownShapeComeWithUnitResolutionIntervalAndMethod) {
+    const Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
+    const json measured = measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), {});
+    EXPECT_NEAR(figure_of(measured, "q", "planar_area")["value"].get<double>(), 0.09, 1e-6);
+    EXPECT_NEAR(figure_of(measured, "q", "surface_area")["value"].get<double>(),
+                0.09 * std::sqrt(1.25),
+                1e-5);
+    EXPECT_NEAR(figure_of(measured, "q", "volume")["value"].get<double>(), 0.09 * 0.225, 1e-5);
+    EXPECT_NEAR(figure_of(measured, "q", "height_range")["value"].get<double>(), 0.15, 1e-5);
+    EXPECT_NEAR(figure_of(measured, "q", "slope")["value"].get<double>(), 26.565, 1e-2);
+    EXPECT_NEAR(figure_of(measured, "q", "aspect")["value"].get<double>(), 270.0, 1e-2);
+    EXPECT_NEAR(figure_of(measured, "q", "longest_diameter")["value"].get<double>(),
+                0.3 * std::sqrt(2.0),
+                1e-6);
+    const json rugosity = figure_of(measured, "q", "rugosity", 0.05);
+    EXPECT_NEAR(rugosity["value"].get<double>(), std::sqrt(1.25), 1e-4);
+    EXPECT_EQ(rugosity["unit"], "");
+    EXPECT_FALSE(rugosity["method"].get<std::string>().empty());
+    EXPECT_LE(rugosity["low"].get<double>(), rugosity["high"].get<double>());
+    EXPECT_NEAR(
+        figure_of(measured, "whole model", "planar_area")["value"].get<double>(), 0.25, 0.01);
+}
+
+TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailFiguresAreRefusedWithTheReason) {
+    Mesh mesh = sheet(0.4, 0.01, hills);
+    mesh.sigma_m.assign(mesh.vertices.size(), 0.005F);
+    MeasureOptions options = few_replicates();
+    options.least_detail_m = 0.04;
+    const json measured = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), options);
+    const auto refused = [&](double resolution_m) {
+        return figure_of(measured, "q", "rugosity", resolution_m).value("refused", "");
+    };
+    EXPECT_NE(refused(0.01).find("3 sigma of the surface, 15.0 mm"), std::string::npos);
+    EXPECT_NE(refused(0.02).find("detail that the surface holds, 40.0 mm"), std::string::npos);
+    EXPECT_EQ(refused(0.05), "");
+    EXPECT_NEAR(figure_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
+}
+
+TEST(MeasureAreas, CoarseCamerasMakeCoarseFigures) {
+    const Mesh mesh = sheet(0.4, 0.01, hills);
+    MeasureOptions options = few_replicates();
+    options.focal_px = 500.0;
+    options.camera_positions_world = {{0.2, 0.2, 2.05}};
+    const json measured = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), options);
+    EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 15.0 * 2.0 / 500.0, 2e-3);
+    EXPECT_TRUE(figure_of(measured, "q", "rugosity", 0.05).contains("refused"));
+    EXPECT_TRUE(figure_of(measured, "q", "rugosity", 0.10).contains("value"));
+}
+
+TEST(MeasureAreas, WhatWasNotSeenIsStatedAndNothingIsSaidOfTheArea) {
+    const Mesh mesh = sheet(0.4, 0.01, hills);
+    const json measured = measure_areas(
+        mesh, set_of({quadrat("edge", 0.2, 0.6), quadrat("outside", 1.0, 1.2)}), few_replicates());
+    EXPECT_NEAR(measured["areas"][1]["coverage"].get<double>(), 0.25, 0.01);
+    EXPECT_NE(figure_of(measured, "edge", "rugosity", 0.05)["refused"].get<std::string>().find(
+                  "25 % of the area was seen"),
+              std::string::npos);
+    EXPECT_EQ(measured["areas"][2]["coverage"], 0.0);
+    EXPECT_TRUE(figure_of(measured, "outside", "surface_area").contains("refused"));
+}
+
+TEST(MeasureAreas, ThreeQuartersSeenGiveRatiosButNoExtremes) {
+    const Mesh mesh = sheet(0.4, 0.01, hills);
+    Area area = quadrat("q", 0.1, 0.5);
+    area.points[2].y() = area.points[3].y() = 0.4;
+    const json measured = measure_areas(mesh, set_of({area}), few_replicates());
+    EXPECT_TRUE(figure_of(measured, "q", "rugosity", 0.05).contains("value"));
+    EXPECT_TRUE(figure_of(measured, "q", "height_range").contains("refused"));
+    EXPECT_TRUE(figure_of(measured, "q", "volume").contains("refused"));
+}
+
+TEST(MeasureAreas, ATransectIsAsLongAsTheTrianglesBelowIt) {
+    const Mesh roof =
+        sheet(1.0, 0.5, [](double x, double) { return 0.3 - 0.6 * std::abs(x - 0.5); });
+    Area line;
+    line.name = "t";
+    line.kind = AreaKind::Transect;
+    line.points = {{0.1, 0.33, 0.0}, {0.52, 0.33, 1.0}, {0.9, 0.33, 0.0}};
+    const json measured = measure_areas(roof, set_of({line}), few_replicates());
+    EXPECT_NEAR(figure_of(measured, "t", "chain_rugosity", 0.01)["value"].get<double>(),
+                std::hypot(1.0, 0.6),
+                1e-3);
+    EXPECT_NEAR(measured["areas"][1]["length_m"].get<double>(), 0.8, 1e-9);
+    EXPECT_EQ(measured["areas"][1]["coverage"], 1.0);
+}
+
+TEST(MeasureAreas, LabelsGiveDensityCoverAndSizesOverTheQuadrats) {
+    const Mesh mesh = sheet(1.0, 0.05, [](double, double) { return 0.0; });
+    std::vector<Area> areas = {quadrat("q", 0.0, 0.8)};
+    for (int i = 0; i < 5; ++i) {
+        areas.push_back(quadrat("colony " + std::to_string(i), 0.1 * i + 0.1, 0.1 * i + 0.15));
+        areas.back().label = "Porites";
+    }
+    areas.back().points = quadrat("", 0.9, 0.95).points;  // not in the quadrat
+    const json measured = measure_areas(mesh, set_of(areas), few_replicates());
+    const json density = figure_of(measured, "quadrats", "population_density");
+    EXPECT_EQ(density["label"], "Porites");
+    EXPECT_NEAR(density["value"].get<double>(), 4.0 / 0.64, 1e-6);
+    EXPECT_NEAR(
+        figure_of(measured, "quadrats", "cover")["value"].get<double>(), 4 * 0.0025 / 0.64, 1e-6);
+    EXPECT_NEAR(
+        figure_of(measured, "quadrats", "colony_area_median")["value"].get<double>(), 0.0025, 1e-9);
+}
+
+TEST(MeasureAreas, TheNumberOfThreadsChangesNoFigure) {
+    Mesh mesh = sheet(0.4, 0.02, hills);
+    mesh.sigma_m.assign(mesh.vertices.size(), 0.002F);
+    MeasureOptions options = few_replicates();
+    options.num_threads = 1;
+    const json one = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), options);
+    options.num_threads = 4;
+    EXPECT_EQ(one.dump(), measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), options).dump());
+}
+
+TEST(MeasureAreas, GroundTruthAreasNeedAGroundTruth) {
+    AreaSet set = set_of({quadrat("q", 0.0, 0.1)});
+    set.frame = AreaFrame::GroundTruth;
+    EXPECT_THROW(areas_in_world(set, {}, std::nullopt), Error);
+    EXPECT_THROW(measure_areas(sheet(0.1, 0.05, hills), set, {}), Error);
+}
+
+TEST(FiguresCsv, QuotesWhatHoldsCommasAndDisarmsFormulas) {
+    const json figures = {{{"figure", "cover"},
+                           {"area", "=1+1"},
+                           {"unit", ""},
+                           {"label", "a,\"b\""},
+                           {"value", 0.5},
+                           {"low", 0.25},
+                           {"high", 0.75},
+                           {"method", "m"}},
+                          {{"figure", "rugosity"},
+                           {"area", "q"},
+                           {"unit", ""},
+                           {"resolution_m", 0.01},
+                           {"refused", "why"}}};
+    EXPECT_EQ(figures_csv(figures),
+              "figure,area,label,unit,resolution_m,value,low,high,method,refused\n"
+              "cover,'=1+1,\"a,\"\"b\"\"\",,,0.5,0.25,0.75,m,\n"
+              "rugosity,q,,,0.01,,,,,why\n");
+}
+
+}  // namespace
+}  // namespace divemesh::worker

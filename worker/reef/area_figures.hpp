@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/reef/fineness.hpp"
+#include "worker/reef/height_grid.hpp"
+#include "worker/reef/measure_options.hpp"
+#include "worker/reef/surface_patch.hpp"
+
+namespace divemesh::worker {
+
+// What a figure is taken from.
+struct Ground {
+    const SurfacePatch& patch;
+    const std::vector<Eigen::Vector3d>& vertices;  // of the patch, noise added or not
+    HeightGrid grid;                               // the finest
+    Eigen::Matrix3d R_world_plane = Eigen::Matrix3d::Identity();
+
+    HeightGrid at(double spacing_m) const;    // a multiple of the grid's
+    HeightGrid near(double spacing_m) const;  // no coarser, if the grid lets
+};
+
+struct FigureKind {
+    std::string figure;
+    std::string unit;
+    std::optional<double> resolution_m;
+    std::string method;
+    double lowest = -std::numeric_limits<double>::infinity();  // that the figure can be
+    double highest = std::numeric_limits<double>::infinity();
+    bool is_extreme = false;    // unseen ground would change it
+    bool loses_detail = false;  // blurring takes from it
+    bool is_direction = false;  // deg, 360 is 0
+    std::function<std::optional<double>(const Ground&)> measure;
+};
+
+// Of an area with an outline, in the order in which they are reported. `finest_m`: the shortest of
+// the options' spacings that can be said something at; nothing when there is none.
+std::vector<FigureKind> area_figures(const MeasureOptions& options,
+                                     const Fineness& fineness,
+                                     std::optional<double> finest_m);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,61 @@
+#include "worker/reef/area_plane.hpp"
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kLeastArea_m2 = 1e-8;  // a tenth of a millimetre square
+
+Eigen::Isometry3d T_plane_world(const Eigen::Vector3d& origin,
+                                const Eigen::Vector3d& ahead,
+                                const Eigen::Vector3d& normal) {
+    Eigen::Vector3d x = ahead - ahead.dot(normal) * normal;
+    x = x.norm() > 1e-9 ? x.normalized() : normal.unitOrthogonal();
+    Eigen::Isometry3d T_world_plane = Eigen::Isometry3d::Identity();
+    T_world_plane.linear().col(0) = x;
+    T_world_plane.linear().col(1) = normal.cross(x);
+    T_world_plane.linear().col(2) = normal;
+    T_world_plane.translation() = origin;
+    return T_world_plane.inverse();
+}
+
+}  // namespace
+
+Eigen::Vector3d upward_normal(const std::vector<Eigen::Vector3d>& corners) {
+    Eigen::Vector3d twice = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        twice += (corners[i] - corners[0]).cross(corners[(i + 1) % corners.size()] - corners[0]);
+    if (!(twice.norm() > 2.0 * kLeastArea_m2)) return Eigen::Vector3d::Zero();
+    const Eigen::Vector3d normal = twice.normalized();
+    return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
+}
+
+AreaPlane plane_of(const Area& area) {
+    const Eigen::Vector3d normal = area.normal.value_or(upward_normal(area.points));
+    if (normal.isZero())
+        throw Error(ErrorCode::BadData, "area '" + area.name + "' has no area: all on a line");
+    AreaPlane plane;
+    plane.T_plane_world = T_plane_world(area.points[0], area.points[1] - area.points[0], normal);
+    for (const Eigen::Vector3d& point : area.points)
+        plane.outline.emplace_back((plane.T_plane_world * point).head<2>());
+    if (is_self_crossing(plane.outline))
+        throw Error(ErrorCode::BadData,
+                    "area '" + area.name +
+                        "': sides cross or touch; give the corners in their order, each once");
+    if (!(area_m2(plane.outline) > kLeastArea_m2))
+        throw Error(ErrorCode::BadData,
+                    "area '" + area.name + "' has no area, seen along its normal");
+    return plane;
+}
+
+AreaPlane plane_along(const Eigen::Vector3d& from,
+                      const Eigen::Vector3d& to,
+                      const Eigen::Vector3d& normal) {
+    AreaPlane plane;
+    plane.T_plane_world = T_plane_world(from, to - from, normal);
+    plane.outline = {(plane.T_plane_world * from).head<2>(), (plane.T_plane_world * to).head<2>()};
+    return plane;
+}
+
+}  // namespace divemesh::worker

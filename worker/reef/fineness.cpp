@@ -1,0 +1,61 @@
+#include "worker/reef/fineness.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace divemesh::worker {
+namespace {
+
+std::string length_text(double length_m) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.1f mm", 1000.0 * length_m);
+    return text.data();
+}
+
+}  // namespace
+
+Fineness fineness_of(const SurfacePatch& patch,
+                     const std::vector<Eigen::Vector3d>& cameras_plane,
+                     const MeasureOptions& options) {
+    Fineness fineness;
+    fineness.sigma_m = typical_sigma_m(patch);
+    double detail = options.least_detail_m;
+    double window = 2.0 * median_edge_m(patch);
+    const auto range = median_range_m(patch, cameras_plane);
+    if (range && options.focal_px > 0.0) {
+        detail = std::max(detail, options.support_px * *range / options.focal_px);
+        window = options.window_px * *range / options.focal_px;
+    }
+    if (detail > 0.0) fineness.detail_m = detail;
+    fineness.correlation_length_m =
+        options.correlation_length_m > 0.0 ? options.correlation_length_m : window;
+    return fineness;
+}
+
+std::optional<std::string> refused_at(double spacing_m, const Fineness& fineness) {
+    constexpr double kSlack_m = 1e-9;
+    if (fineness.sigma_m && spacing_m + kSlack_m < 3.0 * *fineness.sigma_m)
+        return "below 3 sigma of the surface, " + length_text(3.0 * *fineness.sigma_m);
+    if (fineness.detail_m && spacing_m + kSlack_m < *fineness.detail_m)
+        return "finer than the detail that the surface holds, " + length_text(*fineness.detail_m);
+    if (spacing_m + kSlack_m < fineness.least_sample_m)
+        return "the area is too large for samples closer than " +
+               length_text(fineness.least_sample_m);
+    return std::nullopt;
+}
+
+std::optional<double> finest_spacing_m(const MeasureOptions& options, const Fineness& fineness) {
+    for (const double spacing_m : options.spacings_m)
+        if (!refused_at(spacing_m, fineness)) return spacing_m;
+    return std::nullopt;
+}
+
+void fill_in_sigma(SurfacePatch& patch, const MeasureOptions& options) {
+    const double typical =
+        options.sigma_m > 0.0 ? options.sigma_m : typical_sigma_m(patch).value_or(0.0);
+    for (double& sigma : patch.sigma_m)
+        if (sigma <= 0.0) sigma = typical;
+}
+
+}  // namespace divemesh::worker

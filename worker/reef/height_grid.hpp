@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "worker/reef/polygon.hpp"
+
+namespace divemesh::worker {
+
+inline constexpr double kUnseen_m = -std::numeric_limits<double>::infinity();
+
+// Places in a plane, rows along x, one spacing apart.
+struct GridShape {
+    Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
+    double spacing_m = 0.01;
+    int num_columns = 0;
+    int num_rows = 0;
+
+    std::size_t num_nodes() const { return static_cast<std::size_t>(num_columns) * num_rows; }
+    double x_m(int column) const { return origin_m.x() + column * spacing_m; }
+    double y_m(int row) const { return origin_m.y() + row * spacing_m; }
+    std::size_t index(int column, int row) const {
+        return static_cast<std::size_t>(row) * num_columns + column;
+    }
+};
+
+// Heights over a plane at the nodes of a grid; kUnseen_m where there is no surface or where the
+// area does not reach.
+struct HeightGrid {
+    GridShape shape;
+    std::vector<double> heights_m;
+
+    double at(int column, int row) const { return heights_m[shape.index(column, row)]; }
+    bool is_seen(int column, int row) const { return at(column, row) > kUnseen_m; }
+};
+
+// Over the outline's bounds, beginning at their lowest corner, the far sides included where they
+// are a whole number of spacings away.
+GridShape grid_over(const Polygon& outline, double spacing_m);
+
+// 1: within the outline or on it, up to a twentieth of a millimetre.
+std::vector<std::uint8_t> nodes_within(const GridShape& shape, const Polygon& outline);
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+// The highest surface over each node: what a survey sees from above. Vertices in the plane's frame,
+// m; triangles seen edge-on have no height of their own.
+HeightGrid sample_heights(const std::vector<Eigen::Vector3d>& vertices,
+                          const Triangles& triangles,
+                          const GridShape& shape);
+
+// Every step-th node of every step-th row: what sampling at that spacing would have given.
+HeightGrid every(const HeightGrid& grid, int step);
+
+// Means of the seen heights within a square of this side around each seen node.
+HeightGrid blurred(const HeightGrid& grid, double side_m);
+
+}  // namespace divemesh::worker

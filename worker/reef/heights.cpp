@@ -1,0 +1,33 @@
+#include "worker/reef/heights.hpp"
+
+#include <algorithm>
+
+namespace divemesh::worker {
+
+std::optional<double> height_range(const HeightGrid& grid) {
+    double low = -kUnseen_m;
+    double high = kUnseen_m;
+    for (const double height : grid.heights_m) {
+        if (!(height > kUnseen_m)) continue;
+        low = std::min(low, height);
+        high = std::max(high, height);
+    }
+    if (!(low <= high)) return std::nullopt;
+    return high - low;
+}
+
+double volume_over_plane(const HeightGrid& grid) {
+    const GridShape& shape = grid.shape;
+    double sum = 0.0;
+    for (int row = 0; row < shape.num_rows; ++row)
+        for (int column = 0; column < shape.num_columns; ++column) {
+            if (!grid.is_seen(column, row)) continue;
+            double share = 1.0;
+            if (row == 0 || row + 1 == shape.num_rows) share *= 0.5;
+            if (column == 0 || column + 1 == shape.num_columns) share *= 0.5;
+            sum += share * grid.at(column, row);
+        }
+    return sum * shape.spacing_m * shape.spacing_m;
+}
+
+}  // namespace divemesh::worker

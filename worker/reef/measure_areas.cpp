@@ -1,0 +1,74 @@
+#include "worker/reef/measure_areas.hpp"
+
+#include "schemas/error.hpp"
+#include "worker/output/mesh_check.hpp"
+#include "worker/reef/measure_labels.hpp"
+#include "worker/reef/measure_outline.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+// Level, around all that there is.
+AreaPlane plane_of_all(const Mesh& mesh) {
+    Eigen::AlignedBox3d box(mesh.vertices[0].cast<double>());
+    for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex.cast<double>());
+    AreaPlane plane;
+    plane.T_plane_world.translation() = -box.min();
+    const Eigen::Vector3d size = box.sizes();
+    plane.outline = {{0.0, 0.0}, {size.x(), 0.0}, {size.x(), size.y()}, {0.0, size.y()}};
+    return plane;
+}
+
+AreaResult measure(const Mesh& mesh, const Area& area, const MeasureOptions& options) {
+    const AreaTask task{area.name, area.label, std::string(to_string(area.kind))};
+    if (area.kind == AreaKind::Transect)
+        return measure_transect(
+            mesh, task, area.points, area.normal.value_or(Eigen::Vector3d::UnitZ()), options);
+    return measure_outline(mesh, task, plane_of(area), options);
+}
+
+bool is_survey(const Area& area) { return area.kind == AreaKind::Quadrat && area.label.empty(); }
+
+void append(const json& figures, json& all) {
+    all.insert(all.end(), figures.begin(), figures.end());
+}
+
+void check(const Mesh& mesh, const AreaSet& set) {
+    check_mesh(mesh);
+    if (mesh.triangles.empty())
+        throw Error(ErrorCode::InvalidArgument, "the mesh has no triangle to measure");
+    if (set.frame != AreaFrame::World)
+        throw Error(ErrorCode::InvalidArgument,
+                    "the areas are in the ground truth's frame; a ground truth has to be given");
+}
+
+}  // namespace
+
+json measure_areas(const Mesh& mesh, const AreaSet& set, const MeasureOptions& options) {
+    check(mesh, set);
+    AreaTask whole{std::string(kWholeModel), "", "whole"};
+    whole.is_whole_model = true;
+    const AreaResult all = measure_outline(mesh, whole, plane_of_all(mesh), options);
+    json areas = json::array({all.area});
+    json figures = all.figures;
+    SurveyedGround ground{std::string(kWholeModel), all.planar_m2, {}};
+    double seen_in_quadrats = 0.0;
+    for (const Area& area : set.areas) {
+        const AreaResult result = measure(mesh, area, options);
+        areas.push_back(result.area);
+        append(result.figures, figures);
+        if (!is_survey(area)) continue;
+        ground.quadrats.push_back(plane_of(area));
+        seen_in_quadrats += result.coverage * result.planar_m2;
+    }
+    if (!ground.quadrats.empty()) {
+        ground.name = "quadrats";
+        ground.seen_m2 = seen_in_quadrats;
+    }
+    append(measure_labels(set, ground, options.seed), figures);
+    return {{"areas", areas}, {"figures", figures}};
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "worker/reef/area_set.hpp"
+#include "worker/reef/measure_options.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+inline constexpr std::string_view kWholeModel = "whole model";  // as an area's name
+
+// What ecologists ask of a surface (docs/measuring.md), for the whole model and for each area of
+// the set, which is of frame World (m). Answers
+//   {"areas": [{name, kind, label?, planar_area_m2, coverage, sigma_m?, detail_m?, ...}],
+//    "figures": [{figure, area, label?, unit, resolution_m?, value, low, high, method}
+//              | {figure, area, label?, unit, resolution_m?, refused}]}
+// with [low, high] the 95 % interval. Over what was seen alone; a figure is refused, with the
+// reason, where its resolution is below 3 sigma or finer than the surface, and where too little of
+// the area was seen. The same for any number of threads. Throws Error{InvalidArgument} for a mesh
+// that is none (check_mesh) or a set in another frame.
+nlohmann::json measure_areas(const Mesh& mesh, const AreaSet& set, const MeasureOptions& options);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "worker/reef/area_plane.hpp"
+#include "worker/reef/measure_options.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+struct AreaTask {
+    std::string name;
+    std::string label;
+    std::string kind;
+    bool is_whole_model = false;  // no outline of its own: what was seen is the area
+};
+
+struct AreaResult {
+    nlohmann::json area;                               // as measure_areas answers it
+    nlohmann::json figures = nlohmann::json::array();  // likewise
+    double planar_m2 = 0.0;                            // of the outline; the whole: what was seen
+    double coverage = 0.0;
+};
+
+// The figures over the ground within an outline.
+AreaResult measure_outline(const Mesh& mesh,
+                           const AreaTask& task,
+                           const AreaPlane& plane,
+                           const MeasureOptions& options);
+
+// Along a transect: the chain's length over the line's, at each spacing.
+AreaResult measure_transect(const Mesh& mesh,
+                            const AreaTask& task,
+                            const std::vector<Eigen::Vector3d>& line,
+                            const Eigen::Vector3d& normal,
+                            const MeasureOptions& options);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,85 @@
+#include "worker/reef/measure_reconstruction.hpp"
+
+#include <array>
+
+#include "schemas/error.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+#include "worker/output/csv_cell.hpp"
+#include "worker/output/trajectory_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+double number_at(const json& metrics, const char* pointer) {
+    const json::json_pointer place(pointer);
+    return metrics.contains(place) && metrics[place].is_number() ? metrics[place].get<double>()
+                                                                 : 0.0;
+}
+
+std::string csv_field(const json& value) {
+    if (value.is_null()) return "";
+    if (!value.is_string()) return value.dump();
+    return csv_cell(value.get<std::string>());
+}
+
+}  // namespace
+
+MeasureOptions measure_options(const ReconstructionFolder& reconstruction) {
+    MeasureOptions options;
+    for (const StampedPose& pose : reconstruction.trajectory())
+        options.camera_positions_world.push_back(pose.T_world_imu.translation());
+    options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
+    options.least_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
+    return options;
+}
+
+AreaSet areas_in_world(const AreaSet& set,
+                       const Trajectory& estimate,
+                       const std::optional<Trajectory>& ground_truth) {
+    if (set.frame == AreaFrame::World) return set;
+    if (!ground_truth)
+        throw Error(ErrorCode::InvalidArgument,
+                    "the areas are in the ground truth's frame: give its trajectory");
+    const TrajectoryError error = trajectory_error(estimate, *ground_truth);
+    return moved(set, error.T_reference_surface.inverse());
+}
+
+json measure_reconstruction(const MeasureRequest& request) {
+    const ReconstructionFolder reconstruction(request.reconstruction);
+    AreaSet areas = request.areas ? read_areas(*request.areas) : AreaSet{};
+    std::optional<Trajectory> truth;
+    if (request.ground_truth) truth = read_trajectory(*request.ground_truth).poses;
+    areas = areas_in_world(areas, reconstruction.trajectory(), truth);
+    MeasureOptions options = measure_options(reconstruction);
+    options.num_threads = request.num_threads;
+    return measure_areas(reconstruction.mesh(), areas, options);
+}
+
+std::string figures_csv(const json& figures) {
+    constexpr std::array<const char*, 10> kColumns = {"figure",
+                                                      "area",
+                                                      "label",
+                                                      "unit",
+                                                      "resolution_m",
+                                                      "value",
+                                                      "low",
+                                                      "high",
+                                                      "method",
+                                                      "refused"};
+    std::string csv;
+    for (const char* column : kColumns) csv.append(csv.empty() ? "" : ",").append(column);
+    csv += "\n";
+    for (const json& figure : figures) {
+        std::string row;
+        for (const char* column : kColumns) {
+            if (column != kColumns.front()) row += ",";
+            row += csv_field(figure.value(column, json()));
+        }
+        csv += row + "\n";
+    }
+    return csv;
+}
+
+}  // namespace divemesh::worker

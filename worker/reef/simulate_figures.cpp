@@ -1,0 +1,68 @@
+#include "worker/reef/simulate_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "worker/parallel.hpp"
+#include "worker/reef/surface_noise.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+Places measured_places(const std::vector<SurfacePatch>& patches) {
+    Places places;
+    for (const SurfacePatch& patch : patches) places.push_back(patch.vertices);
+    return places;
+}
+
+Places noisy_places(const std::vector<SurfacePatch>& patches,
+                    const NoiseField& noise,
+                    double scale) {
+    Places places;
+    for (const SurfacePatch& patch : patches) places.push_back(with_noise(patch, noise, scale));
+    return places;
+}
+
+// As many as asked for, but no more than half a minute's for a model of millions of vertices.
+int num_replicates(const std::vector<SurfacePatch>& patches, const MeasureOptions& options) {
+    constexpr std::size_t kMostVertices = 6'000'000;
+    constexpr int kLeast = 6;
+    std::size_t num_vertices = 1;
+    bool has_noise = false;
+    for (const SurfacePatch& patch : patches) {
+        num_vertices += patch.vertices.size();
+        has_noise = has_noise || typical_sigma_m(patch).has_value();
+    }
+    if (!has_noise || options.num_replicates < 2) return 0;
+    const auto affordable = static_cast<int>(kMostVertices / num_vertices);
+    return std::min(options.num_replicates, std::max(kLeast, affordable));
+}
+
+}  // namespace
+
+std::vector<Simulated> simulate_figures(const std::vector<SurfacePatch>& patches,
+                                        double correlation_length_m,
+                                        const MeasureOptions& options,
+                                        const Evaluate& evaluate) {
+    const Places places = measured_places(patches);
+    const std::vector<double> measured = evaluate(places, false);
+    const std::vector<double> blurred = evaluate(places, true);
+    const int num = num_replicates(patches, options);
+    std::vector<std::vector<double>> noisy(2 * static_cast<std::size_t>(num));
+    for_each_index(options.num_threads, noisy.size(), [&](std::size_t i) {
+        const NoiseField noise(correlation_length_m, options.seed + i / 2);
+        const double scale = i % 2 == 0 ? 1.0 : std::numbers::sqrt2;
+        noisy[i] = evaluate(noisy_places(patches, noise, scale), false);
+    });
+    std::vector<Simulated> figures(measured.size());
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+        figures[k].measured = measured[k];
+        figures[k].blurred = blurred[k];
+        for (std::size_t i = 0; i < noisy.size(); ++i)
+            (i % 2 == 0 ? figures[k].once : figures[k].twice).push_back(noisy[i][k]);
+    }
+    return figures;
+}
+
+}  // namespace divemesh::worker

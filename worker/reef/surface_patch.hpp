@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/reef/area_plane.hpp"
+#include "worker/reef/height_grid.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+// The part of a mesh that lies over an area, in the frame of the area's plane, m.
+struct SurfacePatch {
+    std::vector<Eigen::Vector3d> vertices;
+    std::vector<Eigen::Vector3d> normals;  // unit
+    std::vector<double> sigma_m;           // along the normal; 0: unknown
+    Triangles triangles;
+    std::vector<double> share_within;  // of each triangle's area, the area's outline
+};
+
+// Every triangle within `margin_m` of the outline's bounds: noise moves what is near them.
+SurfacePatch cut_patch(const Mesh& mesh, const AreaPlane& plane, double margin_m);
+
+// Area of the triangles over the outline, every sheet of them, overhangs too (habtools
+// surface_area), with the vertices at these places.
+double surface_area_m2(const SurfacePatch& patch, const std::vector<Eigen::Vector3d>& vertices);
+
+// Root of the mean squares over the vertices that have one; nothing when none has.
+std::optional<double> typical_sigma_m(const SurfacePatch& patch);
+// Of the vertices to the nearest of the cameras, the median; nothing without cameras or vertices.
+std::optional<double> median_range_m(const SurfacePatch& patch,
+                                     const std::vector<Eigen::Vector3d>& cameras_plane);
+double median_edge_m(const SurfacePatch& patch);  // 0 without triangles
+
+}  // namespace divemesh::worker
