@@ -6,6 +6,8 @@
 # rendered once into build/bench, anew when the simulator has changed. Builds what it needs first.
 #   tests/bench/run.sh --only upload [--repeat N] [--require] [--large]
 # Uploads instead of reconstructing; --large: a dive of 10 GB too.
+#   tests/bench/run.sh --only bounds [--first-seed N] [--seeds N] [--no-shared] [--keep DIR] [--plot FILE]
+# How often the bounds that reconstructions state about themselves hold.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ ${1:-} == --only && ${2:-} == upload ]]; then
@@ -16,10 +18,16 @@ if [[ ${1:-} == --only && ${2:-} == upload ]]; then
     } >&2
     exec build/release/tests/bench/divemesh_upload_bench --program "$PWD/build/release/divemesh" "$@"
 fi
+if [[ ${1:-} == --only && ${2:-} == bounds ]]; then
+    shift 2
+    bench=divemesh_bounds
+else
+    bench=divemesh_bench
+fi
 {
     cmake --preset release --log-level=WARNING
-    cmake --build --preset release --target divemesh divemesh_bench
+    cmake --build --preset release --target divemesh "$bench"
 } >&2
 simulator=$(cat worker/simulator/* | sha256sum | cut -c1-12)
-exec build/release/tests/bench/divemesh_bench --program "$PWD/build/release/divemesh" \
+exec "build/release/tests/bench/$bench" --program "$PWD/build/release/divemesh" \
     --cache "build/bench/dives-$simulator" "$@"

@@ -215,7 +215,7 @@ void Adjustment::solve_dive(int max_iterations,
     callback.rethrow();
 }
 
-std::vector<StateCovariance> Adjustment::covariances(const std::vector<BodyState*>& states) {
+JointCovariance Adjustment::covariances(const std::vector<BodyState*>& states) {
     auto& own = *implementation_;
     std::vector<double*> kept;
     for (const Block& block : own.graph.blocks()) kept.push_back(block.values);
@@ -226,19 +226,31 @@ std::vector<StateCovariance> Adjustment::covariances(const std::vector<BodyState
         clustered_information(*own.problem, kept, points, kHuberReprojection);
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information.H_lower);
     if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return {};
-    const auto covariance = [&](const double* block) -> Eigen::Matrix3d {
+    const auto V = information.V_lower.selfadjointView<Eigen::Lower>();
+    const auto influence = [&](const double* block) -> Eigen::MatrixXd {
         const int start = information.start[static_cast<std::size_t>(own.graph.index_of(block))];
-        if (start < 0) return Eigen::Matrix3d::Zero();
         Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(information.H_lower.rows(), 3);
+        if (start < 0) return unit;
         unit.middleRows<3>(start).setIdentity();
-        const Eigen::MatrixXd influence = factor.solve(unit);
-        return influence.transpose() *
-               (information.V_lower.selfadjointView<Eigen::Lower>() * influence);
+        return factor.solve(unit);
     };
-    std::vector<StateCovariance> result;
-    // Ceres' tangent of a quaternion is half the rotation vector.
-    for (BodyState* state : states)
-        result.push_back({covariance(state->p_world_imu.data()), 4.0 * covariance(own.q(*state))});
+    JointCovariance result;
+    result.positions_m2.setZero(3 * std::ssize(states), 3 * std::ssize(states));
+    Eigen::MatrixXf of_positions(information.H_lower.rows(), 3 * std::ssize(states));
+    for (Eigen::Index i = 0; i < std::ssize(states); ++i) {
+        BodyState& state = *states[static_cast<std::size_t>(i)];
+        const Eigen::MatrixXd position = influence(state.p_world_imu.data());
+        const Eigen::MatrixXd varied = V * position;
+        of_positions.middleCols<3>(3 * i) = position.cast<float>();
+        const Eigen::MatrixXd with_those_before =
+            varied.transpose() * of_positions.leftCols(3 * i + 3).cast<double>();
+        result.positions_m2.block(3 * i, 0, 3, 3 * i + 3) = with_those_before;
+        result.positions_m2.block(0, 3 * i, 3 * i + 3, 3) = with_those_before.transpose();
+        const Eigen::MatrixXd turn = influence(own.q(state));
+        // Ceres' tangent of a quaternion is half the rotation vector.
+        result.states.push_back(
+            {position.transpose() * varied, 4.0 * (turn.transpose() * (V * turn))});
+    }
     return result;
 }
 

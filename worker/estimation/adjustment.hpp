@@ -30,6 +30,11 @@ struct StateCovariance {
     Eigen::Matrix3d rotation_rad2 = Eigen::Matrix3d::Zero();
 };
 
+struct JointCovariance {
+    std::vector<StateCovariance> states;
+    Eigen::MatrixXd positions_m2;  // of all positions with each other, three rows a state
+};
+
 // Bundle adjustment: body states and landmarks that fit best what the cameras and the inertial
 // sensors measured. States and landmarks belong to the caller, stay where they are until a solver
 // has changed them. One thread: the same input gives the same bits.
@@ -83,9 +88,9 @@ public:
     // Any number of states, sparse, by Ceres. Reports `at` to `progress` every iteration. Throws
     // what the callback throws.
     void solve_dive(int max_iterations, const ProgressCallback& progress, const Progress& at);
-    // Of states that solve_dive has solved for, marginal; the cameras' noise as their residuals
-    // show it. Nothing when the states are not determined.
-    std::vector<StateCovariance> covariances(const std::vector<BodyState*>& states);
+    // Of states that solve_dive has solved for, everything else marginalised; the cameras' noise as
+    // their residuals show it. Nothing when the states are not determined.
+    JointCovariance covariances(const std::vector<BodyState*>& states);
 
 private:
     struct Implementation;

@@ -48,28 +48,43 @@ double reprojection_rms_px(const RectifiedRig& rig,
     return num > 0 ? std::sqrt(squares / static_cast<double>(num)) : 0.0;
 }
 
-CovarianceTrack relative_to_first(Adjustment& adjustment,
-                                  const std::vector<Keyframe>& keyframes,
-                                  std::vector<BodyState>& states) {
+struct Uncertainty {
+    CovarianceTrack covariances;
+    PathUncertainty path;
+};
+
+Uncertainty relative_to_first(Adjustment& adjustment,
+                              const std::vector<Keyframe>& keyframes,
+                              std::vector<BodyState>& states) {
     const std::size_t stride = 1 + (states.size() - 1) / kMostCovariances;
     std::vector<std::size_t> chosen;
     for (std::size_t k = 0; k + 1 < states.size(); k += stride) chosen.push_back(k);
     chosen.push_back(states.size() - 1);
     std::vector<BodyState*> of;
     for (const std::size_t k : chosen) of.push_back(&states[k]);
-    const auto in_world = adjustment.covariances(of);
-    const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
-    CovarianceTrack track;
-    for (std::size_t i = 0; i < in_world.size(); ++i) {
-        const Eigen::Vector3d by_scale =
-            kScaleSigma * (of[i]->p_world_imu - states.front().p_world_imu);
-        const Eigen::Matrix3d position_m2 =
-            in_world[i].position_m2 + by_scale * by_scale.transpose();
-        track.push_back({keyframes[chosen[i]].timestamp_ns,
-                         R_world_first.transpose() * position_m2 * R_world_first,
-                         R_world_first.transpose() * in_world[i].rotation_rad2 * R_world_first});
+    JointCovariance in_world = adjustment.covariances(of);
+    if (in_world.states.empty()) return {};
+    std::vector<Eigen::Vector3d> positions;
+    Eigen::VectorXd by_scale(3 * std::ssize(of));
+    for (const BodyState* state : of) {
+        by_scale.segment<3>(3 * std::ssize(positions)) =
+            kScaleSigma * (state->p_world_imu - states.front().p_world_imu);
+        positions.push_back(state->p_world_imu);
     }
-    return track;
+    in_world.positions_m2 += by_scale * by_scale.transpose();
+    const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
+    Uncertainty result;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        const Eigen::Vector3d along = by_scale.segment<3>(3 * static_cast<Eigen::Index>(i));
+        const Eigen::Matrix3d position_m2 =
+            in_world.states[i].position_m2 + along * along.transpose();
+        result.covariances.push_back(
+            {keyframes[chosen[i]].timestamp_ns,
+             R_world_first.transpose() * position_m2 * R_world_first,
+             R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
+    }
+    result.path = after_alignment(positions, in_world.positions_m2);
+    return result;
 }
 
 }  // namespace
@@ -97,12 +112,14 @@ AdjustedDive adjust_dive(const RectifiedRig& rig,
     WorldReference reference;
     add_inertial_factors(adjustment, inertial, keyframes, states, reference);
     adjustment.solve_dive(kMaxIterations, progress, at);
-    CovarianceTrack covariances = relative_to_first(adjustment, keyframes, states);
+    Uncertainty uncertainty = relative_to_first(adjustment, keyframes, states);
     const Eigen::Quaterniond q_level_world = levelling(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
     for (Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
-    return {reprojection_rms_px(rig, keyframes, landmarks, stride), std::move(covariances)};
+    return {reprojection_rms_px(rig, keyframes, landmarks, stride),
+            std::move(uncertainty.covariances),
+            uncertainty.path};
 }
 
 }  // namespace divemesh::worker

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "worker/estimation/inertial_prior.hpp"
+#include "worker/estimation/path_uncertainty.hpp"
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/observer.hpp"
 #include "worker/reconstruct.hpp"
@@ -12,6 +13,7 @@ namespace divemesh::worker {
 struct AdjustedDive {
     double reprojection_rms_px = 0.0;
     CovarianceTrack covariances;  // of keyframes all along; empty when they are not determined
+    PathUncertainty path;         // of the keyframes' positions
 };
 
 // All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between

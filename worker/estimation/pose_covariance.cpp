@@ -61,7 +61,9 @@ Variance step_variance(const std::vector<Interval>& intervals) {
     return {typical(&Variance::position_m2), typical(&Variance::rotation_rad2)};
 }
 
-PoseCovariance between(const CovarianceTrack& keyframes, std::int64_t timestamp_ns) {
+}  // namespace
+
+PoseCovariance covariance_between(const CovarianceTrack& keyframes, std::int64_t timestamp_ns) {
     const auto after = std::lower_bound(keyframes.begin(),
                                         keyframes.end(),
                                         timestamp_ns,
@@ -80,8 +82,6 @@ PoseCovariance between(const CovarianceTrack& keyframes, std::int64_t timestamp_
     return at;
 }
 
-}  // namespace
-
 CovarianceTrack covariances_at(const CovarianceTrack& covariances,
                                const Trajectory& odometry,
                                const std::vector<Keyframe>& keyframes,
@@ -89,7 +89,7 @@ CovarianceTrack covariances_at(const CovarianceTrack& covariances,
     CovarianceTrack result;
     if (covariances.empty()) return result;
     for (const StampedPose& frame : odometry)
-        result.push_back(between(covariances, frame.timestamp_ns));
+        result.push_back(covariance_between(covariances, frame.timestamp_ns));
     const auto add = [&](std::size_t frame, const Variance& variance, double times) {
         result[frame].position_m2.diagonal().array() += times * variance.position_m2;
         result[frame].rotation_rad2.diagonal().array() += times * variance.rotation_rad2;

@@ -17,6 +17,9 @@ struct PoseCovariance {
 };
 using CovarianceTrack = std::vector<PoseCovariance>;  // stamps strictly rising
 
+// Linearly between those of the keyframes, beyond their ends as at the end.
+PoseCovariance covariance_between(const CovarianceTrack& keyframes, std::int64_t timestamp_ns);
+
 // Of every frame: linearly between those of the keyframes, beyond their ends as at the end; and
 // what the odometry that it follows them by adds. That errs by independent steps, as far as it
 // misses from one keyframe to the next, median over the dive or here, whichever is more; tied to

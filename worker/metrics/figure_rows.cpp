@@ -63,6 +63,28 @@ HtmlRows accuracy_rows(const json& metrics) {
     return rows;
 }
 
+HtmlRows expected_rows(const json& metrics) {
+    const Figures figures(metrics);
+    const std::string section = "/expected_accuracy/";
+    HtmlRows rows;
+    const auto add = [&](const char* name, const char* figure, const char* format, double factor) {
+        figures.add(rows, name, (section + figure).c_str(), format, factor);
+    };
+    add("Trajectory error (ATE), 95 % below", "trajectory/ate/bound_m", "%.1f mm", 1e3);
+    add("Last position, 95 % below", "trajectory/end_position/bound_m", "%.1f mm", 1e3);
+    add("Loops, what is left of them", "trajectory/loops/residual_rms_m", "%.1f mm", 1e3);
+    add("Scale by the accelerometer", "scale/accelerometer/scale", "%.3f", 1.0);
+    add("Its standard deviation", "scale/accelerometer/sigma", "%.3f", 1.0);
+    add("Scale by the pressure", "scale/pressure/scale", "%.3f", 1.0);
+    add("Its standard deviation", "scale/pressure/sigma", "%.3f", 1.0);
+    add("Scale by known distances", "scale/known_distances/scale", "%.4f", 1.0);
+    add("Its standard deviation", "scale/known_distances/sigma", "%.4f", 1.0);
+    add("Surface error, 95 % below", "surface/error_95_m", "%.1f mm", 1e3);
+    add("Surface sigma, median", "surface/sigma_median_m", "%.1f mm", 1e3);
+    add("Surface seen from 3 frames or more", "surface/share_3_views_or_more", "%.1f %%", 1e2);
+    return rows;
+}
+
 HtmlRows dive_rows(const json& metrics) {
     const Figures figures(metrics);
     HtmlRows rows;

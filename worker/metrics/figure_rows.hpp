@@ -8,6 +8,7 @@ namespace divemesh::worker {
 
 // Figures of metrics.json in the words and units of a person; what is not there is left out.
 HtmlRows accuracy_rows(const nlohmann::json& metrics);
+HtmlRows expected_rows(const nlohmann::json& metrics);  // what the result expects of itself
 HtmlRows dive_rows(const nlohmann::json& metrics);
 HtmlRows result_rows(const nlohmann::json& metrics);
 

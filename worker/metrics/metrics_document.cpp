@@ -296,6 +296,16 @@ json metrics_document(const MetricsInput& input) {
     std::vector<Finding> findings = input.findings;
     findings.insert(
         findings.end(), input.evaluation.findings.begin(), input.evaluation.findings.end());
+    if (input.markers) {
+        document["markers"] = to_metrics(*input.markers);
+        const std::vector<Finding>& of_markers = input.markers->findings;
+        findings.insert(findings.end(), of_markers.begin(), of_markers.end());
+    }
+    if (input.expected) {
+        document["expected_accuracy"] = to_metrics(*input.expected);
+        findings.insert(
+            findings.end(), input.expected->findings.begin(), input.expected->findings.end());
+    }
     if (const auto too_near = find_too_near(input)) findings.push_back(*too_near);
     document["findings"] = findings;
     return document;

@@ -10,7 +10,9 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/geometry/geographic_position.hpp"
 #include "worker/geometry/rig.hpp"
+#include "worker/markers/marker_figures.hpp"
 #include "worker/metrics/evaluation.hpp"
+#include "worker/metrics/expected_accuracy.hpp"
 #include "worker/metrics/imu_check.hpp"
 #include "worker/metrics/pieces.hpp"
 #include "worker/reconstruct.hpp"
@@ -67,10 +69,12 @@ struct MetricsInput {
     std::int64_t num_landmarks = 0;
     double path_length_m = 0.0;  // of the final trajectory, all pieces
     std::vector<Piece> pieces;
-    std::optional<MeshFigures> mesh;  // nothing: no surface was asked for
+    std::optional<MeshFigures> mesh;       // nothing: no surface was asked for
+    std::optional<MarkerFigures> markers;  // nothing: nobody looked for them
     std::vector<StageTime> stages;
     Evaluation evaluation;
-    std::vector<Finding> findings;  // of the dive; the evaluation's own are added
+    std::optional<ExpectedAccuracy> expected;
+    std::vector<Finding> findings;  // of the dive; those of evaluation and expected are added
 };
 
 // metrics.json, as schemas/metrics.schema.json describes it. What is not known is left out.

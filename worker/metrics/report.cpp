@@ -23,6 +23,7 @@ std::string report_html(const ReportInput& input) {
         html += "<section><h2>From above</h2>" +
                 html_picture(input.picture_png, "The mesh from above") + "</section>";
     html += html_table("Against the truth", accuracy_rows(input.metrics)) +
+            html_table("Expected, without truth", expected_rows(input.metrics)) +
             "</div><div class=\"row\">" + svg_plot(path_from_above(error, input.trajectory)) +
             svg_plot(error_over_time(error, input.trajectory)) + "</div><div class=\"row\">" +
             html_table("The dive", dive_rows(input.metrics)) +

@@ -4,19 +4,12 @@
 #include <array>
 #include <charconv>
 
+#include "worker/output/csv_cell.hpp"
+
 namespace divemesh::worker {
 namespace {
 
 using nlohmann::json;
-
-std::string quoted(std::string text) {
-    if (!text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos)
-        text.insert(0, 1, '\'');
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string cell = "\"";
-    for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
-    return cell + '"';
-}
 
 // As short as reads back the same.
 std::string number_text(const json& value) {
@@ -62,9 +55,9 @@ std::string test_case(const json& requirement) {
 std::string report_csv(const json& report) {
     std::string csv = "figure,value,unit,method,alignment\r\n";
     for (const json& figure : report.at("figures"))
-        csv += quoted(figure.at("figure")) + "," + number_text(figure.at("value")) + "," +
-               quoted(figure.at("unit")) + "," + quoted(figure.at("method")) + "," +
-               quoted(figure.at("alignment")) + "\r\n";
+        csv += csv_cell(figure.at("figure")) + "," + number_text(figure.at("value")) + "," +
+               csv_cell(figure.at("unit")) + "," + csv_cell(figure.at("method")) + "," +
+               csv_cell(figure.at("alignment")) + "\r\n";
     return csv;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "schemas/error.hpp"
+#include "worker/markers/world_scale.hpp"
 #include "worker/metrics/error_map.hpp"
 #include "worker/metrics/known_distances.hpp"
 #include "worker/metrics/relative_pose_error.hpp"
@@ -46,19 +47,20 @@ RegisteredTruth register_for(const Trajectory& path,
 // All that is compared with one truth.
 class Measuring {
 public:
-    Measuring(const ReportInputs& inputs, const AccuracyReportRequest& request)
-        : inputs_(inputs), request_(request) {
+    Measuring(const ReportInputs& inputs,
+              const AccuracyReportRequest& request,
+              ReportMeasurements& result)
+        : inputs_(inputs), request_(request), result_(result) {
         result_.document = inputs.reconstruction.metrics();
         result_.path = largest_piece(inputs.reconstruction.trajectory(), result_.document);
         result_.findings = inputs.findings;
     }
 
-    ReportMeasurements measure(const ProgressCallback& progress) {
+    void measure(const ProgressCallback& progress) {
         if (inputs_.truth) compare_trajectories();
         progress({.stage = "evaluate", .fraction = 0.3});
         if (inputs_.reference) compare_surfaces(progress);
         if (!inputs_.known_distances.empty()) measure_distances();
-        return std::move(result_);
     }
 
 private:
@@ -77,12 +79,14 @@ private:
     const ReportInputs& inputs_;
     const AccuracyReportRequest& request_;
     RegisteredTruth registered_;
-    ReportMeasurements result_;
+    ReportMeasurements& result_;
 };
 
 void Measuring::compare_trajectories() try {
     registered_ = register_for(result_.path, *inputs_.truth, request_.truth);
-    const auto& [registration, poses, options] = registered_;
+    const TruthRegistration& registration = registered_.registration;
+    const Trajectory& poses = registered_.poses;
+    const TrajectoryErrorOptions& options = registered_.options;
     result_.trajectory = trajectory_error(result_.path, poses, options);
     result_.has_orientation = registration.has_orientation;
     const auto figures = [&](json metrics) {
@@ -132,8 +136,6 @@ void Measuring::compare_surfaces(const ProgressCallback& progress) try {
             (T_imu_cam0 ? pose.T_world_imu * *T_imu_cam0 : pose.T_world_imu).translation());
     result_.surface = surface_error(mesh, *inputs_.reference, input);
     result_.document["surface"] = to_metrics(*result_.surface);
-    if (result_.surface->reference_spacing_m)
-        result_.document["surface"]["reference_spacing_m"] = *result_.surface->reference_spacing_m;
     progress({.stage = "evaluate", .fraction = 0.7});
     const ErrorMap map = render_error_map(mesh, *inputs_.reference, input);
     result_.error_map_png = map.png;
@@ -174,6 +176,7 @@ void Measuring::measure_distances() {
         return;
     }
     const Trajectory path = inputs_.reconstruction.trajectory();
+    const Rig rig = rig_as_scaled(inputs_.dive->rig(), inputs_.reconstruction.metrics());
     KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;
@@ -181,12 +184,10 @@ void Measuring::measure_distances() {
             timestamps_ns.push_back(keyframe.timestamp_ns);
         const Trajectory truth = true_body_path();
         const SurfaceIndex reference(*inputs_.reference);
-        const MarkingInput marking{inputs_.dive->rig(), truth, timestamps_ns, reference};
-        errors =
-            measure_known_distances(inputs_.known_distances, &marking, inputs_.dive->rig(), path);
+        const MarkingInput marking{rig, truth, timestamps_ns, reference};
+        errors = measure_known_distances(inputs_.known_distances, &marking, rig, path);
     } else {
-        errors =
-            measure_known_distances(inputs_.known_distances, nullptr, inputs_.dive->rig(), path);
+        errors = measure_known_distances(inputs_.known_distances, nullptr, rig, path);
     }
     result_.document["known_distances"] = to_metrics(errors);
 }
@@ -211,7 +212,8 @@ void add_distance_errors(json& document) {
 ReportMeasurements measure_for_report(const ReportInputs& inputs,
                                       const AccuracyReportRequest& request,
                                       const ProgressCallback& progress) {
-    ReportMeasurements measured = Measuring(inputs, request).measure(progress);
+    ReportMeasurements measured;
+    Measuring(inputs, request, measured).measure(progress);
     add_distance_errors(measured.document);
     return measured;
 }

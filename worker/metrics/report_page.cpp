@@ -85,6 +85,40 @@ std::string distances(const json& metrics) {
     return "<div class=\"scroll\">" + html_grid(grid) + "</div>";
 }
 
+// Scale bars and printed sizes, then where each tag is.
+std::string markers(const json& metrics) {
+    const json section = metrics.value("markers", json::object());
+    Grid bars = {{"Length between tags",
+                  "Known, m",
+                  "Measured, m",
+                  "Error, mm",
+                  "Error, %",
+                  "Sigma, mm",
+                  "Left out: error, mm"}};
+    for (const json& bar : section.value("bars", json::array()))
+        bars.push_back(
+            {bar.value("name", ""),
+             number_text(bar.value("known_m", json()), "%.4f"),
+             number_text(bar.value("measured_m", json()), "%.4f"),
+             number_text(bar.value("error_mm", json()), "%+.2f"),
+             number_text(bar.value("error_percent", json()), "%+.3f"),
+             number_text(bar.value("sigma_m", json()), "%.2f", 1e3),
+             number_text(bar.value(json::json_pointer("/leave_one_out/error_mm"), json()),
+                         "%+.2f")});
+    Grid tags = {{"Tag", "x, m", "y, m", "z, m", "Sigma, mm", "Keyframes"}};
+    for (const json& tag : section.value("markers", json::array())) {
+        const json position = tag.value("position_m", json::array({json(), json(), json()}));
+        tags.push_back({number_text(tag.value("id", json()), "%.0f"),
+                        number_text(position.at(0), "%.4f"),
+                        number_text(position.at(1), "%.4f"),
+                        number_text(position.at(2), "%.4f"),
+                        number_text(tag.value("sigma_m", json()), "%.2f", 1e3),
+                        number_text(tag.value("num_keyframes", json()), "%.0f")});
+    }
+    return (bars.size() > 1 ? html_grid(bars) : "") +
+           (tags.size() > 1 ? "<div class=\"scroll\">" + html_grid(tags) + "</div>" : "");
+}
+
 std::string error_map(const ReportMeasurements& measured) {
     if (measured.error_map_png.empty()) return "";
     std::string gradient;
@@ -177,11 +211,13 @@ std::string report_page(const json& report, const ReportMeasurements& measured) 
     html += section("Requirements", requirements(report));
     html += section("Worse than their history allows", regressions(report));
     html += "<div class=\"row\">" + html_table("Against the truth", accuracy_rows(metrics)) +
+            html_table("Expected, without truth", expected_rows(metrics)) +
             html_table("The truth", truth_rows(report)) + "</div>" + plots(measured);
     if (measured.surface)
         html += "<div class=\"row\">" + section("Surface error", error_map(measured)) +
                 section("Histogram", svg_plot(histogram(*measured.surface))) + "</div>";
     html += section("Known distances", distances(metrics));
+    html += section("Markers", markers(metrics));
     html += "<div class=\"row\">" + html_table("The dive", dive_rows(metrics)) +
             html_table("The result", result_rows(metrics)) + "</div>";
     html += section("Findings", html_findings(report.at("findings")));

@@ -213,6 +213,7 @@ nlohmann::json to_metrics(const SurfaceError& error) {
     if (error.relative)
         json["relative_accuracy"] = {{"median_percent", 100.0 * error.relative->median},
                                      {"p80_percent", 100.0 * error.relative->p80}};
+    if (error.reference_spacing_m) json["reference_spacing_m"] = *error.reference_spacing_m;
     if (error.near_completeness) json["near_completeness"] = to_json(*error.near_completeness);
     return json;
 }

@@ -155,6 +155,24 @@ double autocorrelation_time(const std::vector<Row>& rows) {
     return time;
 }
 
+// Variances as the gradients of tenths of the path scatter (cluster-robust, Liang and Zeger 1986):
+// what sways as slowly as the motion that a parameter is told by counts fully.
+Vector10d clustered_variances(const std::vector<Row>& rows, const Matrix10d& H) {
+    constexpr std::size_t kNumClusters = 10;
+    Matrix10d scatter = Matrix10d::Zero();
+    for (std::size_t cluster = 0; cluster < kNumClusters; ++cluster) {
+        Vector10d gradient = Vector10d::Zero();
+        for (std::size_t i = cluster * rows.size() / kNumClusters;
+             i < (cluster + 1) * rows.size() / kNumClusters;
+             ++i)
+            gradient += rows[i].J.transpose() * rows[i].residual;
+        scatter += gradient * gradient.transpose();
+    }
+    const Matrix10d inverse = H.completeOrthogonalDecomposition().pseudoInverse();
+    constexpr double kFewClusters = kNumClusters / (kNumClusters - 1.0);
+    return kFewClusters * (inverse * scatter * inverse).diagonal();
+}
+
 // The information on some parameters that is left when the others are free (Schur complement).
 Eigen::MatrixXd reduced(const Matrix10d& H, const std::vector<int>& kept) {
     std::vector<int> others;
@@ -181,6 +199,7 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
     const auto num_free = static_cast<double>((H.diagonal().array() > 0.0).count());
     const double variance_m2 = num_poses * result.residual_rms_m * result.residual_rms_m /
                                (3.0 * num_poses - num_free) * autocorrelation_time(rows);
+    const Vector10d clustered = clustered_variances(rows, H);
     if (options.solve_lever_arm) {
         const Eigen::Matrix3d information = reduced(H, {6, 7, 8});
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information);
@@ -192,7 +211,10 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
                     " of its axes, so how far along that the marker sits cannot be told; "
                     "give the lever arm as measured, or turn the rig about two axes while "
                     "the tracker sees it");
-        result.lever_arm_sigma_m = (variance_m2 * information.inverse()).diagonal().cwiseSqrt();
+        result.lever_arm_sigma_m = (variance_m2 * information.inverse())
+                                       .diagonal()
+                                       .cwiseMax(clustered.segment<3>(6))
+                                       .cwiseSqrt();
     }
     if (options.solve_time_offset) {
         const double information = reduced(H, {9})(0, 0);
@@ -200,7 +222,7 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
             throw Error(ErrorCode::BadData,
                         "the time offset cannot be solved: the rig's velocity hardly changed; give "
                         "the offset, or move to and fro at the start");
-        result.time_offset_sigma_s = std::sqrt(variance_m2 / information);
+        result.time_offset_sigma_s = std::sqrt(std::max(variance_m2 / information, clustered[9]));
     }
 }
 

@@ -12,7 +12,8 @@
 namespace divemesh::worker {
 
 // How a truth of another body and clock lies to the estimate. Standard deviations are of what was
-// solved; they count residuals as no more independent than their autocorrelation lets them be.
+// solved: the larger of what residuals say when they are no more independent than their
+// autocorrelation lets them be, and of how the gradients of tenths of the path scatter.
 struct TruthRegistration {
     Eigen::Isometry3d T_body_marker = Eigen::Isometry3d::Identity();
     double time_offset_s = 0.0;  // the truth's clock minus the dive's

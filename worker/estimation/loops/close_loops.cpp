@@ -1,6 +1,7 @@
 #include "worker/estimation/loops/close_loops.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -65,6 +66,25 @@ void close_loops(const RectifiedRig& rig,
     if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
         adjust_poses(loops, drift, keyframes, landmarks);
     fuse_landmarks(loops, drift, landmarks);
+}
+
+void add_residuals(const std::vector<Loop>& loops,
+                   const std::vector<Keyframe>& keyframes,
+                   LoopStatistics& statistics) {
+    if (loops.empty()) return;
+    double squares_m2 = 0.0;
+    double squares_sigmas = 0.0;
+    for (const Loop& loop : loops) {
+        const Eigen::Isometry3d T_from_to =
+            keyframes[loop.from].T_world_cam.inverse() * keyframes[loop.to].T_world_cam;
+        const double missed_m2 =
+            (T_from_to.translation() - loop.T_from_to.translation()).squaredNorm();
+        squares_m2 += missed_m2;
+        squares_sigmas += missed_m2 / (3.0 * loop.sigma_m * loop.sigma_m);
+    }
+    const auto num = static_cast<double>(loops.size());
+    statistics.residual_m = std::sqrt(squares_m2 / num);
+    statistics.residual_sigmas = std::sqrt(squares_sigmas / num);
 }
 
 }  // namespace divemesh::worker

@@ -18,4 +18,9 @@ void close_loops(const RectifiedRig& rig,
                  std::vector<Keyframe>& keyframes,
                  std::vector<Landmark>& landmarks);
 
+// What the final keyframes leave of what the loops measured.
+void add_residuals(const std::vector<Loop>& loops,
+                   const std::vector<Keyframe>& keyframes,
+                   LoopStatistics& statistics);
+
 }  // namespace divemesh::worker

@@ -1,0 +1,64 @@
+#include "tests/bench/calibration_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace divemesh::bench {
+namespace {
+
+constexpr double kNormal95 = 1.6448536269514722;  // one-sided
+
+double cube_root_spread(double squared_ratio) {
+    const double wanted = std::cbrt(squared_ratio);
+    double below = 1e-6, above = 0.3;  // 2 / (9 degrees of freedom)
+    const auto bound = [](double spread) { return 1.0 - spread + kNormal95 * std::sqrt(spread); };
+    for (int halving = 0; halving < 60; ++halving) {
+        const double middle = 0.5 * (below + above);
+        (bound(middle) < wanted ? below : above) = middle;
+    }
+    return above;
+}
+
+}  // namespace
+
+void CalibrationCurve::add(std::vector<double> just_held) {
+    if (just_held.empty()) return;
+    std::sort(just_held.begin(), just_held.end());
+    dives_.push_back(std::move(just_held));
+}
+
+double CalibrationCurve::held(double level) const {
+    double sum = 0.0;
+    for (const auto& errors : dives_)
+        sum += static_cast<double>(std::upper_bound(errors.begin(), errors.end(), level) -
+                                   errors.begin()) /
+               static_cast<double>(errors.size());
+    return dives_.empty() ? 0.0 : sum / static_cast<double>(dives_.size());
+}
+
+nlohmann::json CalibrationCurve::to_json() const {
+    nlohmann::json levels = nlohmann::json::array();
+    for (const double level : shown_levels())
+        levels.push_back({{"stated", level}, {"observed", held(level)}});
+    return {{"kind", kind_}, {"num_dives", num_dives()}, {"levels", levels}};
+}
+
+const std::vector<double>& shown_levels() {
+    static const std::vector<double> levels = {
+        0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99};
+    return levels;
+}
+
+double level_of_normal(double error, double sigma) {
+    return std::erf(std::abs(error) / (std::numbers::sqrt2 * sigma));
+}
+
+double level_of_length(double length, double root_mean_square, double bound_95) {
+    const double spread = cube_root_spread(std::pow(bound_95 / root_mean_square, 2.0));
+    const double z =
+        (std::cbrt(std::pow(length / root_mean_square, 2.0)) - 1.0 + spread) / std::sqrt(spread);
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+}  // namespace divemesh::bench

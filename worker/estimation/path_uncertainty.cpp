@@ -1,0 +1,65 @@
+#include "worker/estimation/path_uncertainty.hpp"
+
+#include <Eigen/QR>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kNormal95 = 1.6448536269514722;  // one-sided
+constexpr double kLeastRotation = 1e-3;           // of the largest column: below, a straight path
+
+// Columns: what the rigid motions about the centre do to the positions.
+Eigen::MatrixXd rigid_motions(const std::vector<Eigen::Vector3d>& positions) {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : positions) centre += p / static_cast<double>(positions.size());
+    Eigen::MatrixXd motions(3 * std::ssize(positions), 6);
+    for (Eigen::Index i = 0; i < std::ssize(positions); ++i) {
+        const Eigen::Vector3d arm = positions[static_cast<std::size_t>(i)] - centre;
+        motions.block<3, 3>(3 * i, 0).setIdentity();
+        for (int axis = 0; axis < 3; ++axis)
+            motions.block<3, 1>(3 * i, 3 + axis) = Eigen::Vector3d::Unit(axis).cross(arm);
+    }
+    return motions;
+}
+
+}  // namespace
+
+PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
+                                const Eigen::MatrixXd& covariance_m2) {
+    const Eigen::MatrixXd motions = rigid_motions(positions);
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(motions);
+    qr.setThreshold(kLeastRotation);
+    const Eigen::MatrixXd Q =
+        qr.householderQ() * Eigen::MatrixXd::Identity(motions.rows(), qr.rank());
+    const Eigen::MatrixXd half = covariance_m2 - Q * (Q.transpose() * covariance_m2);
+    const Eigen::MatrixXd projected = half - (half * Q) * Q.transpose();
+    const double trace = projected.trace();
+    if (trace <= 0.0) return {};
+    return {trace / static_cast<double>(positions.size()), trace * trace / projected.squaredNorm()};
+}
+
+PathUncertainty with_frames_between(PathUncertainty keyframes,
+                                    const CovarianceTrack& of_keyframes,
+                                    const CovarianceTrack& of_frames) {
+    if (!keyframes.is_known()) return keyframes;
+    for (const PoseCovariance& frame : of_frames)
+        keyframes.mean_square_m2 +=
+            (frame.position_m2 - covariance_between(of_keyframes, frame.timestamp_ns).position_m2)
+                .trace() /
+            static_cast<double>(of_frames.size());
+    return keyframes;
+}
+
+double quantile_95(double mean_square, double freedom) {
+    const double spread = 2.0 / (9.0 * freedom);
+    return mean_square * std::pow(1.0 - spread + kNormal95 * std::sqrt(spread), 3.0);
+}
+
+double squared_length_95(const Eigen::Matrix3d& covariance) {
+    const double trace = covariance.trace();
+    if (trace <= 0.0) return 0.0;
+    return quantile_95(trace, trace * trace / covariance.squaredNorm());
+}
+
+}  // namespace divemesh::worker

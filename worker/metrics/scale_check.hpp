@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "worker/metrics/known_distances.hpp"
+#include "worker/recording.hpp"
+
+namespace divemesh::worker {
+
+// A length as another sensor has it over the same length as the cameras have it; 1 when both agree.
+struct ScaleCheck {
+    double scale = 1.0;
+    double sigma = 0.0;  // standard deviation, by the spread of the residuals
+};
+
+// Accelerometer against the path. Both are weighed by windows w(t) = sin^4(pi t / T) that overlap
+// by half, so that no velocity has to be known (modulating functions, Shinbrot 1957):
+//
+//     integral w (R_world_imu (a - b) + g) dt = s integral w'' p_world_imu dt
+//
+// Gravity g and bias b are unknown and the same for a minute, the scale s all along; least squares.
+// Nothing without accelerometer, or where less than five windows are covered without a gap.
+std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& imu,
+                                                 const Trajectory& trajectory);
+
+// Depth by pressure against how far up and down the path goes: the slope of depth over -z, half
+// seconds of the dive as the samples; a slope over x and y is free, as the path may be tilted a
+// little. Residuals that follow one another are alike: their correlation is in sigma. Nothing
+// without pressure or with less than ten seconds of it.
+std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
+                                            const Trajectory& trajectory);
+
+// Known lengths t over measured ones m. Nothing for fewer than three.
+std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distances);
+
+nlohmann::json to_metrics(const ScaleCheck& check);
+
+}  // namespace divemesh::worker
