@@ -48,6 +48,26 @@ nlohmann::json to_json_box(const Eigen::AlignedBox3f& box) {
             {"max", to_array(box.max().cast<double>())}};
 }
 
+nlohmann::json to_json(const std::vector<SurfaceChange>& surface) {
+    nlohmann::json pieces = nlohmann::json::array();
+    double grown_m3 = 0.0;
+    double lost_m3 = 0.0;
+    for (const SurfaceChange& piece : surface) {
+        (piece.grown ? grown_m3 : lost_m3) += piece.volume_m3;
+        pieces.push_back({{"names", piece.names},
+                          {"kind", piece.grown ? "grown" : "lost"},
+                          {"area_m2", piece.area_m2},
+                          {"volume_m3", piece.volume_m3},
+                          {"min", {piece.box_world.min().x(), piece.box_world.min().y()}},
+                          {"max", {piece.box_world.max().x(), piece.box_world.max().y()}}});
+    }
+    return {{"meaning", "between the surfaces of both years as seen from above"},
+            {"cell_m", kSurfaceChangeCell_m},
+            {"grown_m3", grown_m3},
+            {"lost_m3", lost_m3},
+            {"patches", pieces}};
+}
+
 }  // namespace
 
 void write_camera_files(const std::filesystem::path& folder,
@@ -164,7 +184,8 @@ void write_dive_info(const std::filesystem::path& file,
         {"rig", "simulated stereo rig " + std::to_string(options.seed)},
         {"notes",
          "rendered with exact ground truth; water: " + std::string(to_string(water)) + "; year " +
-             std::to_string(options.year)},
+             std::to_string(options.year) +
+             (options.survey > 1 ? ", survey " + std::to_string(options.survey) : "")},
         {"tags", {"simulated", scene, std::string(to_string(water))}}};
     if (water != WaterKind::None) info["water"] = {{"temperature_c", 14.0}, {"salinity_psu", 35.0}};
     write_text(file, info.dump(1) + "\n");
@@ -185,9 +206,14 @@ void write_measurements(const std::filesystem::path& file,
     write_text(file, all.dump(1) + "\n");
 }
 
+void write_markers(const std::filesystem::path& file, const MarkerPlan& plan) {
+    write_text(file, to_json(plan).dump(1) + "\n");
+}
+
 void write_changes(const std::filesystem::path& file,
                    int year,
-                   const std::vector<SceneChange>& changes) {
+                   const std::vector<SceneChange>& changes,
+                   const std::vector<SurfaceChange>& surface) {
     nlohmann::json list = nlohmann::json::array();
     for (const SceneChange& change : changes)
         list.push_back({{"name", change.name},
@@ -200,7 +226,8 @@ void write_changes(const std::filesystem::path& file,
                                 {"frame", "world of state_groundtruth_estimate0 (z up)"},
                                 {"from_year", 1},
                                 {"to_year", year},
-                                {"changes", list}};
+                                {"changes", list},
+                                {"surface", to_json(surface)}};
     write_text(file, all.dump(1) + "\n");
 }
 

@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "worker/geometry/rig.hpp"
+#include "worker/markers/marker_plan.hpp"
 #include "worker/recording.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/simulate.hpp"
+#include "worker/simulator/surface_change.hpp"
 
 // The files of a dive on disk, in EuRoC's forms. All throw as AtomicFile does.
 namespace divemesh::worker {
@@ -38,8 +40,10 @@ void write_dive_info(const std::filesystem::path& file,
                      WaterKind water);
 void write_measurements(const std::filesystem::path& file,
                         const std::vector<SceneDistance>& distances);
+void write_markers(const std::filesystem::path& file, const MarkerPlan& plan);
 void write_changes(const std::filesystem::path& file,
                    int year,
-                   const std::vector<SceneChange>& changes);
+                   const std::vector<SceneChange>& changes,
+                   const std::vector<SurfaceChange>& surface);
 
 }  // namespace divemesh::worker

@@ -40,7 +40,28 @@ std::vector<Eigen::Vector3f> vertex_normals(const Shape& shape) {
     return normals;
 }
 
+void append(Scene& scene,
+            SceneObject object,
+            const Shape& shape,
+            const Eigen::Isometry3f& T_world_object) {
+    const auto number = static_cast<std::uint16_t>(scene.objects.size());
+    scene.objects.push_back(std::move(object));
+    const auto offset = static_cast<std::uint32_t>(scene.vertices.size());
+    for (const Eigen::Vector3f& p : shape.vertices) scene.vertices.push_back(T_world_object * p);
+    for (const Eigen::Vector3f& n : vertex_normals(shape))
+        scene.normals.push_back(T_world_object.linear() * n);
+    for (const auto& t : shape.triangles) {
+        scene.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+        scene.triangle_object.push_back(number);
+    }
+}
+
 }  // namespace
+
+void add_object(Scene& scene, SceneObject object, const Shape& shape) {
+    const Eigen::Isometry3f T_world_object = object.T_object_world.inverse();
+    append(scene, std::move(object), shape, T_world_object);
+}
 
 SceneBuilder::SceneBuilder(std::uint64_t seed, int year, const Eigen::Isometry3f& T_world_place)
     : seed_(seed),
@@ -53,21 +74,10 @@ void SceneBuilder::add(const std::string& name,
                        const Shape& shape,
                        const Eigen::Isometry3f& T_place_object) {
     const Eigen::Isometry3f T_world_object = T_world_place_ * T_place_object;
-    const auto object = static_cast<std::uint16_t>(scene_.objects.size());
     const Eigen::AlignedBox3f own = bounds(shape, Eigen::Isometry3f::Identity());
-    scene_.objects.push_back({name,
-                              material,
-                              hash64(seed_, hash_text(name)),
-                              T_world_object.inverse(),
-                              own.sizes().x()});
-    const auto offset = static_cast<std::uint32_t>(scene_.vertices.size());
-    for (const Eigen::Vector3f& p : shape.vertices) scene_.vertices.push_back(T_world_object * p);
-    for (const Eigen::Vector3f& n : vertex_normals(shape))
-        scene_.normals.push_back(T_world_object.linear() * n);
-    for (const auto& t : shape.triangles) {
-        scene_.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-        scene_.triangle_object.push_back(object);
-    }
+    const std::uint64_t seed = hash64(seed_, hash_text(name));
+    const Eigen::Isometry3f T_object_world = T_world_object.inverse();
+    append(scene_, {name, material, seed, T_object_world, own.sizes().x()}, shape, T_world_object);
 }
 
 void SceneBuilder::add_changing(const std::string& name,

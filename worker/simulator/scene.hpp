@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace divemesh::worker {
 
 // clang-format off
 enum class Material { Deck, Timber, Iron, Sand, Rock, Coral, BranchCoral, Sponge,
-                      Brick, Carpet, Cardboard, Wood, Drum, ScaleBar };
+                      Brick, Carpet, Cardboard, Wood, Drum, ScaleBar, Marker };
 // clang-format on
 
 // One thing in the scene; its texture is fixed to its own coordinates.
@@ -26,6 +27,8 @@ struct SceneObject {
     std::uint64_t seed = 0;  // shifts and tints the texture
     Eigen::Isometry3f T_object_world = Eigen::Isometry3f::Identity();
     float length_m = 0.0F;  // of the shape along its x axis
+    cv::Mat tag;  // of a marker: one pixel a cell, in the middle of its face, x right, y up
+    float cell_m = 0.0F;
 };
 
 // What a year did to one object: what a comparison of both dives should find.
@@ -67,6 +70,9 @@ Scene make_barge_scene(std::uint64_t seed, int year);
 Scene make_reef_scene(std::uint64_t seed, int year);
 Scene make_bed_scene(std::uint64_t seed, int year);
 Scene make_transect_scene(std::uint64_t seed, int year, double length_m);
+
+// Puts an object with this shape into the scene; `object` says how it looks and where it is.
+void add_object(Scene& scene, SceneObject object, const Shape& shape);
 
 // Collects objects into a scene.
 class SceneBuilder {

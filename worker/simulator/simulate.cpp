@@ -13,8 +13,11 @@
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
+#include "worker/simulator/lay_markers.hpp"
 #include "worker/simulator/reference_mesh.hpp"
 #include "worker/simulator/renderer.hpp"
+#include "worker/simulator/surface_change.hpp"
+#include "worker/simulator/survey.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -43,9 +46,12 @@ void check(const SimulateOptions& options) {
     check_range("rate_hz", options.rate_hz, 1.0, 100.0);
     check_range("laps", options.laps, 0, 1000);
     check_range("year", options.year, 1, 10);
+    check_range("survey", options.survey, 1, 1000);
     check_range("width_px", options.width_px, 32, 4096);
     check_range("height_px", options.height_px, 32, 4096);
     check_range("jpeg_quality", options.jpeg_quality, 10, 100);
+    check_range("markers", options.num_markers, 0, tag_layout(options.marker_family).num_ids);
+    check_range("marker_size_m", options.marker_size_m, 0.02, 1.0);
     check_range("num_threads", options.num_threads, 0, 1024);
     if (options.out.empty())
         throw Error(ErrorCode::InvalidArgument, "no folder to write the dive to: name one");
@@ -93,11 +99,14 @@ public:
                                                                          : WaterKind::Green)),
           scene_(make_scene(options.scene, options.seed, options.year, options.length_m)),
           rig_(draw_rig(options.width_px, options.height_px, options.seed)),
+          survey_(plan_survey(options, scene_.path, water_)),
           motion_(options.laps > 0
                       ? DiverMotion::closed_lap(
-                            scene_.path, options.length_m, options.rate_hz, options.seed)
-                      : DiverMotion::open_path(scene_.path, options.length_m, options.seed)),
-          exposures_(plan_exposures(options, motion_)) {}
+                            survey_.path, options.length_m, options.rate_hz, survey_.seed)
+                      : DiverMotion::open_path(survey_.path, options.length_m, survey_.seed)),
+          exposures_(plan_exposures(options, motion_)) {
+        if (options.num_markers > 0) markers_ = lay_markers(options, rig_, motion_, scene_);
+    }
 
     void run() {
         tell(0);
@@ -111,8 +120,14 @@ public:
         }
         write_sensors();
         write_measurements(options_.out / "measurements.json", scene_.distances);
+        if (markers_) write_markers(options_.out / "markers.json", *markers_);
         if (options_.year > 1)
-            write_changes(options_.out / "change.json", options_.year, scene_.changes);
+            write_changes(
+                options_.out / "change.json",
+                options_.year,
+                scene_.changes,
+                surface_changes(make_scene(options_.scene, options_.seed, 1, options_.length_m),
+                                scene_));
         write_ply(options_.out / "reference.ply",
                   make_reference_mesh(scene_, renderer.seen_triangles(), options_.seed));
         write_dive_info(options_.out / "dive.json", options_, water_);
@@ -122,17 +137,17 @@ public:
 private:
     RenderOptions render_options() const {
         RenderOptions render{
-            .water = make_water(water_), .exact_depth = options_.truth, .seed = options_.seed};
+            .water = survey_.water, .exact_depth = options_.truth, .seed = options_.seed};
         if (water_ == WaterKind::None) return render;
         render.caustics = options_.caustics;
         const double duration_s = motion_.duration_s();
         if (options_.fish)
             render.fish = Fish::make_school(
-                motion_, duration_s, rig_.T_imu_cam0.linear().col(2), options_.seed);
+                motion_, duration_s, rig_.T_imu_cam0.linear().col(2), survey_.seed);
         const double particles_per_m3 =
             water_ == WaterKind::Turbid ? 400.0 : (water_ == WaterKind::Green ? 150.0 : 60.0);
         if (options_.snow)
-            render.snow = std::make_shared<MarineSnow>(particles_per_m3, options_.seed);
+            render.snow = std::make_shared<MarineSnow>(particles_per_m3, survey_.seed);
         return render;
     }
 
@@ -167,12 +182,11 @@ private:
         }
         const Rendering rendering =
             renderer.render(camera, motion_.at(exposure.t_s).T_world_imu, exposure.t_s);
-        const cv::Mat image = develop(rendering.radiance,
-                                      2 * index + static_cast<std::size_t>(camera),
-                                      exposure.t_s,
-                                      {.exposure = make_water(water_).exposure,
-                                       .noise = options_.noise,
-                                       .seed = options_.seed});
+        const cv::Mat image = develop(
+            rendering.radiance,
+            2 * index + static_cast<std::size_t>(camera),
+            exposure.t_s,
+            {.exposure = survey_.water.exposure, .noise = options_.noise, .seed = survey_.seed});
         write_picture(folder / picture_name(index), image, options_.jpeg_quality);
         if (options_.truth) write_truth(rendering, exposure.timestamp_ns, camera);
     }
@@ -197,17 +211,17 @@ private:
         write_camera_files(
             camera_folder(1), rig_.cam1, rig_.T_imu_cam1, options_.rate_hz, pictures);
         const double end_s = exposures_.back().t_s;
-        const auto records = simulate_imu(
-            motion_, end_s, options_.noise ? &*rig_.imu_noise : nullptr, options_.seed);
+        const auto records =
+            simulate_imu(motion_, end_s, options_.noise ? &*rig_.imu_noise : nullptr, survey_.seed);
         write_imu_files(mav0 / "imu0", *rig_.imu_noise, records);
         write_ground_truth_files(mav0 / "state_groundtruth_estimate0", records);
         write_ahrs_files(mav0 / "ahrs0",
-                         simulate_ahrs(motion_, end_s, options_.noise, options_.seed));
+                         simulate_ahrs(motion_, end_s, options_.noise, survey_.seed));
         if (water_ != WaterKind::None)
             write_pressure_file(
                 mav0 / "pressure0",
                 simulate_pressure(
-                    motion_, end_s, scene_.surface_z_m, options_.noise, options_.seed));
+                    motion_, end_s, scene_.surface_z_m, options_.noise, survey_.seed));
     }
 
     void tell(std::size_t frames_done) const {
@@ -230,8 +244,10 @@ private:
     WaterKind water_;
     Scene scene_;
     Rig rig_;
+    Survey survey_;
     DiverMotion motion_;
     std::vector<Exposure> exposures_;
+    std::optional<MarkerPlan> markers_;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
 

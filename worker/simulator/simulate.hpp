@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "worker/markers/marker_family.hpp"
 #include "worker/observer.hpp"
 
 namespace divemesh::worker {
@@ -30,6 +31,7 @@ struct SimulateOptions {
     std::optional<WaterKind> water;  // unset: none for the tank, green elsewhere
     int laps = 0;                    // 0: an open path; N: a closed lap, swum N times
     int year = 1;                    // 2: the same place a year later (change.json), and so on
+    int survey = 1;                  // 2: another dive of that year: other path, water and noise
     bool truth = false;              // also depth, albedo, masks of fish and snow (truth/)
     bool snow = true;                // snow, fish and caustics: under water only
     bool fish = true;
@@ -39,7 +41,10 @@ struct SimulateOptions {
     int height_px = 480;
     bool png = false;  // else JPEG
     int jpeg_quality = 93;
-    int num_threads = 0;  // 0: as many as there are cores
+    int num_markers = 0;  // AprilTags on the ground along the path, and markers.json
+    MarkerFamily marker_family = MarkerFamily::Tag36h11;
+    double marker_size_m = 0.12;  // as docs/markers.md counts it
+    int num_threads = 0;          // 0: as many as there are cores
 };
 
 // Renders a dive with exact ground truth into `options.out`: pictures, IMU, AHRS, trajectory,

@@ -56,7 +56,8 @@ const Look& look_of(Material material) {
         case Material::Cardboard: return kCardboard;
         case Material::Wood: return kWood;
         case Material::Drum: return kDrum;
-        case Material::ScaleBar: return kPaint;
+        case Material::ScaleBar:
+        case Material::Marker: return kPaint;
     }
     return kRock;
 }
@@ -178,6 +179,30 @@ Rgb paint_segments(const Rgb& color, const SceneObject& object, float x, float f
     return mix(color, Rgb(0.03F, 0.03F, 0.03F) + 0.1F * color, black);
 }
 
+// The part of cell `i` along an axis that lies within half a footprint of `x`.
+float covered(int i, float x, float half_m, float cell_m) {
+    const float low = std::max(static_cast<float>(i) * cell_m, x - half_m);
+    const float high = std::min(static_cast<float>(i + 1) * cell_m, x + half_m);
+    return std::max(0.0F, high - low) / (2.0F * half_m);
+}
+
+// The tag, black where no cell is white, averaged over the footprint; white paper around it.
+Rgb print_tag(const SceneObject& object, const Eigen::Vector3f& p, float footprint_m) {
+    const float half_m = std::max(0.5F * footprint_m, 1e-5F);
+    const int num_cells = object.tag.cols;
+    const float x = p.x() + 0.5F * static_cast<float>(num_cells) * object.cell_m;
+    const float y = 0.5F * static_cast<float>(num_cells) * object.cell_m - p.y();  // rows go down
+    float black = 0.0F;
+    for (int row = 0; row < num_cells; ++row) {
+        const float down = covered(row, y, half_m, object.cell_m);
+        if (down <= 0.0F) continue;
+        for (int column = 0; column < num_cells; ++column)
+            if (object.tag.at<std::uint8_t>(row, column) == 0)
+                black += down * covered(column, x, half_m, object.cell_m);
+    }
+    return mix(Rgb::Constant(0.72F), Rgb::Constant(0.03F), black);
+}
+
 }  // namespace
 
 NoiseField texture_noise(std::uint64_t seed) { return NoiseField(hash64(seed, 0x74657874ULL)); }
@@ -189,6 +214,7 @@ Rgb surface_color(const SceneObject& object,
                   float footprint_m) {
     const Look& look = look_of(object.material);
     const Eigen::Vector3f p = object.T_object_world * p_world;
+    if (object.material == Material::Marker) return print_tag(object, p, footprint_m);
     const Eigen::Vector3f shift(static_cast<float>(object.seed % 97),
                                 static_cast<float>(object.seed / 97 % 89),
                                 static_cast<float>(object.seed / 9973 % 83));

@@ -164,6 +164,23 @@ TEST(SimulateTest, LaterYearTellsWhatChanged) {
     const auto change = nlohmann::json::parse(content(options.out / "change.json"));
     EXPECT_EQ(change.at("to_year"), 2);
     EXPECT_FALSE(change.at("changes").empty());
+    EXPECT_FALSE(change.at("surface").at("patches").empty());
+}
+
+TEST(SimulateTest, AnotherSurveyOfAYearTakesAnotherPathOverTheSamePlaceWithTheSameRig) {
+    const TemporaryFolder folder;
+    auto options = small_dive(folder / "first");
+    simulate(options);
+    options.out = folder / "second";
+    options.survey = 2;
+    simulate(options);
+    const auto same = [&](const char* file) {
+        return content(folder / "first" / file) == content(folder / "second" / file);
+    };
+    EXPECT_TRUE(same("measurements.json"));
+    EXPECT_TRUE(same("mav0/cam0/sensor.yaml"));
+    EXPECT_FALSE(same("mav0/state_groundtruth_estimate0/data.csv"));
+    EXPECT_FALSE(std::filesystem::exists(options.out / "change.json"));
 }
 
 TEST(SimulateTest, DiveReaderFindsNothingWrongWithItAndReadsTheRigThatTookIt) {

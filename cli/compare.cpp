@@ -1,0 +1,89 @@
+#include "worker/compare/compare.hpp"
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "cli/command.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/follow.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/text.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+std::string scaled(const nlohmann::json& interval, double factor, const char* unit) {
+    char text[120];
+    std::snprintf(text,
+                  sizeof text,
+                  "%.2f (%.2f to %.2f) %s",
+                  factor * interval.at("value").get<double>(),
+                  factor * interval.at("low").get<double>(),
+                  factor * interval.at("high").get<double>(),
+                  unit);
+    return text;
+}
+
+std::string summary(const nlohmann::json& document) {
+    const nlohmann::json& fit = document.at("registration");
+    const nlohmann::json& ground = document.at("ground");
+    char text[400];
+    std::snprintf(text,
+                  sizeof text,
+                  "laid over each other by %s: %.0f %% of the ground agrees, residual %.1f mm\n"
+                  "seen by both: %.2f m2; by one alone: %.2f m2; level of detection: %.1f mm\n",
+                  fit.at("method").get<std::string>().c_str(),
+                  100.0 * fit.at("agreement").get<double>(),
+                  1e3 * fit.at("residual_rms_m").get<double>(),
+                  ground.at("both_m2").get<double>(),
+                  ground.at("only_a_m2").get<double>() + ground.at("only_b_m2").get<double>(),
+                  1e3 * document.at("distances").at("median_lod95_m").get<double>());
+    std::vector<std::vector<std::string>> rows = {{"", "PATCHES", "VOLUME (95 %)", "AREA (95 %)"}};
+    for (const char* kind : {"grown", "lost"}) {
+        const nlohmann::json& total = document.at(kind);
+        rows.push_back({kind,
+                        std::to_string(total.at("num_patches").get<int>()),
+                        scaled(total.at("volume_m3"), 1e3, "l"),
+                        scaled(total.at("area_m2"), 1.0, "m2")});
+    }
+    return text + table_text(rows);
+}
+
+int run(const worker::CompareRequest& request, const Context& context) {
+    catch_interrupts();
+    nlohmann::json document;
+    {
+        ProgressBar bar;
+        document = worker::compare_reconstructions(request, [&](const Progress& progress) {
+            throw_if_interrupted();
+            show_progress(bar, progress);
+        });
+    }
+    std::cout << (context.json ? document.dump(2) + "\n" : summary(document));
+    return kExitDone;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Context& context) {
+    auto* command = app.add_subcommand("compare", "what changed between two dives of one place");
+    auto request = std::make_shared<worker::CompareRequest>();
+    auto& options = request->options;
+    // clang-format off
+    command->add_option("a", request->a, "folder of the earlier reconstruction")->required();
+    command->add_option("b", request->b, "folder of the later reconstruction")->required();
+    command->add_option("--out", request->out, "folder of the results, made when missing")->required();
+    command->add_option("--cell-m", options.cell_m, "of the maps; 0: from the meshes")->capture_default_str();
+    command->add_option("--cylinder-m", options.cylinder_m, "M3C2: diameter to average over; 0: 4 cells")->capture_default_str();
+    command->add_option("--normal-scale-m", options.normal_scale_m, "M3C2: to take directions over; 0: 8 cells")->capture_default_str();
+    command->add_option("--reach-m", options.reach_m, "M3C2: how far to look along them")->capture_default_str();
+    command->add_option("--least-area-m2", options.least_area_m2, "of a patch; 0: from the cylinder")->capture_default_str();
+    command->add_option("--threads", request->num_threads, "0: all cores; never changes a byte")->capture_default_str();
+    // clang-format on
+    command->callback([request, &context] {
+        context.command = [request, &context] { return run(*request, context); };
+    });
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,101 @@
+#include "worker/compare/co_register.hpp"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "schemas/error.hpp"
+#include "tests/synthetic/rough_ground.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using synthetic::ground_mesh;
+using synthetic::HeightOf;
+using synthetic::moved;
+using synthetic::rough_ground;
+
+constexpr double kStep_m = 0.02;
+constexpr double kNoise_m = 0.003;
+
+// A fifth of the ground rose by 8 cm.
+HeightOf with_a_fifth_raised(const HeightOf& ground) {
+    return [ground](double x, double y) { return ground(x, y) + (x > 1.02 ? 0.08 : 0.0); };
+}
+
+Eigen::Isometry3d pose(double heading, double tilt, const Eigen::Vector3d& shift) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = (Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
+                  Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()))
+                     .toRotationMatrix();
+    T.translation() = shift;
+    return T;
+}
+
+Registration registered(const Mesh& a, const Mesh& b) {
+    return co_register(a, b, {.spacing_m = kStep_m, .num_threads = 2}, {});
+}
+
+TEST(CoRegister, FindsAnyHeadingThoughAFifthOfTheGroundHasChanged) {
+    const HeightOf ground = rough_ground(1);
+    const Mesh a = ground_mesh(ground, 1.7, 1.3, kStep_m, kNoise_m, 1);
+    for (const double heading : {0.4, 2.9}) {
+        const Eigen::Isometry3d T_b_a = pose(heading, 0.005, {3.0, -2.0, 0.7});
+        const Mesh b =
+            moved(ground_mesh(with_a_fifth_raised(ground), 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
+        const Registration fit = registered(a, b);
+        const Eigen::Isometry3d off = fit.T_a_b * T_b_a;
+        const double turn_deg = 57.3 * Eigen::AngleAxisd(off.linear()).angle();
+        std::cout << "off by " << turn_deg << " deg, " << 1e3 * off.translation().norm() << " mm\n";
+        EXPECT_LT(turn_deg, 0.1);
+        EXPECT_LT(off.translation().norm(), 0.002);
+        EXPECT_GT(fit.overlap, 0.9);
+        EXPECT_NEAR(fit.agreement, 0.8, 0.05);
+    }
+}
+
+TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
+    const HeightOf ground = rough_ground(2);
+    int num_within = 0;
+    constexpr int kDraws = 30;
+    const std::vector<float> unknown;
+    for (int draw = 0; draw < kDraws; ++draw) {
+        const auto seed = static_cast<unsigned>(10 + 2 * draw);
+        const Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed);
+        const Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed + 1);
+        const PointGrid grid_a(a.vertices, 0.06F);
+        const PointGrid grid_b(b.vertices, 0.06F);
+        const auto fit = register_surfaces({a.vertices, a.normals, unknown, grid_a},
+                                           {b.vertices, b.normals, unknown, grid_b},
+                                           Eigen::Isometry3d::Identity(),
+                                           {.num_threads = 2});
+        ASSERT_TRUE(fit);
+        const Eigen::Vector3d off = fit->T_a_b * fit->pivot - fit->pivot;
+        num_within +=
+            std::abs(off.z()) <= 1.96 * fit->sigma_m(fit->pivot, Eigen::Vector3d::UnitZ());
+    }
+    EXPECT_GE(num_within, 26);  // 95 % of 30 are 28.5; fewer than 26 in 1 % of all trials
+}
+
+TEST(CoRegister, RefusesAnotherPlace) {
+    const Mesh a = ground_mesh(rough_ground(3), 1.7, 1.3, kStep_m, kNoise_m, 1);
+    for (const unsigned place : {4U, 5U, 6U}) {
+        const Mesh b = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 2);
+        try {
+            const Registration fit = registered(a, b);
+            FAIL() << "laid place " << place << " over place 3, agreement " << fit.agreement;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::Conflict) << error.what();
+        }
+    }
+}
+
+TEST(CoRegister, RefusesGroundWithoutShapeAndWithoutPictures) {
+    const HeightOf flat = [](double, double) { return 0.0; };
+    const Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);
+    const Mesh b = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 2);
+    EXPECT_THROW(registered(a, b), Error);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,138 @@
+#include "worker/compare/compare.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "schemas/error.hpp"
+#include "tests/paths.hpp"
+#include "tests/synthetic/rough_ground.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/output/ply.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+using synthetic::ground_mesh;
+using synthetic::HeightOf;
+using synthetic::rough_ground;
+
+constexpr double kStep_m = 0.02;
+constexpr double kNoise_m = 0.002;
+
+void write_reconstruction(const std::filesystem::path& folder, const Mesh& mesh) {
+    std::filesystem::create_directories(folder);
+    write_ply(folder / "mesh.ply", mesh);
+    std::ofstream(folder / "metrics.json") << json{
+        {"version", "0.1.0"},
+        {"preset", "standard"},
+        {"dive", {{"name", "<b>" + folder.filename().string() + "</b>"}, {"content_sha256", ""}}}};
+}
+
+std::string content(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A cone of 0.25 m radius and 0.2 m height, and a hole of the same shape upside down.
+constexpr double kVolume_m3 = 3.14159265 * 0.25 * 0.25 * 0.2 / 3.0;
+double cone(double x, double y) { return 0.2 * std::max(0.0, 1.0 - std::hypot(x, y) / 0.25); }
+
+class CompareTest : public testing::Test {
+protected:
+    void SetUp() override {
+        const HeightOf ground = rough_ground(8);
+        const HeightOf later = [ground](double x, double y) {
+            return ground(x, y) + cone(x - 0.6, y - 0.3) - cone(x + 0.7, y + 0.2);
+        };
+        Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+        T.linear() = Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+        T.translation() = Eigen::Vector3d(2.0, 1.0, -0.4);
+        write_reconstruction(folder_ / "a", ground_mesh(ground, 1.6, 1.2, kStep_m, kNoise_m, 1));
+        write_reconstruction(
+            folder_ / "b", synthetic::moved(ground_mesh(later, 1.6, 1.2, kStep_m, kNoise_m, 2), T));
+        write_reconstruction(folder_ / "again",
+                             ground_mesh(ground, 1.6, 1.2, kStep_m, kNoise_m, 3));
+    }
+    json compare(const std::string& a, const std::string& b, int num_threads = 2) const {
+        return compare_reconstructions({.a = folder_ / a,
+                                        .b = folder_ / b,
+                                        .out = folder_ / ("out" + std::to_string(num_threads)),
+                                        .num_threads = num_threads});
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(CompareTest, KnownVolumesLieWithinTheirIntervals) {
+    const json document = compare("a", "b");
+    for (const char* kind : {"grown", "lost"}) {
+        EXPECT_EQ(document.at(kind).at("num_patches"), 1) << kind;
+        const json& volume = document.at(kind).at("volume_m3");
+        EXPECT_LE(volume.at("low").get<double>(), kVolume_m3) << kind;
+        EXPECT_GE(volume.at("high").get<double>(), kVolume_m3) << kind;
+        EXPECT_NEAR(volume.at("value").get<double>(), kVolume_m3, 0.05 * kVolume_m3) << kind;
+        const json& area = document.at(kind).at("area_m2");
+        EXPECT_LE(area.at("low").get<double>(), 0.196) << kind;
+        EXPECT_GE(area.at("high").get<double>(), 0.196) << kind;
+    }
+    EXPECT_FALSE(document.at("ground").at("visibility_checked").get<bool>());
+}
+
+TEST_F(CompareTest, TheSameGroundHasNotChanged) {
+    const json document = compare("a", "again");
+    EXPECT_TRUE(document.at("patches").empty());
+    EXPECT_LT(document.at("rest").at("beyond_share").get<double>(), 0.05);
+    EXPECT_NEAR(document.at("distances").at("median_m").get<double>(), 0.0, 5e-4);
+}
+
+TEST_F(CompareTest, ItsDocumentFitsTheSchema) {
+    const json text =
+        json::parse(std::ifstream(source_directory() / "schemas" / "compare.schema.json"));
+    valijson::Schema schema;
+    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+    const json document = compare("a", "b");
+    valijson::ValidationResults problems;
+    EXPECT_TRUE(valijson::Validator().validate(
+        schema, valijson::adapters::NlohmannJsonAdapter(document), &problems))
+        << problems.begin()->description << document.dump(1);
+}
+
+TEST_F(CompareTest, ThreadsChangeNoByte) {
+    compare("a", "b", 1);
+    compare("a", "b", 3);
+    for (const char* file : {"compare.json",
+                             "report.html",
+                             "changed_mesh.ply",
+                             "mosaic_difference.png",
+                             "mosaic_difference.json",
+                             "change_height.png"})
+        EXPECT_TRUE(content(folder_ / "out1" / file) == content(folder_ / "out3" / file)) << file;
+}
+
+TEST_F(CompareTest, TheReportIsOnePageAndEscapesNames) {
+    compare("a", "b");
+    const std::string html = content(folder_ / "out2/report.html");
+    EXPECT_NE(html.find("&lt;b&gt;a&lt;/b&gt;"), std::string::npos);
+    EXPECT_EQ(html.find("<script"), std::string::npos);
+    EXPECT_EQ(html.find("http"), std::string::npos);
+}
+
+TEST_F(CompareTest, AFolderWithoutSurfaceIsRefusedByName) {
+    std::filesystem::remove(folder_ / "b/mesh.ply");
+    try {
+        compare("a", "b");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::BadData);
+        EXPECT_NE(std::string(error.what()).find("mesh.ply"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,57 @@
+#include "worker/compare/point_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+namespace divemesh::worker {
+namespace {
+
+std::vector<Eigen::Vector3f> scattered(std::size_t num) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> any(-1.0F, 1.0F);
+    std::vector<Eigen::Vector3f> points(num);
+    for (Eigen::Vector3f& p : points) p = {any(random), any(random), 0.3F * any(random)};
+    return points;
+}
+
+TEST(PointGrid, FindsTheSameNearestPointAsASearchOfAll) {
+    const auto points = scattered(2000);
+    const PointGrid grid(points, 0.07F);
+    for (Eigen::Vector3f& p : scattered(300)) {
+        const Eigen::Vector3f place = 1.2F * p + Eigen::Vector3f(0.01F, 0.02F, 0.0F);
+        std::uint32_t best = 0;
+        for (std::uint32_t i = 0; i < points.size(); ++i)
+            if ((points[i] - place).norm() < (points[best] - place).norm()) best = i;
+        const auto nearest = grid.nearest(place, 0.15F);
+        if ((points[best] - place).norm() <= 0.15F)
+            EXPECT_EQ(nearest, best);
+        else
+            EXPECT_EQ(nearest, std::nullopt);
+    }
+}
+
+TEST(PointGrid, VisitsEachPointOfACylinderOnce) {
+    const auto points = scattered(4000);
+    const PointGrid grid(points, 0.09F);
+    for (const Eigen::Vector3f& way : scattered(50)) {
+        const Eigen::Vector3f normal = way.normalized();
+        std::multiset<std::uint32_t> visited;
+        grid.near_segment(way - 0.4F * normal, way + 0.4F * normal, 0.1F, [&](std::uint32_t i) {
+            visited.insert(i);
+        });
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            const Eigen::Vector3f from = points[i] - way;
+            const float along = from.dot(normal);
+            const bool inside = std::abs(along) <= 0.4F && (from - along * normal).norm() <= 0.1F;
+            EXPECT_LE(visited.count(i), 1U);
+            if (inside) {
+                EXPECT_EQ(visited.count(i), 1U);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace divemesh::worker

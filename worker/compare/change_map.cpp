@@ -1,0 +1,140 @@
+#include "worker/compare/change_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/parallel.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kLeastSigma_m = 5e-4F;  // no surface is known better, whatever it says
+constexpr float kSteepest = 0.25F;      // normals' z at the least; steeper is measured as this
+constexpr double kLeastBehind_m = 0.005;
+constexpr double kBehindShare = 0.3;  // of the change
+
+std::uint32_t nearest_corner(const Mesh& mesh, const SurfaceRaster& raster, int row, int column) {
+    const auto& corners =
+        mesh.triangles[static_cast<std::size_t>(raster.triangle.at<int>(row, column))];
+    const auto& w = raster.weights.at<cv::Vec2f>(row, column);
+    const float first = 1.0F - w[0] - w[1];
+    if (first >= w[0] && first >= w[1]) return corners[0];
+    return w[0] >= w[1] ? corners[1] : corners[2];
+}
+
+// Standard deviation of the height, m.
+float height_sigma_m(const Mesh& mesh, std::uint32_t vertex) {
+    const float along_normal = mesh.sigma_m.empty() ? 0.0F : mesh.sigma_m[vertex];
+    return std::max(kLeastSigma_m, along_normal) /
+           std::max(kSteepest, std::abs(mesh.normals[vertex].z()));
+}
+
+class Mapper {
+public:
+    Mapper(const Surveyed& a, const Surveyed& b, const Registration& registration, ChangeMap& map)
+        : a_(a),
+          b_(b),
+          registration_(registration),
+          map_(map),
+          raster_a_(rasterise(a.mesh, map.grid)),
+          raster_b_(rasterise(b.mesh, map.grid)) {}
+
+    void measure(int row, int column) const {
+        auto& state = map_.state.at<std::uint8_t>(row, column);
+        const bool seen_a = raster_a_.seen(row, column);
+        const bool seen_b = raster_b_.seen(row, column);
+        state = static_cast<std::uint8_t>(seen_a ? (seen_b ? CellState::Stable : CellState::OnlyA)
+                                                 : (seen_b ? CellState::OnlyB : CellState::Unseen));
+        if (!seen_a || !seen_b) return;
+        const std::uint32_t vertex_a = nearest_corner(a_.mesh, raster_a_, row, column);
+        const std::uint32_t vertex_b = nearest_corner(b_.mesh, raster_b_, row, column);
+        const float change =
+            raster_b_.height_m.at<float>(row, column) - raster_a_.height_m.at<float>(row, column);
+        const float sigma =
+            std::hypot(height_sigma_m(a_.mesh, vertex_a), height_sigma_m(b_.mesh, vertex_b));
+        const float registration = registration_sigma_m(row, column, vertex_a);
+        map_.change_m.at<float>(row, column) = change;
+        map_.sigma_m.at<float>(row, column) = sigma;
+        map_.registration_m.at<float>(row, column) = registration;
+        if (std::abs(change) <= 1.96F * sigma + 1.96F * registration) return;
+        if (!confirmed(a_.distances[vertex_a], change) ||
+            !confirmed(b_.distances[vertex_b], change))
+            return;
+        state = static_cast<std::uint8_t>(change > 0.0F ? CellState::Grown : CellState::Lost);
+    }
+
+    // Of cells that seem to have changed: the dive without the higher surface must have looked
+    // through it. `of_b`: of what was lost, into which b looks.
+    void check(int row, int column, bool of_b, const SurfaceIndex& index) const {
+        const CellState state = map_.at(row, column);
+        if (state != (of_b ? CellState::Lost : CellState::Grown)) return;
+        const SurfaceRaster& higher = of_b ? raster_a_ : raster_b_;
+        const Views& views = of_b ? *b_.views : *a_.views;
+        const Eigen::Vector2d place = map_.grid.center(row, column);
+        const auto height = static_cast<double>(higher.height_m.at<float>(row, column));
+        const auto change = std::abs(static_cast<double>(map_.change_m.at<float>(row, column)));
+        if (!seen_through(views,
+                          index,
+                          {place.x(), place.y(), height},
+                          std::max(kLeastBehind_m, kBehindShare * change)))
+            map_.state.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(CellState::Hidden);
+    }
+
+private:
+    static bool confirmed(const M3c2Distance& distance, float change) {
+        return !distance.known() ||
+               (distance.significant() && (distance.distance_m > 0.0F) == (change > 0.0F));
+    }
+    float registration_sigma_m(int row, int column, std::uint32_t vertex_a) const {
+        const Eigen::Vector2d place = map_.grid.center(row, column);
+        const auto height = static_cast<double>(raster_a_.height_m.at<float>(row, column));
+        const Eigen::Vector3f normal = a_.mesh.normals[vertex_a];
+        const double along =
+            registration_.sigma_m({place.x(), place.y(), height}, normal.cast<double>());
+        return static_cast<float>(along) / std::max(kSteepest, std::abs(normal.z()));
+    }
+
+    const Surveyed& a_;
+    const Surveyed& b_;
+    const Registration& registration_;
+    ChangeMap& map_;
+    SurfaceRaster raster_a_;
+    SurfaceRaster raster_b_;
+};
+
+}  // namespace
+
+double ChangeMap::area_m2(CellState wanted) const {
+    return cv::countNonZero(state == static_cast<int>(wanted)) * grid.cell_m * grid.cell_m;
+}
+
+ChangeMap map_changes(const Surveyed& a,
+                      const Surveyed& b,
+                      const Registration& registration,
+                      const RasterGrid& grid,
+                      int num_threads) {
+    const auto of = [&](int type, double value) {
+        return cv::Mat(grid.rows, grid.columns, type, cv::Scalar::all(value));
+    };
+    const auto nothing = static_cast<double>(kNothing);
+    ChangeMap map{
+        grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
+    const Mapper mapper(a, b, registration, map);
+    const auto each_cell = [&](const auto& work) {
+        for_each_index(num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
+            for (int column = 0; column < grid.columns; ++column)
+                work(static_cast<int>(row), column);
+        });
+    };
+    each_cell([&](int row, int column) { mapper.measure(row, column); });
+    for (const bool of_b : {false, true}) {  // one index in memory at a time
+        const Surveyed& looking = of_b ? b : a;
+        if (!looking.views) continue;
+        const SurfaceIndex index(looking.mesh);
+        each_cell([&](int row, int column) { mapper.check(row, column, of_b, index); });
+    }
+    return map;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "worker/compare/m3c2.hpp"
+#include "worker/compare/register_surfaces.hpp"
+#include "worker/compare/seen_through.hpp"
+#include "worker/compare/surface_raster.hpp"
+
+namespace divemesh::worker {
+
+enum class CellState : std::uint8_t {
+    Unseen,  // by either
+    OnlyA,
+    OnlyB,
+    Stable,  // both; no change beyond the level of detection
+    Grown,
+    Lost,
+    Hidden,  // would have changed, but where the one surface is the other dive did not look
+};
+
+// What became of each cell of the ground, seen from above, in a's frame.
+struct ChangeMap {
+    RasterGrid grid;
+    cv::Mat state;           // CV_8U, CellState
+    cv::Mat change_m;        // CV_32F, height of b over a; NaN unless both saw it
+    cv::Mat sigma_m;         // CV_32F, of `change_m` without the registration's part
+    cv::Mat registration_m;  // CV_32F, standard deviation of that part
+
+    CellState at(int row, int column) const {
+        return static_cast<CellState>(state.at<std::uint8_t>(row, column));
+    }
+    double area_m2(CellState wanted) const;
+};
+
+// One dive's surface in a's frame and what was measured from it.
+struct Surveyed {
+    const Mesh& mesh;
+    const std::vector<M3c2Distance>& distances;  // of its vertices
+    const std::optional<Views>& views;           // into this frame; none: not checked
+};
+
+// A cell has changed when the vertical difference is beyond its own level of detection and every
+// M3C2 distance known there, from either surface, is significant with the same sign, and when the
+// dive that lacks the higher surface looked through it at the ground behind.
+ChangeMap map_changes(const Surveyed& a,
+                      const Surveyed& b,
+                      const Registration& registration,
+                      const RasterGrid& grid,
+                      int num_threads);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,64 @@
+#include "worker/compare/change_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kFewestBlocks = 12;
+constexpr double kFull = 0.75;
+
+double quantile(std::vector<double>& values, double share) {
+    const auto at = values.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+std::vector<double> block_means(const ChangeMap& map, const cv::Mat& counts, int side) {
+    std::vector<double> means;
+    for (int top = 0; top + side <= counts.rows; top += side)
+        for (int left = 0; left + side <= counts.cols; left += side) {
+            double sum = 0.0;
+            int num = 0;
+            for (int row = top; row < top + side; ++row)
+                for (int column = left; column < left + side; ++column) {
+                    if (counts.at<std::uint8_t>(row, column) == 0) continue;
+                    sum += static_cast<double>(map.change_m.at<float>(row, column) /
+                                               map.sigma_m.at<float>(row, column));
+                    ++num;
+                }
+            if (num >= kFull * side * side) means.push_back(sum / num);
+        }
+    return means;
+}
+
+}  // namespace
+
+double ChangeNoise::sigma_of_mean(double area_m2) const {
+    if (steps_.empty()) return 1.0;
+    const double side_m = std::sqrt(area_m2);
+    if (side_m <= steps_.front().side_m) return steps_.front().sigma;
+    for (std::size_t i = 1; i < steps_.size(); ++i)
+        if (side_m < steps_[i].side_m) {
+            const double share = std::log(side_m / steps_[i - 1].side_m) /
+                                 std::log(steps_[i].side_m / steps_[i - 1].side_m);
+            return steps_[i - 1].sigma + share * (steps_[i].sigma - steps_[i - 1].sigma);
+        }
+    return steps_.back().sigma;
+}
+
+ChangeNoise measure_noise(const ChangeMap& map, const cv::Mat& counts) {
+    std::vector<ChangeNoise::Step> steps;
+    for (int side = 1; side <= std::min(counts.rows, counts.cols); side *= 2) {
+        std::vector<double> sizes = block_means(map, counts, side);
+        if (sizes.size() < kFewestBlocks) break;
+        for (double& size : sizes) size = std::abs(size);
+        const double sigma = std::max(quantile(sizes, 0.683), quantile(sizes, 0.95) / 1.96);
+        steps.push_back({side * map.grid.cell_m, sigma, sizes.size()});
+    }
+    return ChangeNoise(std::move(steps));
+}
+
+}  // namespace divemesh::worker

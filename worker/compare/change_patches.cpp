@@ -1,0 +1,252 @@
+#include "worker/compare/change_patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double k95 = 1.96;
+
+cv::Mat disc(double radius_cells) {
+    const int r = std::max(1, static_cast<int>(std::lround(radius_cells)));
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
+}
+
+cv::Mat cells_in(const ChangeMap& map, CellState state) {
+    return map.state == static_cast<int>(state);
+}
+
+// With the ground that it encloses, as far as both saw it.
+cv::Mat filled(const cv::Mat& cells, const cv::Mat& allowed) {
+    std::vector<std::vector<cv::Point>> outlines;
+    cv::findContours(cells.clone(), outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+    cv::Mat full = cv::Mat::zeros(cells.size(), CV_8U);
+    cv::drawContours(full, outlines, -1, cv::Scalar::all(255), cv::FILLED);
+    return full & allowed;
+}
+
+struct Sums {
+    double volume_m3 = 0.0;
+    double sigma_m = 0.0;         // mean of the cells' own
+    double registration_m = 0.0;  // mean
+    double area_m2 = 0.0;
+    double largest_m = 0.0;
+};
+
+Sums sum_over(const ChangeMap& map, const cv::Mat& cells) {
+    Sums sums;
+    const double cell_m2 = map.grid.cell_m * map.grid.cell_m;
+    double num = 0.0;
+    for (int row = 0; row < cells.rows; ++row)
+        for (int column = 0; column < cells.cols; ++column) {
+            if (cells.at<std::uint8_t>(row, column) == 0) continue;
+            const auto change = static_cast<double>(map.change_m.at<float>(row, column));
+            sums.volume_m3 += cell_m2 * change;
+            sums.sigma_m += static_cast<double>(map.sigma_m.at<float>(row, column));
+            sums.registration_m += static_cast<double>(map.registration_m.at<float>(row, column));
+            if (std::abs(change) > std::abs(sums.largest_m)) sums.largest_m = change;
+            num += 1.0;
+        }
+    sums.area_m2 = num * cell_m2;
+    sums.sigma_m /= std::max(1.0, num);
+    sums.registration_m /= std::max(1.0, num);
+    return sums;
+}
+
+// A patch as found, in a window of the map.
+struct Found {
+    bool grown = false;
+    cv::Rect window;
+    cv::Mat core;     // CV_8U, of the window: significant cells and what they enclose
+    cv::Mat support;  // CV_8U, of the window: what the volume is summed over
+};
+
+class Gatherer {
+public:
+    Gatherer(ChangeMap& map, const PatchOptions& options)
+        : map_(map), options_(options), margin_cells_(options.margin_m / map.grid.cell_m) {}
+
+    Changes gather() {
+        for (const CellState state : {CellState::Grown, CellState::Lost}) find(state);
+        changes_.number = cv::Mat::zeros(map_.state.size(), CV_32S);
+        std::ranges::stable_sort(found_, [&](const Found& p, const Found& q) {
+            return std::abs(volume_of(p)) > std::abs(volume_of(q));
+        });
+        for (std::size_t i = 0; i < found_.size(); ++i) claim(i);
+        measure_rest();
+        for (std::size_t i = 0; i < found_.size(); ++i) measure(i);
+        total();
+        return std::move(changes_);
+    }
+
+private:
+    double volume_of(const Found& found) const {
+        return sum_over(window_of(found.window), found.core).volume_m3;
+    }
+    ChangeMap window_of(const cv::Rect& window) const {
+        return {map_.grid,
+                map_.state(window),
+                map_.change_m(window),
+                map_.sigma_m(window),
+                map_.registration_m(window)};
+    }
+
+    void find(CellState state) {
+        cv::Mat labels;
+        cv::Mat statistics;
+        cv::Mat centers;
+        const int num = cv::connectedComponentsWithStats(
+            cells_in(map_, state), labels, statistics, centers, 8, CV_32S);
+        const double cell_m2 = map_.grid.cell_m * map_.grid.cell_m;
+        const int border = static_cast<int>(std::ceil(margin_cells_)) + 2;
+        const cv::Rect all(0, 0, map_.state.cols, map_.state.rows);
+        for (int label = 1; label < num; ++label) {
+            if (statistics.at<int>(label, cv::CC_STAT_AREA) * cell_m2 < options_.least_area_m2)
+                continue;
+            const cv::Rect window =
+                cv::Rect(statistics.at<int>(label, cv::CC_STAT_LEFT) - border,
+                         statistics.at<int>(label, cv::CC_STAT_TOP) - border,
+                         statistics.at<int>(label, cv::CC_STAT_WIDTH) + 2 * border,
+                         statistics.at<int>(label, cv::CC_STAT_HEIGHT) + 2 * border) &
+                all;
+            const cv::Mat mine = labels(window) == label;
+            const cv::Mat opposite = cells_in(
+                map_, state == CellState::Grown ? CellState::Lost : CellState::Grown)(window);
+            const cv::Mat hidden = cells_in(map_, CellState::Hidden)(window);
+            const cv::Mat both =
+                (map_.change_m(window) == map_.change_m(window)) & ~opposite & ~hidden;
+            const cv::Mat core = filled(mine, both);
+            cv::Mat support;
+            cv::dilate(core, support, disc(margin_cells_));
+            found_.push_back({state == CellState::Grown, window, core, support & both});
+        }
+    }
+
+    // A cell belongs to one patch: cores first, then the larger patch.
+    void claim(std::size_t i) {
+        Found& found = found_[i];
+        cv::Mat number = changes_.number(found.window);
+        for (std::size_t k = 0; k < found_.size(); ++k) {
+            if (k == i) continue;
+            const cv::Rect both = found.window & found_[k].window;
+            if (both.empty()) continue;
+            const cv::Mat theirs =
+                (k < i ? found_[k].support : found_[k].core)(both - found_[k].window.tl());
+            cv::Mat ours = found.support(both - found.window.tl());
+            ours.setTo(cv::Scalar::all(0), theirs & ~found.core(both - found.window.tl()));
+        }
+        number.setTo(cv::Scalar::all(static_cast<double>(i + 1)), found.support);
+    }
+
+    void measure_rest() {
+        const cv::Mat counts = (map_.change_m == map_.change_m) & (changes_.number == 0) &
+                               ~cells_in(map_, CellState::Hidden);
+        changes_.noise = measure_noise(map_, counts);
+        const Sums sums = sum_over(map_, counts);
+        changes_.rest_m2 = sums.area_m2;
+        changes_.rest_m3 = interval(sums.volume_m3, noise_m3(sums), registration_m3(sums));
+        const int num_beyond = cv::countNonZero(
+            (cells_in(map_, CellState::Grown) | cells_in(map_, CellState::Lost)) & counts);
+        changes_.beyond_share = num_beyond / std::max(1.0, cv::countNonZero(counts) * 1.0);
+        map_.state.setTo(cv::Scalar::all(static_cast<double>(CellState::Stable)), counts);
+    }
+
+    double noise_m3(const Sums& sums) const {
+        return sums.area_m2 * sums.sigma_m * changes_.noise.sigma_of_mean(sums.area_m2);
+    }
+    static double registration_m3(const Sums& sums) { return sums.area_m2 * sums.registration_m; }
+    static Interval interval(double value, double noise, double registration) {
+        const double half = k95 * std::hypot(noise, registration);
+        return {value, value - half, value + half};
+    }
+
+    void measure(std::size_t i) {
+        const Found& found = found_[i];
+        const ChangeMap window = window_of(found.window);
+        const Sums sums = sum_over(window, found.support);
+        const double sign = found.grown ? 1.0 : -1.0;
+        ChangePatch patch;
+        patch.number = static_cast<int>(i) + 1;
+        patch.grown = found.grown;
+        patch.volume_m3 = interval(sign * sums.volume_m3, noise_m3(sums), registration_m3(sums));
+        patch.volume_m3.low = std::max(0.0, patch.volume_m3.low);
+        patch.area_m2 = area_of(found);
+        patch.mean_change_m = sums.volume_m3 / std::max(1e-12, sums.area_m2);
+        patch.largest_change_m = sums.largest_m;
+        locate(found, patch);
+        cv::Mat about;
+        cv::dilate(found.support, about, disc(2.0));
+        const cv::Mat not_both = window.change_m != window.change_m;
+        const cv::Mat hidden = cells_in(window, CellState::Hidden);
+        patch.hidden_m2 =
+            cv::countNonZero(about & (not_both | hidden)) * map_.grid.cell_m * map_.grid.cell_m;
+        noises_.push_back(noise_m3(sums));
+        registrations_.push_back(registration_m3(sums));
+        changes_.patches.push_back(patch);
+    }
+
+    Interval area_of(const Found& found) const {
+        const double cell_m2 = map_.grid.cell_m * map_.grid.cell_m;
+        cv::Mat less;
+        cv::Mat more;
+        cv::erode(found.core, less, disc(0.5 * margin_cells_));
+        cv::dilate(found.core, more, disc(0.5 * margin_cells_));
+        return {cv::countNonZero(found.core) * cell_m2,
+                cv::countNonZero(less) * cell_m2,
+                cv::countNonZero(more) * cell_m2};
+    }
+
+    void locate(const Found& found, ChangePatch& patch) const {
+        double num = 0.0;
+        for (int row = 0; row < found.core.rows; ++row)
+            for (int column = 0; column < found.core.cols; ++column)
+                if (found.core.at<std::uint8_t>(row, column) != 0) {
+                    const Eigen::Vector2d at =
+                        map_.grid.center(row + found.window.y, column + found.window.x);
+                    patch.center_m += at;
+                    patch.box_m.extend(at);
+                    num += 1.0;
+                }
+        patch.center_m /= std::max(1.0, num);
+    }
+
+    void total() {
+        for (const bool grown : {true, false}) {
+            ChangeTotal& total = grown ? changes_.grown : changes_.lost;
+            double noise = 0.0;
+            double registration = 0.0;
+            for (std::size_t i = 0; i < changes_.patches.size(); ++i) {
+                const ChangePatch& patch = changes_.patches[i];
+                if (patch.grown != grown) continue;
+                ++total.num_patches;
+                total.volume_m3.value += patch.volume_m3.value;
+                noise = std::hypot(noise, noises_[i]);
+                registration += registrations_[i];
+                total.area_m2.value += patch.area_m2.value;
+                total.area_m2.low += patch.area_m2.low;
+                total.area_m2.high += patch.area_m2.high;
+            }
+            total.volume_m3 = interval(total.volume_m3.value, noise, registration);
+            total.volume_m3.low = std::max(0.0, total.volume_m3.low);
+        }
+    }
+
+    ChangeMap& map_;
+    const PatchOptions& options_;
+    double margin_cells_;
+    std::vector<Found> found_;
+    std::vector<double> noises_;
+    std::vector<double> registrations_;
+    Changes changes_;
+};
+
+}  // namespace
+
+Changes gather_changes(ChangeMap& map, const PatchOptions& options) {
+    return Gatherer(map, options).gather();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "worker/compare/change_map.hpp"
+#include "worker/compare/change_noise.hpp"
+
+namespace divemesh::worker {
+
+// A figure and the bounds within which it lies with 95 %.
+struct Interval {
+    double value = 0.0;
+    double low = 0.0;
+    double high = 0.0;
+};
+
+// Connected ground that rose or sank beyond the level of detection.
+struct ChangePatch {
+    int number = 0;  // from 1 on, the largest volume first
+    bool grown = false;
+    Interval area_m2;    // seen from above
+    Interval volume_m3;  // between both surfaces, positive
+    Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
+    Eigen::AlignedBox2d box_m;
+    double mean_change_m = 0.0;
+    double largest_change_m = 0.0;
+    double hidden_m2 = 0.0;  // beside it, of ground that one dive did not see
+};
+
+struct ChangeTotal {
+    Interval area_m2;
+    Interval volume_m3;
+    std::size_t num_patches = 0;
+};
+
+struct Changes {
+    std::vector<ChangePatch> patches;
+    ChangeTotal grown;
+    ChangeTotal lost;
+    Interval rest_m3;  // rise less fall of the ground outside of all patches
+    double rest_m2 = 0.0;
+    ChangeNoise noise{std::vector<ChangeNoise::Step>{}};
+    double beyond_share =
+        0.0;         // of that ground: beyond its level of detection, in patches too small
+    cv::Mat number;  // CV_32S: of the patch whose volume a cell belongs to, 0 none
+};
+
+struct PatchOptions {
+    double least_area_m2 = 0.005;
+    double margin_m = 0.05;  // about the significant cells, that belongs to the volume
+};
+
+// Cells that are joined by sides or corners and changed the same way make a patch. Its volume is
+// summed over a margin too, where change fades out below the level of detection; its area is that
+// of the significant cells with what they enclose, its outline known to half the margin.
+// The volume's interval has the noise of a mean over that area, as measured on stable ground, and
+// the registration's error, which is one and the same for all patches of a total.
+Changes gather_changes(ChangeMap& map, const PatchOptions& options);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,167 @@
+#include "worker/compare/change_pictures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "worker/compare/changed_mesh.hpp"
+#include "worker/output/atomic_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kLeastFull_m = 0.02;
+constexpr double kHeightStep_m = 1e-4;
+constexpr int kZeroHeight = 32768;
+
+cv::Vec3b bgr(const Color& color) { return {color[2], color[1], color[0]}; }
+
+std::vector<Eigen::Vector3f> shades(const Mesh& mesh) {
+    std::vector<Eigen::Vector3f> colors(mesh.vertices.size());
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        colors[i] = mesh.colors.empty()
+                        ? Eigen::Vector3f::Constant(60.0F + 180.0F * std::abs(mesh.normals[i].z()))
+                        : Eigen::Vector3f(static_cast<float>(mesh.colors[i][2]),
+                                          static_cast<float>(mesh.colors[i][1]),
+                                          static_cast<float>(mesh.colors[i][0]));
+    return colors;
+}
+
+cv::Vec3b faint(const cv::Vec3b& color, double strength) {
+    const double grey = (0.114 * color[0] + 0.587 * color[1] + 0.299 * color[2]);
+    const auto value = static_cast<std::uint8_t>(255.0 - strength * (255.0 - grey));
+    return {value, value, value};
+}
+
+cv::Vec3b cell_color(const ChangeMap& map, int row, int column, const cv::Vec3b& b, double full_m) {
+    const CellState state = map.at(row, column);
+    switch (state) {
+        case CellState::Unseen: return {255, 255, 255};
+        case CellState::OnlyA: return {235, 235, 225};
+        case CellState::OnlyB: return faint(b, 0.25);
+        case CellState::Stable: return faint(b, 0.6);
+        case CellState::Hidden:
+            return (row + column) % 8 < 3 ? cv::Vec3b(60, 140, 200) : faint(b, 0.6);
+        case CellState::Grown:
+        case CellState::Lost: break;
+    }
+    return bgr(change_color(static_cast<double>(map.change_m.at<float>(row, column)), full_m));
+}
+
+void outline(cv::Mat& picture, const Changes& changes, const RasterGrid& grid) {
+    for (const ChangePatch& patch : changes.patches) {
+        std::vector<std::vector<cv::Point>> lines;
+        cv::findContours(
+            changes.number == patch.number, lines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+        const cv::Scalar color = patch.grown ? cv::Scalar(120, 50, 0) : cv::Scalar(20, 0, 110);
+        cv::drawContours(picture, lines, -1, color, 1);
+        const Eigen::Vector2d at = (patch.box_m.max() - grid.corner_m) / grid.cell_m;
+        cv::putText(picture,
+                    std::to_string(patch.number),
+                    {static_cast<int>(at.x()) + 4, static_cast<int>(-at.y()) + 4},
+                    cv::FONT_HERSHEY_SIMPLEX,
+                    0.55,
+                    color,
+                    1,
+                    cv::LINE_AA);
+    }
+}
+
+}  // namespace
+
+double full_change_m(const ChangeMap& map) {
+    std::vector<float> sizes;
+    for (int row = 0; row < map.state.rows; ++row)
+        for (int column = 0; column < map.state.cols; ++column)
+            if (map.at(row, column) == CellState::Grown || map.at(row, column) == CellState::Lost)
+                sizes.push_back(std::abs(map.change_m.at<float>(row, column)));
+    if (sizes.empty()) return kLeastFull_m;
+    const auto at =
+        sizes.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(sizes.size() - 1));
+    std::nth_element(sizes.begin(), at, sizes.end());
+    return std::max(kLeastFull_m, static_cast<double>(*at));
+}
+
+cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid) {
+    const SurfaceRaster raster = rasterise(mesh, grid);
+    const auto colors = shades(mesh);
+    cv::Mat picture(grid.rows, grid.columns, CV_8UC3, cv::Scalar::all(255));
+    for (int row = 0; row < grid.rows; ++row)
+        for (int column = 0; column < grid.columns; ++column) {
+            if (!raster.seen(row, column)) continue;
+            const Eigen::Vector3f color = raster.interpolate(mesh, colors, row, column);
+            for (int channel = 0; channel < 3; ++channel)
+                picture.at<cv::Vec3b>(row, column)[channel] =
+                    cv::saturate_cast<std::uint8_t>(color[channel]);
+        }
+    return picture;
+}
+
+cv::Mat draw_changes(const Mesh& b, const ChangeMap& map, const Changes& changes, double full_m) {
+    const cv::Mat under = draw_surface(b, map.grid);
+    cv::Mat picture(under.size(), CV_8UC3);
+    for (int row = 0; row < picture.rows; ++row)
+        for (int column = 0; column < picture.cols; ++column)
+            picture.at<cv::Vec3b>(row, column) =
+                cell_color(map, row, column, under.at<cv::Vec3b>(row, column), full_m);
+    outline(picture, changes, map.grid);
+    return picture;
+}
+
+std::string encode_png(const cv::Mat& picture) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".png", picture, bytes);
+    return {bytes.begin(), bytes.end()};
+}
+
+std::string encode_jpeg(const cv::Mat& picture, int longest_side_px) {
+    cv::Mat small = picture;
+    const double scale =
+        static_cast<double>(longest_side_px) / std::max(picture.rows, picture.cols);
+    if (scale < 1.0) cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
+    return {bytes.begin(), bytes.end()};
+}
+
+void write_difference(const std::filesystem::path& folder,
+                      const cv::Mat& picture,
+                      const ChangeMap& map,
+                      double full_m) {
+    cv::Mat heights(map.state.size(), CV_16U, cv::Scalar::all(0));
+    for (int row = 0; row < heights.rows; ++row)
+        for (int column = 0; column < heights.cols; ++column) {
+            const auto change = static_cast<double>(map.change_m.at<float>(row, column));
+            if (std::isnan(change) || map.at(row, column) == CellState::Hidden) continue;
+            heights.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
+                std::clamp(kZeroHeight + std::round(change / kHeightStep_m), 1.0, 65535.0));
+        }
+    const nlohmann::json description = {
+        {"frame", "world of the earlier dive (m, z up); columns run along +x, rows along -y"},
+        {"width_px", picture.cols},
+        {"height_px", picture.rows},
+        {"pixel_m", map.grid.cell_m},
+        {"corner_x_m", map.grid.corner_m.x()},
+        {"corner_y_m", map.grid.corner_m.y()},
+        {"color_file", "mosaic_difference.png"},
+        {"colors",
+         {{"grown", "white to blue, blue at full_change_m and more"},
+          {"lost", "white to red, red at -full_change_m and less"},
+          {"stable", "the later dive in grey"},
+          {"hidden", "orange lines: one dive did not look where the other has its surface"},
+          {"one dive alone", "pale"},
+          {"full_change_m", full_m}}},
+        {"change",
+         {{"file", "change_height.png"},
+          {"meaning",
+           "height of the later surface over the earlier one, m = (value - 32768) * step_m; value "
+           "0: not compared"},
+          {"step_m", kHeightStep_m}}}};
+    write_file(folder / "mosaic_difference.png", encode_png(picture));
+    write_file(folder / "change_height.png", encode_png(heights));
+    write_file(folder / "mosaic_difference.json", description.dump(2) + "\n");
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,225 @@
+#include "worker/compare/co_register.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kLeastAgreement = 0.6;
+constexpr double kLeastOverlap = 0.1;  // of the smaller surface
+constexpr double kLeastGround_m2 = 0.5;
+constexpr double kAmbiguous = 0.85;  // of the best one's agreement
+constexpr double kApart_m = 0.3;
+constexpr double kLeastRelief =
+    0.003;  // mean square of the normals' lean in the flattest direction
+constexpr double kGroundCell_m = 0.05;
+constexpr std::size_t kFitPoints = 20000;
+constexpr double kAfterFeatures_m = 0.12;
+constexpr double kAfterHeights_m = 0.35;
+
+using Column = std::pair<int, int>;
+
+// Points one a cube, the first of each, few enough.
+Mesh thinned(const Mesh& mesh, double spacing_m) {
+    for (double cube_m = 2.0 * spacing_m;; cube_m *= 1.25) {
+        std::set<std::array<int, 3>> cubes;
+        Mesh few;
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+            std::array<int, 3> cube{};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                cube[axis] = static_cast<int>(std::floor(
+                    static_cast<double>(mesh.vertices[i][static_cast<Eigen::Index>(axis)]) /
+                    cube_m));
+            if (!cubes.insert(cube).second) continue;
+            if (few.vertices.size() == kFitPoints) break;
+            few.vertices.push_back(mesh.vertices[i]);
+            few.normals.push_back(mesh.normals[i]);
+            if (!mesh.sigma_m.empty()) few.sigma_m.push_back(mesh.sigma_m[i]);
+        }
+        if (few.vertices.size() < kFitPoints) return few;
+    }
+}
+
+std::set<Column> ground_of(const Mesh& mesh) {
+    std::set<Column> ground;
+    for (const Eigen::Vector3f& p : mesh.vertices)
+        ground.emplace(static_cast<int>(std::floor(static_cast<double>(p.x()) / kGroundCell_m)),
+                       static_cast<int>(std::floor(static_cast<double>(p.y()) / kGroundCell_m)));
+    return ground;
+}
+
+Column column_of(const Eigen::Vector3d& p) {
+    return {static_cast<int>(std::floor(p.x() / kGroundCell_m)),
+            static_cast<int>(std::floor(p.y() / kGroundCell_m))};
+}
+
+double typical_sigma_m(const Mesh& mesh) {
+    if (mesh.sigma_m.empty()) return 0.0;
+    std::vector<float> sigma = mesh.sigma_m;
+    const auto middle = sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2);
+    std::nth_element(sigma.begin(), middle, sigma.end());
+    return static_cast<double>(*middle);
+}
+
+class Registrar {
+public:
+    Registrar(const Mesh& a, const Mesh& b, const CoRegisterOptions& options)
+        : options_(options),
+          a_(a),
+          few_b_(thinned(b, options.spacing_m)),
+          grid_a_(a.vertices, static_cast<float>(3.0 * options.spacing_m)),
+          grid_b_(few_b_.vertices, static_cast<float>(3.0 * options.spacing_m)),
+          ground_a_(ground_of(a)),
+          ground_b_m2_(area_m2(ground_of(b))),
+          tolerance_m_(std::max({0.015,
+                                 1.5 * options.spacing_m,
+                                 3.0 * std::hypot(typical_sigma_m(a), typical_sigma_m(b))})) {}
+
+    std::optional<Registration> fit(const FirstGuess& guess) const {
+        const bool coarse = guess.method == "geometry";
+        auto result =
+            register_surfaces(points_of(a_, grid_a_),
+                              points_of(few_b_, grid_b_),
+                              guess.T_a_b,
+                              {.tolerance_m = tolerance_m_,
+                               .largest_step_m = coarse ? kAfterHeights_m : kAfterFeatures_m,
+                               .num_threads = options_.num_threads});
+        if (!result) return std::nullopt;
+        result->method = guess.method;
+        judge(*result);
+        return result;
+    }
+
+    bool holds(const Registration& fit) const { return reason_against(fit).empty(); }
+
+    std::string reason_against(const Registration& fit) const {
+        char text[240] = "";
+        const double ground_m2 = fit.overlap * ground_b_m2_;
+        const double smaller_m2 = std::min(ground_b_m2_, area_m2(ground_a_));
+        if (ground_m2 < std::max(kLeastGround_m2, kLeastOverlap * smaller_m2))
+            std::snprintf(text,
+                          sizeof text,
+                          "they share %.2f m2 of ground, %.0f %% of the smaller one",
+                          ground_m2,
+                          100.0 * ground_m2 / std::max(1e-9, smaller_m2));
+        else if (fit.agreement < kLeastAgreement)
+            std::snprintf(text,
+                          sizeof text,
+                          "only %.0f %% of the ground they would share lies within %.0f mm",
+                          100.0 * fit.agreement,
+                          1e3 * fit.tolerance_m);
+        return text;
+    }
+
+    // Whether the shape of the ground alone holds b in its place.
+    bool has_relief() const {
+        Eigen::Matrix3d leans = Eigen::Matrix3d::Zero();
+        for (const Eigen::Vector3f& n : few_b_.normals) {
+            const Eigen::Vector3d normal = n.cast<double>();
+            leans += normal * normal.transpose();
+        }
+        leans /= static_cast<double>(std::max<std::size_t>(1, few_b_.normals.size()));
+        return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(leans).eigenvalues()(0) >
+               kLeastRelief;
+    }
+
+private:
+    static SurfacePoints points_of(const Mesh& mesh, const PointGrid& grid) {
+        return {mesh.vertices, mesh.normals, mesh.sigma_m, grid};
+    }
+    static double area_m2(const std::set<Column>& ground) {
+        return static_cast<double>(ground.size()) * kGroundCell_m * kGroundCell_m;
+    }
+
+    void judge(Registration& fit) const {
+        std::size_t num_over = 0;
+        std::size_t num_on = 0;
+        for (const Eigen::Vector3f& vertex : few_b_.vertices) {
+            const Eigen::Vector3d p = fit.T_a_b * vertex.cast<double>();
+            if (!ground_a_.contains(column_of(p))) continue;
+            ++num_over;
+            const auto nearest = grid_a_.nearest(
+                p.cast<float>(), static_cast<float>(tolerance_m_ + options_.spacing_m));
+            if (nearest && std::abs(a_.normals[*nearest].cast<double>().dot(
+                               p - a_.vertices[*nearest].cast<double>())) < tolerance_m_)
+                ++num_on;
+        }
+        fit.tolerance_m = tolerance_m_;
+        fit.overlap = static_cast<double>(num_over) /
+                      static_cast<double>(std::max<std::size_t>(1, few_b_.vertices.size()));
+        fit.agreement =
+            static_cast<double>(num_on) / static_cast<double>(std::max<std::size_t>(1, num_over));
+    }
+
+    const CoRegisterOptions& options_;
+    const Mesh& a_;
+    Mesh few_b_;
+    PointGrid grid_a_;
+    PointGrid grid_b_;
+    std::set<Column> ground_a_;
+    double ground_b_m2_;
+    double tolerance_m_;
+};
+
+[[noreturn]] void refuse(const std::string& reason) {
+    throw Error(ErrorCode::Conflict,
+                "the two reconstructions cannot be laid over each other: " + reason +
+                    ". Compare dives of the same place that share ground, or fix markers there "
+                    "that both dives see");
+}
+
+bool elsewhere(const Registration& p, const Registration& q) {
+    return (p.T_a_b * (q.T_a_b.inverse() * q.pivot) - q.pivot).norm() > kApart_m;
+}
+
+Registration fit_heights(const Registrar& registrar, const std::vector<FirstGuess>& guesses) {
+    if (!registrar.has_relief())
+        refuse(
+            "no features of the pictures agree, and the ground is too flat for its shape to tell "
+            "where it belongs");
+    std::vector<Registration> fits;
+    for (const FirstGuess& guess : guesses)
+        if (const auto fit = registrar.fit(guess)) fits.push_back(*fit);
+    std::ranges::stable_sort(fits, [&](const Registration& p, const Registration& q) {
+        const bool first = registrar.holds(p);
+        return first != registrar.holds(q) ? first : p.agreement > q.agreement;
+    });
+    if (fits.empty())
+        refuse("neither features of the pictures nor the shape of the ground agree anywhere");
+    const Registration& best = fits.front();
+    if (!registrar.holds(best)) refuse(registrar.reason_against(best));
+    for (const Registration& other : fits)
+        if (registrar.holds(other) && elsewhere(best, other) &&
+            other.agreement > kAmbiguous * best.agreement)
+            refuse("the ground fits in two places, and no features of the pictures tell which");
+    return best;
+}
+
+}  // namespace
+
+Registration co_register(const Mesh& a,
+                         const Mesh& b,
+                         const CoRegisterOptions& options,
+                         const ProgressShare& progress) {
+    const Registrar registrar(a, b, options);
+    progress.at(0.1);
+    for (const FirstGuess& guess : options.known)
+        if (const auto fit = registrar.fit(guess); fit && registrar.holds(*fit)) return *fit;
+    for (const FirstGuess& guess : guess_by_features(a, b, options.seed)) {
+        progress.at(0.4);
+        const auto fit = registrar.fit(guess);
+        if (fit && registrar.holds(*fit)) return *fit;
+    }
+    progress.at(0.5);
+    const auto guesses = guess_by_heights(a, b, options.num_threads);
+    progress.at(0.8);
+    return fit_heights(registrar, guesses);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "worker/compare/first_guess.hpp"
+#include "worker/compare/register_surfaces.hpp"
+#include "worker/parallel.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+struct CoRegisterOptions {
+    double spacing_m = 0.01;  // of the vertices
+    int num_threads = 0;
+    std::uint64_t seed = 1;
+    std::vector<FirstGuess> known = {};  // tried before anything is searched for: of markers
+};
+
+// Finds where b lies in a's frame with nothing known but the vertical, fits stable surface to
+// stable surface and checks the outcome. Throws Error{Conflict} that says what fell short when the
+// surfaces do not lie on each other, share too little ground, or would do so in another place as
+// well.
+Registration co_register(const Mesh& a,
+                         const Mesh& b,
+                         const CoRegisterOptions& options,
+                         const ProgressShare& progress);
+
+}  // namespace divemesh::worker

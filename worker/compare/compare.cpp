@@ -1,0 +1,239 @@
+#include "worker/compare/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "schemas/error.hpp"
+#include "worker/compare/change_pictures.hpp"
+#include "worker/compare/changed_mesh.hpp"
+#include "worker/compare/co_register.hpp"
+#include "worker/compare/compare_document.hpp"
+#include "worker/compare/compare_report.hpp"
+#include "worker/output/atomic_file.hpp"
+#include "worker/output/mesh_check.hpp"
+#include "worker/parallel.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kFinestCell_m = 0.005;
+constexpr std::int64_t kMostCells = 40'000'000;
+
+void check_range(const char* name, double value, double low, double high) {
+    if (value == 0.0 || (value >= low && value <= high)) return;
+    throw Error(ErrorCode::InvalidArgument,
+                std::string(name) + " is " + std::to_string(value) + ": choose " +
+                    std::to_string(low) + " to " + std::to_string(high) + ", or 0");
+}
+
+void check(const CompareRequest& request) {
+    const CompareOptions& options = request.options;
+    check_range("cell_m", options.cell_m, 0.001, 1.0);
+    check_range("normal_scale_m", options.normal_scale_m, 0.002, 10.0);
+    check_range("cylinder_m", options.cylinder_m, 0.002, 10.0);
+    check_range("reach_m", options.reach_m, 0.01, 10.0);
+    check_range("least_area_m2", options.least_area_m2, 1e-6, 100.0);
+    if (request.out.empty())
+        throw Error(ErrorCode::InvalidArgument, "no folder to write the comparison to: name one");
+}
+
+Mesh surface_of(const ReconstructionFolder& folder) {
+    if (!folder.has_surface())
+        throw Error(ErrorCode::BadData,
+                    folder.path().string() +
+                        " has no mesh.ply: it was reconstructed without its surface; reconstruct "
+                        "it again with surface=true");
+    Mesh mesh = folder.mesh();
+    if (mesh.triangles.empty())
+        throw Error(ErrorCode::BadData,
+                    (folder.path() / "mesh.ply").string() +
+                        " has no triangle: the dive saw no surface, there is nothing to compare");
+    mesh.normals = unit_normals(mesh);
+    return mesh;
+}
+
+CompareOptions settled(CompareOptions options, const Mesh& a, const Mesh& b) {
+    if (options.cell_m == 0.0)
+        options.cell_m = std::max({kFinestCell_m, mean_edge_m(a), mean_edge_m(b)});
+    if (options.normal_scale_m == 0.0) options.normal_scale_m = 8.0 * options.cell_m;
+    if (options.cylinder_m == 0.0) options.cylinder_m = 4.0 * options.cell_m;
+    if (options.least_area_m2 == 0.0)
+        options.least_area_m2 = 4.0 * 0.785 * options.cylinder_m * options.cylinder_m;
+    return options;
+}
+
+void move(Mesh& mesh, const Eigen::Isometry3d& T) {
+    const Eigen::Matrix3f R = T.linear().cast<float>();
+    for (Eigen::Vector3f& p : mesh.vertices) p = (T * p.cast<double>()).cast<float>();
+    for (Eigen::Vector3f& n : mesh.normals) n = (R * n).normalized();
+}
+
+std::optional<Views> views_in(const std::filesystem::path& folder, const Eigen::Isometry3d& T) {
+    auto views = read_views(folder);
+    if (views)
+        for (Eigen::Isometry3d& T_cam_world : views->T_cam_world)
+            T_cam_world = T_cam_world * T.inverse();
+    return views;
+}
+
+float quantile(std::vector<float>& values, double share) {
+    if (values.empty()) return 0.0F;
+    const auto at = values.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+// Levels of detection that most of the ground exceeds are too low: most of the ground is stable.
+double widening(const std::vector<M3c2Distance>& distances) {
+    std::vector<float> ratios;
+    for (const M3c2Distance& distance : distances)
+        if (distance.known()) ratios.push_back(std::abs(distance.distance_m) / distance.lod95_m);
+    const auto median = static_cast<double>(quantile(ratios, 0.5)) / (0.6745 / 1.96);
+    const auto most = static_cast<double>(quantile(ratios, 0.8)) / (1.2816 / 1.96);
+    return std::max({1.0, median, most});
+}
+
+struct Distances {
+    std::vector<M3c2Distance> of_a;
+    std::vector<M3c2Distance> of_b;
+    double widened = 1.0;
+};
+
+Distances measure(const Mesh& a,
+                  const Mesh& b,
+                  const Registration& registration,
+                  const CompareOptions& options,
+                  int num_threads,
+                  const ProgressShare& progress) {
+    const auto cube_m = static_cast<float>(options.cylinder_m);
+    const PointGrid grid_a(a.vertices, cube_m);
+    const PointGrid grid_b(b.vertices, cube_m);
+    const SurfacePoints points_a{a.vertices, a.normals, a.sigma_m, grid_a};
+    const SurfacePoints points_b{b.vertices, b.normals, b.sigma_m, grid_b};
+    const M3c2Options m3c2{
+        .normal_scale_m = static_cast<float>(options.normal_scale_m),
+        .cylinder_m = cube_m,
+        .reach_m = static_cast<float>(options.reach_m),
+        .independent_m = cube_m,  // one cylinder is seen through one patch of the pictures
+        .registration95_m = [&](const Eigen::Vector3f& p, const Eigen::Vector3f& n) {
+            return static_cast<float>(1.96 *
+                                      registration.sigma_m(p.cast<double>(), n.cast<double>()));
+        }};
+    Distances distances;
+    progress.at(0.1);
+    distances.of_b = m3c2_distances(points_b, points_a, points_b, m3c2, num_threads);
+    progress.at(0.5);
+    distances.of_a = m3c2_distances(points_a, points_a, points_b, m3c2, num_threads);
+    distances.widened = widening(distances.of_b);
+    for (auto* some : {&distances.of_a, &distances.of_b})
+        for (M3c2Distance& distance : *some)
+            distance.lod95_m *= static_cast<float>(distances.widened);
+    return distances;
+}
+
+DistanceSummary summarise(const Distances& distances) {
+    DistanceSummary summary{.num = distances.of_b.size(), .widened = distances.widened};
+    std::vector<float> values;
+    std::vector<float> sizes;
+    std::vector<float> levels;
+    for (const M3c2Distance& distance : distances.of_b) {
+        if (!distance.known()) continue;
+        values.push_back(distance.distance_m);
+        sizes.push_back(std::abs(distance.distance_m));
+        levels.push_back(distance.lod95_m);
+    }
+    summary.num_known = values.size();
+    summary.median_m = static_cast<double>(quantile(values, 0.5));
+    summary.median_abs_m = static_cast<double>(quantile(sizes, 0.5));
+    summary.median_lod95_m = static_cast<double>(quantile(levels, 0.5));
+    return summary;
+}
+
+struct Pair {
+    ReconstructionFolder folder_a;
+    ReconstructionFolder folder_b;
+    Mesh a;
+    Mesh b;
+};
+
+Pair read(const CompareRequest& request) {
+    Pair pair{ReconstructionFolder(request.a), ReconstructionFolder(request.b), {}, {}};
+    pair.a = surface_of(pair.folder_a);
+    pair.b = surface_of(pair.folder_b);
+    return pair;
+}
+
+void write_results(const std::filesystem::path& folder,
+                   const Pair& pair,
+                   const std::vector<M3c2Distance>& distances,
+                   const ChangeMap& map,
+                   const Changes& changes,
+                   const nlohmann::json& document) {
+    std::filesystem::create_directories(folder);
+    const double full_m = full_change_m(map);
+    const cv::Mat difference = draw_changes(pair.b, map, changes, full_m);
+    write_difference(folder, difference, map, full_m);
+    write_changed_mesh(folder / "changed_mesh.ply", pair.b, distances, full_m);
+    write_file(folder / "report.html",
+               compare_report({document,
+                               draw_surface(pair.a, map.grid),
+                               draw_surface(pair.b, map.grid),
+                               difference,
+                               full_m}));
+    write_file(folder / "compare.json", document.dump(2) + "\n");
+}
+
+}  // namespace
+
+nlohmann::json compare_reconstructions(const CompareRequest& request,
+                                       const ProgressCallback& report) {
+    check(request);
+    const auto stage = [&](const char* name, double begin, double end) {
+        const ProgressShare share{name, begin, end, report};
+        share.at(0.0);
+        return share;
+    };
+    const int threads = request.num_threads;
+    const auto registering = stage("register", 0.0, 0.4);
+    Pair pair = read(request);
+    CompareOptions options = settled(request.options, pair.a, pair.b);
+    const Registration registration =
+        co_register(pair.a,
+                    pair.b,
+                    {.spacing_m = options.cell_m,
+                     .num_threads = threads,
+                     .seed = request.seed,
+                     .known = guess_by_markers(marker_positions(pair.folder_a),
+                                               marker_positions(pair.folder_b))},
+                    registering);
+    move(pair.b, registration.T_a_b);
+    const Distances distances =
+        measure(pair.a, pair.b, registration, options, threads, stage("measure", 0.4, 0.7));
+    const auto changing = stage("change", 0.7, 0.85);
+    const auto views_a = views_in(request.a, Eigen::Isometry3d::Identity());
+    const auto views_b = views_in(request.b, registration.T_a_b);
+    const RasterGrid grid = grid_over(pair.a, pair.b, options.cell_m, kMostCells);
+    options.cell_m = grid.cell_m;
+    ChangeMap map = map_changes({pair.a, distances.of_a, views_a},
+                                {pair.b, distances.of_b, views_b},
+                                registration,
+                                grid,
+                                threads);
+    changing.at(0.8);
+    const Changes changes = gather_changes(
+        map, {.least_area_m2 = options.least_area_m2, .margin_m = options.cylinder_m});
+    stage("write", 0.85, 1.0);
+    nlohmann::json document = compare_document({pair.folder_a,
+                                                pair.folder_b,
+                                                options,
+                                                registration,
+                                                summarise(distances),
+                                                map,
+                                                changes,
+                                                views_a && views_b});
+    write_results(request.out, pair, distances.of_b, map, changes, document);
+    return document;
+}
+
+}  // namespace divemesh::worker

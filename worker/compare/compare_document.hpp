@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "worker/compare/change_patches.hpp"
+#include "worker/compare/compare.hpp"
+#include "worker/output/reconstruction_folder.hpp"
+
+namespace divemesh::worker {
+
+// What the M3C2 distances of b's vertices say as a whole.
+struct DistanceSummary {
+    std::size_t num = 0;        // vertices of b
+    std::size_t num_known = 0;  // that have a's surface before or behind them
+    double median_m = 0.0;
+    double median_abs_m = 0.0;
+    double median_lod95_m = 0.0;
+    double widened = 1.0;  // what levels of detection were multiplied by, to hold on stable ground
+};
+
+struct ComparisonResult {
+    const ReconstructionFolder& a;
+    const ReconstructionFolder& b;
+    const CompareOptions& options;  // as used: nothing left at 0
+    const Registration& registration;
+    const DistanceSummary& distances;
+    const ChangeMap& map;
+    const Changes& changes;
+    bool visibility_checked = true;
+};
+
+// compare.json (schemas/compare.schema.json).
+nlohmann::json compare_document(const ComparisonResult& result);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,183 @@
+#include "worker/compare/compare_report.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "schemas/base64.hpp"
+#include "worker/compare/change_pictures.hpp"
+#include "worker/metrics/svg_plot.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kPictureSide_px = 1100;
+
+constexpr char kStyle[] = R"(
+body{font:15px/1.5 system-ui,sans-serif;color:#1b2a33;max-width:1180px;margin:2rem auto;padding:0 1rem}
+h1{font-size:1.5rem;margin:0}h2{font-size:1.1rem;margin:1.6rem 0 .4rem}.sub{color:#5b6b75}
+.row{display:flex;flex-wrap:wrap;gap:1.5rem;align-items:flex-start}.row>*{flex:1 1 340px;min-width:0}
+table{border-collapse:collapse;width:100%}td,th{padding:.22rem .6rem;border-bottom:1px solid #dfe6ea;text-align:left;vertical-align:top}
+td.value{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+svg{width:100%;height:auto;border:1px solid #dfe6ea;border-radius:4px}svg text{font:11px system-ui,sans-serif;fill:#415059}
+svg .title{font-size:13px;font-weight:600;fill:#1b2a33}svg .grid{stroke:#e4eaee}
+img{max-width:100%;border:1px solid #dfe6ea;border-radius:4px;background:#fff}
+.grown{color:#2166ac}.lost{color:#b2182b}
+.scale{height:14px;border-radius:3px;background:linear-gradient(90deg,#b2182b,#f7f7f7,#2166ac)}
+.ends{display:flex;justify-content:space-between;font-size:13px;color:#415059})";
+
+std::string number(double value, int digits) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    return text;
+}
+
+double at(const json& document, const char* path) {
+    return document.at(json::json_pointer(path)).get<double>();
+}
+
+// A volume in litres or an area in cm2 with its bounds.
+std::string bounds(const json& interval, double factor, int digits) {
+    return number(factor * interval.at("value").get<double>(), digits) + " (" +
+           number(factor * interval.at("low").get<double>(), digits) + " to " +
+           number(factor * interval.at("high").get<double>(), digits) + ")";
+}
+
+std::string row(const std::string& name, const std::string& value) {
+    return "<tr><td>" + escape_html(name) + "</td><td class=\"value\">" + escape_html(value) +
+           "</td></tr>";
+}
+
+std::string picture(const std::string& title, const std::string& data) {
+    return "<section><h2>" + escape_html(title) + "</h2><img alt=\"" + escape_html(title) +
+           "\" src=\"data:image/" + data + "\"></section>";
+}
+
+std::string jpeg(const cv::Mat& image) {
+    return "jpeg;base64," + encode_base64(encode_jpeg(image, kPictureSide_px));
+}
+
+std::string totals(const json& document) {
+    std::string html = "<section><h2>What changed</h2><table>";
+    for (const char* kind : {"grown", "lost"}) {
+        const json& total = document.at(kind);
+        const std::string name(kind);
+        html += row(name + ", patches", std::to_string(total.at("num_patches").get<int>()));
+        html += row(name + ", volume, litres (95 %)", bounds(total.at("volume_m3"), 1e3, 2));
+        html += row(name + ", area, cm² (95 %)", bounds(total.at("area_m2"), 1e4, 0));
+    }
+    html += row("rest: rise less fall, litres (95 %)",
+                bounds(document.at("rest").at("volume_m3"), 1e3, 2));
+    html += row("rest: beyond its level of detection",
+                number(100.0 * at(document, "/rest/beyond_share"), 1) + " %");
+    return html + "</table></section>";
+}
+
+std::string ground(const json& document) {
+    std::string html = "<section><h2>What was compared</h2><table>";
+    html += row("seen by both", number(at(document, "/ground/both_m2"), 2) + " m²");
+    html += row("by the earlier dive alone", number(at(document, "/ground/only_a_m2"), 2) + " m²");
+    html += row("by the later dive alone", number(at(document, "/ground/only_b_m2"), 2) + " m²");
+    html += row("hidden from one of them", number(at(document, "/ground/hidden_m2"), 2) + " m²");
+    html += row("level of detection, median",
+                number(1e3 * at(document, "/distances/median_lod95_m"), 1) + " mm");
+    html +=
+        row("M3C2 distance, median", number(1e3 * at(document, "/distances/median_m"), 2) + " mm");
+    html += row("M3C2 distance, median size",
+                number(1e3 * at(document, "/distances/median_abs_m"), 2) + " mm");
+    html += row("cell, cylinder, normals over",
+                number(1e3 * at(document, "/options/cell_m"), 1) + ", " +
+                    number(1e3 * at(document, "/options/cylinder_m"), 0) + ", " +
+                    number(1e3 * at(document, "/options/normal_scale_m"), 0) + " mm");
+    return html + "</table></section>";
+}
+
+std::string registration(const json& document) {
+    const json& fit = document.at("registration");
+    std::string html = "<section><h2>How they were laid over each other</h2><table>";
+    html += row("found by", fit.at("method").get<std::string>());
+    html += row("of the later dive over ground of the earlier",
+                number(100.0 * at(fit, "/overlap"), 0) + " %");
+    html += row("of that within " + number(1e3 * at(fit, "/tolerance_m"), 0) + " mm",
+                number(100.0 * at(fit, "/agreement"), 0) + " %");
+    html +=
+        row("residual on stable surface, RMS", number(1e3 * at(fit, "/residual_rms_m"), 2) + " mm");
+    html += row("uncertainty (95 %), x, y, z",
+                number(1e3 * at(fit, "/uncertainty95/x_m"), 2) + ", " +
+                    number(1e3 * at(fit, "/uncertainty95/y_m"), 2) + ", " +
+                    number(1e3 * at(fit, "/uncertainty95/z_m"), 2) + " mm");
+    html += row("uncertainty (95 %), tilt, heading",
+                number(at(fit, "/uncertainty95/tilt_deg"), 3) + "°, " +
+                    number(at(fit, "/uncertainty95/heading_deg"), 3) + "°");
+    html += row("patches that err independently", std::to_string(fit.at("num_patches").get<int>()));
+    return html + "</table></section>";
+}
+
+std::string patches(const json& document) {
+    if (document.at("patches").empty())
+        return "<p>No patch of ground rose or sank beyond its level of detection.</p>";
+    std::string html =
+        "<table><tr><th>patch</th><th></th><th>volume, litres (95 %)</th><th>area, cm² "
+        "(95 %)</th><th>mean, largest change</th><th>at x, y</th><th>hidden beside it</th></tr>";
+    for (const json& patch : document.at("patches")) {
+        const auto kind = patch.at("kind").get<std::string>();
+        html += "<tr><td>" + std::to_string(patch.at("number").get<int>()) + "</td><td class=\"" +
+                kind + "\">" + kind + "</td><td>" + bounds(patch.at("volume_m3"), 1e3, 2) +
+                "</td><td>" + bounds(patch.at("area_m2"), 1e4, 0) + "</td><td>" +
+                number(1e3 * at(patch, "/mean_change_m"), 0) + ", " +
+                number(1e3 * at(patch, "/largest_change_m"), 0) + " mm</td><td>" +
+                number(at(patch, "/center_m/0"), 2) + ", " + number(at(patch, "/center_m/1"), 2) +
+                " m</td><td>" + number(1e4 * at(patch, "/hidden_m2"), 0) + " cm²</td></tr>";
+    }
+    return html + "</table>";
+}
+
+Plot noise_plot(const json& document) {
+    PlotLine measured{"measured on stable ground", "#0b6fa4", {}, {}};
+    PlotLine independent{"if cells erred independently", "#9aa7af", {}, {}};
+    for (const json& step : document.at("noise")) {
+        const double side_m = step.at("side_m").get<double>();
+        measured.x.push_back(side_m);
+        measured.y.push_back(step.at("sigma").get<double>());
+        independent.x.push_back(side_m);
+        independent.y.push_back(measured.y.front() * measured.x.front() / side_m);
+    }
+    return {"Error of a mean change",
+            "side of the area, m",
+            "in units of a cell's sigma",
+            {measured, independent}};
+}
+
+std::string title_of(const json& dive) {
+    const auto name = dive.at("name").get<std::string>();
+    return name.empty() ? "dive " + dive.at("content_sha256").get<std::string>().substr(0, 12)
+                        : name;
+}
+
+}  // namespace
+
+std::string compare_report(const CompareReportInput& input) {
+    const json& document = input.document;
+    const std::string title = title_of(document.at("a")) + " → " + title_of(document.at("b"));
+    const std::string full = number(1e3 * input.full_change_m, 0) + " mm";
+    return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
+           escape_html(title) + "</title><style>" + kStyle + "</style></head><body><h1>" +
+           escape_html(title) +
+           "</h1><p class=\"sub\">What changed between two dives of one place. Blue rose, red "
+           "sank; "
+           "only where both dives saw the ground, and only beyond the level of detection. Volumes "
+           "are those between the two surfaces as seen from above.</p>" +
+           picture("Change", jpeg(input.difference)) +
+           "<div class=\"scale\"></div><div class=\"ends\"><span>" + full +
+           " lost</span><span>0</span><span>" + full +
+           " grown</span></div><p class=\"sub\">Grey: the later dive, no change. Pale: seen by one "
+           "dive alone. Orange lines: one dive did not look where the other has its "
+           "surface.</p><div class=\"row\">" +
+           totals(document) + ground(document) + "</div><h2>Patches</h2>" + patches(document) +
+           "<div class=\"row\">" + picture("Earlier dive", jpeg(input.surface_a)) +
+           picture("Later dive", jpeg(input.surface_b)) + "</div><div class=\"row\">" +
+           registration(document) + svg_plot(noise_plot(document)) + "</div></body></html>\n";
+}
+
+}  // namespace divemesh::worker

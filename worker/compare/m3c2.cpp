@@ -1,0 +1,121 @@
+#include "worker/compare/m3c2.hpp"
+
+#include <numbers>
+
+#include "worker/parallel.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kSlice = 4096;  // cores a thread takes at a time
+
+struct Layer {
+    std::size_t num = 0;
+    double mean_m = 0.0;       // along the normal, from the core
+    double variance_m2 = 0.0;  // of one point
+};
+
+struct Along {
+    double place_m;
+    double sigma_m;
+};
+
+Eigen::Vector3f mean_normal(const SurfacePoints& surface, std::size_t core, float scale_m) {
+    const Eigen::Vector3f& p = surface.points[core];
+    const float radius_squared = 0.25F * scale_m * scale_m;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    surface.grid.near_segment(p, p, 0.5F * scale_m, [&](std::uint32_t i) {
+        if ((surface.points[i] - p).squaredNorm() <= radius_squared) sum += surface.normals[i];
+    });
+    return sum.norm() > 0.0F ? Eigen::Vector3f(sum.normalized()) : surface.normals[core];
+}
+
+// The mean of what lies within half a width of where the layer was thought, twice.
+Layer layer_about(const std::vector<Along>& points, double place_m, double half_width_m) {
+    Layer layer;
+    for (int round = 0; round < 2; ++round) {
+        layer = {};
+        double sum = 0.0;
+        double squares = 0.0;
+        double variances = 0.0;
+        for (const auto& [along, sigma] : points) {
+            const double from = along - place_m;
+            if (std::abs(from) > half_width_m) continue;
+            ++layer.num;
+            sum += from;
+            squares += from * from;
+            variances += sigma * sigma;
+        }
+        if (layer.num == 0) return layer;
+        const auto num = static_cast<double>(layer.num);
+        const double mean = sum / num;
+        layer.mean_m = place_m + mean;
+        const double spread = layer.num > 1 ? (squares - num * mean * mean) / (num - 1.0) : 0.0;
+        layer.variance_m2 = std::max(spread, variances / num);
+        place_m = layer.mean_m;
+    }
+    return layer;
+}
+
+Layer layer_of(const SurfacePoints& surface,
+               const Eigen::Vector3f& p,
+               const Eigen::Vector3f& normal,
+               const M3c2Options& options,
+               std::vector<Along>& points) {
+    const float radius = 0.5F * options.cylinder_m;
+    points.clear();
+    double nearest = std::numeric_limits<double>::infinity();
+    surface.grid.near_segment(
+        p - options.reach_m * normal, p + options.reach_m * normal, radius, [&](std::uint32_t i) {
+            const Eigen::Vector3f from = surface.points[i] - p;
+            const float along = from.dot(normal);
+            if (std::abs(along) > options.reach_m ||
+                from.squaredNorm() - along * along > radius * radius ||
+                surface.normals[i].dot(normal) <= 0.0F)
+                return;
+            const float sigma = surface.sigma_m.empty() ? 0.0F : surface.sigma_m[i];
+            points.push_back({static_cast<double>(along), static_cast<double>(sigma)});
+            if (std::abs(points.back().place_m) < std::abs(nearest))
+                nearest = points.back().place_m;
+        });
+    if (points.empty()) return {};
+    return layer_about(points, nearest, static_cast<double>(options.cylinder_m));
+}
+
+double num_independent(std::size_t num, const M3c2Options& options) {
+    const auto points = static_cast<double>(num);
+    if (options.independent_m <= 0.0F) return points;
+    const auto ratio = static_cast<double>(options.cylinder_m / options.independent_m);
+    return std::min(points, std::max(1.0, 0.25 * std::numbers::pi * ratio * ratio));
+}
+
+}  // namespace
+
+std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
+                                         const SurfacePoints& a,
+                                         const SurfacePoints& b,
+                                         const M3c2Options& options,
+                                         int num_threads) {
+    std::vector<M3c2Distance> distances(core.points.size());
+    for_each_index(num_threads, (distances.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+        std::vector<Along> points;
+        for (std::size_t i = slice * kSlice; i < std::min(distances.size(), (slice + 1) * kSlice);
+             ++i) {
+            const Eigen::Vector3f& p = core.points[i];
+            const Eigen::Vector3f normal = mean_normal(core, i, options.normal_scale_m);
+            const Layer of_a = layer_of(a, p, normal, options, points);
+            if (of_a.num < options.min_points) continue;
+            const Layer of_b = layer_of(b, p, normal, options, points);
+            if (of_b.num < options.min_points) continue;
+            distances[i].distance_m = static_cast<float>(of_b.mean_m - of_a.mean_m);
+            const double variance = of_a.variance_m2 / num_independent(of_a.num, options) +
+                                    of_b.variance_m2 / num_independent(of_b.num, options);
+            distances[i].lod95_m =
+                static_cast<float>(1.96 * std::sqrt(variance)) +
+                (options.registration95_m ? options.registration95_m(p, normal) : 0.0F);
+        }
+    });
+    return distances;
+}
+
+}  // namespace divemesh::worker

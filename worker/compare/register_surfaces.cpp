@@ -1,0 +1,194 @@
+#include "worker/compare/register_surfaces.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "worker/geometry/rotation_vector.hpp"
+#include "worker/parallel.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+constexpr float kSameSide = 0.5F;  // cosine between normals of partners
+constexpr double kTukey = 4.685;   // 95 % efficient for normal errors
+constexpr double kLeastScale_m = 5e-4;
+constexpr double kSettled_m = 1e-5;
+constexpr std::size_t kFewest = 100;  // partners
+constexpr int kMostRounds = 40;
+
+struct Partner {
+    bool found = false;
+    Eigen::Vector3d p;  // of b, in a's frame
+    Eigen::Vector3d normal;
+    double residual_m = 0.0;  // of b outside of a
+    double sigma_m = 0.0;     // of both
+};
+
+double sigma_of(const SurfacePoints& surface, std::size_t i) {
+    return surface.sigma_m.empty() ? 0.0 : static_cast<double>(surface.sigma_m[i]);
+}
+
+std::vector<Partner> find_partners(const SurfacePoints& a,
+                                   const SurfacePoints& b,
+                                   const Eigen::Isometry3d& T_a_b,
+                                   double reach_m,
+                                   int num_threads) {
+    std::vector<Partner> partners(b.points.size());
+    constexpr std::size_t kSlice = 1024;
+    for_each_index(num_threads, (partners.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+        for (std::size_t i = slice * kSlice; i < std::min(partners.size(), (slice + 1) * kSlice);
+             ++i) {
+            Partner& partner = partners[i];
+            partner.p = T_a_b * b.points[i].cast<double>();
+            const auto nearest =
+                a.grid.nearest(partner.p.cast<float>(), static_cast<float>(reach_m));
+            if (!nearest) continue;
+            const Eigen::Vector3f normal =
+                (T_a_b.linear() * b.normals[i].cast<double>()).cast<float>();
+            if (a.normals[*nearest].dot(normal) < kSameSide) continue;
+            partner.found = true;
+            partner.normal = a.normals[*nearest].cast<double>();
+            partner.residual_m = partner.normal.dot(partner.p - a.points[*nearest].cast<double>());
+            partner.sigma_m = std::hypot(sigma_of(a, *nearest), sigma_of(b, i));
+        }
+    });
+    return partners;
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// Standard deviation of what is normal among the residuals.
+double robust_scale(const std::vector<Partner>& partners) {
+    std::vector<double> sizes;
+    for (const Partner& partner : partners)
+        if (partner.found) sizes.push_back(std::abs(partner.residual_m));
+    return sizes.empty() ? 0.0 : std::max(kLeastScale_m, 1.4826 * median(std::move(sizes)));
+}
+
+struct Fit {
+    Matrix6d information = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    std::map<std::array<int, 3>, Vector6d> patches;  // gradients by patch
+    double squares = 0.0;
+    double weights = 0.0;
+    std::size_t num_used = 0;
+};
+
+Fit linearise(const std::vector<Partner>& partners,
+              double scale_m,
+              const Eigen::Vector3d& pivot,
+              double patch_m) {
+    Fit fit;
+    for (const Partner& partner : partners) {
+        if (!partner.found) continue;
+        const double u = partner.residual_m / (kTukey * std::hypot(scale_m, partner.sigma_m));
+        if (std::abs(u) >= 1.0) continue;
+        const double biweight = (1.0 - u * u) * (1.0 - u * u);
+        const double variance = scale_m * scale_m + partner.sigma_m * partner.sigma_m;
+        const double weight = biweight * scale_m * scale_m / variance;
+        Vector6d row;
+        row << (partner.p - pivot).cross(partner.normal), partner.normal;
+        fit.information += weight * row * row.transpose();
+        const Vector6d pull = weight * partner.residual_m * row;
+        fit.gradient += pull;
+        fit.squares += weight * partner.residual_m * partner.residual_m;
+        fit.weights += weight;
+        fit.num_used += biweight > 0.25;
+        std::array<int, 3> patch{};
+        for (int axis = 0; axis < 3; ++axis)
+            patch[static_cast<std::size_t>(axis)] =
+                static_cast<int>(std::floor(partner.p[axis] / patch_m));
+        patch[2] = 0;  // columns: what hangs over the same ground was seen by the same views
+        fit.patches.try_emplace(patch, Vector6d::Zero()).first->second += pull;
+    }
+    return fit;
+}
+
+// Directions that the surface leaves open (a plane's turn about its normal) are left as they are.
+Vector6d solve(const Fit& fit) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
+    const Vector6d values = solver.eigenvalues();
+    Vector6d inverse;
+    for (int i = 0; i < 6; ++i) inverse[i] = values[i] > 1e-9 * values[5] ? 1.0 / values[i] : 0.0;
+    return -(solver.eigenvectors() *
+             (inverse.asDiagonal() * (solver.eigenvectors().transpose() * fit.gradient)));
+}
+
+Matrix6d sandwich(const Fit& fit) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
+    Vector6d inverse;
+    for (int i = 0; i < 6; ++i)
+        inverse[i] = 1.0 / std::max(solver.eigenvalues()[i], 1e-9 * solver.eigenvalues()[5]);
+    const Matrix6d bread =
+        solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+    Matrix6d meat = Matrix6d::Zero();
+    for (const auto& [patch, pull] : fit.patches) meat += pull * pull.transpose();
+    const auto num = static_cast<double>(fit.patches.size());
+    return num / std::max(1.0, num - 6.0) * bread * meat * bread;
+}
+
+Eigen::Isometry3d moved(const Eigen::Isometry3d& T_a_b,
+                        const Vector6d& step,
+                        const Eigen::Vector3d& pivot) {
+    Eigen::Isometry3d move = Eigen::Isometry3d::Identity();
+    move.linear() = rotation_from_vector(step.head<3>()).toRotationMatrix();
+    move.translation() = pivot - move.linear() * pivot + step.tail<3>();
+    return move * T_a_b;
+}
+
+Eigen::Vector3d middle(const std::vector<Partner>& partners) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double num = 0.0;
+    for (const Partner& partner : partners)
+        if (partner.found) {
+            sum += partner.p;
+            num += 1.0;
+        }
+    return num > 0.0 ? Eigen::Vector3d(sum / num) : sum;
+}
+
+}  // namespace
+
+double Registration::sigma_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
+    Vector6d row;
+    row << (p - pivot).cross(direction), direction;
+    return std::sqrt(std::max(0.0, row.dot(covariance * row)));
+}
+
+std::optional<Registration> register_surfaces(const SurfacePoints& a,
+                                              const SurfacePoints& b,
+                                              const Eigen::Isometry3d& T_a_b_guess,
+                                              const IcpOptions& options) {
+    Registration result;
+    result.T_a_b = T_a_b_guess;
+    double reach_m = options.largest_step_m;
+    for (int round = 0; round < kMostRounds; ++round) {
+        const auto partners = find_partners(a, b, result.T_a_b, reach_m, options.num_threads);
+        const auto num_found = static_cast<std::size_t>(
+            std::ranges::count_if(partners, [](const Partner& p) { return p.found; }));
+        if (num_found < kFewest) return std::nullopt;
+        const double scale_m = robust_scale(partners);
+        result.pivot = middle(partners);
+        const Fit fit = linearise(partners, scale_m, result.pivot, options.patch_m);
+        const Vector6d step = solve(fit);
+        result.covariance = sandwich(fit);
+        result.num_patches = fit.patches.size();
+        result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
+        result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);
+        result.T_a_b = moved(result.T_a_b, step, result.pivot);
+        const double least = std::max(3.0 * options.tolerance_m, 5.0 * scale_m);
+        if (step.tail<3>().norm() < kSettled_m && reach_m <= least) break;
+        reach_m = std::max(least, 0.8 * reach_m);
+    }
+    return result;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::worker {
+
+// Square cells of the horizontal plane. Row 0 is north (largest y), column 0 west; cell (0, 0) has
+// its outer corner at `corner_m`.
+struct RasterGrid {
+    double cell_m = 0.01;
+    Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();  // x of the west, y of the north side
+    int rows = 1;
+    int columns = 1;
+
+    Eigen::Vector2d center(int row, int column) const {
+        return corner_m + cell_m * Eigen::Vector2d(column + 0.5, -(row + 0.5));
+    }
+};
+
+// The highest surface of a mesh over each cell's centre.
+struct SurfaceRaster {
+    cv::Mat height_m;  // CV_32F, z; NaN where there is nothing
+    cv::Mat triangle;  // CV_32S; -1 where there is nothing
+    cv::Mat weights;   // CV_32FC2: of the triangle's second and third corner
+
+    bool seen(int row, int column) const { return triangle.at<int>(row, column) >= 0; }
+    // Of a value per vertex, where something was seen.
+    template <typename Value>
+    Value interpolate(const Mesh& mesh,
+                      const std::vector<Value>& values,
+                      int row,
+                      int column) const {
+        const auto& corners =
+            mesh.triangles[static_cast<std::size_t>(triangle.at<int>(row, column))];
+        const auto& weight = weights.at<cv::Vec2f>(row, column);
+        return (1.0F - weight[0] - weight[1]) * values[corners[0]] +
+               weight[0] * values[corners[1]] + weight[1] * values[corners[2]];
+    }
+};
+
+// A grid over the bounds of both meshes, with coarser cells where it would have more than
+// `max_cells`.
+RasterGrid grid_over(const Mesh& a, const Mesh& b, double cell_m, std::int64_t max_cells);
+
+SurfaceRaster rasterise(const Mesh& mesh, const RasterGrid& grid);
+
+double mean_edge_m(const Mesh& mesh);  // 0 without triangles
+
+}  // namespace divemesh::worker
