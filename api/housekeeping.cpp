@@ -4,10 +4,12 @@
 #include <spdlog/spdlog.h>
 
 #include "api/disk_reserve.hpp"
+#include "api/make_truth.hpp"
 #include "api/sensor_desk.hpp"
 #include "storage//dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
+#include "storage/schedule_store.hpp"
 #include "storage/sensor_store.hpp"
 #include "storage/webhook_store.hpp"
 
@@ -51,6 +53,7 @@ void clean_up(const Services& services) {
     auto& catalog = services.catalog;
     attempt("reserve", services, [&] { services.reserve.hold(services.limits.min_free_bytes); });
     attempt("dives", services, [&] { remove_expired_dives(services); });
+    attempt("truth", services, [&] { remove_deleted_truth(services); });
     attempt("attempts", services, [&] {
         storage::remove_leftovers(catalog, services.blobs, kLeftoversKept, kPerRound);
     });
@@ -70,6 +73,12 @@ void watch_sensors(const Services& services) {
         for (const Sensor& sensor : storage::SensorStore(services.catalog).look_at_the_time())
             services.desk.publish(sensor);
         services.desk.look_at_the_time();
+    });
+}
+
+void run_schedules(const Services& services) {
+    attempt("schedules", services, [&] {
+        storage::ScheduleStore(services.catalog).run_due(DIVEMESH_VERSION);
     });
 }
 

@@ -16,6 +16,9 @@ void clean_up(const Services& services);
 // Tells which sensors have fallen silent, are overdue or lost. As above.
 void watch_sensors(const Services& services);
 
+// Makes the reports of schedules that are due. As above.
+void run_schedules(const Services& services);
+
 // Ends the leases of workers that are gone, so that their jobs are queued again, or cancelled when
 // that was asked for, though no worker polls. As above.
 void end_lost_leases(const Services& services);

@@ -51,7 +51,10 @@ std::string name_of(const Upload& upload, const UploadPlan& plan) {
 
 }  // namespace
 
-std::string archive_key(const Upload& upload) { return "dives/" + upload.id + "/archive"; }
+std::string archive_key(const Upload& upload) {
+    return plan_of(upload.metadata).truth ? "truth/" + upload.id + "/file"
+                                          : "dives/" + upload.id + "/archive";
+}
 
 Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag stopped) {
     const bool is_archive = upload.complete() && !upload.is_partial() && upload.offset_bytes > 0;
@@ -67,11 +70,7 @@ Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag s
     co_return hash->hex();
 }
 
-MadeDive make_dive(const Services& services,
-                   storage::Catalog& catalog,
-                   const Upload& upload,
-                   const UploadPlan& plan,
-                   const std::string& sha256) {
+void require_whole(const Upload& upload, const UploadPlan& plan, const std::string& sha256) {
     if (!upload.complete())
         throw Error(ErrorCode::Conflict,
                     "upload " + upload.id + " has " + std::to_string(upload.offset_bytes) + " of " +
@@ -81,7 +80,20 @@ MadeDive make_dive(const Services& services,
         throw Error(ErrorCode::Conflict,
                     "upload " + upload.id + " is a part: make the final upload of it first");
     if (upload.length_bytes == 0)
-        throw Error(ErrorCode::BadData, "upload " + upload.id + " is empty: it holds no dive");
+        throw Error(ErrorCode::BadData, "upload " + upload.id + " is empty: it holds nothing");
+    const bool is_bound = !upload.dive_id.empty();
+    if (!is_bound && !plan.archive_sha256.empty() && plan.archive_sha256 != sha256)
+        throw Error(ErrorCode::BadData,
+                    "the archive's sha256 is " + sha256 + ", not " + plan.archive_sha256 +
+                        " as stated: delete the upload and send it anew");
+}
+
+MadeDive make_dive(const Services& services,
+                   storage::Catalog& catalog,
+                   const Upload& upload,
+                   const UploadPlan& plan,
+                   const std::string& sha256) {
+    require_whole(upload, plan, sha256);
     storage::NewDive dive{upload.id,
                           upload.project,
                           name_of(upload, plan),
@@ -93,10 +105,6 @@ MadeDive make_dive(const Services& services,
                           services.limits.max_project_dives};
     if (upload.dive_id.empty()) {
         dive.archive_sha256 = sha256;
-        if (!plan.archive_sha256.empty() && plan.archive_sha256 != dive.archive_sha256)
-            throw Error(ErrorCode::BadData,
-                        "the archive's sha256 is " + dive.archive_sha256 + ", not " +
-                            plan.archive_sha256 + " as stated: delete the upload and send it anew");
         services.blobs.commit_staged(upload.blob, dive.blob);
     }
     const auto created = storage::DiveStore(catalog).create(dive);

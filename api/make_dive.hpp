@@ -37,7 +37,11 @@ MadeDive make_dive(const Services& services,
                    const UploadPlan& plan,
                    const std::string& sha256);
 
-// Where the archive of a dive made of this upload is.
+// Throws Error{Conflict} for an upload that is not complete or a part, Error{BadData} for one that
+// is empty or not what its sha256 said.
+void require_whole(const Upload& upload, const UploadPlan& plan, const std::string& sha256);
+
+// Where the archive of a dive, or the file of truth, made of this upload is.
 std::string archive_key(const Upload& upload);
 
 }  // namespace divemesh::api

@@ -1,6 +1,7 @@
 #include "api/new_upload.hpp"
 
 #include "api/quota.hpp"
+#include "api/upload_metadata.hpp"
 #include "schemas/error.hpp"
 #include "storage/upload_store.hpp"
 
@@ -16,7 +17,7 @@ Upload enter_upload(const Services& services,
     if (wanted > room)
         throw Error(ErrorCode::OutOfSpace,
                     "the server's disk has no room for " + std::to_string(wanted) + " bytes");
-    require_dive_of_quota(services, upload.project);
+    if (!plan_of(upload.metadata).truth) require_dive_of_quota(services, upload.project);
     const storage::UploadLimits most{.max_bytes_of_project = limits.max_project_bytes,
                                      .max_open_of_project = limits.max_open_uploads,
                                      .max_open_of_token = limits.max_token_uploads};

@@ -9,6 +9,7 @@
 #include "api/concatenation.hpp"
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
+#include "api/make_truth.hpp"
 #include "api/upload_writer.hpp"
 #include "schemas/error.hpp"
 #include "storage/token_store.hpp"
@@ -63,9 +64,13 @@ Awaitable<void> make_one(Services services, std::string upload_id) {
     auto make = [services, upload, plan, sha256] {
         auto catalog = audited(services.catalog, "serve", "owed dive of " + upload.id);
         try {
-            make_dive(services, catalog, upload, plan, sha256);
+            if (plan.truth)
+                make_truth(services, catalog, upload, plan, sha256);
+            else
+                make_dive(services, catalog, upload, plan, sha256);
         } catch (const Error& error) {
-            if (error.code() != ErrorCode::BadData) throw;
+            const bool lost_its_dive = plan.truth && error.code() == ErrorCode::NotFound;
+            if (error.code() != ErrorCode::BadData && !lost_its_dive) throw;
             storage::UploadStore(services.catalog).end(upload.id, UploadEnd::Terminated);
             free_bytes(services, upload);
             throw;

@@ -5,13 +5,16 @@
 #include "api/handlers/dive_removal.hpp"
 #include "api/handlers/dives.hpp"
 #include "api/handlers/events.hpp"
+#include "api/handlers/figures.hpp"
 #include "api/handlers/health.hpp"
 #include "api/handlers/jobs.hpp"
 #include "api/handlers/metrics.hpp"
 #include "api/handlers/previews.hpp"
 #include "api/handlers/queue.hpp"
+#include "api/handlers/schedules.hpp"
 #include "api/handlers/sensors.hpp"
 #include "api/handlers/tokens.hpp"
+#include "api/handlers/truth.hpp"
 #include "api/handlers/uploads.hpp"
 #include "api/handlers/webhooks.hpp"
 
@@ -39,6 +42,15 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}/findings",      "dives:read", list_findings},
     {File,       verb::get,     "/api/v1/dives/{dive_id}/thumbnail.jpg", "dives:read", get_thumbnail},
     {Plain,      verb::post,    "/api/v1/dives/{dive_id}/jobs",   "jobs:write",  create_job},
+    {Plain,      verb::get,     "/api/v1/dives/{dive_id}/truth",  "dives:read",  list_truth},
+    {Plain,      verb::get,     "/api/v1/dives/{dive_id}/truth/{truth_id}", "dives:read",  get_truth},
+    {Plain,      verb::delete_, "/api/v1/dives/{dive_id}/truth/{truth_id}", "dives:write", delete_truth},
+
+    {Plain,      verb::get,     "/api/v1/metrics",                "dives:read",  get_figure_series},
+    {Plain,      verb::get,     "/api/v1/schedules",              "dives:read",  list_schedules},
+    {Plain,      verb::post,    "/api/v1/schedules",              "jobs:write",  create_schedule},
+    {Plain,      verb::get,     "/api/v1/schedules/{schedule_id}", "dives:read", get_schedule},
+    {Plain,      verb::delete_, "/api/v1/schedules/{schedule_id}", "jobs:write", delete_schedule},
 
     {Plain,      verb::get,     "/api/v1/jobs",                   "dives:read",  list_jobs},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}",          "dives:read",  get_job},

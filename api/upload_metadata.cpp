@@ -75,6 +75,12 @@ UploadPlan plan_of(std::string_view header) {
     if (!plan.archive_sha256.empty()) check_sha256(plan.archive_sha256, "sha256");
     if (!plan.content_sha256.empty()) check_sha256(plan.content_sha256, "dive");
     if (metadata.contains("job")) preset_options(plan.preset);
+    if (!metadata.contains("truth")) return plan;
+    plan.truth = truth_kind_from_string(value("truth"));
+    plan.dive_id = value("dive_id");
+    plan.commit = true;
+    if (plan.dive_id.empty()) refuse("truth needs dive_id, the dive that it is of");
+    if (metadata.contains("job")) refuse("truth is not reconstructed: leave out job");
     return plan;
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "schemas/truth_file.hpp"
 
 namespace divemesh::api {
 
@@ -16,10 +19,13 @@ struct UploadPlan {
     std::string archive_sha256;  // "": not stated
     std::string content_sha256;  // "": not stated
     std::string preset;          // of the reconstruction to queue; "": none
-    bool commit = false;         // becomes a dive as soon as it is complete
+    bool commit = false;         // becomes what it is as soon as it is complete
+    std::optional<TruthKind> truth;  // no dive, but truth of dive_id
+    std::string dive_id;
 };
 
-// Throws Error{InvalidArgument} for a hash that is not 64 hex digits and an unknown preset.
+// Throws Error{InvalidArgument} for a hash that is not 64 hex digits, an unknown preset or kind of
+// truth, and truth that does not say of which dive.
 UploadPlan plan_of(std::string_view header);
 
 // Lower-case hex of a SHA-256. Throws Error{InvalidArgument} that names `what`.

@@ -3,6 +3,7 @@
 #include "api/authorization.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
+#include "storage/schedule_store.hpp"
 #include "storage/sensor_store.hpp"
 #include "storage/upload_store.hpp"
 
@@ -28,6 +29,13 @@ Sensor visible_sensor(const Request& request, storage::Catalog& catalog) {
     Sensor sensor = storage::SensorStore(catalog).get(id);
     require_visible(request.token, sensor.project, "sensor " + id);
     return sensor;
+}
+
+Schedule visible_schedule(const Request& request, storage::Catalog& catalog) {
+    const std::string& id = request.parameter("schedule_id");
+    Schedule schedule = storage::ScheduleStore(catalog).get(id);
+    require_visible(request.token, schedule.project, "schedule " + id);
+    return schedule;
 }
 
 Job visible_job(const Request& request, storage::Catalog& catalog) {

@@ -31,8 +31,10 @@ void add_queue(CLI::App& app, Context& context);
 void add_workers(CLI::App& app, Context& context);
 void add_reconstruct(CLI::App& app, Context& context);
 void add_export(CLI::App& app, Context& context);
+void add_compare(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
+void add_measure(CLI::App& app, Context& context);
 void add_simulate(CLI::App& app, Context& context);
 void add_validate(CLI::App& app, Context& context);
 

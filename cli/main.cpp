@@ -55,7 +55,8 @@ int run(int argc, char** argv) {
     Context context;
     app.add_flag("--json", context.json, "results as JSON, for machines");
     // clang-format off
-    for (const auto add : {add_reconstruct, add_validate, add_evaluate, add_export, add_report, add_simulate,
+    for (const auto add : {add_reconstruct, add_validate, add_evaluate, add_compare, add_export, add_report,
+                           add_measure, add_simulate,
                            add_serve, add_worker, add_attempt, add_token, add_backup, add_restore,
                            add_sensor, add_upload, add_dives, add_jobs, add_download, add_cancel,
                            add_retry, add_queue, add_workers})

@@ -1,5 +1,6 @@
 #include "cli/metrics_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -26,6 +27,23 @@ std::string value_text(const nlohmann::json& value) {
     return number_text(std::abs(number) < 1e9 ? "%.6f" : "%.6g", number);
 }
 
+bool is_vector(const nlohmann::json& value) {
+    constexpr std::size_t kMaxComponents = 4;
+    return !value.empty() && value.size() <= kMaxComponents &&
+           std::all_of(value.begin(), value.end(), [](const nlohmann::json& component) {
+               return component.is_number_float();
+           });
+}
+
+std::string vector_text(const nlohmann::json& vector) {
+    std::string text;
+    for (const auto& component : vector) {
+        if (!text.empty()) text += ", ";
+        text += value_text(component);
+    }
+    return text;
+}
+
 // What tells the rows of a list apart: the stage, the segment's length, the threshold.
 std::string take_label(nlohmann::json& item, std::size_t index) {
     for (const char* key : {"stage", "name", "length_m", "threshold_m"}) {
@@ -43,6 +61,8 @@ void add_rows(Rows& rows, const std::string& name, const nlohmann::json& value) 
     if (value.is_object()) {
         for (const auto& [key, item] : value.items())
             add_rows(rows, name.empty() ? key : name + "." + key, item);
+    } else if (value.is_array() && is_vector(value)) {
+        rows.push_back({name, vector_text(value)});
     } else if (value.is_array()) {
         for (std::size_t i = 0; i < value.size(); ++i) {
             if (!value[i].is_object()) continue;

@@ -10,7 +10,7 @@ namespace divemesh::cli {
 std::string metrics_summary(const nlohmann::json& metrics);
 
 // Every figure, one line each by its name in the file: "trajectory.ate_rmse_m". Options and
-// findings are left out.
+// findings are left out. Up to four numbers in a list are one line.
 std::string metrics_table(const nlohmann::json& metrics);
 
 }  // namespace divemesh::cli

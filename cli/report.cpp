@@ -10,9 +10,11 @@
 #include "cli/exit_code.hpp"
 #include "cli/follow.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/jobs_by_server.hpp"
 #include "cli/metrics_table.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/scratch.hpp"
+#include "cli/server_options.hpp"
 #include "cli/text.hpp"
 #include "schemas/requirement.hpp"
 #include "worker/metrics/accuracy_report.hpp"
@@ -23,7 +25,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReportOptions {
-    std::string subject;  // folder of a reconstruction
+    std::string subject;  // folder of a reconstruction; on a server, a dive or a job
+    ServerOptions server;
+    bool wait = true;
     fs::path dive;
     fs::path ground_truth;
     fs::path reference;
@@ -146,6 +150,43 @@ int report_here(const ReportOptions& options, const Context& context) {
     return finish(report, context);
 }
 
+// The same on a server: truth goes there, the report comes from there.
+int report_there(const ReportOptions& options, const Context& context) {
+    if (!options.dive.empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "--dive: the server has the dive of " + options.subject + " itself");
+    ServerJob wanted{.subject = options.subject,
+                     .kind = "accuracy_report",
+                     .wait = options.wait,
+                     .out = options.out};
+    for (const std::string& text : options.requirements) parse_requirement(text);
+    if (!options.requirements.empty()) wanted.options["require"] = options.requirements;
+    if (!options.lever_arm.empty()) wanted.options["lever_arm"] = options.lever_arm;
+    if (!options.time_offset.empty()) wanted.options["time_offset"] = options.time_offset;
+    for (const auto& [kind, file] : {std::pair{"ground_truth", options.ground_truth},
+                                     std::pair{"reference", options.reference},
+                                     std::pair{"measurements", options.measurements},
+                                     std::pair{"areas", options.areas}})
+        if (!file.empty()) wanted.truth[kind] = file;
+    api::client::RestClient rest(account_of(options.server));
+    const ServerJobEnd end = run_on_server(rest, wanted);
+    if (!end.finished) {
+        std::cout << (context.json ? nlohmann::json{{"job", end.job_id}}.dump(2)
+                                   : "job " + end.job_id)
+                  << '\n';
+        return kExitDone;
+    }
+    if (!end.succeeded) return kExitFailed;
+    const std::string artifacts = "/api/v1/jobs/" + end.job_id + "/artifacts/";
+    if (!options.junit.empty()) {
+        std::ofstream file(options.junit, std::ios::binary);
+        file << rest.get_text(artifacts + "junit.xml");
+        file.close();
+        if (!file) throw Error(ErrorCode::OutOfSpace, "cannot write " + options.junit.string());
+    }
+    return finish(rest.get(artifacts + "report.json"), context);
+}
+
 }  // namespace
 
 void add_report(CLI::App& app, Context& context) {
@@ -153,8 +194,14 @@ void add_report(CLI::App& app, Context& context) {
                                        "how accurate a reconstruction is, and whether "
                                        "that is good enough");
     auto options = std::make_shared<ReportOptions>();
-    command->add_option("reconstruction", options->subject, "folder of a reconstruction")
+    command
+        ->add_option("reconstruction",
+                     options->subject,
+                     "folder of a reconstruction; with --server the id of a dive or a job")
         ->required();
+    add_server_options(*command, options->server);
+    command->add_flag(
+        "--wait,!--no-wait", options->wait, "on a server: until it is done (default)");
     command->add_option("--dive", options->dive, "the dive: its rig and its own truth");
     command->add_option(
         "--ground-truth", options->ground_truth, "true trajectory: TUM, EuRoC or KITTI");
@@ -177,8 +224,12 @@ void add_report(CLI::App& app, Context& context) {
     command->add_option("--out", options->out, "folder of the report; default: accuracy/ in it");
     command->add_option("--junit", options->junit, "write the verdicts here as JUnit XML too");
     command->add_option("--threads", options->num_threads, "0: all cores; never changes a figure");
-    command->callback([options, &context] {
-        context.command = [options, &context] { return report_here(*options, context); };
+    command->callback([options, &context, command] {
+        const bool there =
+            command->get_option("--server")->count() > 0 && !fs::is_directory(options->subject);
+        context.command = [options, &context, there] {
+            return there ? report_there(*options, context) : report_here(*options, context);
+        };
     });
 }
 

@@ -14,6 +14,7 @@ namespace {
 struct Words {
     std::string scene = "barge";
     std::string water;
+    std::string marker_family = "tag36h11";
 };
 
 void add_options(CLI::App& command, worker::SimulateOptions& options, Words& words) {
@@ -26,6 +27,7 @@ void add_options(CLI::App& command, worker::SimulateOptions& options, Words& wor
     command.add_option("--water", words.water, "none, clear, green or turbid; else as the scene has it");
     command.add_option("--laps", options.laps, "a closed lap, swum so many times; 0: an open path")->capture_default_str();
     command.add_option("--year", options.year, "the same place so many years on (change.json)")->capture_default_str();
+    command.add_option("--survey", options.survey, "2, 3, ...: another dive of that year, on another path")->capture_default_str();
     command.add_flag("--truth", options.truth, "also write depth, albedo and masks of fish and snow");
     command.add_flag("--snow,!--no-snow", options.snow, "marine snow");
     command.add_flag("--fish,!--no-fish", options.fish, "moving fish");
@@ -35,6 +37,9 @@ void add_options(CLI::App& command, worker::SimulateOptions& options, Words& wor
     command.add_option("--height-px", options.height_px, "of a picture")->capture_default_str();
     command.add_flag("--png", options.png, "pictures as PNG, not JPEG");
     command.add_option("--jpeg-quality", options.jpeg_quality, "1 to 100")->capture_default_str();
+    command.add_option("--markers", options.num_markers, "AprilTags on the ground along the path, and markers.json")->capture_default_str();
+    command.add_option("--marker-family", words.marker_family, "tag36h11, tag25h9 or tagStandard41h12")->capture_default_str();
+    command.add_option("--marker-size-m", options.marker_size_m, "printed size of the tags")->capture_default_str();
     command.add_option("--threads", options.num_threads, "0: all cores; never changes a byte")->capture_default_str();
     // clang-format on
 }
@@ -42,6 +47,7 @@ void add_options(CLI::App& command, worker::SimulateOptions& options, Words& wor
 int run(worker::SimulateOptions options, const Words& words) {
     options.scene = worker::scene_kind_from_string(words.scene);
     if (!words.water.empty()) options.water = worker::water_kind_from_string(words.water);
+    options.marker_family = worker::marker_family_from_string(words.marker_family);
     catch_interrupts();
     ProgressBar bar;
     worker::simulate(options, [&](const Progress& progress) {

@@ -20,6 +20,7 @@ struct Dive {
     DiveState state = DiveState::Checking;
     std::string name;  // from dive.json, else the file name it came with
     std::string site;
+    std::string rig;  // from dive.json, as the site
     std::vector<std::string> tags;
     std::string archive_sha256;  // of the bytes that were uploaded
     std::string content_sha256;  // of the sorted (path, sha256) list: identity across zip and tar;

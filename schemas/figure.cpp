@@ -41,6 +41,13 @@ constexpr std::pair<std::string_view, std::string_view> kAlignments[] = {
     {"truth.", "SE(3) over positions, scale 1"}};
 // clang-format on
 
+// Numbers that name or place something and are no figures.
+bool is_left_out(std::string_view key) {
+    static constexpr std::string_view kKeys[] = {
+        "format", "intervals", "from", "to", "id", "piece"};
+    return std::find(std::begin(kKeys), std::end(kKeys), key) != std::end(kKeys);
+}
+
 // The last part of a name that says a unit: of "time_offset_s.value" its parent.
 std::string unit_of(std::string_view name) {
     while (!name.empty()) {
@@ -74,6 +81,16 @@ std::string alignment_of(const std::string& name) {
     return "none";
 }
 
+std::string member_of(const std::string& name, std::string_view key) {
+    std::string result = name;
+    if (!name.empty()) result += '.';
+    return result.append(key);
+}
+
+std::string entry_of(std::string name, std::string_view label) {
+    return name.append("[").append(label).append("]");
+}
+
 bool is_number(const json& schema) {
     const auto type = schema.find("type");
     if (type == schema.end()) return false;
@@ -95,11 +112,10 @@ public:
             found_[name] = {unit_of(name), method};
             return;
         }
-        if (node.contains("items")) walk(node["items"], name + "[*]", text);
+        if (node.contains("items")) walk(node["items"], entry_of(name, "*"), text);
         const json properties = node.value("properties", json::object());
         for (const auto& [key, child] : properties.items())
-            if (key != "intervals" && key != "format")
-                walk(child, name.empty() ? key : name + "." + key, name.empty() ? "" : text);
+            if (!is_left_out(key)) walk(child, member_of(name, key), name.empty() ? "" : text);
         if (node.value("additionalProperties", json(false)) == json(true) && name != "options")
             found_[name + ".*"] = {"", text};
     }
@@ -210,7 +226,7 @@ std::ptrdiff_t depth_of(const std::string& name) {
 // What tells the entries of a list apart.
 std::string label_of(const json& entry, std::size_t index) {
     if (!entry.is_object()) return std::to_string(index);
-    for (const char* key : {"name", "label", "stage", "length_m", "threshold_m", "scale_m"}) {
+    for (const char* key : {"name", "label", "stage", "id", "length_m", "threshold_m"}) {
         const auto found = entry.find(key);
         if (found == entry.end()) continue;
         if (found->is_string()) return found->get<std::string>();
@@ -229,17 +245,14 @@ void add_figures(const json& value,
                  std::vector<Figure>& figures) {
     if (value.is_object()) {
         for (const auto& [key, child] : value.items())
-            if (key != "intervals" && key != "format")
-                add_figures(child,
-                            name.empty() ? key : name + "." + key,
-                            described.empty() ? key : described + "." + key,
-                            figures);
+            if (!is_left_out(key))
+                add_figures(child, member_of(name, key), member_of(described, key), figures);
     } else if (value.is_array()) {
         std::set<std::string> labels;
         for (std::size_t i = 0; i < value.size(); ++i) {
             std::string label = label_of(value[i], i);
             if (!labels.insert(label).second) label.append("#").append(std::to_string(i));
-            add_figures(value[i], name + "[" + label + "]", described + "[*]", figures);
+            add_figures(value[i], entry_of(name, label), entry_of(described, "*"), figures);
         }
     } else if (value.is_number() || value.is_null()) {
         const auto known = descriptions().find(described);

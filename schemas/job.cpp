@@ -1,5 +1,7 @@
 #include "schemas/job.hpp"
 
+#include <algorithm>
+
 #include "schemas/enum_text.hpp"
 
 namespace divemesh {
@@ -46,6 +48,13 @@ std::string_view usual_remedy(ErrorCode code) {
             return "see the logs of its attempts; `divemesh retry` when it is not tried by itself";
     }
     return "";
+}
+
+std::string_view verdict_of(const Job& job) {
+    if (job.requirements.empty()) return "";
+    const auto is_met = [](const RequirementResult& result) { return result.met; };
+    return std::all_of(job.requirements.begin(), job.requirements.end(), is_met) ? "passed"
+                                                                                 : "failed";
 }
 
 }  // namespace divemesh

@@ -11,6 +11,7 @@
 #include "schemas/artifact.hpp"
 #include "schemas/error.hpp"
 #include "schemas/job_state.hpp"
+#include "schemas/measurement.hpp"
 
 namespace divemesh {
 
@@ -77,11 +78,15 @@ struct Job {
     std::vector<StageRun> stages;
     std::optional<Forecast> forecast;  // as asked for; not stored
     Failure failure;
+    std::vector<RequirementResult> requirements;  // of a report that has succeeded
     std::int64_t not_before_ms = 0;
     std::int64_t created_at_ms = 0;
     std::int64_t started_at_ms = 0;   // of the newest attempt; 0: never
     std::int64_t finished_at_ms = 0;  // 0: not finished
 };
+
+// passed, failed, or "" where nothing was required.
+std::string_view verdict_of(const Job& job);
 
 // What a worker holds while it may write to a job. Every write carries it; a stale one changes
 // nothing.

@@ -74,12 +74,15 @@ void to_json(nlohmann::json& json, const Job& job) {
             {"stages", job.stages},
             {"forecast", nullptr},
             {"failure", nullptr},
+            {"verdict", nullptr},
+            {"requirements", job.requirements},
             {"not_before_ms", job.not_before_ms},
             {"created_at_ms", job.created_at_ms},
             {"started_at_ms", job.started_at_ms},
             {"finished_at_ms", job.finished_at_ms}};
     if (!job.failure.message.empty()) json["failure"] = job.failure;
     if (job.forecast) json["forecast"] = *job.forecast;
+    if (!job.requirements.empty()) json["verdict"] = verdict_of(job);
 }
 
 void from_json(const nlohmann::json& json, Job& job) {
@@ -101,6 +104,7 @@ void from_json(const nlohmann::json& json, Job& job) {
     json.at("stages").get_to(job.stages);
     if (!json.at("forecast").is_null()) job.forecast = json.at("forecast").get<Forecast>();
     job.failure = json.at("failure").is_null() ? Failure{} : json.at("failure").get<Failure>();
+    json.at("requirements").get_to(job.requirements);
     json.at("not_before_ms").get_to(job.not_before_ms);
     json.at("created_at_ms").get_to(job.created_at_ms);
     json.at("started_at_ms").get_to(job.started_at_ms);

@@ -24,6 +24,7 @@ void to_json(nlohmann::json& json, const Dive& dive) {
             {"state", to_string(dive.state)},
             {"name", dive.name},
             {"site", dive.site},
+            {"rig", dive.rig},
             {"tags", dive.tags},
             {"archive_sha256", dive.archive_sha256},
             {"content_sha256", dive.content_sha256},
@@ -42,6 +43,7 @@ void from_json(const nlohmann::json& json, Dive& dive) {
     dive.state = dive_state_from_string(json.at("state").get<std::string>());
     json.at("name").get_to(dive.name);
     json.at("site").get_to(dive.site);
+    json.at("rig").get_to(dive.rig);
     json.at("tags").get_to(dive.tags);
     json.at("archive_sha256").get_to(dive.archive_sha256);
     json.at("content_sha256").get_to(dive.content_sha256);
@@ -62,6 +64,7 @@ void to_json(nlohmann::json& json, const Upload& upload) {
             {"metadata", upload.metadata},
             {"concat", upload.concat},
             {"dive_id", upload.dive_id},
+            {"truth_id", upload.truth_id},
             {"created_at_ms", upload.created_at_ms},
             {"expires_at_ms", upload.expires_at_ms}};
     if (upload.length_bytes) json["length_bytes"] = *upload.length_bytes;

@@ -7,8 +7,11 @@
 #include "schemas/event.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
+#include "schemas/measurement.hpp"
 #include "schemas/queue.hpp"
+#include "schemas/schedule.hpp"
 #include "schemas/token.hpp"
+#include "schemas/truth_file.hpp"
 #include "schemas/upload.hpp"
 #include "schemas/webhook.hpp"
 #include "schemas/worker.hpp"
@@ -39,6 +42,18 @@ void to_json(nlohmann::json& json, const Queue& queue);
 void from_json(const nlohmann::json& json, Queue& queue);
 void to_json(nlohmann::json& json, const Worker& worker);
 void from_json(const nlohmann::json& json, Worker& worker);
+void to_json(nlohmann::json& json, const TruthFile& truth);
+void from_json(const nlohmann::json& json, TruthFile& truth);
+void to_json(nlohmann::json& json, const MeasuredFigure& figure);
+void from_json(const nlohmann::json& json, MeasuredFigure& figure);
+void to_json(nlohmann::json& json, const RequirementResult& result);
+void from_json(const nlohmann::json& json, RequirementResult& result);
+void to_json(nlohmann::json& json, const Regression& regression);
+void from_json(const nlohmann::json& json, Regression& regression);
+void to_json(nlohmann::json& json, const Measurement& measured);
+void from_json(const nlohmann::json& json, Measurement& measured);
+void to_json(nlohmann::json& json, const FigurePoint& point);
+void to_json(nlohmann::json& json, const Schedule& schedule);
 void to_json(nlohmann::json& json, const Artifact& artifact);
 void from_json(const nlohmann::json& json, Artifact& artifact);
 void to_json(nlohmann::json& json, const Event& event);

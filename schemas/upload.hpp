@@ -23,7 +23,8 @@ struct Upload {
     std::string metadata;  // Upload-Metadata, byte for byte as it came
     std::string concat;    // Upload-Concat as it came: "", "partial" or "final;..."
     std::string blob;      // key of the staged bytes in the blob store; not shown over HTTP
-    std::string dive_id;   // the dive it became; "" before
+    std::string dive_id;   // the dive it became, or whose truth; "" before
+    std::string truth_id;  // the truth file that it became; "" before and for a dive
     std::int64_t created_at_ms = 0;
     std::int64_t lifetime_ms = 604'800'000;  // without a byte; a week
     std::int64_t expires_at_ms = 0;          // 0: never, it is a dive

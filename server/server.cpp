@@ -338,6 +338,7 @@ void Server::run() {
     asio::co_spawn(
         self.io, self.repeat(api::end_lost_leases, self.config.timeouts.leases), asio::detached);
     asio::co_spawn(self.io, self.repeat(api::watch_sensors, 1s), asio::detached);
+    asio::co_spawn(self.io, self.repeat(api::run_schedules, 5s), asio::detached);
     asio::co_spawn(self.io, self.webhooks.run(), asio::detached);
     {
         std::vector<std::jthread> threads;

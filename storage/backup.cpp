@@ -76,6 +76,8 @@ std::map<std::string, std::string> named_blobs(Catalog& catalog) {
              select_all<Row>(session,
                              "SELECT blob, archive_sha256 FROM dives"
                              " UNION ALL SELECT blob, sha256 FROM artifacts"
+                             " UNION ALL SELECT blob, sha256 FROM truth_files"
+                             " WHERE deleted_at_ms = 0"
                              " UNION ALL SELECT thumbnail_blob, '' FROM dives"
                              " WHERE thumbnail_blob <> ''"))
             blobs.emplace(std::move(blob), std::move(sha256));

@@ -97,6 +97,10 @@ std::vector<Dive> DiveRemoval::expired(int limit) {
             "SELECT " + std::string(kDiveColumns) +
                 " FROM dives WHERE deleted_at_ms > 0 AND expires_at_ms <= :now AND NOT EXISTS"
                 " (SELECT 1 FROM jobs WHERE jobs.dive_id = dives.id AND jobs.state = 'running')"
+                " AND NOT EXISTS (SELECT 1 FROM jobs AS parents"
+                "   JOIN job_parents ON parent_id = parents.id"
+                "   JOIN jobs AS readers ON readers.id = job_parents.job_id"
+                "   WHERE parents.dive_id = dives.id AND readers.state = 'running')"
                 " ORDER BY expires_at_ms LIMIT :limit",
             soci::use(now_ms, "now"),
             soci::use(limit, "limit"));
@@ -110,6 +114,11 @@ std::vector<std::string> DiveRemoval::blob_prefixes(const Dive& dive) {
         for (const std::string& job : select_all<TextRow>(
                  session, "SELECT id FROM jobs WHERE dive_id = :id", soci::use(dive.id, "id")))
             prefixes.push_back("jobs/" + job + "/");
+        for (const std::string& blob :
+             select_all<TextRow>(session,
+                                 "SELECT blob FROM truth_files WHERE dive_id = :id",
+                                 soci::use(dive.id, "id")))
+            prefixes.push_back(blob.substr(0, blob.rfind('/') + 1));
     });
     return prefixes;
 }
@@ -123,6 +132,11 @@ bool DiveRemoval::forget(const std::string& id) {
         for (const std::string& statement :
              {"DELETE FROM artifacts WHERE job_id IN " + jobs,
               "DELETE FROM attempts WHERE job_id IN " + jobs,
+              std::string("DELETE FROM figures WHERE figure IN (SELECT number FROM figure_names)"
+                          " AND set_number IN"
+                          " (SELECT number FROM figure_sets WHERE dive_id = :id)"),
+              std::string("DELETE FROM figure_sets WHERE dive_id = :id"),
+              std::string("DELETE FROM truth_files WHERE dive_id = :id"),
               "DELETE FROM job_parents WHERE job_id IN " + jobs + " OR parent_id IN " + jobs,
               std::string("DELETE FROM jobs WHERE dive_id = :id"),
               std::string("DELETE FROM uploads WHERE dive_id = :id"),

@@ -52,12 +52,13 @@ void write_intake(soci::session& session, const Dive& dive, const IntakeResult& 
     const std::string tags = to_text(dive.tags);
     const std::string findings = to_text(result.findings);
     execute(session,
-            "UPDATE dives SET state = :state, name = :name, site = :site, tags = :tags,"
+            "UPDATE dives SET state = :state, name = :name, site = :site, rig = :rig, tags = :tags,"
             " content_sha256 = :content, num_frames = :frames, duration_s = :duration,"
             " findings = :findings, thumbnail_blob = :thumbnail WHERE id = :id",
             soci::use(state, "state"),
             soci::use(dive.name, "name"),
             soci::use(dive.site, "site"),
+            soci::use(dive.rig, "rig"),
             soci::use(tags, "tags"),
             soci::use(dive.content_sha256, "content"),
             soci::use(dive.num_frames, "frames"),
@@ -85,6 +86,7 @@ void DiveRow::define(soci::statement& statement) {
     statement.exchange(soci::into(state));
     statement.exchange(soci::into(dive.name));
     statement.exchange(soci::into(dive.site));
+    statement.exchange(soci::into(dive.rig));
     statement.exchange(soci::into(tags));
     statement.exchange(soci::into(dive.archive_sha256));
     statement.exchange(soci::into(dive.content_sha256));
@@ -154,6 +156,7 @@ IntakeVerdict apply_intake(soci::session& session,
     dive.state = verdict.refusal ? DiveState::Refused : DiveState::Ready;
     if (!result.name.empty()) dive.name = result.name;
     dive.site = result.site;
+    dive.rig = result.rig;
     dive.tags = result.tags;
     if (!result.content_sha256.empty()) dive.content_sha256 = result.content_sha256;
     dive.num_frames = result.num_frames;

@@ -22,7 +22,8 @@ struct DiveRow {
 };
 
 inline constexpr const char* kDiveColumns =
-    "id, project, state, name, site, tags, archive_sha256, content_sha256, archive_bytes, blob,"
+    "id, project, state, name, site, rig, tags, archive_sha256, content_sha256, archive_bytes, "
+    "blob,"
     " num_frames, duration_s, CASE WHEN thumbnail_blob = '' THEN 0 ELSE 1 END, created_at_ms,"
     " deleted_at_ms, expires_at_ms";
 

@@ -43,6 +43,7 @@ struct IntakeResult {
     std::vector<Finding> findings;
     std::string name;  // "": keep
     std::string site;
+    std::string rig;
     std::vector<std::string> tags;
     std::string content_sha256;
     std::int64_t num_frames = 0;

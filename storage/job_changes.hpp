@@ -33,6 +33,9 @@ std::optional<Job> find_twin(soci::session& session,
                              const std::string& dive_id,
                              const std::string& key);
 
+// JobStore::enqueue in a transaction that does more.
+EnqueuedJob enqueue_job(soci::session& session, const NewJob& request);
+
 // Held while a parent or the intake of its dive has not succeeded, else queued.
 Job insert_job(soci::session& session, const NewJob& request);
 

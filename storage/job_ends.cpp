@@ -9,7 +9,7 @@ namespace {
 
 bool is_hopeless(ErrorCode code) {
     return code == ErrorCode::BadData || code == ErrorCode::InvalidArgument ||
-           code == ErrorCode::TooLarge || code == ErrorCode::Unsupported;
+           code == ErrorCode::TooLarge || code == ErrorCode::Unsupported || code == ErrorCode::Gone;
 }
 
 Failure crash_loop(int num_losses) {

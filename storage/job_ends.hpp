@@ -9,7 +9,8 @@
 
 // The retry policy: what becomes of a job when its attempt ends without a result.
 //
-//   bad_data, invalid_argument, too_large, unsupported   failed at once: trying again cannot help
+//   bad_data, invalid_argument, too_large, unsupported, gone   failed at once: trying again cannot
+//   help
 //   out_of_memory   once more with settings that take the least memory, then dead
 //   lost lease      at once elsewhere; dead after three in a row that never renewed their lease
 //   anything else   after a growing pause, dead when the attempts are used up

@@ -2,6 +2,8 @@
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
+#include "storage/event_store.hpp"
+#include "storage/figure_store.hpp"
 #include "storage/ids.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_ends.hpp"
@@ -136,6 +138,31 @@ void insert_artifact(soci::session& session, const Lease& lease, const Artifact&
             soci::use(artifact.blob, "blob"));
 }
 
+void write_requirements(soci::session& session,
+                        const Job& job,
+                        const std::vector<RequirementResult>& requirements) {
+    if (requirements.empty()) return;
+    const std::string text = to_text(requirements);
+    execute(session,
+            "UPDATE jobs SET requirements = :requirements WHERE id = :id",
+            soci::use(text, "requirements"),
+            soci::use(job.id, "id"));
+}
+
+void tell_of_regressions(soci::session& session,
+                         const Job& job,
+                         const std::vector<Regression>& regressions) {
+    EventStore::append(session,
+                       {.project = job.project,
+                        .topic = "job",
+                        .subject = job.id,
+                        .type = "job.figure_worse",
+                        .data = {{"job_id", job.id},
+                                 {"dive_id", job.dive_id},
+                                 {"tag", job.options.value("tag", "")},
+                                 {"regressions", regressions}}});
+}
+
 // An intake that cannot say what is wrong in findings still decides about its dive.
 void refuse_dive(soci::session& session, const Job& job, const Failure& failure) {
     IntakeResult result;
@@ -246,11 +273,16 @@ bool JobStore::append_log(const Lease& lease, const std::string& text) {
     });
 }
 
-bool JobStore::succeed(const Lease& lease, const std::vector<Artifact>& artifacts) {
+bool JobStore::succeed(const Lease& lease,
+                       const std::vector<Artifact>& artifacts,
+                       const Measurement& measured) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         for (const Artifact& artifact : artifacts) insert_artifact(session, lease, artifact);
+        insert_figures(session, job, measured);
+        write_requirements(session, job, measured.requirements);
         learn_speed(session, job);
         end_attempt(session, job, {});
+        if (!measured.regressions.empty()) tell_of_regressions(session, job, measured.regressions);
     });
 }
 

@@ -41,6 +41,7 @@ void JobRow::define(soci::statement& statement) {
     statement.exchange(soci::into(job.created_at_ms));
     statement.exchange(soci::into(job.started_at_ms));
     statement.exchange(soci::into(job.finished_at_ms));
+    statement.exchange(soci::into(requirements));
 }
 
 Job JobRow::value() const {
@@ -53,6 +54,7 @@ Job JobRow::value() const {
     value.lowered = lowered != 0;
     value.progress = nlohmann::json::parse(progress).get<Progress>();
     value.stages = nlohmann::json::parse(stages).get<std::vector<StageRun>>();
+    value.requirements = nlohmann::json::parse(requirements).get<std::vector<RequirementResult>>();
     value.failure.code = failure_code_from(failure_code);
     value.cancel_requested = cancel_requested != 0;
     return value;

@@ -17,6 +17,7 @@ struct JobRow {
     std::string parents;
     std::string progress;
     std::string stages;
+    std::string requirements;
     std::string failure_code;
     int paused = 0;
     int lowered = 0;
@@ -29,7 +30,8 @@ struct JobRow {
 inline constexpr const char* kJobColumns =
     "id, project, dive_id, kind, state, preset, options, parents, priority, paused, lowered,"
     " num_attempts, max_attempts, cancel_requested, progress, stages, failure_code,"
-    " failure_message, failure_remedy, not_before_ms, created_at_ms, started_at_ms, finished_at_ms";
+    " failure_message, failure_remedy, not_before_ms, created_at_ms, started_at_ms, finished_at_ms,"
+    " requirements";
 
 // A running job and what decides about it when its lease has ended.
 struct ExpiredJob {

@@ -7,6 +7,7 @@
 #include "storage/job_changes.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/page_cursor.hpp"
+#include "storage/report_jobs.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -90,24 +91,26 @@ void keep_request(soci::session& session, const std::string& request_key, const 
 
 }  // namespace
 
-EnqueuedJob JobStore::enqueue(const NewJob& request) {
+EnqueuedJob enqueue_job(soci::session& session, const NewJob& request) {
     check(request);
+    if (auto requested = find_requested(session, request.request_key))
+        return {std::move(*requested), false};
+    const Dive dive = read_dive(session, request.dive_id);
+    require_usable(dive);
+    NewJob owned = request;
+    owned.project = dive.project;
+    resolve_names(session, dive, owned);
+    check_parents(session, owned);
+    auto twin = find_twin(session, dive.id, unique_key(owned));
+    const bool is_new = !twin;
+    EnqueuedJob enqueued{twin ? std::move(*twin) : insert_job(session, owned), is_new};
+    keep_request(session, request.request_key, enqueued.job);
+    return enqueued;
+}
+
+EnqueuedJob JobStore::enqueue(const NewJob& request) {
     EnqueuedJob enqueued;
-    catalog_.transaction([&](soci::session& session) {
-        if (auto requested = find_requested(session, request.request_key)) {
-            enqueued = {std::move(*requested), false};
-            return;
-        }
-        const Dive dive = read_dive(session, request.dive_id);
-        require_usable(dive);
-        NewJob owned = request;
-        owned.project = dive.project;
-        check_parents(session, owned);
-        auto twin = find_twin(session, dive.id, unique_key(owned));
-        enqueued.is_new = !twin;
-        enqueued.job = twin ? std::move(*twin) : insert_job(session, owned);
-        keep_request(session, request.request_key, enqueued.job);
-    });
+    catalog_.transaction([&](soci::session& session) { enqueued = enqueue_job(session, request); });
     return enqueued;
 }
 

@@ -10,8 +10,10 @@
 
 #include "schemas/artifact.hpp"
 #include "schemas/job.hpp"
+#include "schemas/measurement.hpp"
 #include "storage/catalog.hpp"
 #include "storage/dive_store.hpp"
+#include "storage/job_inputs.hpp"
 #include "storage/page.hpp"
 
 namespace divemesh::storage {
@@ -34,6 +36,8 @@ struct NewJob {
     std::vector<std::string> parents = {};  // jobs of the same project that have to succeed first
     int priority = 0;
     int max_attempts = 3;
+    // Of a report: a reconstruction by this version of the program; "": any will do.
+    std::string fresh_version = "";
     // Of the request that asks: when it comes again it finds its job, whatever became of that one.
     // Empty: each time is a request of its own.
     std::string request_key = "";
@@ -80,6 +84,8 @@ public:
     // Held until its parents have succeeded, the intake of its dive among them. Error{Conflict} on
     // a refused dive and behind a parent that came to nothing; Error{NotFound} for a parent of
     // another project. Its project is its dive's. The same work on the same dive is queued once.
+    // What a report or a comparison names is looked up and written into its options as ids, see
+    // storage/report_jobs.hpp.
     EnqueuedJob enqueue(const NewJob& job);
     Job get(const std::string& id);  // throws Error{NotFound}
     Page<Job> list(const JobFilter& filter, const PageRequest& page);
@@ -107,13 +113,18 @@ public:
     // takes the first by priority and age that is due and that no pause, limit or drain keeps back.
     std::optional<Claim> claim(const std::string& worker, std::chrono::milliseconds lease);
     Renewal renew(const Lease& lease, std::chrono::milliseconds duration);
+    // What a report or a comparison reads beside its dive. Throws Error{Gone} for what was deleted.
+    JobInputs inputs(const Job& job);
     Renewal look(const Lease& lease);  // the same news without renewing: reads alone
 
     // Every write below carries the lease; false: it is stale and nothing was changed.
     bool report_progress(const Lease& lease, const Progress& progress);
     bool report_stage(const Lease& lease, const StageRun& stage);
     bool append_log(const Lease& lease, const std::string& text);
-    bool succeed(const Lease& lease, const std::vector<Artifact>& artifacts);
+    // With what it measured; a regression among it is an event job.figure_worse.
+    bool succeed(const Lease& lease,
+                 const std::vector<Artifact>& artifacts,
+                 const Measurement& measured = {});
     bool finish_intake(const Lease& lease, const IntakeResult& result);  // dive ready or refused
     bool fail(const Lease& lease, const Failure& failure);  // as storage/job_ends.hpp says
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted

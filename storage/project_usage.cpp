@@ -27,6 +27,8 @@ ProjectUsage read_usage(soci::session& session, const std::string& project) {
                "   WHERE (:project = '' OR project = :project) AND deleted_at_ms = 0),"
                " (SELECT COALESCE(SUM(archive_bytes), 0) FROM dives"
                "   WHERE (:project = '' OR project = :project))"
+               " + (SELECT COALESCE(SUM(size_bytes), 0) FROM truth_files"
+               "   WHERE (:project = '' OR project = :project))"
                " + (SELECT COALESCE(SUM(CASE"
                "     WHEN concat LIKE 'final;%' AND offset_bytes < length_bytes THEN repeated_bytes"
                "     ELSE COALESCE(length_bytes, offset_bytes) END), 0) FROM uploads"

@@ -11,7 +11,7 @@ namespace divemesh::storage {
 // are there until they expire.
 struct ProjectUsage {
     std::int64_t num_dives = 0;
-    std::int64_t stored_bytes = 0;  // archives, and open uploads as long as they said they are
+    std::int64_t stored_bytes = 0;  // archives, truth, open uploads as long as they said they are
 };
 
 ProjectUsage read_usage(soci::session& session, const std::string& project);

@@ -23,7 +23,7 @@ constexpr EnumText<UploadEnd> kEndTexts[] = {
 const std::string kSelect =
     "SELECT id, project, token_id, COALESCE(length_bytes, -1), offset_bytes, metadata, concat, "
     "blob,"
-    " COALESCE(dive_id, ''), created_at_ms, lifetime_ms,"
+    " COALESCE(dive_id, ''), truth_id, created_at_ms, lifetime_ms,"
     " CASE WHEN dive_id IS NULL THEN touched_at_ms + lifetime_ms ELSE 0 END, ended FROM uploads";
 
 struct UploadRow {
@@ -41,6 +41,7 @@ struct UploadRow {
         statement.exchange(soci::into(upload.concat));
         statement.exchange(soci::into(upload.blob));
         statement.exchange(soci::into(upload.dive_id));
+        statement.exchange(soci::into(upload.truth_id));
         statement.exchange(soci::into(upload.created_at_ms));
         statement.exchange(soci::into(upload.lifetime_ms));
         statement.exchange(soci::into(upload.expires_at_ms));

@@ -1,6 +1,7 @@
 #include "worker/artifact_files.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 
 #include "schemas/content_hash.hpp"
@@ -41,6 +42,27 @@ std::vector<Artifact> list_artifacts(const fs::path& folder) {
         artifacts.push_back(std::move(artifact));
     }
     return artifacts;
+}
+
+bool is_read_again(const std::string& artifact_name) {
+    return artifact_name != "cloud.ply" && artifact_name != "report.html" &&
+           !artifact_name.ends_with(".glb") && !artifact_name.ends_with(".zip") &&
+           !artifact_name.starts_with("tiles/");
+}
+
+bool is_below(const fs::path& name) {
+    return !name.empty() && name.is_relative() &&
+           std::none_of(
+               name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+}
+
+std::string plain_extension(const std::string& file_name) {
+    constexpr std::size_t kMostLetters = 8;
+    const auto dot = file_name.rfind('.');
+    if (dot == std::string::npos || file_name.size() - dot - 1 > kMostLetters) return "";
+    const std::string letters = file_name.substr(dot + 1);
+    const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0; };
+    return std::all_of(letters.begin(), letters.end(), is_plain) ? "." + letters : "";
 }
 
 }  // namespace divemesh::worker

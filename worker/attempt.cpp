@@ -10,10 +10,14 @@
 #include <unistd.h>
 
 #include "schemas/error.hpp"
+#include "schemas/figure.hpp"
+#include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "schemas/truth_file.hpp"
 #include "worker/attempt_protocol.hpp"
 #include "worker/dive/intake.hpp"
 #include "worker/forbid_processes.hpp"
+#include "worker/metrics/accuracy_report.hpp"
 #include "worker/reconstruct_dive.hpp"
 
 namespace divemesh::worker {
@@ -73,6 +77,7 @@ void run_intake(const AttemptRequest& request) {
     send(IntakeAnswer{.findings = report.findings,
                       .name = report.name,
                       .site = report.site,
+                      .rig = report.rig,
                       .tags = report.tags,
                       .content_sha256 = report.content_sha256,
                       .num_frames = report.num_frames,
@@ -80,24 +85,84 @@ void run_intake(const AttemptRequest& request) {
                       .has_thumbnail = !report.thumbnail_jpeg.empty()});
 }
 
+std::string text_at(const nlohmann::json& document, const char* pointer) {
+    return document.value(nlohmann::json::json_pointer(pointer), std::string());
+}
+
+std::vector<MeasuredFigure> measured_figures(const nlohmann::json& document) {
+    std::vector<MeasuredFigure> figures;
+    for (const Figure& figure : figures_of(document))
+        if (figure.value)
+            figures.push_back({figure.name, *figure.value, figure.unit, figure.method});
+    return figures;
+}
+
+// What a report says of itself, for the catalog.
+Measurement measurement_of(const nlohmann::json& report) {
+    Measurement measured;
+    for (const auto& figure : report.at("figures"))
+        if (figure.at("value").is_number())
+            measured.figures.push_back({figure.at("figure").get<std::string>(),
+                                        figure.at("value").get<double>(),
+                                        figure.at("unit").get<std::string>(),
+                                        figure.at("method").get<std::string>()});
+    report.at("requirements").get_to(measured.requirements);
+    report.at("regressions").get_to(measured.regressions);
+    measured.version = text_at(report, "/version");
+    measured.calibration_sha256 = text_at(report, "/reconstruction/calibration_sha256");
+    return measured;
+}
+
+std::optional<std::filesystem::path> truth_file(const AttemptRequest& request, TruthKind kind) {
+    const auto file = request.truth.find(std::string(to_string(kind)));
+    if (file == request.truth.end()) return std::nullopt;
+    return file->second;
+}
+
+void run_report(const AttemptRequest& request) {
+    const nlohmann::json& options = request.options;
+    AccuracyReportRequest report{
+        .reconstruction = request.reconstructions.at(0),
+        .dive = request.dive,
+        .out = request.out,
+        .scratch = request.scratch,
+        .ground_truth = truth_file(request, TruthKind::GroundTruth),
+        .reference = truth_file(request, TruthKind::Reference),
+        .measurements = truth_file(request, TruthKind::Measurements),
+        .areas = truth_file(request, TruthKind::Areas),
+        .requirements = options.value("require", std::vector<std::string>()),
+        .history = request.history,
+        .num_threads = options.value("num_threads", 0)};
+    if (options.contains("lever_arm"))
+        set_lever_arm(report.truth, options["lever_arm"].get<std::string>());
+    if (options.contains("time_offset"))
+        set_time_offset(report.truth, options["time_offset"].get<std::string>());
+    send(measurement_of(make_accuracy_report(report, reporter())));
+    send(Done{});
+}
+
 void run_reconstruction(const AttemptRequest& request) {
-    reconstruct_dive({.dive = request.dive,
-                      .out = request.out,
-                      .scratch = request.scratch,
-                      .cache = request.cache,
-                      .cache_bytes = request.cache_bytes,
-                      .preset = request.preset,
-                      .options = make_options(request.preset, request.options),
-                      .stage_done = [](const StageRun& stage) { send(stage); }},
-                     reporter());
-    send(Reconstructed{});
+    const auto metrics =
+        reconstruct_dive({.dive = request.dive,
+                          .out = request.out,
+                          .scratch = request.scratch,
+                          .cache = request.cache,
+                          .cache_bytes = request.cache_bytes,
+                          .preset = request.preset,
+                          .options = make_options(request.preset, request.options),
+                          .stage_done = [](const StageRun& stage) { send(stage); }},
+                         reporter());
+    send(Measurement{.figures = measured_figures(metrics),
+                     .version = text_at(metrics, "/version"),
+                     .calibration_sha256 = text_at(metrics, "/calibration/sha256")});
+    send(Done{});
 }
 
 void run(const AttemptRequest& request) {
     switch (request.kind) {
         case JobKind::Intake: return run_intake(request);
         case JobKind::Reconstruct: return run_reconstruction(request);
-        case JobKind::AccuracyReport:
+        case JobKind::AccuracyReport: return run_report(request);
         case JobKind::Compare: break;
     }
     throw Error(ErrorCode::InvalidArgument,

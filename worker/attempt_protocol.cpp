@@ -13,7 +13,11 @@ json message_body(const LogText& log) { return {{"type", "log"}, {"body", log.te
 
 json message_body(const StageRun& stage) { return {{"type", "stage"}, {"body", stage}}; }
 
-json message_body(const Reconstructed&) { return {{"type", "reconstructed"}, {"body", nullptr}}; }
+json message_body(const Measurement& measured) {
+    return {{"type", "measured"}, {"body", measured}};
+}
+
+json message_body(const Done&) { return {{"type", "done"}, {"body", nullptr}}; }
 
 json message_body(const Failure& failure) { return {{"type", "failed"}, {"body", failure}}; }
 
@@ -23,6 +27,7 @@ json message_body(const IntakeAnswer& answer) {
              {{"findings", answer.findings},
               {"name", answer.name},
               {"site", answer.site},
+              {"rig", answer.rig},
               {"tags", answer.tags},
               {"content_sha256", answer.content_sha256},
               {"num_frames", answer.num_frames},
@@ -35,6 +40,7 @@ IntakeAnswer intake_from_json(const json& body) {
     body.at("findings").get_to(answer.findings);
     body.at("name").get_to(answer.name);
     body.at("site").get_to(answer.site);
+    body.at("rig").get_to(answer.rig);
     body.at("tags").get_to(answer.tags);
     body.at("content_sha256").get_to(answer.content_sha256);
     body.at("num_frames").get_to(answer.num_frames);
@@ -53,7 +59,13 @@ void to_json(json& out, const AttemptRequest& request) {
            {"cache", request.cache.string()},
            {"cache_bytes", request.cache_bytes},
            {"preset", request.preset},
-           {"options", request.options}};
+           {"options", request.options},
+           {"reconstructions", json::array()},
+           {"truth", json::object()},
+           {"history", request.history}};
+    for (const auto& folder : request.reconstructions)
+        out["reconstructions"].push_back(folder.string());
+    for (const auto& [kind, file] : request.truth) out["truth"][kind] = file.string();
 }
 
 void from_json(const json& in, AttemptRequest& request) {
@@ -65,6 +77,11 @@ void from_json(const json& in, AttemptRequest& request) {
     in.at("cache_bytes").get_to(request.cache_bytes);
     in.at("preset").get_to(request.preset);
     request.options = in.at("options");
+    for (const json& folder : in.at("reconstructions"))
+        request.reconstructions.emplace_back(folder.get<std::string>());
+    for (const auto& [kind, file] : in.at("truth").items())
+        request.truth[kind] = file.get<std::string>();
+    in.at("history").get_to(request.history);
 }
 
 std::string encode_message(const AttemptMessage& message) {
@@ -82,7 +99,8 @@ AttemptMessage decode_message(const std::string& line) {
         if (type == "log") return LogText{body.get<std::string>()};
         if (type == "stage") return body.get<StageRun>();
         if (type == "intake") return intake_from_json(body);
-        if (type == "reconstructed") return Reconstructed{};
+        if (type == "measured") return body.get<Measurement>();
+        if (type == "done") return Done{};
         if (type == "failed") return body.get<Failure>();
         throw Error(ErrorCode::BadData, "an attempt sent an unknown message: " + type);
     } catch (const json::exception& error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
+#include "schemas/measurement.hpp"
 
 // What the two processes of a worker say to each other. The parent writes one request file; the
 // child answers on the pipe at kAttemptPipe, one JSON object a line.
@@ -26,6 +28,10 @@ struct AttemptRequest {
     std::int64_t cache_bytes = 0;
     std::string preset;
     nlohmann::json options = nlohmann::json::object();
+    // Of a report or a comparison.
+    std::vector<std::filesystem::path> reconstructions;  // folders: `job`, then `with`
+    std::map<std::string, std::filesystem::path> truth;  // files by their kind
+    std::map<std::string, std::vector<double>> history;  // earlier figures, oldest first
 };
 
 // An intake's answer; the thumbnail is the file `thumbnail.jpg` in the request's out folder.
@@ -33,6 +39,7 @@ struct IntakeAnswer {
     std::vector<Finding> findings;
     std::string name;
     std::string site;
+    std::string rig;
     std::vector<std::string> tags;
     std::string content_sha256;
     std::int64_t num_frames = 0;
@@ -44,10 +51,10 @@ struct LogText {
     std::string text;
 };
 
-struct Reconstructed {};
+struct Done {};  // all that is to be kept lies in `out`
 
 using AttemptMessage =
-    std::variant<Progress, LogText, StageRun, IntakeAnswer, Reconstructed, Failure>;
+    std::variant<Progress, LogText, StageRun, Measurement, IntakeAnswer, Done, Failure>;
 
 void to_json(nlohmann::json& json, const AttemptRequest& request);
 void from_json(const nlohmann::json& json, AttemptRequest& request);

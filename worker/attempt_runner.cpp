@@ -56,6 +56,14 @@ Failure failure_of(const ProcessEnd& end) {
         .remedy = "see the job's log"};
 }
 
+void bring(storage::BlobStore& blobs,
+           const std::string& key,
+           const std::filesystem::path& destination) {
+    const auto there = blobs.local_copy(key, destination);
+    if (there != destination)
+        std::filesystem::create_symlink(std::filesystem::absolute(there), destination);
+}
+
 // What changes no byte of the result and takes the least memory.
 void lower(nlohmann::json& options) {
     options["num_threads"] = 1;
@@ -104,6 +112,7 @@ AttemptRequest AttemptRunner::write_request() const {
     std::filesystem::create_directories(request.out);
     std::filesystem::create_directories(request.scratch);
     request.dive = blobs_.local_copy(claim_.dive.blob, folder() / "dive");
+    fetch_inputs(request);
     if (claim_.job.lowered) lower(request.options);
     if (config_.num_threads > 0 && !request.options.contains("num_threads"))
         request.options["num_threads"] = config_.num_threads;
@@ -112,6 +121,35 @@ AttemptRequest AttemptRunner::write_request() const {
     file.close();
     if (!file) throw Error(ErrorCode::OutOfSpace, "cannot write into " + folder().string());
     return request;
+}
+
+// What a report or a comparison reads beside its dive, as files with the names that they have in a
+// reconstruction's folder.
+void AttemptRunner::fetch_inputs(AttemptRequest& request) const {
+    if (claim_.job.kind != JobKind::AccuracyReport && claim_.job.kind != JobKind::Compare) return;
+    const storage::JobInputs inputs = jobs_.inputs(claim_.job);
+    for (const auto& artifacts : inputs.reconstructions) {
+        request.reconstructions.push_back(
+            folder() / ("reconstruction-" + std::to_string(request.reconstructions.size())));
+        fetch_reconstruction(artifacts, request.reconstructions.back());
+    }
+    for (const TruthFile& file : inputs.truth) {
+        const std::string kind(to_string(file.kind));
+        request.truth[kind] = folder() / ("truth-" + kind + plain_extension(file.name));
+        bring(blobs_, file.blob, request.truth[kind]);
+    }
+    request.history = inputs.history;
+}
+
+void AttemptRunner::fetch_reconstruction(const std::vector<Artifact>& artifacts,
+                                         const std::filesystem::path& into) const {
+    std::filesystem::create_directories(into);
+    for (const Artifact& artifact : artifacts) {
+        const std::filesystem::path name = artifact.name;
+        if (!is_read_again(artifact.name) || !is_below(name)) continue;
+        std::filesystem::create_directories((into / name).parent_path());
+        bring(blobs_, artifact.blob, into / name);
+    }
 }
 
 // What the worker was told, and what follows from the time and the room that the attempt has.
@@ -181,6 +219,8 @@ void AttemptRunner::take(const AttemptMessage& message) {
         num_log_bytes_ += log->text.size();
     } else if (const auto* stage = std::get_if<StageRun>(&message)) {
         report(*stage);
+    } else if (const auto* measured = std::get_if<Measurement>(&message)) {
+        measurement_ = *measured;
     } else {
         result_ = message;
     }
@@ -278,13 +318,15 @@ void AttemptRunner::conclude(const AttemptMessage& result, const AttemptRequest&
     const std::chrono::duration<double> taken = Clock::now() - begun;
     const StageRun publish{.name = "publish", .seconds = taken.count()};
     if (!persist([&] { return jobs_.report_stage(claim_.lease, publish); })) return remove_blobs();
-    if (!persist([&] { return jobs_.succeed(claim_.lease, artifacts); })) remove_blobs();
+    if (!persist([&] { return jobs_.succeed(claim_.lease, artifacts, measurement_); }))
+        remove_blobs();
 }
 
 void AttemptRunner::publish_intake(const IntakeAnswer& answer, const AttemptRequest& request) {
     storage::IntakeResult result{.findings = answer.findings,
                                  .name = answer.name,
                                  .site = answer.site,
+                                 .rig = answer.rig,
                                  .tags = answer.tags,
                                  .content_sha256 = answer.content_sha256,
                                  .num_frames = answer.num_frames,

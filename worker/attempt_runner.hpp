@@ -35,6 +35,9 @@ private:
     using Clock = std::chrono::steady_clock;
 
     AttemptRequest write_request() const;
+    void fetch_inputs(AttemptRequest& request) const;
+    void fetch_reconstruction(const std::vector<Artifact>& artifacts,
+                              const std::filesystem::path& into) const;
     ProcessLimits limits();
     void supervise(const LeaseKeeper& keeper, const std::stop_token& stop);
     void read_lines(std::string& buffer);
@@ -71,6 +74,7 @@ private:
     Stop stop_ = Stop::None;
     std::optional<Clock::time_point> asked_to_end_;
     std::optional<AttemptMessage> result_;
+    Measurement measurement_;
     std::optional<Progress> progress_;  // that the catalog does not know yet
     std::string log_;                   // the same
     Clock::time_point reported_ = {};

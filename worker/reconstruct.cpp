@@ -194,6 +194,9 @@ OptimisedTrack optimise(const Track& track,
     result.trajectory = follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
     result.covariances = covariances_at(
         adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
+    result.statistics.path =
+        with_frames_between(adjusted.path, adjusted.covariances, result.covariances);
+    add_residuals(found.loops, closed.keyframes, result.statistics.loops);
     result.mapped =
         posed_by(result.trajectory, closed.keyframes, closed.rig.T_imu_cam, track.mapped);
     result.keyframes = std::move(closed.keyframes);

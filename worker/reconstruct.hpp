@@ -9,6 +9,7 @@
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/imu_alignment.hpp"
+#include "worker/estimation/path_uncertainty.hpp"
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/estimation/refined_calibration.hpp"
 #include "worker/geometry/rectified_rig.hpp"
@@ -71,11 +72,15 @@ struct LoopStatistics {
     std::int64_t num_matched = 0;
     std::int64_t num_accepted = 0;
     double largest_correction_m = 0.0;  // by an accepted one, of where the track saw itself
+    // What the final trajectory leaves of the accepted ones, RMS: m, and in sigmas per axis.
+    double residual_m = 0.0;
+    double residual_sigmas = 0.0;
 };
 
 struct OptimiseStatistics {
     double reprojection_rms_px = 0.0;
     LoopStatistics loops;
+    PathUncertainty path;  // of the final trajectory
 };
 
 struct OptimisedTrack {

@@ -1,6 +1,7 @@
 #include "worker/reconstruct_dive.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -15,6 +16,9 @@
 #include "worker/free_memory.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_store.hpp"
+#include "worker/markers/measure_bars.hpp"
+#include "worker/markers/survey_markers.hpp"
+#include "worker/markers/world_scale.hpp"
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/metrics_document.hpp"
 #include "worker/metrics/report.hpp"
@@ -36,6 +40,7 @@
 #include "worker/stage_progress.hpp"
 #include "worker/volume/confirmed_points.hpp"
 #include "worker/volume/mesh_borders.hpp"
+#include "worker/volume/vertex_sigma.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -47,6 +52,10 @@ std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
             throw Error(ErrorCode::BadData,
                         (finding.where.empty() ? "" : finding.where + ": ") + finding.message +
                             (finding.remedy.empty() ? "" : " " + finding.remedy));
+    if (request.options.correct_scale && !marker_plan_of(dive->markers(), request.options))
+        throw Error(ErrorCode::InvalidArgument,
+                    "option correct_scale has nothing to correct by: the dive has no markers.json, "
+                    "and marker_family and marker_size_m are not given");
     return_freed_memory();  // the texts of its tables
     return dive;
 }
@@ -89,6 +98,7 @@ public:
     nlohmann::json run() {
         track();
         optimise();
+        measure_markers();
         if (request_.options.surface) make_surface();
         return evaluate();
     }
@@ -96,6 +106,8 @@ public:
 private:
     void track();
     void optimise();
+    void measure_markers();
+    void correct_scale(const std::vector<TagView>& views, const MarkerPlan& plan);
     void make_surface() {
         fuse();
         mesh();
@@ -112,7 +124,12 @@ private:
     void write_exports() const;
     Evaluation compare_with_truth() const;
     nlohmann::json metrics(const Evaluation& evaluation) const;
+    ExpectedAccuracy expected(const Evaluation& evaluation) const;
     std::optional<MeshFigures> mesh_figures() const;
+    MarkerWorld marker_world() const {
+        return {
+            optimised_.rig, optimised_.keyframes, optimised_.trajectory, optimised_.covariances};
+    }
 
     // `share` of the whole when a surface is made; without one the other stages are all there is.
     ProgressCallback begin(const std::string& stage, double share) {
@@ -158,7 +175,9 @@ private:
     Track track_;  // of what only optimise() reads, nothing after it
     std::int64_t num_landmarks_ = 0;
     OptimisedTrack optimised_;
-    std::unique_ptr<Volume> volume_;  // until the mesh is made of it
+    std::unique_ptr<Volume> volume_;        // until the mesh is made of it
+    std::optional<MarkerFigures> markers_;  // nothing: nobody asked for them
+    std::optional<WorldScale> scale_;       // that was applied
     double voxel_m_ = 0.0;
     std::int64_t volume_memory_bytes_ = 0;
     Surface surface_;
@@ -215,6 +234,49 @@ void DiveRun::optimise() {
     track_.landmarks = {};
     track_.odometry = {};
     stage_done(watch, "optimise", reused);
+}
+
+void DiveRun::measure_markers() {
+    const auto plan = marker_plan_of(dive_->markers(), request_.options);
+    if (!plan) return;
+    const Stopwatch watch;
+    const ProgressShare progress{"optimise", 0.0, 1.0, begin("optimise", 0.0)};
+    std::optional<Rerectifier> refined;
+    if (optimised_.calibration.lenses_applied)
+        refined.emplace(dive_->rig(), track_.rig, optimised_.calibration.applied_lenses);
+    const auto views = find_tags_in(*dive_,
+                                    optimised_.keyframes,
+                                    plan->family,
+                                    refined ? &*refined : nullptr,
+                                    progress,
+                                    request_.options.num_threads);
+    markers_ = worker::measure_markers(views, *plan, marker_world());
+    if (request_.options.correct_scale) correct_scale(views, *plan);
+    stage_times_.push_back(watch.stop("markers"));
+}
+
+// Before anything is made of the poses, so that all that is given out has the one scale.
+void DiveRun::correct_scale(const std::vector<TagView>& views, const MarkerPlan& plan) {
+    ScaleCorrection correction;
+    if (const auto reason = reason_against(markers_->scale)) {
+        markers_->findings.push_back(*reason);
+    } else {
+        correction = {true, *markers_->scale};
+        const double factor = correction.scale.factor;
+        scale_.emplace(factor, optimised_.rig.T_imu_cam);
+        optimised_.keyframes = scale_->applied(optimised_.keyframes, optimised_.trajectory);
+        optimised_.mapped = scale_->applied(optimised_.mapped, optimised_.trajectory);
+        optimised_.trajectory = scale_->applied(optimised_.trajectory);
+        optimised_.covariances = scale_->applied(optimised_.covariances);
+        optimised_.rig.baseline_m *= factor;
+        track_.causal = WorldScale(factor, track_.rig.T_imu_cam).applied(track_.causal);
+        track_.statistics.median_depth_m *= factor;
+        write_tum(request_.out / "trajectory_causal.tum", track_.causal);
+        write_tum(request_.out / "trajectory.tum", optimised_.trajectory);
+        write_covariances(request_.out / "trajectory_covariance.csv", optimised_.covariances);
+        markers_ = worker::measure_markers(views, plan, marker_world());
+    }
+    markers_->correction = std::move(correction);
 }
 
 void DiveRun::fuse() {
@@ -274,7 +336,10 @@ void DiveRun::mesh() {
     auto stored = found(entry, [&] { return load_surface(stage_file("mesh"), keys_.mesh); });
     const bool reused = stored.has_value();
     if (!stored) {
-        stored = simplified(worker::mesh(*volume_, request_.options, progress), request_.options);
+        Mesh mesh = worker::mesh(*volume_, request_.options, progress);
+        const double path_m2 = optimised_.statistics.path.mean_square_m2;
+        finish_sigma(mesh, voxel_m_, std::sqrt(path_m2 / 3.0));
+        stored = simplified(std::move(mesh), request_.options);
         keep(entry, {"mesh.stage"}, [&] { save_surface(stage_file("mesh"), keys_.mesh, *stored); });
     }
     volume_.reset();
@@ -350,7 +415,7 @@ void DiveRun::write_exports() const {
 }
 
 Evaluation DiveRun::compare_with_truth() const {
-    return evaluate_reconstruction({.rig = dive_->rig(),
+    return evaluate_reconstruction({.rig = scale_ ? scale_->applied(dive_->rig()) : dive_->rig(),
                                     .trajectory = optimised_.trajectory,
                                     .causal = track_.causal,
                                     .covariances = optimised_.covariances,
@@ -383,9 +448,24 @@ nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
                              .path_length_m = path_length_m(optimised_.trajectory),
                              .pieces = pieces_of(optimised_.trajectory, optimised_.keyframes),
                              .mesh = mesh_figures(),
+                             .markers = markers_,
                              .stages = stage_times_,
                              .evaluation = evaluation,
+                             .expected = expected(evaluation),
                              .findings = dive_->findings()});
+}
+
+ExpectedAccuracy DiveRun::expected(const Evaluation& evaluation) const {
+    const auto& known = evaluation.known_distances;
+    return expected_accuracy(
+        {.recording = *dive_,
+         .trajectory = optimised_.trajectory,
+         .num_pieces = pieces_of(optimised_.trajectory, optimised_.keyframes).size(),
+         .covariances = optimised_.covariances,
+         .track = track_.statistics,
+         .optimise = optimised_.statistics,
+         .known_distances = known ? &*known : nullptr,
+         .mesh = request_.options.surface ? &surface_.mesh : nullptr});
 }
 
 std::optional<MeshFigures> DiveRun::mesh_figures() const {

@@ -7,6 +7,7 @@
 #include "api/handlers/json_body.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
+#include "api/job_options.hpp"
 #include "api/make_dive.hpp"
 #include "api/target.hpp"
 #include "api/upload_metadata.hpp"
@@ -60,18 +61,30 @@ DiveRequest dive_request(const Request& request) {
     return wanted;
 }
 
+// A comparison that is asked for from its earlier dive: "with" is the later one.
+void check_options(storage::NewJob& job) {
+    switch (job.kind) {
+        case JobKind::Reconstruct: make_options(job.preset, job.options); return;
+        case JobKind::Compare: check_compare_options(job.options); break;
+        case JobKind::AccuracyReport: check_report_options(job.options); break;
+        case JobKind::Intake:
+            throw InvalidInput({{"an intake is made with its dive alone", "/kind", ""}});
+    }
+    preset_options(job.preset);
+    if (job.options.value("fresh", false)) job.fresh_version = DIVEMESH_VERSION;
+    job.options.erase("fresh");
+}
+
 storage::NewJob job_request(const Request& request, const Dive& dive) {
     const auto body = json_body(request, {"kind", "preset", "options", "priority", "parents"});
     storage::NewJob job;
     job.project = dive.project;
     job.dive_id = dive.id;
     job.kind = job_kind_from_string(value_or<std::string>(body, "kind", "reconstruct"));
-    if (job.kind != JobKind::Reconstruct)
-        throw Error(ErrorCode::InvalidArgument, "\"kind\" can be asked for as reconstruct alone");
     job.preset = value_or<std::string>(body, "preset", "standard");
     job.options = body.value("options", nlohmann::json::object());
     try {
-        make_options(job.preset, job.options);
+        check_options(job);
     } catch (const InvalidInput& error) {
         throw error.below("/options");
     }
@@ -106,6 +119,7 @@ Awaitable<Response> create_dive(Request request, Services services) {
     };
     const Upload upload = co_await in_pool(services.pool, std::move(fresh));
     UploadPlan plan = plan_of(upload.metadata);
+    if (plan.truth) throw Error(ErrorCode::Conflict, "upload " + upload.id + " is truth, no dive");
     if (!wanted.name.empty()) plan.name = wanted.name;
     if (!wanted.preset.empty()) plan.preset = wanted.preset;
     if (!plan.preset.empty()) require_scope(request.token, "jobs:write");

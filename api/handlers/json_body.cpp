@@ -134,9 +134,11 @@ nlohmann::json FieldChoice::leave(nlohmann::json whole) const {
 
 Response page_response(const Request& request,
                        nlohmann::json items,
-                       const std::string& next_cursor) {
-    Response response = json_response(http::status::ok,
-                                      {{"items", std::move(items)}, {"next_cursor", next_cursor}});
+                       const std::string& next_cursor,
+                       nlohmann::json about) {
+    about["items"] = std::move(items);
+    about["next_cursor"] = next_cursor;
+    Response response = json_response(http::status::ok, about);
     if (next_cursor.empty()) return response;
     std::string link = request.path + "?cursor=" + escaped(next_cursor);
     for (const auto& [name, value] : request.query)

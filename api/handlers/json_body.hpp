@@ -70,9 +70,11 @@ private:
 };
 
 // {"items": [...], "next_cursor": "..."} and the link to the next page.
+// `about`: what else there is to say of the list.
 Response page_response(const Request& request,
                        nlohmann::json items,
-                       const std::string& next_cursor);
+                       const std::string& next_cursor,
+                       nlohmann::json about = nlohmann::json::object());
 
 // One object, and a page of them, with the fields that ?fields= leaves.
 template <typename T>

@@ -8,6 +8,7 @@
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
+#include "api/make_truth.hpp"
 #include "api/metrics.hpp"
 #include "api/new_upload.hpp"
 #include "api/quota.hpp"
@@ -18,6 +19,7 @@
 #include "api/visible.hpp"
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
+#include "storage/dive_store.hpp"
 #include "storage/upload_store.hpp"
 
 namespace divemesh::api {
@@ -41,6 +43,26 @@ std::optional<UploadChecksum> checksum_of(const Request& request) {
 
 bool becomes_dive(const Upload& upload) {
     return upload.complete() && !upload.is_partial() && plan_of(upload.metadata).commit;
+}
+
+// The same of truth.
+Awaitable<Response> with_truth(
+    Response response, Request request, Services services, Upload upload, StopFlag stopped) {
+    const UploadPlan plan = plan_of(upload.metadata);
+    const Token token = co_await authenticate(request, services, false);
+    require_scope(token, "dives:write");
+    const std::string sha256 = co_await hash_archive(services, upload, stopped);
+    auto work = [services, request, upload, plan, sha256, num_bytes = response.uploaded_bytes] {
+        auto catalog = audited(services, request, num_bytes);
+        return make_truth(
+            services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan, sha256);
+    };
+    const TruthFile made = co_await in_pool(services.pool, std::move(work));
+    response.audited = upload.dive_id.empty();
+    upload.expires_at_ms = 0;
+    set_progress(response, upload);
+    response.set("Divemesh-Truth", made.id);
+    co_return response;
 }
 
 // Whoever brings the last byte has the dive made, so its token is asked anew: it may have been
@@ -69,6 +91,9 @@ Awaitable<Response> with_dive(
 // The answer to a request that brought what it should.
 Awaitable<Response> arrived(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
+    const bool is_truth = plan_of(upload.metadata).truth.has_value();
+    if (becomes_dive(upload) && is_truth)
+        co_return co_await with_truth(std::move(response), request, services, upload, stopped);
     if (becomes_dive(upload))
         co_return co_await with_dive(std::move(response), request, services, upload, stopped);
     set_progress(response, upload);
@@ -131,6 +156,16 @@ Awaitable<Response> receive(
     co_return co_await arrived(std::move(response), request, services, *received, stopped);
 }
 
+// Its dive is there to take it. Throws Error{NotFound}, Error{Conflict}.
+void require_dive_of_truth(const Services& services, const Upload& wanted) {
+    const UploadPlan plan = plan_of(wanted.metadata);
+    if (!plan.truth) return;
+    const Dive dive = storage::DiveStore(services.catalog).get(plan.dive_id);
+    if (dive.project != wanted.project) throw Error(ErrorCode::NotFound, "no dive " + plan.dive_id);
+    if (dive.state == DiveState::Refused || dive.deleted_at_ms > 0)
+        throw Error(ErrorCode::Conflict, "dive " + dive.id + " is deleted or was refused");
+}
+
 Response created(const Upload& upload) {
     Response response = empty_response(http::status::created);
     response.set("Location", "/api/v1/uploads/" + upload.id);
@@ -142,6 +177,7 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
         throw Error(ErrorCode::InvalidArgument,
                     "a final upload has the bytes of its parts: send none with it");
     auto enter = [services, request, wanted] {
+        require_dive_of_truth(services, wanted);
         auto catalog = audited(services, request);
         return enter_final(services, catalog, wanted);
     };
@@ -171,7 +207,10 @@ Response describe(const Upload& upload) {
         response.set("Upload-Defer-Length", "1");
     if (!upload.metadata.empty()) response.set("Upload-Metadata", upload.metadata);
     if (!upload.concat.empty()) response.set("Upload-Concat", upload.concat);
-    if (!upload.dive_id.empty()) response.set("Divemesh-Dive", upload.dive_id);
+    if (!upload.truth_id.empty())
+        response.set("Divemesh-Truth", upload.truth_id);
+    else if (!upload.dive_id.empty())
+        response.set("Divemesh-Dive", upload.dive_id);
     response.set("Cache-Control", "no-store");
     return response;
 }
@@ -225,12 +264,13 @@ Awaitable<Response> create_upload(Request request, Services services) {
     if (!plan_of(wanted.metadata).preset.empty()) require_scope(request.token, "jobs:write");
     if (wanted.is_final()) co_return co_await create_final(request, services, wanted);
     if (wanted.length_bytes == 0 && plan_of(wanted.metadata).commit)
-        throw Error(ErrorCode::BadData, "an upload of no bytes holds no dive");
+        throw Error(ErrorCode::BadData, "an upload of no bytes holds nothing");
     const bool with_bytes = brings_bytes(request);
     checksum_of(request);
     if (with_bytes) check_content_length(request, wanted, services);
     if (!with_bytes && request.stream->length_bytes().value_or(1) > 0) require_bytes(request);
     auto enter = [services, request, wanted] {
+        require_dive_of_truth(services, wanted);
         auto catalog = audited(services, request);
         return enter_upload(services, catalog, wanted);
     };

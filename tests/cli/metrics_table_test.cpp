@@ -18,6 +18,11 @@ TEST(MetricsTableTest, NamesEveryFigureAsTheFileDoes) {
               "trajectory.ate_rmse_m  0.012346\n");
 }
 
+TEST(MetricsTableTest, AVectorIsOneLine) {
+    EXPECT_EQ(metrics_table({{"lever_arm_m", {{"vector", {0.1, -0.25, 3.0}}}}}),
+              "lever_arm_m.vector  0.100000, -0.250000, 3.000000\n");
+}
+
 TEST(MetricsSummaryTest, TellsWhatIsThereInUnitsForPeople) {
     const nlohmann::json metrics = {{"frames", {{"num_frames", 84}, {"coverage", 0.9884}}},
                                     {"trajectory", {{"final", {{"ate_rmse_m", 0.00199}}}}}};

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <iterator>
 
 #include "storage/event_store.hpp"
 #include "tests/end_to_end/service.hpp"
@@ -42,6 +43,7 @@ TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
                                       "workers",
                                       "reconstruct",
                                       "evaluate",
+                                      "report",
                                       "simulate",
                                       "validate",
                                       "backup",
@@ -115,6 +117,32 @@ TEST_F(CommandLineTest, EvaluatesATrajectoryAsEvoDoes) {
                                  (evo / "KITTI_00_gt.txt").string()});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NEAR(nlohmann::json::parse(outcome.out).at("ate_rmse_m").get<double>(), 1.303450, 5e-7);
+}
+
+TEST_F(CommandLineTest, AReportEndsWithThreeWhenARequirementIsNotMet) {
+    std::ofstream(folder / "metrics.json") << R"({"frames": {"coverage": 0.5}})";
+    std::ofstream(folder / "trajectory.tum") << "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n";
+    const auto report = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments = {"report", folder.path().string()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run(arguments);
+    };
+    EXPECT_EQ(report({}).exit_code, 0);
+    EXPECT_EQ(report({"--require", "coverage>=0.5"}).exit_code, 0);
+    const Outcome unmet = report({"--require",
+                                  "coverage>=0.5",
+                                  "--require",
+                                  "drift_percent<=0.5",
+                                  "--junit",
+                                  (folder / "verdict.xml").string()});
+    EXPECT_EQ(unmet.exit_code, 3) << unmet.err;
+    std::ifstream stream(folder / "verdict.xml");
+    const std::string xml{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_NE(xml.find("tests=\"2\" failures=\"1\""), std::string::npos) << xml;
+    const Outcome misspelt = report({"--require", "coverrage>=0.5"});
+    EXPECT_EQ(misspelt.exit_code, 2);
+    EXPECT_NE(misspelt.err.find("frames.coverage"), std::string::npos) << misspelt.err;
+    EXPECT_EQ(report({"--ground-truth", (folder / "none.tum").string()}).exit_code, 1);
 }
 
 TEST_F(CommandLineTest, StopsAReconstructionAtOnceWhenItIsInterrupted) {

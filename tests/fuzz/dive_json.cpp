@@ -7,5 +7,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     divemesh::worker::FindingLog findings;
     divemesh::worker::parse_dive_info(text, findings);
     divemesh::worker::parse_known_distances(text, findings);
+    divemesh::worker::parse_markers(text, findings);
     return 0;
 }

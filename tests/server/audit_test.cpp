@@ -75,6 +75,19 @@ protected:
         EXPECT_FALSE(all.empty());
         return webhook + "/deliveries/" + all[0]["id"].get<std::string>();
     }
+    std::string new_truth() {
+        const auto dive = new_dive();
+        const std::string kind = "truth " + base64("areas") + ",dive_id ";
+        const auto path =
+            create_upload(server.port(), token, 4, kind + base64(dive.substr(dive.rfind('/') + 1)));
+        return dive + "/truth/" + patch(path, 0, "text").header("divemesh-truth");
+    }
+    std::string new_schedule() {
+        const auto made =
+            ask("POST", "/api/v1/schedules", {{"cron", "0 4 * * *"}, {"tag", "yearly"}});
+        EXPECT_EQ(made.status, 201) << made.body;
+        return made.header("location");
+    }
     std::string worker_at_work() {
         const std::string name = "boat:" + std::to_string(++num_made_);
         storage::WorkerStore(server.catalog()).report(name, 1);
@@ -111,6 +124,11 @@ protected:
              [this] { return ask("POST", deleted_dive() + "/restore"); }},
             {"POST /api/v1/dives/{dive_id}/jobs",
              [this] { return ask("POST", new_dive() + "/jobs"); }},
+            {"DELETE /api/v1/dives/{dive_id}/truth/{truth_id}",
+             [this] { return ask("DELETE", new_truth()); }},
+            {"POST /api/v1/schedules",
+             [this] { return ask("POST", "/api/v1/schedules", {{"cron", "0 4 * * *"}, {"tag", "yearly"}}); }},
+            {"DELETE /api/v1/schedules/{schedule_id}", [this] { return ask("DELETE", new_schedule()); }},
             {"PATCH /api/v1/jobs/{job_id}",
              [this] { return ask("PATCH", new_job(), {{"priority", 5}}); }},
             {"POST /api/v1/jobs/{job_id}/cancel",
@@ -144,7 +162,7 @@ private:
     // All of them before the first job: to make one takes what is queued.
     std::vector<std::string> make_dives() {
         std::vector<std::string> dives;
-        for (int i = 0; i < 12; ++i)
+        for (int i = 0; i < 13; ++i)
             dives.push_back(server.make_dive("default", sha256_hex(std::to_string(i))));
         return dives;
     }

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "storage/blob_store.hpp"
+#include "storage/truth_store.hpp"
 #include "tests/storage/store_fixture.hpp"
 
 namespace divemesh::storage {
@@ -79,6 +80,23 @@ protected:
     const fs::path file_ = folder_ / "backup.tar";
     const std::unique_ptr<BlobStore> blobs_ = open_blob_store((folder_ / "blobs").string());
 };
+
+TEST_F(BackupTest, TruthThatCameLaterIsPartOfIt) {
+    const Dive dive = stored_dive("a");
+    const Upload upload = finished_upload();
+    const std::string key = "truth/" + upload.id + "/file";
+    std::ofstream(folder_ / "truth", std::ios::binary) << "poses";
+    blobs_->put_file(key, folder_ / "truth");
+    TruthStore(catalog_).create({.upload_id = upload.id,
+                                 .project = dive.project,
+                                 .dive_id = dive.id,
+                                 .sha256 = sha256_hex("poses"),
+                                 .size_bytes = 5,
+                                 .blob = key});
+    EXPECT_EQ(backup().num_blobs, 2);
+    EXPECT_EQ(restore("copy").num_blobs, 2);
+    EXPECT_TRUE(open_blob_store((folder_ / "copy" / "blobs").string())->exists(key));
+}
 
 TEST_F(BackupTest, WhatIsRestoredIsWhatWasThere) {
     const Dive dive = stored_dive(std::string(3'000'000, 'a'));

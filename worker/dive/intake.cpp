@@ -58,6 +58,7 @@ void check_reference_mesh(StoredDive& dive) {
 void examine(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
     report.name = dive.info().name;
     report.site = dive.info().site;
+    report.rig = dive.info().rig;
     report.tags = dive.info().tags;
     report.num_frames = dive.num_frames();
     report.duration_s = dive.duration_s();

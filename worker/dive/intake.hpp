@@ -15,6 +15,7 @@ struct IntakeReport {
     std::vector<Finding> findings;  // an error among them: refused
     std::string name;               // dive.json's, "" when it says none
     std::string site;
+    std::string rig;
     std::vector<std::string> tags;
     std::string content_sha256;
     std::int64_t num_frames = 0;

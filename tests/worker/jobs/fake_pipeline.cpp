@@ -16,6 +16,7 @@
 
 #include "worker/attempt_protocol.hpp"
 #include "worker/dive/intake.hpp"
+#include "worker/metrics/accuracy_report.hpp"
 #include "worker/reconstruct_dive.hpp"
 
 namespace divemesh::worker {
@@ -124,6 +125,7 @@ IntakeReport examine_dive(const fs::path&, const fs::path&, const ProgressCallba
     progress({.stage = "intake", .fraction = 1.0});
     return {.findings = {{.severity = Severity::Info, .code = "fake"}},
             .name = "fake",
+            .rig = "fake rig",
             .num_frames = 2,
             .duration_s = 0.1,
             .thumbnail_jpeg = "jpeg"};
@@ -158,7 +160,30 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     if (script.word == "large") write_large_file(request.out);
     progress({.stage = "evaluate", .fraction = 1.0});
     request.stage_done({.name = "evaluate", .seconds = 0.5});
-    return {};
+    return {{"version", "fake 1"},
+            {"trajectory", {{"path_length_m", 2.5}}},
+            {"calibration", {{"sha256", "fake calibration"}}}};
+}
+
+// Says what it was given: the mesh, the truth, the history.
+nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCallback&) {
+    std::ofstream file(request.out / "report.json");
+    file << std::ifstream(request.reconstruction / "mesh.ply").rdbuf();
+    if (request.ground_truth)
+        file << request.ground_truth->filename().string() << ' '
+             << std::ifstream(*request.ground_truth).rdbuf();
+    for (const auto& [name, values] : request.history) file << ' ' << name << ' ' << values.size();
+    const auto figure = nlohmann::json{
+        {"figure", "trajectory.path_length_m"}, {"value", 2.5}, {"unit", "m"}, {"method", ""}};
+    nlohmann::json requirements = nlohmann::json::array();
+    for (const std::string& text : request.requirements)
+        requirements.push_back(
+            {{"text", text}, {"figure", text}, {"value", 2.5}, {"met", false}, {"reason", "fake"}});
+    return {{"version", "fake 2"},
+            {"reconstruction", {{"calibration_sha256", "fake calibration"}}},
+            {"figures", nlohmann::json::array({figure})},
+            {"requirements", requirements},
+            {"regressions", nlohmann::json::array()}};
 }
 
 }  // namespace divemesh::worker

@@ -16,7 +16,9 @@
 #include "storage/catalog.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/event_store.hpp"
+#include "storage/figure_store.hpp"
 #include "storage/job_store.hpp"
+#include "storage/truth_store.hpp"
 #include "storage/upload_store.hpp"
 #include "storage/worker_store.hpp"
 #include "tests/end_to_end/process.hpp"
@@ -116,6 +118,60 @@ protected:
         storage::open_blob_store((folder_ / "blobs").string());
     int num_workers_ = 0;
 };
+
+TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept) {
+    const Job reconstruction = make_job("plain");
+    const Process worker = start_worker();
+    ASSERT_TRUE(reaches(reconstruction, JobState::Succeeded));
+    std::ofstream(folder_ / "truth") << "poses";
+    const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
+    blobs_->put_file("truth/" + upload.id + "/file", folder_ / "truth");
+    storage::TruthStore(catalog_).create({.upload_id = upload.id,
+                                          .project = "default",
+                                          .dive_id = reconstruction.dive_id,
+                                          .name = "../a b.tum",
+                                          .sha256 = sha256_hex("poses"),
+                                          .size_bytes = 5,
+                                          .blob = "truth/" + upload.id + "/file"});
+    const Job report = jobs_
+                           .enqueue({.dive_id = reconstruction.dive_id,
+                                     .kind = JobKind::AccuracyReport,
+                                     .options = {{"require", {"path_length_m>=3"}}}})
+                           .job;
+    ASSERT_TRUE(reaches(report, JobState::Succeeded)) << jobs_.get(report.id).failure.message;
+    EXPECT_EQ(verdict_of(jobs_.get(report.id)), "failed");
+    const auto written = blobs_->open(jobs_.artifact(report.id, "report.json").blob);
+    std::string text(static_cast<std::size_t>(written->size_bytes()), ' ');
+    written->read_at(0, text);
+    EXPECT_EQ(text, "ply\ntruth-ground_truth.tum poses");
+    const auto points =
+        storage::FigureStore(catalog_).series({.figure = "trajectory.path_length_m"}, {}).items;
+    ASSERT_EQ(points.size(), 2U);
+    EXPECT_EQ(points[0].version, "fake 1");
+    EXPECT_EQ(points[1].version, "fake 2");
+    EXPECT_EQ(points[0].calibration_sha256, "fake calibration");
+    EXPECT_EQ(points[1].rig, "fake rig");
+}
+
+TEST_F(JobRunnerTest, AReportWhoseTruthWasDeletedFailsAtOnceAndSaysSo) {
+    const Job reconstruction = make_job("plain");
+    const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
+    storage::TruthStore truths(catalog_);
+    const auto truth = truths.create({.upload_id = upload.id,
+                                      .project = "default",
+                                      .dive_id = reconstruction.dive_id,
+                                      .sha256 = sha256_hex("poses"),
+                                      .blob = "truth/" + upload.id + "/file"});
+    const Job report =
+        jobs_.enqueue({.dive_id = reconstruction.dive_id, .kind = JobKind::AccuracyReport}).job;
+    truths.remove(reconstruction.dive_id, truth.file.id);
+    const Process worker = start_worker();
+    ASSERT_TRUE(reaches(report, JobState::Failed));
+    const Job failed = jobs_.get(report.id);
+    EXPECT_EQ(failed.failure.code, ErrorCode::Gone);
+    EXPECT_EQ(failed.num_attempts, 1);
+    EXPECT_THAT(failed.failure.message, HasSubstr("upload it again"));
+}
 
 TEST_F(JobRunnerTest, A14BeginsNothingOnADiskThatIsNearlyFull) {
     const Job job = make_job("ok");

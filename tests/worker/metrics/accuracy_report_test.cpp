@@ -76,6 +76,19 @@ protected:
             {"calibration", {{"sha256", "def"}, {"baseline_m", 0.12}}},
             {"frames", {{"num_frames", 400}, {"coverage", 1.0}}},
             {"trajectory", {{"path_length_m", 20.0}}},
+            {"markers",
+             {{"markers",
+               {{{"id", 7},
+                 {"position_m", {0.1, 0.2, 0.3}},
+                 {"sigma_m", 0.001},
+                 {"num_keyframes", 9}}}},
+              {"bars",
+               {{{"name", kHostileName},
+                 {"from", {{"id", 7}, {"corner", "top_left"}}},
+                 {"to", 8},
+                 {"known_m", 0.5},
+                 {"measured_m", 0.501},
+                 {"error_mm", 1.0}}}}}},
             {"known_distances",
              {{"distances",
                {{{"name", kHostileName}, {"known_m", 1.0}, {"measured_m", 1.002}},
@@ -166,6 +179,14 @@ TEST_F(AccuracyReportTest, ACloudAsReferenceSaysHowDenseItIs) {
         figure(report, "surface.completeness.median_m")["value"].get<double>(), 0.003, 1e-5);
     // The mean distance to the nearest point of a square lattice is 0.3826 of its spacing.
     EXPECT_NEAR(figure(report, "surface.accuracy.mean_m")["value"].get<double>(), 0.0383, 5e-4);
+}
+
+TEST_F(AccuracyReportTest, TagsAndTheLengthsBetweenThemAreShownAndAreFigures) {
+    const json report = make();
+    EXPECT_EQ(figure(report, "markers.markers[7].sigma_m")["unit"], "m");
+    EXPECT_EQ(figure(report, std::string("markers.bars[") + kHostileName + "].error_mm")["value"],
+              1.0);
+    EXPECT_NE(read("report.html").find("Length between tags"), std::string::npos);
 }
 
 TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoFigure) {

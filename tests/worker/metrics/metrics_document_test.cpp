@@ -46,6 +46,28 @@ MetricsInput plain_dive() {
     return input;
 }
 
+MarkerFigures marker_figures() {
+    MarkerFigures figures;
+    Marker marker{.id = 7, .num_views = 8, .num_keyframes = 4};
+    marker.corners_world.fill(Eigen::Vector3d::Ones());
+    figures.markers = {marker};
+    figures.bars = {{.name = "a",
+                     .from = {7, std::nullopt},
+                     .to = {8, TagCorner::TopLeft},
+                     .known_m = 1.0,
+                     .measured_m = 1.01,
+                     .own_sigma_m = 0.002,
+                     .sigma_m = 0.003,
+                     .leave_one_out_error_m = 0.001,
+                     .leave_one_out_sigma_m = 0.002},
+                    {.name = "size of 7", .is_printed_size = true, .from = {7}, .known_m = 0.1},
+                    {.name = "not seen", .known_m = 0.5}};
+    figures.scale = MarkerScale{0.99, 0.001, 1, {"a"}};
+    figures.correction = ScaleCorrection{true, *figures.scale};
+    figures.findings = {{Severity::Warning, "scale_off", "markers.json", "long", "calibrate"}};
+    return figures;
+}
+
 MetricsInput dive_with_everything() {
     MetricsInput input = plain_dive();
     input.rig.imu_noise = ImuNoise{};
@@ -74,6 +96,21 @@ MetricsInput dive_with_everything() {
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;
     input.evaluation.known_distances = known;
+    input.markers = marker_figures();
+    ExpectedAccuracy expected;
+    for (auto* value : {&expected.end_bound_m,
+                        &expected.end_expected_m,
+                        &expected.ate_bound_m,
+                        &expected.ate_expected_m,
+                        &expected.loop_residual_m,
+                        &expected.imu_vision_disagreement_deg,
+                        &expected.reprojection_rms_px})
+        *value = 0.01;
+    expected.covariance_scale = 1.0;
+    expected.accelerometer = expected.pressure = expected.known_distances = ScaleCheck{1.01, 0.02};
+    expected.surface = ExpectedSurface{0.1, 0.2, 0.7, 0.003, 0.02, 0.01};
+    expected.left_out = {{"trajectory.loops", "none"}};
+    input.expected = expected;
     input.evaluation.findings = {{Severity::Info, "x", "", "seen", ""}};
     return input;
 }

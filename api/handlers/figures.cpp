@@ -1,0 +1,54 @@
+#include "api/handlers/figures.hpp"
+
+#include "api/authorization.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "schemas/figure.hpp"
+#include "schemas/json.hpp"
+#include "storage/figure_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+storage::FigureFilter filter_of(const Request& request) {
+    const std::string metric = query_value(request, "metric");
+    if (metric.empty())
+        throw InvalidInput(
+            {{"metric says which figure, as drift_percent: it is missing", "", "metric"}});
+    storage::FigureFilter filter{.figure = resolve_figure(metric),
+                                 .project = visible_project(request.token),
+                                 .dive_id = query_value(request, "dive_id"),
+                                 .site = query_value(request, "site"),
+                                 .rig = query_value(request, "rig"),
+                                 .tag = query_value(request, "tag"),
+                                 .since_ms = time_value(request, "since", 0)};
+    const std::string kind = query_value(request, "kind");
+    if (!kind.empty()) filter.kind = job_kind_from_string(kind);
+    return filter;
+}
+
+struct Series {
+    storage::Page<FigurePoint> points;
+    storage::FigureName figure;
+};
+
+}  // namespace
+
+Awaitable<Response> get_figure_series(Request request, Services services) {
+    auto work =
+        [&catalog = services.catalog, filter = filter_of(request), page = page_request(request)] {
+            storage::FigureStore store(catalog);
+            return Series{store.series(filter, page),
+                          store.find(filter.figure).value_or(storage::FigureName{filter.figure})};
+        };
+    const Series series = co_await in_pool(services.pool, std::move(work));
+    nlohmann::json items = nlohmann::json::array();
+    const auto choice = FieldChoice::of<FigurePoint>(request);
+    for (const FigurePoint& point : series.points.items) items.push_back(choice.leave(point));
+    nlohmann::json about = {{"metric", series.figure.name},
+                            {"unit", series.figure.unit},
+                            {"method", series.figure.method}};
+    co_return page_response(request, std::move(items), series.points.next_cursor, about);
+}
+
+}  // namespace divemesh::api

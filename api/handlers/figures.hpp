@@ -1,0 +1,11 @@
+#pragma once
+
+#include "api/http.hpp"
+#include "api/services.hpp"
+
+namespace divemesh::api {
+
+// One figure over dives and time.
+Awaitable<Response> get_figure_series(Request request, Services services);
+
+}  // namespace divemesh::api

@@ -1,0 +1,77 @@
+#include "api/handlers/schedules.hpp"
+
+#include "api/audit.hpp"
+#include "api/authorization.hpp"
+#include "api/handlers/json_body.hpp"
+#include "api/in_pool.hpp"
+#include "api/job_options.hpp"
+#include "api/preconditions.hpp"
+#include "api/visible.hpp"
+#include "schemas/json.hpp"
+#include "schemas/reconstruction_options.hpp"
+#include "storage/schedule_store.hpp"
+
+namespace divemesh::api {
+namespace {
+
+constexpr std::size_t kMaxTagBytes = 200;
+
+Schedule schedule_request(const Request& request) {
+    const auto body = json_body(request, {"cron", "tag", "preset", "options"});
+    Schedule wanted{.project = request.token.project,
+                    .cron = value_or<std::string>(body, "cron", ""),
+                    .tag = value_or<std::string>(body, "tag", ""),
+                    .preset = value_or<std::string>(body, "preset", "standard"),
+                    .options = body.value("options", nlohmann::json::object())};
+    if (wanted.tag.empty() || wanted.tag.size() > kMaxTagBytes)
+        throw InvalidInput({{"\"tag\" says which dives are reported on", "/tag", ""}});
+    preset_options(wanted.preset);
+    try {
+        check_scheduled_options(wanted.options);
+    } catch (const InvalidInput& error) {
+        throw error.below("/options");
+    }
+    return wanted;
+}
+
+}  // namespace
+
+Awaitable<Response> list_schedules(Request request, Services services) {
+    auto work = [&catalog = services.catalog,
+                 project = visible_project(request.token),
+                 page = page_request(request)] {
+        return storage::ScheduleStore(catalog).list(project, page);
+    };
+    const auto page = co_await in_pool(services.pool, std::move(work));
+    co_return list_response<Schedule>(request, page.items, page.next_cursor);
+}
+
+Awaitable<Response> create_schedule(Request request, Services services) {
+    auto work = [services, request] {
+        auto catalog = audited(services, request);
+        return storage::ScheduleStore(catalog).create(schedule_request(request));
+    };
+    const Schedule made = co_await in_pool(services.pool, std::move(work));
+    Response response = json_response(http::status::created, made);
+    response.set("Location", "/api/v1/schedules/" + made.id);
+    co_return response;
+}
+
+Awaitable<Response> get_schedule(Request request, Services services) {
+    auto work = [services, request] { return visible_schedule(request, services.catalog); };
+    const Schedule schedule = co_await in_pool(services.pool, std::move(work));
+    co_return resource_response(request, schedule);
+}
+
+Awaitable<Response> delete_schedule(Request request, Services services) {
+    require_no_tag(request);
+    auto work = [services, request] {
+        const Schedule schedule = visible_schedule(request, services.catalog);
+        auto catalog = audited(services, request);
+        storage::ScheduleStore(catalog).remove(schedule.id);
+    };
+    co_await in_pool(services.pool, std::move(work));
+    co_return empty_response(http::status::no_content);
+}
+
+}  // namespace divemesh::api

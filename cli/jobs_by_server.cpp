@@ -1,0 +1,103 @@
+#include "cli/jobs_by_server.hpp"
+
+#include "api/client/dive_tar.hpp"
+#include "api/client/tus_upload.hpp"
+#include "cli/follow.hpp"
+#include "cli/progress_bar.hpp"
+#include "schemas/content_hash.hpp"
+#include "schemas/json.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace client = api::client;
+
+constexpr std::chrono::minutes kGiveUpAfter{10};
+
+std::string dive_path(const std::string& dive_id) {
+    return "/api/v1/dives/" + client::percent_encode(dive_id);
+}
+
+client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::int64_t total) {
+    return [&bar, label, total, meter = TransferMeter()](std::int64_t done) mutable {
+        const double fraction =
+            total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
+        bar.show(label, fraction, meter.detail(done, total));
+    };
+}
+
+// The same bytes of that kind, when the dive has them already.
+std::string find_truth(client::RestClient& rest,
+                       const std::string& dive_id,
+                       const std::string& kind,
+                       const std::string& sha256) {
+    for (const auto& item : rest.list(dive_path(dive_id) + "/truth", {})) {
+        const TruthFile file = item.get<TruthFile>();
+        if (to_string(file.kind) == kind && file.sha256 == sha256) return file.id;
+    }
+    return "";
+}
+
+std::string send_truth(client::RestClient& rest,
+                       const std::string& dive_id,
+                       const std::string& kind,
+                       const fs::path& file) {
+    ProgressBar bar;
+    client::FileSource source(file);
+    const std::string sha256 =
+        client::hash_archive(source, show_bytes(bar, "hash", source.size_bytes())).archive_sha256;
+    if (const auto known = find_truth(rest, dive_id, kind, sha256); !known.empty()) return known;
+    client::TusObserver observer;
+    observer.on_progress = show_bytes(bar, "upload " + kind, source.size_bytes());
+    observer.on_wait = say_waiting(bar);
+    client::TusSettings settings;
+    settings.give_up_after = kGiveUpAfter;
+    const client::UploadState state(client::default_state_folder(),
+                                    rest.account().server.url(),
+                                    sha256_hex(sha256 + kind + dive_id));
+    const auto path = client::upload_by_tus(rest.account(),
+                                            source,
+                                            {{"filename", file.filename().string()},
+                                             {"sha256", sha256},
+                                             {"truth", kind},
+                                             {"dive_id", dive_id}},
+                                            state,
+                                            observer,
+                                            settings);
+    const auto upload = rest.get(path);
+    state.forget();
+    return upload.at("truth_id").get<std::string>();
+}
+
+// A reconstruction is of a dive, and is named in the options.
+std::string dive_of(client::RestClient& rest, const std::string& subject, nlohmann::json& options) {
+    if (!subject.starts_with("job_")) return subject;
+    const Job job = rest.get("/api/v1/jobs/" + client::percent_encode(subject)).get<Job>();
+    options["job"] = job.id;
+    return job.dive_id;
+}
+
+}  // namespace
+
+ServerJobEnd run_on_server(client::RestClient& rest, const ServerJob& wanted) {
+    nlohmann::json options = wanted.options;
+    const std::string dive_id = dive_of(rest, wanted.subject, options);
+    for (const auto& [kind, file] : wanted.truth)
+        options[kind] = send_truth(rest, dive_id, kind, file);
+    client::Backoff backoff(kGiveUpAfter, {});
+    const Job job = rest.post_once(dive_path(dive_id) + "/jobs",
+                                   {{"kind", wanted.kind}, {"options", options}},
+                                   backoff)
+                        .get<Job>();
+    ServerJobEnd end{.job_id = job.id};
+    if (!wanted.wait) return end;
+    const Job finished = wait_for_job(rest, job.id);
+    end.finished = true;
+    end.succeeded = finished.state == JobState::Succeeded;
+    if (!end.succeeded) print_failure(rest, finished);
+    if (end.succeeded && !wanted.out.empty()) download_job(rest, job.id, {}, wanted.out);
+    return end;
+}
+
+}  // namespace divemesh::cli

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace divemesh {
+
+// A figure as a job found it, see schemas/figure.hpp for the names.
+struct MeasuredFigure {
+    std::string name;
+    double value = 0.0;
+    std::string unit;
+    std::string method;
+};
+
+// What was asked of a report, and whether it was so.
+struct RequirementResult {
+    std::string text;             // as written: "drift_percent<=0.5"
+    std::string figure;           // its full name
+    std::optional<double> value;  // nothing: there is no such figure, which is not met
+    bool met = false;
+    std::string reason;  // why it is not met; "" when it is
+};
+
+// A figure that is worse than its earlier values allow.
+struct Regression {
+    std::string figure;
+    double value = 0.0;
+    double median = 0.0;  // of the earlier ones
+    double limit = 0.0;   // what they allow
+    std::int64_t num_earlier = 0;
+};
+
+// What a job measured, written with its success.
+struct Measurement {
+    std::vector<MeasuredFigure> figures;
+    std::vector<RequirementResult> requirements;  // of a report
+    std::vector<Regression> regressions;          // the same
+    std::string version;                          // of the program that measured
+    std::string calibration_sha256;
+};
+
+// One value of a series over dives and time.
+struct FigurePoint {
+    std::int64_t number = 0;  // rises with time; not shown over HTTP
+    std::string dive_id;
+    std::string job_id;
+    std::string kind;  // of the job
+    std::string site;
+    std::string rig;
+    std::string preset;
+    std::string version;
+    std::string calibration_sha256;
+    std::int64_t time_ms = 0;
+    double value = 0.0;
+};
+
+}  // namespace divemesh

@@ -1,0 +1,227 @@
+#include "storage/figure_store.hpp"
+
+#include <cmath>
+#include <set>
+
+#include "schemas/error.hpp"
+#include "storage/dive_rows.hpp"
+#include "storage/page_cursor.hpp"
+#include "storage/sql.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+constexpr std::size_t kMaxFigures = 5000;  // of one job
+constexpr std::size_t kMaxNameBytes = 300;
+constexpr std::size_t kMaxUnitBytes = 32;
+constexpr std::size_t kMaxMethodBytes = 1000;
+constexpr int kMaxEarlier = 50;
+
+struct NumberRow {
+    std::int64_t number = 0;
+    void define(soci::statement& statement) { statement.exchange(soci::into(number)); }
+    std::int64_t value() const { return number; }
+};
+
+struct NameRow {
+    FigureName name;
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(name.name));
+        statement.exchange(soci::into(name.unit));
+        statement.exchange(soci::into(name.method));
+    }
+    FigureName value() const { return name; }
+};
+
+struct PointRow {
+    FigurePoint point;
+
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(point.number));
+        statement.exchange(soci::into(point.dive_id));
+        statement.exchange(soci::into(point.job_id));
+        statement.exchange(soci::into(point.kind));
+        statement.exchange(soci::into(point.site));
+        statement.exchange(soci::into(point.rig));
+        statement.exchange(soci::into(point.preset));
+        statement.exchange(soci::into(point.version));
+        statement.exchange(soci::into(point.calibration_sha256));
+        statement.exchange(soci::into(point.time_ms));
+        statement.exchange(soci::into(point.value));
+    }
+    FigurePoint value() const { return point; }
+};
+
+struct EarlierValue {
+    std::string name;
+    double value = 0.0;
+};
+
+struct EarlierRow {
+    EarlierValue earlier;
+    void define(soci::statement& statement) {
+        statement.exchange(soci::into(earlier.name));
+        statement.exchange(soci::into(earlier.value));
+    }
+    EarlierValue value() const { return earlier; }
+};
+
+bool is_figure(const MeasuredFigure& figure) {
+    return !figure.name.empty() && figure.name.size() <= kMaxNameBytes &&
+           figure.unit.size() <= kMaxUnitBytes && std::isfinite(figure.value);
+}
+
+std::int64_t insert_set(soci::session& session, const Job& job, const Measurement& measured) {
+    const Dive dive = read_dive(session, job.dive_id);
+    const std::string kind(to_string(job.kind));
+    const std::string measured_job =
+        job.kind == JobKind::Reconstruct ? job.id : job.options.value("job", job.id);
+    const std::int64_t now_ms = Catalog::now_ms(session);
+    const auto number = select_one<NumberRow>(
+        session,
+        "INSERT INTO figure_sets (job_id, measured_job_id, project, dive_id, kind, site, rig,"
+        " preset, version, calibration_sha256, time_ms)"
+        " VALUES (:job, :measured, :project, :dive, :kind, :site, :rig, :preset, :version,"
+        " :calibration, :now) RETURNING number",
+        soci::use(job.id, "job"),
+        soci::use(measured_job, "measured"),
+        soci::use(job.project, "project"),
+        soci::use(job.dive_id, "dive"),
+        soci::use(kind, "kind"),
+        soci::use(dive.site, "site"),
+        soci::use(dive.rig, "rig"),
+        soci::use(job.preset, "preset"),
+        soci::use(measured.version, "version"),
+        soci::use(measured.calibration_sha256, "calibration"),
+        soci::use(now_ms, "now"));
+    return number.value();
+}
+
+std::int64_t number_of_name(soci::session& session, const MeasuredFigure& figure) {
+    const std::string method = figure.method.substr(0, kMaxMethodBytes);
+    const auto number = select_one<NumberRow>(
+        session,
+        "INSERT INTO figure_names (name, unit, method) VALUES (:name, :unit, :method)"
+        " ON CONFLICT (name) DO UPDATE SET unit = excluded.unit, method = excluded.method"
+        " RETURNING number",
+        soci::use(figure.name, "name"),
+        soci::use(figure.unit, "unit"),
+        soci::use(method, "method"));
+    return number.value();
+}
+
+// One condition that narrows a series; without a value nothing of it is in the statement, so that
+// the planner sees which index serves. Its name is used in any case: SOCI binds all of them.
+std::string narrowed(const std::string& value, const std::string& condition, const char* name) {
+    return value.empty() ? std::string(" AND :") + name + " = ''" : " AND " + condition;
+}
+
+using Earlier = std::map<std::string, std::vector<double>>;
+
+// Of the newest reports on each of the newest reconstructions.
+Earlier earlier_of(soci::session& session, const FigureSeries& series, const std::string& whose) {
+    Earlier earlier;
+    const auto rows = select_all<EarlierRow>(
+        session,
+        "SELECT name, value FROM (SELECT MAX(number) AS newest FROM figure_sets"
+        "   WHERE kind = 'accuracy_report' AND project = :project AND preset = :preset"
+        "   AND measured_job_id <> :measured AND " +
+            whose +
+            "   GROUP BY measured_job_id ORDER BY newest DESC LIMIT :limit) AS sets"
+            " CROSS JOIN figure_names"
+            " JOIN figures ON figure = figure_names.number AND set_number = newest"
+            " ORDER BY newest",
+        soci::use(series.project, "project"),
+        soci::use(series.preset, "preset"),
+        soci::use(series.measured_job_id, "measured"),
+        soci::use(series.dive_id, "dive"),
+        soci::use(series.tag, "tag"),
+        soci::use(kMaxEarlier, "limit"));
+    for (const EarlierValue& row : rows) earlier[row.name].push_back(row.value);
+    return earlier;
+}
+
+}  // namespace
+
+Page<FigurePoint> FigureStore::series(const FigureFilter& filter, const PageRequest& page) {
+    const PageStart start = page_start(page);
+    const std::string kind = filter.kind ? std::string(to_string(*filter.kind)) : "";
+    const std::string sql =
+        "SELECT sets.number, sets.dive_id, job_id, kind, site, rig, preset, version,"
+        " calibration_sha256, time_ms, value FROM figures"
+        " JOIN figure_sets AS sets ON sets.number = set_number"
+        " WHERE figure = (SELECT number FROM figure_names WHERE name = :figure)"
+        " AND set_number > :after AND time_ms >= :since" +
+        narrowed(filter.project, "project = :project", "project") +
+        narrowed(filter.dive_id,
+                 "set_number IN (SELECT number FROM figure_sets WHERE dive_id = :dive)",
+                 "dive") +
+        narrowed(filter.site, "site = :site", "site") + narrowed(filter.rig, "rig = :rig", "rig") +
+        narrowed(
+            filter.tag, "sets.dive_id IN (SELECT dive_id FROM dive_tags WHERE tag = :tag)", "tag") +
+        narrowed(kind, "kind = :kind", "kind") + " ORDER BY set_number LIMIT :limit";
+    std::vector<FigurePoint> points;
+    catalog_.read([&](soci::session& session) {
+        points = select_all<PointRow>(session,
+                                      sql,
+                                      soci::use(filter.figure, "figure"),
+                                      soci::use(start.created_at_ms, "after"),
+                                      soci::use(filter.since_ms, "since"),
+                                      soci::use(filter.project, "project"),
+                                      soci::use(filter.dive_id, "dive"),
+                                      soci::use(filter.site, "site"),
+                                      soci::use(filter.rig, "rig"),
+                                      soci::use(filter.tag, "tag"),
+                                      soci::use(kind, "kind"),
+                                      soci::use(start.limit_plus_one, "limit"));
+    });
+    Page<FigurePoint> result{.items = std::move(points)};
+    const auto limit = static_cast<std::size_t>(page.limit);
+    if (result.items.size() <= limit) return result;
+    result.items.resize(limit);
+    result.next_cursor = cursor_after(result.items.back().number, result.items.back().job_id);
+    return result;
+}
+
+std::optional<FigureName> FigureStore::find(const std::string& name) {
+    std::optional<FigureName> found;
+    catalog_.read([&](soci::session& session) {
+        found =
+            select_one<NameRow>(session,
+                                "SELECT name, unit, method FROM figure_names WHERE name = :name",
+                                soci::use(name, "name"));
+    });
+    return found;
+}
+
+void insert_figures(soci::session& session, const Job& job, const Measurement& measured) {
+    if (measured.figures.empty()) return;
+    const std::int64_t set_number = insert_set(session, job, measured);
+    std::set<std::string> seen;
+    for (const MeasuredFigure& figure : measured.figures) {
+        if (!is_figure(figure) || seen.size() == kMaxFigures || !seen.insert(figure.name).second)
+            continue;
+        const std::int64_t number = number_of_name(session, figure);
+        execute(session,
+                "INSERT INTO figures (figure, set_number, value) VALUES (:figure, :set, :value)",
+                soci::use(number, "figure"),
+                soci::use(set_number, "set"),
+                soci::use(figure.value, "value"));
+    }
+}
+
+Earlier earlier_figures(soci::session& session, const FigureSeries& series) {
+    Earlier earlier = earlier_of(session, series, "dive_id = :dive AND :tag = :tag");
+    if (series.tag.empty()) return earlier;
+    const Earlier of_tag =
+        earlier_of(session,
+                   series,
+                   ":dive = :dive AND dive_id IN (SELECT dive_id FROM dive_tags WHERE tag = :tag)");
+    for (const auto& [name, values] : of_tag) {
+        std::vector<double>& own = earlier[name];
+        if (own.size() < kEnoughEarlier) own = values;
+    }
+    return earlier;
+}
+
+}  // namespace divemesh::storage

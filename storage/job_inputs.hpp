@@ -1,0 +1,20 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "schemas/artifact.hpp"
+#include "schemas/truth_file.hpp"
+
+namespace divemesh::storage {
+
+// What a report or a comparison reads beside its dive.
+struct JobInputs {
+    // Of the reconstruction `job`, then of the one it is compared `with`.
+    std::vector<std::vector<Artifact>> reconstructions;
+    std::vector<TruthFile> truth;
+    std::map<std::string, std::vector<double>> history;  // earlier values of figures, oldest first
+};
+
+}  // namespace divemesh::storage

@@ -1,0 +1,135 @@
+#include "storage/report_jobs.hpp"
+
+#include <algorithm>
+
+#include "schemas/error.hpp"
+#include "storage/dive_rows.hpp"
+#include "storage/job_changes.hpp"
+#include "storage/job_rows.hpp"
+#include "storage/sql.hpp"
+#include "storage/truth_store.hpp"
+
+namespace divemesh::storage {
+namespace {
+
+std::string text_option(const NewJob& request, const std::string& name) {
+    const auto option = request.options.find(name);
+    if (option == request.options.end()) return "";
+    if (!option->is_string())
+        throw Error(ErrorCode::InvalidArgument, "option \"" + name + "\" has to be a text");
+    return option->get<std::string>();
+}
+
+std::optional<Job> newest(soci::session& session,
+                          const Dive& dive,
+                          const std::string& states,
+                          const std::string& version) {
+    return select_one<JobRow>(session,
+                              "SELECT " + std::string(kJobColumns) +
+                                  " FROM jobs WHERE dive_id = :dive AND kind = 'reconstruct'"
+                                  " AND state IN (" +
+                                  states +
+                                  ") AND (:version = '' OR id IN (SELECT job_id FROM figure_sets"
+                                  "   WHERE figure_sets.dive_id = :dive AND version = :version))"
+                                  " ORDER BY created_at_ms DESC, id DESC LIMIT 1",
+                              soci::use(dive.id, "dive"),
+                              soci::use(version, "version"));
+}
+
+Job reconstruction_of(soci::session& session, const Dive& dive, const NewJob& request) {
+    require_usable(dive);
+    if (auto done = newest(session, dive, "'succeeded'", request.fresh_version)) return *done;
+    if (auto under_way = newest(session, dive, "'held', 'queued', 'running'", ""))
+        return *under_way;
+    return insert_job(session,
+                      {.project = dive.project,
+                       .dive_id = dive.id,
+                       .preset = request.preset,
+                       .priority = request.priority});
+}
+
+Job named_reconstruction(soci::session& session, const Dive& dive, const std::string& id) {
+    Job job = read_job(session, id);
+    if (job.project != dive.project) throw Error(ErrorCode::NotFound, "no job " + id);
+    if (job.kind != JobKind::Reconstruct)
+        throw Error(ErrorCode::InvalidArgument, "job " + id + " is no reconstruction");
+    return job;
+}
+
+std::optional<Dive> find_dive(soci::session& session, const std::string& id) {
+    return select_one<DiveRow>(session,
+                               "SELECT " + std::string(kDiveColumns) + " FROM dives WHERE id = :id",
+                               soci::use(id, "id"));
+}
+
+// Of the same dive another reconstruction; of a dive its own.
+Job other_reconstruction(soci::session& session, const Dive& dive, const NewJob& request) {
+    const std::string with = text_option(request, "with");
+    if (with.empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "option \"with\" says which dive or job to compare with: it is missing");
+    const auto other = find_dive(session, with);
+    if (!other) return named_reconstruction(session, dive, with);
+    if (other->project != dive.project) throw Error(ErrorCode::NotFound, "no dive " + with);
+    return reconstruction_of(session, *other, request);
+}
+
+// An id, or the newest of that name.
+std::string truth_id(const std::vector<TruthFile>& files,
+                     TruthKind kind,
+                     const std::string& wanted) {
+    for (auto file = files.rbegin(); file != files.rend(); ++file)
+        if (file->kind == kind && (wanted.empty() || file->id == wanted || file->name == wanted))
+            return file->id;
+    if (wanted.empty()) return "";
+    throw Error(
+        ErrorCode::NotFound,
+        "the dive has no " + std::string(to_string(kind)) + " \"" + wanted + "\": upload it first");
+}
+
+void resolve_truth(soci::session& session, const Dive& dive, NewJob& request) {
+    const auto files = truth_of_dive(session, dive.id);
+    for (const TruthKind kind : kTruthKinds) {
+        const std::string name(to_string(kind));
+        const std::string wanted = text_option(request, name);
+        if (wanted == kTruthOfDive) continue;
+        const std::string id = truth_id(files, kind, wanted);
+        request.options.erase(name);
+        if (!id.empty()) request.options[name] = id;
+    }
+}
+
+void check_tag(const Dive& dive, const NewJob& request) {
+    const std::string tag = text_option(request, "tag");
+    if (!tag.empty() && std::find(dive.tags.begin(), dive.tags.end(), tag) == dive.tags.end())
+        throw Error(ErrorCode::InvalidArgument, "dive " + dive.id + " has no tag \"" + tag + "\"");
+}
+
+}  // namespace
+
+void resolve_names(soci::session& session, const Dive& dive, NewJob& request) {
+    if (request.kind != JobKind::AccuracyReport && request.kind != JobKind::Compare) return;
+    if (request.kind == JobKind::AccuracyReport) {
+        check_tag(dive, request);
+        resolve_truth(session, dive, request);
+    }
+    const std::string wanted = text_option(request, "job");
+    const Job job = wanted.empty() ? reconstruction_of(session, dive, request)
+                                   : named_reconstruction(session, dive, wanted);
+    if (job.dive_id != dive.id)
+        throw Error(ErrorCode::InvalidArgument,
+                    "job " + job.id + " is of dive " + job.dive_id + ", not of " + dive.id);
+    request.options["job"] = job.id;
+    request.parents.push_back(job.id);
+    if (request.kind == JobKind::Compare) {
+        const Job other = other_reconstruction(session, dive, request);
+        if (other.id == job.id)
+            throw Error(ErrorCode::InvalidArgument,
+                        "job " + job.id + " would be compared with itself");
+        request.options["with"] = other.id;
+        request.parents.push_back(other.id);
+    }
+    request.preset = job.preset;
+}
+
+}  // namespace divemesh::storage

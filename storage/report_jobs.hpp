@@ -1,0 +1,25 @@
+#pragma once
+
+#include <soci/soci.h>
+
+#include "schemas/dive.hpp"
+#include "storage/job_store.hpp"
+
+namespace divemesh::storage {
+
+// Looks up what a report or a comparison names and writes the ids into its options, so that they
+// say for ever what it was made of; other kinds are left as they are. The options that are read:
+//
+//   job      the reconstruction of this dive; without it the newest that has succeeded, else the
+//            newest under way, else a new one by the preset, which then is the first to be done
+//   with     of a comparison: a reconstruction, or a dive whose is found in the same way
+//   ground_truth, reference, measurements, areas
+//            of a report: id or name of a file of truth of this dive; without it the newest of that
+//            kind, and kTruthOfDive for what the recording itself brings
+//   tag      of a report: one of the dive's, whose earlier figures it is held against
+//
+// Throws Error{NotFound} for what the project does not have, Error{InvalidArgument} for what has
+// another kind or belongs to another dive.
+void resolve_names(soci::session& session, const Dive& dive, NewJob& request);
+
+}  // namespace divemesh::storage
