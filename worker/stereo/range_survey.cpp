@@ -42,24 +42,19 @@ std::vector<float> RangeSurvey::survey(const cv::Mat& left, const cv::Mat& right
         for (int x = 0; x < disparity.cols; ++x)
             if (disparity.at<float>(y, x) > 0.0F)
                 disparities_px.push_back(scale * disparity.at<float>(y, x));
+    std::sort(disparities_px.begin(), disparities_px.end());
     return disparities_px;
 }
 
 DisparityRange widen(const DisparityRange& range,
                      const std::vector<float>& surveyed,
                      int num_disparities_px) {
+    const auto few = static_cast<std::size_t>(kLeastShare * static_cast<double>(surveyed.size()));
     if (surveyed.empty()) return range;
-    const auto few =
-        static_cast<std::ptrdiff_t>(kLeastShare * static_cast<double>(surveyed.size()));
-    std::vector<float> parted = surveyed;
-    const auto low = parted.begin() + few;
-    const auto high = parted.end() - 1 - few;
-    std::nth_element(parted.begin(), low, parted.end());
-    const float least = *low;
-    std::nth_element(low, high, parted.end());
-    const float largest = *high;
     int first = range.first_px;
     int end = range.first_px + range.num_px;
+    const float least = surveyed[few];
+    const float largest = surveyed[surveyed.size() - 1 - few];
     if (beyond(least, range) < 0) first = std::max(0, static_cast<int>(least) - kError_px);
     if (beyond(largest, range) > 0)
         end = std::min(num_disparities_px, static_cast<int>(largest) + kError_px);

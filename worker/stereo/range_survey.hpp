@@ -16,7 +16,7 @@ public:
     explicit RangeSurvey(int num_disparities_px);
 
     // CV_8UC1 rectified pair -> disparities of patches spread over the left picture, to some
-    // pixels; those of islands and of what is not confirmed are left out.
+    // pixels, ascending; those of islands and of what is not confirmed are left out.
     std::vector<float> survey(const cv::Mat& left, const cv::Mat& right);
 
 private:
