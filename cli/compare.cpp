@@ -8,6 +8,8 @@
 #include "cli/exit_code.hpp"
 #include "cli/follow.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/jobs_by_server.hpp"
+#include "cli/server_options.hpp"
 #include "cli/text.hpp"
 
 namespace divemesh::cli {
@@ -64,15 +66,51 @@ int run(const worker::CompareRequest& request, const Context& context) {
     return kExitDone;
 }
 
+struct ServerSide {
+    ServerOptions server;
+    bool wait = true;
+};
+
+// The same of two dives or reconstructions on a server.
+int run_there(const worker::CompareRequest& request,
+              const ServerSide& there,
+              const Context& context) {
+    const worker::CompareOptions& options = request.options;
+    const ServerJob wanted{.subject = request.a.string(),
+                           .kind = "compare",
+                           .options = {{"with", request.b.string()},
+                                       {"cell_m", options.cell_m},
+                                       {"normal_scale_m", options.normal_scale_m},
+                                       {"cylinder_m", options.cylinder_m},
+                                       {"reach_m", options.reach_m},
+                                       {"least_area_m2", options.least_area_m2}},
+                           .wait = there.wait,
+                           .out = request.out};
+    api::client::RestClient rest(account_of(there.server));
+    const ServerJobEnd end = run_on_server(rest, wanted);
+    if (!end.finished) {
+        std::cout << (context.json ? nlohmann::json{{"job", end.job_id}}.dump(2)
+                                   : "job " + end.job_id)
+                  << '\n';
+        return kExitDone;
+    }
+    if (!end.succeeded) return kExitFailed;
+    const auto document = rest.get("/api/v1/jobs/" + end.job_id + "/artifacts/compare.json");
+    std::cout << (context.json ? document.dump(2) + "\n" : summary(document));
+    return kExitDone;
+}
+
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("compare", "what changed between two dives of one place");
     auto request = std::make_shared<worker::CompareRequest>();
     auto& options = request->options;
+    auto there = std::make_shared<ServerSide>();
+    add_server_options(*command, there->server);
     // clang-format off
-    command->add_option("a", request->a, "folder of the earlier reconstruction")->required();
-    command->add_option("b", request->b, "folder of the later reconstruction")->required();
+    command->add_option("a", request->a, "folder of the earlier reconstruction; with --server the id of its dive or job")->required();
+    command->add_option("b", request->b, "folder of the later one, or its id")->required();
     command->add_option("--out", request->out, "folder of the results, made when missing")->required();
     command->add_option("--cell-m", options.cell_m, "of the maps; 0: from the meshes")->capture_default_str();
     command->add_option("--cylinder-m", options.cylinder_m, "M3C2: diameter to average over; 0: 4 cells")->capture_default_str();
@@ -80,9 +118,14 @@ void add_compare(CLI::App& app, Context& context) {
     command->add_option("--reach-m", options.reach_m, "M3C2: how far to look along them")->capture_default_str();
     command->add_option("--least-area-m2", options.least_area_m2, "of a patch; 0: from the cylinder")->capture_default_str();
     command->add_option("--threads", request->num_threads, "0: all cores; never changes a byte")->capture_default_str();
+    command->add_flag("--wait,!--no-wait", there->wait, "on a server: until it is done (default)");
     // clang-format on
-    command->callback([request, &context] {
-        context.command = [request, &context] { return run(*request, context); };
+    command->callback([request, there, command, &context] {
+        const bool is_there = command->get_option("--server")->count() > 0 &&
+                              !std::filesystem::is_directory(request->a);
+        context.command = [request, there, is_there, &context] {
+            return is_there ? run_there(*request, *there, context) : run(*request, context);
+        };
     });
 }
 

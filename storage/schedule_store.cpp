@@ -119,7 +119,8 @@ int make_reports(soci::session& session, const Schedule& schedule, const std::st
 
 }  // namespace
 
-Schedule ScheduleStore::create(Schedule schedule) {
+Schedule ScheduleStore::create(const Schedule& wanted) {
+    Schedule schedule = wanted;
     const Cron cron = Cron::parse(schedule.cron);
     const std::string options = to_text(schedule.options);
     catalog_.transaction([&](soci::session& session) {

@@ -15,7 +15,7 @@ public:
 
     // Id and times are set here. Throws Error{InvalidArgument} for a cron expression that is none,
     // Error{TooMany}.
-    Schedule create(Schedule schedule);
+    Schedule create(const Schedule& wanted);
     // Project "": of all. Oldest first.
     Page<Schedule> list(const std::string& project, const PageRequest& page);
     Schedule get(const std::string& id);  // throws Error{NotFound}

@@ -15,6 +15,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "schemas/truth_file.hpp"
 #include "worker/attempt_protocol.hpp"
+#include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
 #include "worker/forbid_processes.hpp"
 #include "worker/metrics/accuracy_report.hpp"
@@ -141,6 +142,29 @@ void run_report(const AttemptRequest& request) {
     send(Done{});
 }
 
+void run_comparison(const AttemptRequest& request) {
+    CompareRequest compare{.a = request.reconstructions.at(0),
+                           .b = request.reconstructions.at(1),
+                           .out = request.out,
+                           .num_threads = request.options.value("num_threads", 0)};
+    CompareOptions& options = compare.options;
+    for (const auto& [name, value] : {std::pair{"cell_m", &options.cell_m},
+                                      std::pair{"normal_scale_m", &options.normal_scale_m},
+                                      std::pair{"cylinder_m", &options.cylinder_m},
+                                      std::pair{"reach_m", &options.reach_m},
+                                      std::pair{"least_area_m2", &options.least_area_m2}})
+        *value = request.options.value(name, *value);
+    try {
+        compare_reconstructions(compare, reporter());
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::Conflict) throw;
+        return send(Failure{.code = ErrorCode::BadData,  // trying again cannot help
+                            .message = error.what(),
+                            .remedy = "compare dives that show the same ground"});
+    }
+    send(Done{});
+}
+
 void run_reconstruction(const AttemptRequest& request) {
     const auto metrics =
         reconstruct_dive({.dive = request.dive,
@@ -163,10 +187,8 @@ void run(const AttemptRequest& request) {
         case JobKind::Intake: return run_intake(request);
         case JobKind::Reconstruct: return run_reconstruction(request);
         case JobKind::AccuracyReport: return run_report(request);
-        case JobKind::Compare: break;
+        case JobKind::Compare: return run_comparison(request);
     }
-    throw Error(ErrorCode::InvalidArgument,
-                "this version does not do jobs of kind " + std::string(to_string(request.kind)));
 }
 
 }  // namespace

@@ -18,11 +18,12 @@ constexpr std::size_t kMaxTagBytes = 200;
 
 Schedule schedule_request(const Request& request) {
     const auto body = json_body(request, {"cron", "tag", "preset", "options"});
-    Schedule wanted{.project = request.token.project,
-                    .cron = value_or<std::string>(body, "cron", ""),
-                    .tag = value_or<std::string>(body, "tag", ""),
-                    .preset = value_or<std::string>(body, "preset", "standard"),
-                    .options = body.value("options", nlohmann::json::object())};
+    Schedule wanted;
+    wanted.project = request.token.project;
+    wanted.cron = value_or<std::string>(body, "cron", "");
+    wanted.tag = value_or<std::string>(body, "tag", "");
+    wanted.preset = value_or<std::string>(body, "preset", "standard");
+    wanted.options = body.value("options", nlohmann::json::object());
     if (wanted.tag.empty() || wanted.tag.size() > kMaxTagBytes)
         throw InvalidInput({{"\"tag\" says which dives are reported on", "/tag", ""}});
     preset_options(wanted.preset);
@@ -48,8 +49,9 @@ Awaitable<Response> list_schedules(Request request, Services services) {
 
 Awaitable<Response> create_schedule(Request request, Services services) {
     auto work = [services, request] {
+        const Schedule wanted = schedule_request(request);
         auto catalog = audited(services, request);
-        return storage::ScheduleStore(catalog).create(schedule_request(request));
+        return storage::ScheduleStore(catalog).create(wanted);
     };
     const Schedule made = co_await in_pool(services.pool, std::move(work));
     Response response = json_response(http::status::created, made);

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "worker/attempt_protocol.hpp"
+#include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
 #include "worker/metrics/accuracy_report.hpp"
 #include "worker/reconstruct_dive.hpp"
@@ -154,7 +155,7 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     }
     if (script.word == "empty") {
         std::ofstream(request.out / "mesh.ply") << "ply\n";
-        return {};
+        return nlohmann::json::object();
     }
     write_artifacts(request.out);
     if (script.word == "large") write_large_file(request.out);
@@ -163,6 +164,14 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     return {{"version", "fake 1"},
             {"trajectory", {{"path_length_m", 2.5}}},
             {"calibration", {{"sha256", "fake calibration"}}}};
+}
+
+nlohmann::json compare_reconstructions(const CompareRequest& request, const ProgressCallback&) {
+    if (!fs::exists(request.a / "mesh.ply") || !fs::exists(request.b / "mesh.ply"))
+        throw Error(ErrorCode::Unavailable, "a mesh is missing");
+    if (request.options.reach_m > 10.0) throw Error(ErrorCode::Conflict, "other ground");
+    std::ofstream(request.out / "compare.json") << request.options.cell_m;
+    return {};
 }
 
 // Says what it was given: the mesh, the truth, the history.

@@ -153,6 +153,25 @@ TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept)
     EXPECT_EQ(points[1].rig, "fake rig");
 }
 
+TEST_F(JobRunnerTest, AComparisonReadsTwoReconstructions) {
+    const Job before = make_job("plain before");
+    const Job after = make_job("plain after");
+    const auto compare = [&](double reach_m) {
+        return jobs_
+            .enqueue({.dive_id = before.dive_id,
+                      .kind = JobKind::Compare,
+                      .options = {{"with", after.dive_id}, {"reach_m", reach_m}}})
+            .job;
+    };
+    const Job same_ground = compare(1.0);
+    const Job other_ground = compare(11.0);
+    const Process worker = start_worker();
+    EXPECT_TRUE(reaches(same_ground, JobState::Succeeded));
+    EXPECT_EQ(jobs_.artifacts(same_ground.id).size(), 1U);
+    EXPECT_TRUE(reaches(other_ground, JobState::Failed)) << "trying again cannot help";
+    EXPECT_EQ(jobs_.get(other_ground.id).failure.message, "other ground");
+}
+
 TEST_F(JobRunnerTest, AReportWhoseTruthWasDeletedFailsAtOnceAndSaysSo) {
     const Job reconstruction = make_job("plain");
     const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
