@@ -94,7 +94,8 @@ TEST(PathUncertaintyTest, AWalkThatIsNotAlignedHasTheVarianceOfItsSteps) {
 TEST(PathUncertaintyTest, AnErrorAlongOneAxisIsBoundedAsANormalNumber) {
     Eigen::Matrix3d along = Eigen::Matrix3d::Zero();
     along(0, 0) = 0.04;
-    EXPECT_NEAR(std::sqrt(squared_length_95(along)), 1.96 * 0.2, 0.02 * 0.2);
+    // Wilson and Hilferty are 1.3 % low with one degree of freedom.
+    EXPECT_NEAR(std::sqrt(squared_length_95(along)), 1.96 * 0.2, 0.015 * 1.96 * 0.2);
 }
 
 TEST(PathUncertaintyTest, FramesBetweenKeyframesAddWhatFollowingAdds) {
