@@ -179,11 +179,10 @@ std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findi
     try {
         return marker_plan_from_json(json::parse(text));
     } catch (const json::exception& error) {
-        findings.error("markers_unreadable", file, file + ": " + printable(error.what()), remedy);
+        findings.error("markers_unreadable", file, printable(error.what()), remedy);
     } catch (const InvalidInput& wrong) {
         for (const Fault& fault : wrong.faults())
-            findings.error(
-                "markers_unreadable", file, file + ": " + printable(fault.detail), remedy);
+            findings.error("markers_unreadable", file, printable(fault.detail), remedy);
     }
     return std::nullopt;
 }

@@ -74,6 +74,8 @@ TEST(HostileBytesTest, DamagedFilesGiveFindingsAndNeverCrash) {
     const TinyDive tiny(folder / "dive");
     tiny.write("measurements.json",
                R"({"distances": [{"name": "bar", "a": [0,0,0], "b": [1,0,0], "distance_m": 1}]})");
+    tiny.write("markers.json",
+               R"({"family": "25h9", "scale_bars": [{"from": 1, "to": 2, "distance_m": 0.5}]})");
     tiny.write("reference.ply",
                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
@@ -85,6 +87,7 @@ TEST(HostileBytesTest, DamagedFilesGiveFindingsAndNeverCrash) {
                                     "mav0/cam1/data/" + TinyDive::picture_name(0),
                                     std::string("dive.json"),
                                     std::string("measurements.json"),
+                                    std::string("markers.json"),
                                     std::string("reference.ply")}) {
         const std::string good = tiny.read(file);
         for (unsigned seed = 0; seed < 23; ++seed) {

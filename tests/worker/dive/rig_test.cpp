@@ -47,6 +47,26 @@ TEST(RigTest, WithoutAnImuTheBodyIsCam0) {
     EXPECT_NEAR(dive->ground_truth()[1].T_world_imu.translation().x(), 0.5, 1e-9);
 }
 
+TEST(RigTest, MarkersAreReadOrRefuseTheDiveByTheField) {
+    const TemporaryFolder folder;
+    const TinyDive tiny(folder / "dive");
+    tiny.write("markers.json", R"({"family": "tag25h9", "size_m": 0.1})");
+    const auto good = Dive::open(tiny.folder(), folder / "scratch");
+    tiny.write("markers.json", R"({"family": "tag25h9", "size_m": "large"})");
+    const auto bad = Dive::open(tiny.folder(), folder / "scratch");
+
+    EXPECT_TRUE(good->markers());
+    EXPECT_EQ(good->markers()->size_m, 0.1);
+    EXPECT_FALSE(bad->markers());
+    const auto refusal =
+        std::find_if(bad->findings().begin(), bad->findings().end(), [](const Finding& finding) {
+            return finding.code == "markers_unreadable";
+        });
+    ASSERT_NE(refusal, bad->findings().end());
+    EXPECT_EQ(refusal->severity, Severity::Error);
+    EXPECT_NE(refusal->message.find("field size_m must be"), std::string::npos);
+}
+
 TEST(RigTest, MeasurementsReferenceMeshAndWaterAreRead) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
