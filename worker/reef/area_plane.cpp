@@ -34,7 +34,9 @@ Eigen::Vector3d upward_normal(const std::vector<Eigen::Vector3d>& corners) {
 AreaPlane plane_of(const Area& area) {
     const Eigen::Vector3d normal = area.normal.value_or(upward_normal(area.points));
     if (normal.isZero())
-        throw Error(ErrorCode::BadData, "area '" + area.name + "' has no area: all on a line");
+        throw Error(
+            ErrorCode::BadData,
+            "area '" + area.name + "' has no area: its corners lie on a line, or its sides cross");
     AreaPlane plane;
     plane.T_plane_world = T_plane_world(area.points[0], area.points[1] - area.points[0], normal);
     for (const Eigen::Vector3d& point : area.points)

@@ -1,5 +1,6 @@
 #include "worker/reef/estimate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -10,10 +11,20 @@ double mean_of(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double deviation_of(const std::vector<double>& values, double mean) {
+double variance_of(const std::vector<double>& values, double mean) {
     double squares = 0.0;
     for (const double value : values) squares += (value - mean) * (value - mean);
-    return std::sqrt(squares / static_cast<double>(values.size() - 1));
+    return squares / static_cast<double>(values.size() - 1);
+}
+
+// What noise adds to noise that is there already varies more than noise alone: the replicates'
+// variance, a parabola of the added one through 0, taken back to minus 1 (Stefanski and Cook 1995).
+// A third of it is left of a figure that goes with the noise's square, all of it of a linear one.
+double deviation_of(const Simulated& simulated, double once, double twice) {
+    const double variance_once = variance_of(simulated.once, once);
+    const double variance_twice = variance_of(simulated.twice, twice);
+    return std::sqrt(
+        std::clamp(3.0 * variance_once - variance_twice, variance_once / 3.0, variance_once));
 }
 
 }  // namespace
@@ -38,7 +49,7 @@ Estimate estimate(const Simulated& simulated, double sigma_doubt) {
         const double twice = mean_of(simulated.twice);
         noise = 3.0 * once - 2.0 * simulated.measured - twice;
         half_width = student_t_975(static_cast<int>(simulated.once.size()) - 1) *
-                     deviation_of(simulated.once, once);
+                     deviation_of(simulated, once, twice);
     }
     const double doubt = kTwoSided * std::hypot(2.0 * sigma_doubt * noise, blur);
     half_width = std::hypot(half_width, doubt);

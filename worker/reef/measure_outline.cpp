@@ -11,11 +11,16 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kMargin_m = 0.05;   // of mesh around an area: noise moves what lies on its border
-constexpr double kFinest_m = 0.005;  // both divide every spacing that figures are asked at
-constexpr double kCoarsest_m = 0.01;
-constexpr double kMostNodes = 150'000;  // of a grid finer than that
-constexpr double kMostNodesAtAll = 30'000'000;
+constexpr double kMargin_m = 0.05;  // of mesh around an area: noise moves what lies on its border
+
+// Spacings of the finest grid, which divide those that figures are asked at, and how many samples
+// it may have: fine grids are for small areas.
+struct GridChoice {
+    double spacing_m;
+    double most_nodes;
+};
+constexpr GridChoice kGrids[] = {
+    {0.001, 150e3}, {0.002, 150e3}, {0.005, 150e3}, {0.01, 10e6}, {0.05, 10e6}, {0.25, 10e6}};
 
 std::vector<Eigen::Vector3d> cameras_in(const AreaPlane& plane, const MeasureOptions& options) {
     std::vector<Eigen::Vector3d> cameras;
@@ -28,10 +33,9 @@ std::vector<Eigen::Vector3d> cameras_in(const AreaPlane& plane, const MeasureOpt
 std::optional<GridShape> finest_grid(const Polygon& outline) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& corner : outline) box.extend(corner);
-    for (const double spacing_m : {kFinest_m, kCoarsest_m}) {
-        const double most = spacing_m < kCoarsest_m ? kMostNodes : kMostNodesAtAll;
-        if (box.volume() <= most * spacing_m * spacing_m) return grid_over(outline, spacing_m);
-    }
+    for (const GridChoice& grid : kGrids)
+        if (box.volume() <= grid.most_nodes * grid.spacing_m * grid.spacing_m)
+            return grid_over(outline, grid.spacing_m);
     return std::nullopt;
 }
 

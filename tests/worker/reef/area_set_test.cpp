@@ -42,6 +42,8 @@ TEST(AreaSet, CornersMakeAQuadratAndItsNormalPointsUp) {
 TEST(AreaSet, WhatIsWrongIsSaidWithTheAreasName) {
     json crossing = square();
     std::swap(crossing["corners"][0], crossing["corners"][1]);
+    EXPECT_NE(refusal(one(crossing)).find("area 'q1' has no area"), std::string::npos);
+    crossing["normal"] = {0, 0, 1};
     EXPECT_NE(refusal(one(crossing)).find("area 'q1': sides cross"), std::string::npos);
     json few = square();
     few["corners"].erase(0);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "tests/worker/reef/sheets.hpp"
 #include "worker/reef/area_plane.hpp"
@@ -20,36 +21,37 @@ namespace {
 constexpr double kSigma_m = 0.004;
 constexpr double kCorrelationLength_m = 0.02;
 
-// Noise of another make: waves whose frequencies are normally distributed, so that the correlation
-// is a Gaussian of the distance, 1/e at the correlation length (Rahimi and Recht 2007).
-class WaveNoise {
+// Noise of another make: white noise on a square lattice of the plane, spread by a Gaussian so that
+// the correlation is a Gaussian of the distance, 1/e at the correlation length.
+class SpreadNoise {
 public:
-    explicit WaveNoise(std::uint64_t seed) : state_(seed * 7919 + 1) {
-        for (Eigen::Vector4d& wave : waves_) {
-            for (int axis = 0; axis < 3; ++axis)
-                wave[axis] = std::numbers::sqrt2 / kCorrelationLength_m * normal();
-            wave[3] = 2.0 * std::numbers::pi * uniform();
-        }
+    explicit SpreadNoise(std::uint64_t seed) : random_(seed) {
+        for (double& node : nodes_) node = normal_(random_);
     }
     double at(const Eigen::Vector3d& place) const {
+        const auto column = static_cast<int>(std::lround(place.x() / kStep_m)) + kNum / 4;
+        const auto row = static_cast<int>(std::lround(place.y() / kStep_m)) + kNum / 4;
         double sum = 0.0;
-        for (const Eigen::Vector4d& wave : waves_)
-            sum += std::cos(wave.head<3>().dot(place) + wave[3]);
-        return sum * std::sqrt(2.0 / static_cast<double>(waves_.size()));
+        double squares = 0.0;
+        for (int y = row - 4; y <= row + 4; ++y)
+            for (int x = column - 4; x <= column + 4; ++x) {
+                const double dx = (x - kNum / 4) * kStep_m - place.x();
+                const double dy = (y - kNum / 4) * kStep_m - place.y();
+                const double weight = std::exp(-2.0 * (dx * dx + dy * dy) /
+                                               (kCorrelationLength_m * kCorrelationLength_m));
+                sum += weight * nodes_[y * kNum + x];
+                squares += weight * weight;
+            }
+        return sum / std::sqrt(squares);
     }
 
 private:
-    double uniform() {
-        state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
-        return static_cast<double>(state_ >> 11U) * 0x1.0p-53;
-    }
-    double normal() {
-        return std::sqrt(-2.0 * std::log(1.0 - uniform())) *
-               std::cos(2.0 * std::numbers::pi * uniform());
-    }
+    static constexpr double kStep_m = 0.008;
+    static constexpr int kNum = 160;
 
-    std::uint64_t state_;
-    std::array<Eigen::Vector4d, 128> waves_;
+    std::mt19937_64 random_;
+    std::normal_distribution<double> normal_;
+    std::array<double, kNum * kNum> nodes_;
 };
 
 double sine(double x, double y) {
@@ -81,7 +83,7 @@ SurfacePatch exact_patch(const Setting& setting) {
 
 SurfacePatch noisy_patch(const Setting& setting, std::uint64_t seed) {
     SurfacePatch patch = exact_patch(setting);
-    const WaveNoise noise(seed);
+    const SpreadNoise noise(seed);
     for (std::size_t i = 0; i < patch.vertices.size(); ++i)
         patch.vertices[i] += kSigma_m * noise.at(patch.vertices[i]) * patch.normals[i];
     return patch;
@@ -92,7 +94,7 @@ TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     const SurfacePatch exact = exact_patch(setting);
     const std::vector<double> truth = setting.figures(exact, {exact.vertices});
     MeasureOptions options;
-    options.num_replicates = 20;
+    options.num_replicates = 40;
     constexpr int kNumSeeds = 100;
     std::vector<int> num_held(truth.size(), 0);
     double raised = 0.0;

@@ -19,7 +19,7 @@ double uniform(std::uint64_t& state) {
 HeightGrid fractional_brownian(double H, std::uint64_t seed) {
     HeightGrid grid{{Eigen::Vector2d::Zero(), 1.0 / 256.0, 257, 257}, {}};
     grid.heights_m.assign(grid.shape.num_nodes(), 0.0);
-    constexpr int kNumWaves = 240;
+    constexpr int kNumWaves = 160;
     std::uint64_t state = seed;
     for (int wave = 0; wave < kNumWaves; ++wave) {
         const double frequency = 0.25 * std::pow(2.0, 10.0 * (wave + uniform(state)) / kNumWaves);
@@ -40,7 +40,7 @@ TEST(FractalDimension, HeightVariationFindsTheExponentOfBrownianSurfaces) {
     for (const double H : {0.3, 0.5, 0.7}) {
         double sum = 0.0;
         for (const std::uint64_t seed : {1, 2, 3, 4})
-            sum += fractal_dimension_by_height_variation(fractional_brownian(H, seed), 8.0 / 256.0)
+            sum += fractal_dimension_by_height_variation(fractional_brownian(H, seed), 16.0 / 256.0)
                        .value();
         EXPECT_NEAR(sum / 4.0, 3.0 - H, 0.1) << H;
     }
@@ -48,7 +48,7 @@ TEST(FractalDimension, HeightVariationFindsTheExponentOfBrownianSurfaces) {
 
 TEST(FractalDimension, CubesOrderBrownianSurfacesByRoughness) {
     const auto cubes = [](double H) {
-        return fractal_dimension_by_cubes(fractional_brownian(H, 1), 8.0 / 256.0).value();
+        return fractal_dimension_by_cubes(fractional_brownian(H, 1), 16.0 / 256.0).value();
     };
     EXPECT_GT(cubes(0.3), cubes(0.5));
     EXPECT_GT(cubes(0.5), cubes(0.7));
