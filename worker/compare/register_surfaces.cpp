@@ -1,5 +1,6 @@
 #include "worker/compare/register_surfaces.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -122,6 +123,14 @@ Vector6d solve(const Fit& fit) {
              (inverse.asDiagonal() * (solver.eigenvectors().transpose() * fit.gradient)));
 }
 
+// Turn about the vertical and shift alone.
+Vector6d solve_upright(const Fit& fit) {
+    Vector6d step = Vector6d::Zero();
+    step.tail<4>() =
+        -fit.information.bottomRightCorner<4, 4>().ldlt().solve(fit.gradient.tail<4>());
+    return step;
+}
+
 Matrix6d sandwich(const Fit& fit) {
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
     Vector6d inverse;
@@ -178,13 +187,14 @@ std::optional<Registration> register_surfaces(const SurfacePoints& a,
         const double scale_m = robust_scale(partners);
         result.pivot = middle(partners);
         const Fit fit = linearise(partners, scale_m, result.pivot, options.patch_m);
-        const Vector6d step = solve(fit);
+        const double least = std::max(2.0 * options.tolerance_m, 5.0 * scale_m);
+        // Both worlds are upright: a tilt that is free before the rest fits takes up what changed.
+        const Vector6d step = reach_m > least ? solve_upright(fit) : solve(fit);
         result.covariance = sandwich(fit);
         result.num_patches = fit.patches.size();
         result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
         result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);
         result.T_a_b = moved(result.T_a_b, step, result.pivot);
-        const double least = std::max(3.0 * options.tolerance_m, 5.0 * scale_m);
         if (step.tail<3>().norm() < kSettled_m && reach_m <= least) break;
         reach_m = std::max(least, 0.8 * reach_m);
     }
