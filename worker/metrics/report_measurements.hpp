@@ -13,7 +13,7 @@
 namespace divemesh::worker {
 
 // What was measured anew, and what the page shows of it.
-struct ReportMeasurements {
+struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON throws nothing
     nlohmann::json document;  // metrics.json with the sections that were measured anew
     Trajectory path;          // final, its largest piece
     std::optional<TrajectoryError> trajectory;
