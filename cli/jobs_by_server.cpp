@@ -81,6 +81,9 @@ std::string dive_of(client::RestClient& rest, const std::string& subject, nlohma
 }  // namespace
 
 ServerJobEnd run_on_server(client::RestClient& rest, const ServerJob& wanted) {
+    for (const auto& [kind, file] : wanted.truth)
+        if (!fs::is_regular_file(file))
+            throw Error(ErrorCode::NotFound, "no file " + file.string() + " to send");
     nlohmann::json options = wanted.options;
     const std::string dive_id = dive_of(rest, wanted.subject, options);
     for (const auto& [kind, file] : wanted.truth)

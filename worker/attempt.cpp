@@ -138,7 +138,15 @@ void run_report(const AttemptRequest& request) {
         set_lever_arm(report.truth, options["lever_arm"].get<std::string>());
     if (options.contains("time_offset"))
         set_time_offset(report.truth, options["time_offset"].get<std::string>());
-    send(measurement_of(make_accuracy_report(report, reporter())));
+    try {
+        send(measurement_of(make_accuracy_report(report, reporter())));
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::BadData) throw;
+        return send(Failure{.code = error.code(),
+                            .message = error.what(),
+                            .remedy = "mend that file, send it anew and ask again, or delete it "
+                                      "from the truth of the dive"});
+    }
     send(Done{});
 }
 

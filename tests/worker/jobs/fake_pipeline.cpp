@@ -176,6 +176,8 @@ nlohmann::json compare_reconstructions(const CompareRequest& request, const Prog
 
 // Says what it was given: the mesh, the truth, the history.
 nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCallback&) {
+    if (request.ground_truth && fs::file_size(*request.ground_truth) == 0)
+        throw Error(ErrorCode::BadData, "the truth is empty");
     std::ofstream file(request.out / "report.json");
     file << std::ifstream(request.reconstruction / "mesh.ply").rdbuf();
     if (request.ground_truth)

@@ -172,6 +172,24 @@ TEST_F(JobRunnerTest, AComparisonReadsTwoReconstructions) {
     EXPECT_EQ(jobs_.get(other_ground.id).failure.message, "other ground");
 }
 
+TEST_F(JobRunnerTest, TruthThatCannotBeReadIsNotSaidToBeTheRecordingsFault) {
+    const Job reconstruction = make_job("plain");
+    const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
+    const std::string key = "truth/" + upload.id + "/file";
+    std::ofstream(folder_ / "truth").close();
+    blobs_->put_file(key, folder_ / "truth");
+    storage::TruthStore(catalog_).create({.upload_id = upload.id,
+                                          .project = "default",
+                                          .dive_id = reconstruction.dive_id,
+                                          .sha256 = sha256_hex(""),
+                                          .blob = key});
+    const Job report =
+        jobs_.enqueue({.dive_id = reconstruction.dive_id, .kind = JobKind::AccuracyReport}).job;
+    const Process worker = start_worker();
+    ASSERT_TRUE(reaches(report, JobState::Failed));
+    EXPECT_THAT(jobs_.get(report.id).failure.remedy, HasSubstr("truth of the dive"));
+}
+
 TEST_F(JobRunnerTest, AReportWhoseTruthWasDeletedFailsAtOnceAndSaysSo) {
     const Job reconstruction = make_job("plain");
     const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
