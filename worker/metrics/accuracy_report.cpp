@@ -9,6 +9,7 @@
 #include "worker/metrics/report_inputs.hpp"
 #include "worker/metrics/report_measurements.hpp"
 #include "worker/metrics/report_page.hpp"
+#include "worker/metrics/report_reef.hpp"
 #include "worker/metrics/report_verdicts.hpp"
 #include "worker/output/atomic_file.hpp"
 
@@ -34,7 +35,8 @@ json report_document(const AccuracyReportRequest& request,
                      const ReportInputs& inputs,
                      const ReportMeasurements& measured) {
     const json& metrics = measured.document;
-    const std::vector<Figure> figures = figures_of(metrics);
+    std::vector<Figure> figures = figures_of(metrics);
+    for (Figure& figure : reef_figures(measured.reef)) figures.push_back(std::move(figure));
     json report = {{"format", 1},
                    {"version", DIVEMESH_VERSION},
                    {"dive",
@@ -51,6 +53,7 @@ json report_document(const AccuracyReportRequest& request,
                    {"findings", measured.findings}};
     for (const Figure& figure : figures) report["figures"].push_back(to_json(figure));
     report["passed"] = passed(report["requirements"]);
+    if (!measured.reef.is_null()) report["reef"] = measured.reef;
     if (!metrics.contains("truth")) return report;
     report["truth"] = metrics["truth"];
     report["truth"]["source"] = inputs.truth_source;

@@ -9,6 +9,7 @@
 #include "worker/metrics/known_distances.hpp"
 #include "worker/metrics/relative_pose_error.hpp"
 #include "worker/metrics/surface_index.hpp"
+#include "worker/reef/measure_reconstruction.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -61,12 +62,14 @@ public:
         progress({.stage = "evaluate", .fraction = 0.3});
         if (inputs_.reference) compare_surfaces(progress);
         if (!inputs_.known_distances.empty()) measure_distances();
+        if (request_.areas) measure_reef();
     }
 
 private:
     void compare_trajectories();
     void compare_surfaces(const ProgressCallback& progress);
     void measure_distances();
+    void measure_reef();
     Trajectory true_body_path() const;
 
     void cannot(const char* code,
@@ -190,6 +193,30 @@ void Measuring::measure_distances() {
         errors = measure_known_distances(inputs_.known_distances, nullptr, rig, path);
     }
     result_.document["known_distances"] = to_metrics(errors);
+}
+
+void Measuring::measure_reef() {
+    AreaSet areas = read_areas(*request_.areas);
+    if (!inputs_.reconstruction.has_surface()) {
+        cannot("areas_not_measured",
+               request_.areas->filename().string(),
+               "the reconstruction has no surface",
+               "reconstruct again with a surface");
+        return;
+    }
+    if (areas.frame == AreaFrame::GroundTruth) {
+        if (!result_.trajectory) {
+            cannot("areas_not_measured",
+                   request_.areas->filename().string(),
+                   "the areas are in the ground truth's frame, and there is no true trajectory",
+                   "give the ground truth as well");
+            return;
+        }
+        areas = moved(areas, result_.trajectory->T_reference_surface.inverse());
+    }
+    MeasureOptions options = measure_options(inputs_.reconstruction);
+    options.num_threads = request_.num_threads;
+    result_.reef = measure_areas(inputs_.reconstruction.mesh(), areas, options);
 }
 
 void add_distance_errors(json& document) {

@@ -21,6 +21,7 @@ struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON 
     std::optional<SurfaceError> surface;
     std::string error_map_png;     // "": none
     double error_map_end_m = 0.0;  // what its last colour stands for
+    nlohmann::json reef;           // as measure_areas() answers; null: no areas were given
     std::vector<Finding> findings;
 };
 

@@ -7,6 +7,7 @@
 #include "worker/metrics/figure_rows.hpp"
 #include "worker/metrics/html_parts.hpp"
 #include "worker/metrics/path_plots.hpp"
+#include "worker/metrics/report_reef.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -218,6 +219,7 @@ std::string report_page(const json& report, const ReportMeasurements& measured) 
                 section("Histogram", svg_plot(histogram(*measured.surface))) + "</div>";
     html += section("Known distances", distances(metrics));
     html += section("Markers", markers(metrics));
+    html += section("Reef and wreck figures", reef_table(measured.reef));
     html += "<div class=\"row\">" + html_table("The dive", dive_rows(metrics)) +
             html_table("The result", result_rows(metrics)) + "</div>";
     html += section("Findings", html_findings(report.at("findings")));

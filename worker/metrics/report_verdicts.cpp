@@ -63,6 +63,8 @@ json judge_requirements(const std::vector<Requirement>& requirements,
                         {"value", nullptr},
                         {"met", false},
                         {"reason", missing_reason(requirement.figure)}};
+        if (figure != nullptr && !figure->value && figure->method.starts_with("refused: "))
+            verdict["reason"] = figure->method;
         if (figure != nullptr && figure->value) {
             const bool met = is_met(requirement, *figure->value);
             verdict["value"] = *figure->value;

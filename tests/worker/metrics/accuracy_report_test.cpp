@@ -189,6 +189,22 @@ TEST_F(AccuracyReportTest, TagsAndTheLengthsBetweenThemAreShownAndAreFigures) {
     EXPECT_NE(read("report.html").find("Length between tags"), std::string::npos);
 }
 
+TEST_F(AccuracyReportTest, AreasGiveReefFiguresWithIntervalsToRequire) {
+    std::ofstream(folder_ / "areas.json")
+        << R"({"frame": "world", "areas": [{"name": "q1", "kind": "quadrat",
+               "corners": [[0.5, 0.5, 0], [1.5, 0.5, 0], [1.5, 1.5, 0], [0.5, 1.5, 0]]}]})";
+    request_.areas = folder_ / "areas.json";
+    request_.requirements = {"reef.planar_area[q1]>=0.99", "reef.nothing[q1]<=1"};
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_NEAR(figure(report, "reef.planar_area[q1]")["value"].get<double>(), 1.0, 1e-3);
+    EXPECT_TRUE(figure(report, "reef.planar_area[q1].low")["value"].is_number());
+    EXPECT_EQ(report["requirements"][0]["met"], true);
+    EXPECT_EQ(report["requirements"][1]["met"], false);
+    EXPECT_NE(read("report.html").find("Reef and wreck figures"), std::string::npos);
+    EXPECT_NE(read("report.csv").find("reef.planar_area[q1],"), std::string::npos);
+}
+
 TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoFigure) {
     give_truth();
     write_tum(folder_ / "truth.tum", sway(5000.0, Eigen::Vector3d::Zero()));

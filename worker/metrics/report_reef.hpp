@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "schemas/figure.hpp"
+
+namespace divemesh::worker {
+
+// What measure_areas() answers as figures of a report: "reef.rugosity[quadrat 1][0.05]" by area,
+// label where there is one, and resolution in m, its interval as ".low" and ".high". One that is
+// refused has no value, and its method says why. Of null: none.
+std::vector<Figure> reef_figures(const nlohmann::json& reef);
+
+// The same as a table of the page; "" of null.
+std::string reef_table(const nlohmann::json& reef);
+
+}  // namespace divemesh::worker
