@@ -59,23 +59,19 @@ public:
         : estimate_(estimate), truth_(truth), options_(options) {}
 
     std::vector<Row> rows(const State& state) const {
-        constexpr double kStep_s = 0.02;
         std::vector<Row> result;
-        for (const auto& [time_ns, T_world_body] : estimate_) {
-            const std::int64_t truth_ns = time_ns + nanoseconds(state.offset_s);
-            const auto truth = pose_at(truth_, truth_ns);
-            const auto before = pose_at(truth_, truth_ns - nanoseconds(kStep_s));
-            const auto after = pose_at(truth_, truth_ns + nanoseconds(kStep_s));
-            if (!truth || !before || !after) continue;
-            const Eigen::Matrix3d R = state.T_reference_world.linear();
+        const Eigen::Matrix3d R = state.T_reference_world.linear();
+        for (std::size_t i = 0; i < estimate_.size(); ++i) {
+            const auto& [time_ns, T_world_body] = estimate_[i];
+            const auto truth = pose_at(truth_, time_ns + nanoseconds(state.offset_s));
+            if (!truth) continue;
             const Eigen::Vector3d p_world = T_world_body * state.lever_m;
             Row row;
             row.residual = truth->translation() - state.T_reference_world * p_world;
             row.J.block<3, 3>(0, 0) = R * cross_matrix(p_world);
             row.J.block<3, 3>(0, 3) = -Eigen::Matrix3d::Identity();
             if (options_.solve_lever_arm) row.J.block<3, 3>(0, 6) = -R * T_world_body.linear();
-            if (options_.solve_time_offset)
-                row.J.col(9) = (after->translation() - before->translation()) / (2.0 * kStep_s);
+            if (options_.solve_time_offset) row.J.col(9) = R * velocity_world(i, state.lever_m);
             result.push_back(row);
         }
         return result;
@@ -101,6 +97,15 @@ public:
     }
 
 private:
+    // Of the marker. The estimate's: a tracker's noise, differentiated, would be taken for motion
+    // that tells the offset.
+    Eigen::Vector3d velocity_world(std::size_t i, const Eigen::Vector3d& lever_m) const {
+        const StampedPose& before = estimate_[i == 0 ? 0 : i - 1];
+        const StampedPose& after = estimate_[std::min(i + 1, estimate_.size() - 1)];
+        const double seconds = static_cast<double>(after.timestamp_ns - before.timestamp_ns) * 1e-9;
+        return (after.T_world_imu * lever_m - before.T_world_imu * lever_m) / seconds;
+    }
+
     static Vector10d step_of(const std::vector<Row>& equations) {
         Matrix10d H = Matrix10d::Zero();
         Vector10d gradient = Vector10d::Zero();
@@ -202,7 +207,10 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
     const Vector10d clustered = clustered_variances(rows, H);
     if (options.solve_lever_arm) {
         const Eigen::Matrix3d information = reduced(H, {6, 7, 8});
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information);
+        Matrix10d H_of_turns = H;  // as if the offset were known: its part is in the deviations
+        H_of_turns.row(9).setZero();
+        H_of_turns.col(9).setZero();
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(reduced(H_of_turns, {6, 7, 8}));
         if (solver.eigenvalues()[0] < kLeastTurn * kLeastTurn * num_poses)
             throw Error(
                 ErrorCode::BadData,
