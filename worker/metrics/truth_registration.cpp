@@ -23,6 +23,7 @@ constexpr double kLeastTurn = 0.035;          // root mean square sine of what f
 constexpr double kLeastVelocity_m_s = 0.02;   // root mean square of what fixes an offset
 constexpr double kMaxOrientationRms_deg = 5;  // beyond it the truth's axes are not of this body
 constexpr std::size_t kLeastPoses = 20;
+constexpr double kReach_s = 0.2;  // each way, of a velocity
 
 std::int64_t nanoseconds(double seconds) {
     return static_cast<std::int64_t>(std::llround(seconds * 1e9));
@@ -56,7 +57,13 @@ struct Row {
 class Registration {
 public:
     Registration(const Trajectory& estimate, const Trajectory& truth, const TruthOptions& options)
-        : estimate_(estimate), truth_(truth), options_(options) {}
+        : estimate_(estimate), truth_(truth), options_(options) {
+        const double duration_s =
+            static_cast<double>(estimate.back().timestamp_ns - estimate.front().timestamp_ns) *
+            1e-9;
+        reach_ = static_cast<std::size_t>(
+            std::ceil(kReach_s * static_cast<double>(estimate.size() - 1) / duration_s));
+    }
 
     std::vector<Row> rows(const State& state) const {
         std::vector<Row> result;
@@ -97,11 +104,11 @@ public:
     }
 
 private:
-    // Of the marker. The estimate's: a tracker's noise, differentiated, would be taken for motion
-    // that tells the offset.
+    // Of the marker, over a time in which it moves more than it errs. The estimate's: a tracker's
+    // noise, differentiated, would be taken for motion that tells the offset.
     Eigen::Vector3d velocity_world(std::size_t i, const Eigen::Vector3d& lever_m) const {
-        const StampedPose& before = estimate_[i == 0 ? 0 : i - 1];
-        const StampedPose& after = estimate_[std::min(i + 1, estimate_.size() - 1)];
+        const StampedPose& before = estimate_[i - std::min(i, reach_)];
+        const StampedPose& after = estimate_[std::min(i + reach_, estimate_.size() - 1)];
         const double seconds = static_cast<double>(after.timestamp_ns - before.timestamp_ns) * 1e-9;
         return (after.T_world_imu * lever_m - before.T_world_imu * lever_m) / seconds;
     }
@@ -132,6 +139,7 @@ private:
     const Trajectory& estimate_;
     const Trajectory& truth_;
     const TruthOptions& options_;
+    std::size_t reach_ = 1;  // frames
 };
 
 double rms_m(const std::vector<Row>& rows) {
@@ -323,6 +331,10 @@ TruthRegistration register_truth(const Trajectory& estimate,
     TruthRegistration result = as_given(options);
     result.has_orientation = has_rotation(truth) || !has_rotation(estimate);
     if (!options.solve_lever_arm && !options.solve_time_offset) return result;
+    if (estimate.size() < kLeastPoses)
+        throw Error(ErrorCode::BadData,
+                    "the estimate has fewer than " + std::to_string(kLeastPoses) +
+                        " poses: too few to solve lever arm or time offset");
     const Registration registration(estimate, truth, options);
     const State state = best_state(registration, estimate, truth, options);
     const auto rows = registration.rows(state);

@@ -119,7 +119,8 @@ TEST(TruthRegistration, TheErrorIsThatOfThePathAloneOnceTheTruthLiesRight) {
     EXPECT_LT(error.rotation_rmse_deg, 0.1);
 }
 
-// 40 draws: the 95 % band of a chi-squared count, once for white errors and once for drift.
+// Two standard deviations hold in 95 % of many draws: in 36 of 40 at least, for white errors and for
+// drift.
 TEST(TruthRegistration, StatedDeviationsHold) {
     const Trajectory truth = truth_of(swim);
     for (const bool drifts : {false, true}) {
@@ -137,8 +138,8 @@ TEST(TruthRegistration, StatedDeviationsHold) {
             for (int axis = 0; axis < 3; ++axis)
                 num_levers_held += std::abs(off[axis]) < 2.0 * (*found.lever_arm_sigma_m)[axis];
         }
-        EXPECT_GE(num_offsets_held, 0.8 * kNumDraws) << "drifts: " << drifts;
-        EXPECT_GE(num_levers_held, 0.8 * 3 * kNumDraws) << "drifts: " << drifts;
+        EXPECT_GE(num_offsets_held, 0.9 * kNumDraws) << "drifts: " << drifts;
+        EXPECT_GE(num_levers_held, 0.9 * 3 * kNumDraws) << "drifts: " << drifts;
     }
 }
 
