@@ -119,8 +119,8 @@ TEST(TruthRegistration, TheErrorIsThatOfThePathAloneOnceTheTruthLiesRight) {
     EXPECT_LT(error.rotation_rmse_deg, 0.1);
 }
 
-// Two standard deviations hold in 95 % of many draws: in 36 of 40 at least, for white errors and for
-// drift.
+// Two standard deviations hold in 95 % of many draws: in 36 of 40 at least, for white errors and
+// for drift.
 TEST(TruthRegistration, StatedDeviationsHold) {
     const Trajectory truth = truth_of(swim);
     for (const bool drifts : {false, true}) {
