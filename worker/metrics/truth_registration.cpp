@@ -20,7 +20,7 @@ using Vector10d = Eigen::Matrix<double, 10, 1>;
 
 constexpr double kDegPerRad = 57.29577951308232;
 constexpr double kLeastTurn = 0.035;          // root mean square sine of what fixes a lever arm
-constexpr double kLeastVelocity_m_s = 0.02;   // root mean square of what fixes an offset
+constexpr double kLeastVelocity = 0.02;       // m/s, root mean square of what fixes an offset
 constexpr double kMaxOrientationRms_deg = 5;  // beyond it the truth's axes are not of this body
 constexpr std::size_t kLeastPoses = 20;
 constexpr double kReach_s = 0.2;  // each way, of a velocity
@@ -215,10 +215,11 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
     const Vector10d clustered = clustered_variances(rows, H);
     if (options.solve_lever_arm) {
         const Eigen::Matrix3d information = reduced(H, {6, 7, 8});
-        Matrix10d H_of_turns = H;  // as if the offset were known: its part is in the deviations
-        H_of_turns.row(9).setZero();
-        H_of_turns.col(9).setZero();
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(reduced(H_of_turns, {6, 7, 8}));
+        Matrix10d known_offset = H;  // as if the offset were known: its part is in the deviations
+        known_offset.row(9).setZero();
+        known_offset.col(9).setZero();
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+            reduced(known_offset, {6, 7, 8}));
         if (solver.eigenvalues()[0] < kLeastTurn * kLeastTurn * num_poses)
             throw Error(
                 ErrorCode::BadData,
@@ -234,7 +235,7 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
     }
     if (options.solve_time_offset) {
         const double information = reduced(H, {9})(0, 0);
-        if (information < kLeastVelocity_m_s * kLeastVelocity_m_s * num_poses)
+        if (information < kLeastVelocity * kLeastVelocity * num_poses)
             throw Error(ErrorCode::BadData,
                         "the time offset cannot be solved: the rig's velocity hardly changed; give "
                         "the offset, or move to and fro at the start");
