@@ -32,10 +32,11 @@ float height_sigma_m(const Mesh& mesh, std::uint32_t vertex) {
 
 class Mapper {
 public:
-    Mapper(const Surveyed& a, const Surveyed& b, const Registration& registration, ChangeMap& map)
+    Mapper(const Surveyed& a, const Surveyed& b, const Detection& detection, ChangeMap& map)
         : a_(a),
           b_(b),
-          registration_(registration),
+          registration_(detection.registration),
+          level_factor_(static_cast<float>(detection.level_factor)),
           map_(map),
           raster_a_(rasterise(a.mesh, map.grid)),
           raster_b_(rasterise(b.mesh, map.grid)) {}
@@ -57,7 +58,7 @@ public:
         map_.change_m.at<float>(row, column) = change;
         map_.sigma_m.at<float>(row, column) = sigma;
         map_.registration_m.at<float>(row, column) = registration;
-        if (std::abs(change) <= 1.96F * sigma + 1.96F * registration) return;
+        if (std::abs(change) <= 1.96F * level_factor_ * sigma + 1.96F * registration) return;
         if (!confirmed(a_.distances[vertex_a], change) ||
             !confirmed(b_.distances[vertex_b], change))
             return;
@@ -98,6 +99,7 @@ private:
     const Surveyed& a_;
     const Surveyed& b_;
     const Registration& registration_;
+    float level_factor_;
     ChangeMap& map_;
     SurfaceRaster raster_a_;
     SurfaceRaster raster_b_;
@@ -111,16 +113,20 @@ double ChangeMap::area_m2(CellState wanted) const {
 
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
-                      const Registration& registration,
+                      const Detection& detection,
                       const RasterGrid& grid,
                       int num_threads) {
     const auto of = [&](int type, double value) {
         return cv::Mat(grid.rows, grid.columns, type, cv::Scalar::all(value));
     };
     const auto nothing = static_cast<double>(kNothing);
-    ChangeMap map{
-        grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
-    const Mapper mapper(a, b, registration, map);
+    ChangeMap map{grid,
+                  of(CV_8U, 0.0),
+                  of(CV_32F, nothing),
+                  of(CV_32F, nothing),
+                  of(CV_32F, nothing),
+                  detection.level_factor};
+    const Mapper mapper(a, b, detection, map);
     const auto each_cell = [&](const auto& work) {
         for_each_index(num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
             for (int column = 0; column < grid.columns; ++column)

@@ -9,6 +9,27 @@ namespace divemesh::worker {
 namespace {
 
 constexpr double k95 = 1.96;
+constexpr double kBlock_m = 0.15;  // over which noise is small against what it hides
+
+// What a normal error exceeds, to either side, with this probability, in standard deviations.
+double exceeded_with(double probability) {
+    double low = 0.0;
+    double high = 10.0;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        (std::erfc(middle / std::sqrt(2.0)) > probability ? low : high) = middle;
+    }
+    return low;
+}
+
+// CV_8U: cells whose change is beyond what any of the ground would show by chance.
+cv::Mat beyond_chance(const ChangeMap& map, double piece_m2) {
+    const double ground_m2 =
+        cv::countNonZero(map.change_m == map.change_m) * map.grid.cell_m * map.grid.cell_m;
+    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / piece_m2));
+    const cv::Mat level = most * (map.level_factor * map.sigma_m + map.registration_m);
+    return cv::abs(map.change_m) > level;
+}
 
 cv::Mat disc(double radius_cells) {
     const int r = std::max(1, static_cast<int>(std::lround(radius_cells)));
@@ -56,6 +77,28 @@ Sums sum_over(const ChangeMap& map, const cv::Mat& cells) {
     return sums;
 }
 
+struct Undetected {
+    double rise_m3 = 0.0;
+    double fall_m3 = 0.0;
+};
+
+Undetected undetected(const ChangeMap& map, const cv::Mat& counts) {
+    const int side = std::max(1, static_cast<int>(std::lround(kBlock_m / map.grid.cell_m)));
+    const double cell_m2 = map.grid.cell_m * map.grid.cell_m;
+    Undetected sums;
+    for (int top = 0; top < counts.rows; top += side)
+        for (int left = 0; left < counts.cols; left += side) {
+            double volume_m3 = 0.0;
+            for (int row = top; row < std::min(top + side, counts.rows); ++row)
+                for (int column = left; column < std::min(left + side, counts.cols); ++column)
+                    if (counts.at<std::uint8_t>(row, column) != 0)
+                        volume_m3 +=
+                            cell_m2 * static_cast<double>(map.change_m.at<float>(row, column));
+            (volume_m3 > 0.0 ? sums.rise_m3 : sums.fall_m3) += std::abs(volume_m3);
+        }
+    return sums;
+}
+
 // A patch as found, in a window of the map.
 struct Found {
     bool grown = false;
@@ -70,6 +113,7 @@ public:
         : map_(map), options_(options), margin_cells_(options.margin_m / map.grid.cell_m) {}
 
     Changes gather() {
+        beyond_chance_ = beyond_chance(map_, options_.core_area_m2);
         for (const CellState state : {CellState::Grown, CellState::Lost}) find(state);
         changes_.number = cv::Mat::zeros(map_.state.size(), CV_32S);
         std::ranges::stable_sort(found_, [&](const Found& p, const Found& q) {
@@ -91,7 +135,8 @@ private:
                 map_.state(window),
                 map_.change_m(window),
                 map_.sigma_m(window),
-                map_.registration_m(window)};
+                map_.registration_m(window),
+                map_.level_factor};
     }
 
     void find(CellState state) {
@@ -113,6 +158,8 @@ private:
                          statistics.at<int>(label, cv::CC_STAT_HEIGHT) + 2 * border) &
                 all;
             const cv::Mat mine = labels(window) == label;
+            if (cv::countNonZero(mine & beyond_chance_(window)) * cell_m2 < options_.core_area_m2)
+                continue;
             const cv::Mat opposite = cells_in(
                 map_, state == CellState::Grown ? CellState::Lost : CellState::Grown)(window);
             const cv::Mat hidden = cells_in(map_, CellState::Hidden)(window);
@@ -145,6 +192,9 @@ private:
         const cv::Mat counts = (map_.change_m == map_.change_m) & (changes_.number == 0) &
                                ~cells_in(map_, CellState::Hidden);
         changes_.noise = measure_noise(map_, counts);
+        const Undetected missed = undetected(map_, counts);
+        changes_.grown.undetected_m3 = missed.rise_m3;
+        changes_.lost.undetected_m3 = missed.fall_m3;
         const Sums sums = sum_over(map_, counts);
         changes_.rest_m2 = sums.area_m2;
         changes_.rest_m3 = interval(sums.volume_m3, noise_m3(sums), registration_m3(sums));
@@ -172,8 +222,10 @@ private:
     void measure(std::size_t i) {
         const Found& found = found_[i];
         const ChangeMap window = window_of(found.window);
-        const Sums sums = sum_over(window, found.support);
         const double sign = found.grown ? 1.0 : -1.0;
+        Sums sums = sum_over(window, found.support);
+        if (sign * sums.volume_m3 <= 0.0)
+            sums = sum_over(window, found.core);  // beside its opposite
         ChangePatch patch;
         patch.number = static_cast<int>(i) + 1;
         patch.grown = found.grown;
@@ -239,12 +291,14 @@ private:
             }
             total.volume_m3 = interval(total.volume_m3.value, noise, registration);
             total.volume_m3.low = std::max(0.0, total.volume_m3.low);
+            total.volume_m3.high += total.undetected_m3;
         }
     }
 
     ChangeMap& map_;
     const PatchOptions& options_;
     double margin_cells_;
+    cv::Mat beyond_chance_;  // CV_8U
     std::vector<Found> found_;
     std::vector<double> noises_;
     std::vector<double> registrations_;

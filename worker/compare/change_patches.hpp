@@ -30,7 +30,8 @@ struct ChangePatch {
 
 struct ChangeTotal {
     Interval area_m2;
-    Interval volume_m3;
+    Interval volume_m3;          // its upper bound holds what may be outside of the patches as well
+    double undetected_m3 = 0.0;  // at most, outside of all patches
     std::size_t num_patches = 0;
 };
 
@@ -48,14 +49,21 @@ struct Changes {
 
 struct PatchOptions {
     double least_area_m2 = 0.005;
-    double margin_m = 0.05;  // about the significant cells, that belongs to the volume
+    double core_area_m2 = 0.00125;  // that has to exceed the level for the whole ground
+    double margin_m = 0.05;         // about the significant cells, that belongs to the volume
 };
 
-// Cells that are joined by sides or corners and changed the same way make a patch. Its volume is
+// Cells that are joined by sides or corners and changed the same way make a patch, when a part of
+// them has changed by more than stable ground does anywhere: of all the pieces of `core_area_m2`
+// that both dives saw, one in twenty comparisons would find one beyond that level (Bonferroni); a
+// level of 95 % alone is exceeded by a twentieth of the ground. Its volume is
 // summed over a margin too, where change fades out below the level of detection; its area is that
 // of the significant cells with what they enclose, its outline known to half the margin.
 // The volume's interval has the noise of a mean over that area, as measured on stable ground, and
-// the registration's error, which is one and the same for all patches of a total.
+// the registration's error, which is one and the same for all patches of a total. What changed by
+// less than the level of detection is in no patch: a total's upper bound adds what all blocks of
+// 0.15 m of the other ground rose (sank) by on the mean, noise included, so that it errs to the
+// safe side.
 Changes gather_changes(ChangeMap& map, const PatchOptions& options);
 
 }  // namespace divemesh::worker

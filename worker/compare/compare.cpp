@@ -84,20 +84,35 @@ float quantile(std::vector<float>& values, double share) {
     return *at;
 }
 
-// Levels of detection that most of the ground exceeds are too low: most of the ground is stable.
-double widening(const std::vector<M3c2Distance>& distances) {
+// What levels of detection are to be multiplied by, to say of stable ground what 95 % should: most
+// of the ground is stable, so that the middle and four fifths of it tell how far stable ground
+// differs. What a mesh says of its vertices holds for one dive; of what both dives get wrong alike,
+// a difference is free.
+double level_factor(const std::vector<M3c2Distance>& distances) {
     std::vector<float> ratios;
     for (const M3c2Distance& distance : distances)
         if (distance.known()) ratios.push_back(std::abs(distance.distance_m) / distance.lod95_m);
     const auto median = static_cast<double>(quantile(ratios, 0.5)) / (0.6745 / 1.96);
     const auto most = static_cast<double>(quantile(ratios, 0.8)) / (1.2816 / 1.96);
-    return std::max({1.0, median, most});
+    return std::max(median, most);
+}
+
+// Never below what the registration alone leaves open.
+void scale_levels(std::vector<M3c2Distance>& distances,
+                  const SurfacePoints& core,
+                  const M3c2Options& options,
+                  double factor) {
+    for (std::size_t i = 0; i < distances.size(); ++i)
+        if (distances[i].known())
+            distances[i].lod95_m =
+                std::max(static_cast<float>(factor) * distances[i].lod95_m,
+                         options.registration95_m(core.points[i], core.normals[i]));
 }
 
 struct Distances {
     std::vector<M3c2Distance> of_a;
     std::vector<M3c2Distance> of_b;
-    double widened = 1.0;
+    double level_factor = 1.0;
 };
 
 Distances measure(const Mesh& a,
@@ -125,15 +140,14 @@ Distances measure(const Mesh& a,
     distances.of_b = m3c2_distances(points_b, points_a, points_b, m3c2, num_threads);
     progress.at(0.5);
     distances.of_a = m3c2_distances(points_a, points_a, points_b, m3c2, num_threads);
-    distances.widened = widening(distances.of_b);
-    for (auto* some : {&distances.of_a, &distances.of_b})
-        for (M3c2Distance& distance : *some)
-            distance.lod95_m *= static_cast<float>(distances.widened);
+    distances.level_factor = level_factor(distances.of_b);
+    scale_levels(distances.of_a, points_a, m3c2, distances.level_factor);
+    scale_levels(distances.of_b, points_b, m3c2, distances.level_factor);
     return distances;
 }
 
 DistanceSummary summarise(const Distances& distances) {
-    DistanceSummary summary{.num = distances.of_b.size(), .widened = distances.widened};
+    DistanceSummary summary{.num = distances.of_b.size(), .level_factor = distances.level_factor};
     std::vector<float> values;
     std::vector<float> sizes;
     std::vector<float> levels;
@@ -217,12 +231,15 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     options.cell_m = grid.cell_m;
     ChangeMap map = map_changes({pair.a, distances.of_a, views_a},
                                 {pair.b, distances.of_b, views_b},
-                                registration,
+                                {registration, distances.level_factor},
                                 grid,
                                 threads);
     changing.at(0.8);
-    const Changes changes = gather_changes(
-        map, {.least_area_m2 = options.least_area_m2, .margin_m = options.cylinder_m});
+    const Changes changes =
+        gather_changes(map,
+                       {.least_area_m2 = options.least_area_m2,
+                        .core_area_m2 = 0.785 * options.cylinder_m * options.cylinder_m,
+                        .margin_m = options.cylinder_m});
     stage("write", 0.85, 1.0);
     nlohmann::json document = compare_document({pair.folder_a,
                                                 pair.folder_b,

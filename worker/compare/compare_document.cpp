@@ -51,7 +51,8 @@ json to_json(const Registration& fit) {
 json to_json(const ChangeTotal& total) {
     return {{"num_patches", total.num_patches},
             {"area_m2", to_json(total.area_m2)},
-            {"volume_m3", to_json(total.volume_m3)}};
+            {"volume_m3", to_json(total.volume_m3)},
+            {"undetected_m3", total.undetected_m3}};
 }
 
 json to_json(const ChangePatch& patch) {
@@ -109,7 +110,7 @@ json compare_document(const ComparisonResult& result) {
               {"median_m", result.distances.median_m},
               {"median_abs_m", result.distances.median_abs_m},
               {"median_lod95_m", result.distances.median_lod95_m},
-              {"widened", result.distances.widened}}},
+              {"level_factor", result.distances.level_factor}}},
             {"noise", noise_of(result.changes)},
             {"grown", to_json(result.changes.grown)},
             {"lost", to_json(result.changes.lost)},

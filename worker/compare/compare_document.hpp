@@ -15,7 +15,8 @@ struct DistanceSummary {
     double median_m = 0.0;
     double median_abs_m = 0.0;
     double median_lod95_m = 0.0;
-    double widened = 1.0;  // what levels of detection were multiplied by, to hold on stable ground
+    double level_factor =
+        1.0;  // what levels of detection were multiplied by, to hold on stable ground
 };
 
 struct ComparisonResult {

@@ -44,11 +44,11 @@ void judge(const json& document, const synthetic::TrueChange& truth) {
         1e3 * document["registration"]["uncertainty95"]["y_m"].get<double>(),
         1e3 * document["registration"]["uncertainty95"]["z_m"].get<double>());
     std::printf(
-        "ground both %.2f, hidden %.2f m2; LoD95 %.1f mm (widened %.2f); rest beyond %.2f %%\n",
+        "ground both %.2f, hidden %.2f m2; LoD95 %.1f mm (factor %.2f); rest beyond %.2f %%\n",
         document["ground"]["both_m2"].get<double>(),
         document["ground"]["hidden_m2"].get<double>(),
         1e3 * document["distances"]["median_lod95_m"].get<double>(),
-        document["distances"]["widened"].get<double>(),
+        document["distances"]["level_factor"].get<double>(),
         100.0 * document["rest"]["beyond_share"].get<double>());
     print("grown", document.at("grown").at("volume_m3"), all.grown_m3);
     print("lost", document.at("lost").at("volume_m3"), all.lost_m3);
