@@ -51,6 +51,7 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
     const nlohmann::json values = options_to_json(options);
     for (const auto& [name, value] : values.items()) {
         if (name == "num_threads" || name == "fusion_memory_bytes") continue;
+        if (name == "exports") continue;  // made of artifacts, after all stages
         if (name.starts_with("marker_")) continue;
         nlohmann::json other = values;
         if (kOtherWords.contains(name))
