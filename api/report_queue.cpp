@@ -95,7 +95,8 @@ void ReportQueue::commit(std::vector<Waiting> group) {
     std::vector<storage::ReportOutcome> outcomes;
     std::exception_ptr failure;
     try {
-        outcomes = storage::SensorStore(catalog_).receive(reports);
+        outcomes = storage::SensorStore(catalog_).receive(
+            reports, has_room_() ? storage::kMostPreviews : storage::kFewPreviews);
     } catch (...) {
         failure = std::current_exception();
     }

@@ -17,9 +17,13 @@ namespace divemesh::api {
 // is answered when its report is durable. Thread-safe.
 class ReportQueue {
 public:
-    // What is durable is published at the desk.
-    ReportQueue(storage::Catalog& catalog, boost::asio::thread_pool& pool, SensorDesk& desk)
-        : catalog_(catalog), pool_(pool), desk_(desk) {}
+    // What is durable is published at the desk. Without room on the disk statuses go on, and few
+    // previews of a sensor are kept; in the pool.
+    ReportQueue(storage::Catalog& catalog,
+                boost::asio::thread_pool& pool,
+                SensorDesk& desk,
+                std::function<bool()> has_room)
+        : catalog_(catalog), pool_(pool), desk_(desk), has_room_(std::move(has_room)) {}
 
     // When it is durable. Throws what storage::SensorStore::receive() gives as failure, what the
     // transaction throws, and Error{Unavailable} when too many are waiting already.
@@ -41,6 +45,7 @@ private:
     storage::Catalog& catalog_;
     boost::asio::thread_pool& pool_;
     SensorDesk& desk_;
+    std::function<bool()> has_room_;
     std::mutex mutex_;
     std::vector<Waiting> waiting_;
     std::size_t waiting_bytes_ = 0;  // of pictures

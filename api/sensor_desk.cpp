@@ -4,22 +4,14 @@
 #include <chrono>
 #include <utility>
 
+#include "api/http.hpp"
+#include "api/wall_clock.hpp"
 #include "schemas/merge_patch.hpp"
 
 namespace divemesh::api {
 namespace {
 
 using nlohmann::json;
-
-std::int64_t now_ms() {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
-}
-
-std::string text_of(const json& frame) {
-    return frame.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 json document_of(const Sensor& sensor) {
     json document = sensor;
@@ -39,14 +31,14 @@ json frame_of(const SensorNews& news, std::string_view type) {
 std::string snapshot_text(const SensorNews& news) {
     json frame = frame_of(news, "sensor.snapshot");
     frame["data"] = news.document;
-    return text_of(frame);
+    return json_text(frame);
 }
 
 std::string delta_text(const SensorNews& told, const SensorNews& news) {
     json frame = frame_of(news, "sensor.delta");
     frame["previous"] = told.revision;
     frame["patch"] = merge_patch(told.document, news.document);
-    return text_of(frame);
+    return json_text(frame);
 }
 
 // Under the lock, like all that is private.

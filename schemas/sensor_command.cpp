@@ -38,7 +38,6 @@ bool is_short_text(const json& value, std::size_t most_bytes) {
 struct Argument {
     std::string_view command;
     std::string_view name;
-    bool is_needed;
     std::string_view form;
     bool (*fits)(const json& value);
 };
@@ -48,17 +47,14 @@ constexpr std::string_view kCommands[] = {
 constexpr Argument kArguments[] = {
     {"preview",
      "camera",
-     false,
      "the name of a camera",
      [](const json& value) { return is_short_text(value, kMostCameraBytes); }},
     {"preview",
      "max_bytes",
-     false,
      "a whole number from 1024 to 262144",
      [](const json& value) { return is_whole(value, kLeastPictureBytes, kMostPictureBytes); }},
     {"set_clock",
      "time_ms",
-     true,
      "a time in unix milliseconds",
      [](const json& value) { return is_whole(value, 0, kLatest_ms); }},
 };
@@ -94,10 +90,15 @@ void check_command(const std::string& name, const json& arguments) {
         else if (!argument->fits(value))
             faults.push_back({std::string("it has to be ").append(argument->form), place, ""});
     }
-    for (const Argument& argument : kArguments)
-        if (argument.command == name && argument.is_needed && !arguments.contains(argument.name))
-            faults.push_back({std::string(argument.name).append(" is missing"), "/arguments", ""});
     if (!faults.empty()) throw InvalidInput(std::move(faults));
+}
+
+json arguments_at(const SensorCommand& command, std::int64_t now_ms) {
+    json arguments = command.arguments;
+    if (command.name != "set_clock") return arguments;
+    const std::int64_t asked_ms = arguments.value("time_ms", command.created_at_ms);
+    arguments["time_ms"] = asked_ms + now_ms - command.created_at_ms;
+    return arguments;
 }
 
 void check_outcome(const json& outcome, const std::string& pointer) {

@@ -42,6 +42,10 @@ inline constexpr std::int64_t kMostCommandLife_ms = 86'400'000;
 // Throws InvalidInput for a command that no device knows and arguments that it does not have.
 void check_command(const std::string& name, const nlohmann::json& arguments);
 
+// The arguments as they are handed over at `now_ms` of the catalog's clock: set_clock with the time
+// that it is then, by the clock of whoever asked (time_ms when it was asked for) or by ours.
+nlohmann::json arguments_at(const SensorCommand& command, std::int64_t now_ms);
+
 // What a device says became of a command, {"command": ID, "state": ..., "detail": ...}. Throws
 // InvalidInput that says where below `pointer` it is wrong.
 void check_outcome(const nlohmann::json& outcome, const std::string& pointer);

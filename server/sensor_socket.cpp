@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "api/error_response.hpp"
-#include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
+#include "api/parse_json.hpp"
 #include "api/report_queue.hpp"
 #include "api/sensor_desk.hpp"
+#include "api/wall_clock.hpp"
 #include "schemas/sensor_message.hpp"
 #include "server/log.hpp"
 #include "server/web_socket.hpp"
@@ -34,16 +35,6 @@ constexpr std::size_t kMostFrameTextBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostWaiting = 64;  // frames
 constexpr std::size_t kMostWaitingBytes = std::size_t{1} << 20;
 constexpr websocket::close_code kReplaced{4409};
-
-std::int64_t now_ms() {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
-}
-
-std::string text_of(const json& frame) {
-    return frame.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 // A frame as it was read: a report, or the answer to what is none.
 struct Incoming {
@@ -189,7 +180,7 @@ Incoming read_frame(const api::Request& request, std::string_view frame, bool is
                         {"messages", sequences_in(header)}};
         if (header.is_object() && header.contains("boot_id"))
             refusal["boot_id"] = header["boot_id"];
-        incoming.refusal = text_of(refusal);
+        incoming.refusal = api::json_text(refusal);
     }
     return incoming;
 }
@@ -229,7 +220,7 @@ json ranges_of(const SensorReport& report) {
 }
 
 std::string answer_text(const SensorAnswer& answer, const json& committed) {
-    return text_of({{"answer", answer}, {"committed", committed}});
+    return api::json_text({{"answer", answer}, {"committed", committed}});
 }
 
 class Answering {
@@ -253,7 +244,9 @@ public:
     }
 
 private:
-    static std::string welcome() { return text_of({{"welcome", {{"time_ms", now_ms()}}}}); }
+    static std::string welcome() {
+        return api::json_text({{"welcome", {{"time_ms", api::now_ms()}}}});
+    }
 
     asio::awaitable<bool> round() {
         bool goes_on = co_await check_token();
@@ -301,11 +294,12 @@ private:
         bool goes_on = true;
         for (std::size_t i = 0; goes_on && i < commands.size(); ++i) {
             const SensorCommand& command = commands[i];
-            std::string frame = text_of({{"command",
-                                          {{"id", command.id},
-                                           {"name", command.name},
-                                           {"arguments", command.arguments},
-                                           {"expires_at_ms", command.expires_at_ms}}}});
+            std::string frame =
+                api::json_text({{"command",
+                                 {{"id", command.id},
+                                  {"name", command.name},
+                                  {"arguments", arguments_at(command, api::now_ms())},
+                                  {"expires_at_ms", command.expires_at_ms}}}});
             goes_on = co_await write(sensor_, std::move(frame));
         }
         co_return goes_on;

@@ -193,7 +193,8 @@ struct Server::Implementation {
     asio::io_context io;
     asio::thread_pool pool;
     api::SensorDesk desk;
-    api::ReportQueue reports{catalog, pool, desk};
+    api::ReportQueue reports{
+        catalog, pool, desk, [this] { return blobs->free_bytes() >= config.min_free_bytes; }};
     EventHub events;
     api::UploadTurns turns;
     WebhookSender webhooks{context().services};

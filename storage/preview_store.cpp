@@ -61,7 +61,8 @@ StoredPreview with_jpeg(soci::session& session,
 Preview insert_preview(soci::session& session,
                        std::int64_t sensor,
                        const SensorMessage& message,
-                       std::int64_t time_ms) {
+                       std::int64_t time_ms,
+                       int most_kept) {
     Preview preview;
     preview.about = message.body;
     preview.camera = message.body.at("camera").get<std::string>();
@@ -92,7 +93,7 @@ Preview insert_preview(soci::session& session,
             "DELETE FROM sensor_previews WHERE number IN (SELECT number FROM sensor_previews"
             " WHERE sensor = :sensor ORDER BY time_ms DESC, number DESC LIMIT -1 OFFSET :kept)",
             soci::use(sensor, "sensor"),
-            soci::use(kMostPreviews, "kept"));
+            soci::use(most_kept, "kept"));
     return preview;
 }
 

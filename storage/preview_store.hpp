@@ -13,6 +13,7 @@
 namespace divemesh::storage {
 
 inline constexpr int kMostPreviews = 200;  // that are kept of a sensor
+inline constexpr int kFewPreviews = 10;    // ... while the disk is nearly full
 
 // A picture with its bytes.
 struct StoredPreview {
@@ -21,11 +22,12 @@ struct StoredPreview {
     std::int64_t age_ms = 0;  // now
 };
 
-// Of a preview that came, taken at `time_ms`; the oldest beyond kMostPreviews go.
+// Of a preview that came, taken at `time_ms`; the oldest beyond `most_kept` go.
 Preview insert_preview(soci::session& session,
                        std::int64_t sensor,
                        const SensorMessage& message,
-                       std::int64_t time_ms);
+                       std::int64_t time_ms,
+                       int most_kept);
 
 // The pictures that devices sent, newest first.
 class PreviewStore {

@@ -69,8 +69,16 @@ void set_state(soci::session& session, Sensor& sensor, SensorState state) {
 
 class Receiver {
 public:
-    Receiver(soci::session& session, SensorRecord record, BootRecord boot, std::int64_t now_ms)
-        : session_(session), record_(std::move(record)), boot_(std::move(boot)), now_ms_(now_ms) {}
+    Receiver(soci::session& session,
+             SensorRecord record,
+             BootRecord boot,
+             std::int64_t now_ms,
+             int most_previews)
+        : session_(session),
+          record_(std::move(record)),
+          boot_(std::move(boot)),
+          now_ms_(now_ms),
+          most_previews_(most_previews) {}
 
     ReportOutcome receive(const SensorReport& report) {
         answer_.boot_id = boot_.boot_id;
@@ -104,8 +112,8 @@ private:
                 break;
             }
             case MessageKind::Preview: {
-                const Preview preview =
-                    insert_preview(session_, record_.number, message, time_of(message));
+                const Preview preview = insert_preview(
+                    session_, record_.number, message, time_of(message), most_previews_);
                 if (speaks) show(preview);
                 break;
             }
@@ -225,6 +233,7 @@ private:
     SensorRecord record_;
     BootRecord boot_;
     std::int64_t now_ms_;
+    int most_previews_ = kMostPreviews;
     SensorAnswer answer_;
     bool shown_ = false;
 };
@@ -260,7 +269,8 @@ BootRecord boot_of(soci::session& session, const SensorRecord& record, const std
 
 ReportOutcome receive_one(soci::session& session,
                           const IncomingReport& incoming,
-                          std::int64_t now_ms) {
+                          std::int64_t now_ms,
+                          int most_previews) {
     SensorRecord record = sensor_of(session, incoming, now_ms);
     if (record.sensor.project != incoming.project)
         return {{},
@@ -269,7 +279,8 @@ ReportOutcome receive_one(soci::session& session,
                           "\" is a sensor of another project: give this one another name"),
                 {}};
     BootRecord boot = boot_of(session, record, incoming.report.boot_id);
-    return Receiver(session, std::move(record), std::move(boot), now_ms).receive(incoming.report);
+    return Receiver(session, std::move(record), std::move(boot), now_ms, most_previews)
+        .receive(incoming.report);
 }
 
 // What the time has made of a sensor since it was last told.
@@ -298,13 +309,14 @@ Sensor tell_the_time(soci::session& session, SensorRecord record, std::int64_t n
 
 }  // namespace
 
-std::vector<ReportOutcome> SensorStore::receive(const std::vector<IncomingReport>& reports) {
+std::vector<ReportOutcome> SensorStore::receive(const std::vector<IncomingReport>& reports,
+                                                int most_previews) {
     std::vector<ReportOutcome> outcomes;
     catalog_.transaction([&](soci::session& session) {
         outcomes.clear();
         const std::int64_t now_ms = Catalog::now_ms(session);
         for (const IncomingReport& incoming : reports)
-            outcomes.push_back(receive_one(session, incoming, now_ms));
+            outcomes.push_back(receive_one(session, incoming, now_ms, most_previews));
     });
     return outcomes;
 }

@@ -10,6 +10,7 @@
 #include "schemas/sensor_message.hpp"
 #include "storage/catalog.hpp"
 #include "storage/page.hpp"
+#include "storage/preview_store.hpp"
 
 namespace divemesh::storage {
 
@@ -34,8 +35,9 @@ public:
 
     // Takes the reports in one transaction, in their order; one outcome each. A sensor that is not
     // known comes into being. A message that came before changes nothing. Errors of an outcome:
-    // Conflict (the id is another project's).
-    std::vector<ReportOutcome> receive(const std::vector<IncomingReport>& reports);
+    // Conflict (the id is another project's). Of the previews of a sensor so many are kept.
+    std::vector<ReportOutcome> receive(const std::vector<IncomingReport>& reports,
+                                       int most_previews = kMostPreviews);
 
     // Throws Error{NotFound}.
     Sensor get(const std::string& id);

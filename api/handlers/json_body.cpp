@@ -4,13 +4,13 @@
 #include <boost/beast/core/string.hpp>
 #include <cctype>
 
+#include "api/parse_json.hpp"
 #include "api/target.hpp"
 
 namespace divemesh::api {
 namespace {
 
 constexpr std::int64_t kMaxLimit = 200;
-constexpr int kMaxDepth = 32;  // deeper is an attack on whoever copies it recursively
 
 std::string escaped(const std::string& text) {
     constexpr char kDigits[] = "0123456789ABCDEF";
@@ -26,20 +26,6 @@ std::string escaped(const std::string& text) {
 }
 
 }  // namespace
-
-nlohmann::json parse_json(std::string_view text) {
-    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-        if (depth > kMaxDepth)
-            throw Error(ErrorCode::InvalidArgument, "the body is nested too deeply");
-        return true;
-    };
-    try {
-        return nlohmann::json::parse(text, shallow);
-    } catch (const nlohmann::json::exception& error) {
-        throw Error(ErrorCode::InvalidArgument,
-                    std::string("the body is not JSON: ") + error.what());
-    }
-}
 
 std::string pointer_to(const std::string& key) {
     return (nlohmann::json::json_pointer() / key).to_string();

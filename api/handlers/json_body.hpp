@@ -13,9 +13,6 @@
 
 namespace divemesh::api {
 
-// Throws Error{InvalidArgument} for what is not JSON, or is nested too deeply.
-nlohmann::json parse_json(std::string_view text);
-
 // Where a key of an object lies in it (RFC 6901).
 std::string pointer_to(const std::string& key);
 

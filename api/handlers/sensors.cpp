@@ -64,10 +64,9 @@ std::string speaking_sensor(const Request& request) {
 
 }  // namespace
 
-Awaitable<Response> open_sensor_stream(Request request, Services services) {
+Awaitable<Response> open_sensor_stream(Request request, Services) {
     const std::string sensor = speaking_sensor(request);
     if (auto refused = web_socket_refusal(request)) co_return std::move(*refused);
-    (void)services;
     Response response = empty_response(http::status::switching_protocols);
     response.body = SensorStream{sensor, request.token.project, request.token.id};
     co_return response;

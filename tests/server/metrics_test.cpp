@@ -154,7 +154,10 @@ TEST(MetricsTest, TheDashboardAsksForNothingThatThereIsNot) {
                                "divemesh_attempts",
                                "divemesh_stage_seconds_bucket",
                                "divemesh_event_streams_dropped_total",
-                               "divemesh_disk_free_bytes"})
+                               "divemesh_disk_free_bytes",
+                               "divemesh_sensor_streams",
+                               "divemesh_sensor_messages_total",
+                               "divemesh_sensor_frames_refused_total"})
         EXPECT_TRUE(shown.contains(series)) << series;
 }
 

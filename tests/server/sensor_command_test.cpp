@@ -1,6 +1,8 @@
+#include <map>
 #include <soci/soci.h>
 #include <thread>
 
+#include "api/wall_clock.hpp"
 #include "schemas/event.hpp"
 #include "storage/event_store.hpp"
 #include "tests/server/sensor_fixture.hpp"
@@ -76,11 +78,39 @@ TEST_F(SensorCommandTest, NeedsItsScopeAndTheCapability) {
                               json{{"name", "preview"}, {"arguments", {{"zoom", 2}}}},
                               json{{"name", "preview"}, {"arguments", 3}},
                               json{{"name", "preview"}, {"expires_in_ms", 10}},
-                              json{{"name", "set_clock"}},
+                              json{{"name", "set_clock"}, {"arguments", {{"time_ms", "noon"}}}},
                               json::object()})
         EXPECT_EQ(ask(wrong).status, 400) << wrong;
     for (int i = 0; i < 20; ++i) EXPECT_EQ(ask({{"name", "preview"}}).status, 201);
     EXPECT_EQ(ask({{"name", "preview"}}).status, 429);
+}
+
+// Asked for under water, by a clock that is years behind, and without one.
+TEST_F(SensorCommandTest, SetsTheClockToWhatItIsWhenHandedOver) {
+    {
+        WebSocketClient sensor = stream();
+        sensor.next_json();
+        sensor.say(hello(0, {"set_clock"}));
+        sensor.next_json();
+    }
+    const json behind = ask({{"name", "set_clock"}, {"arguments", {{"time_ms", 1'000}}}}).json();
+    const json plain = ask({{"name", "set_clock"}}).json();
+    std::this_thread::sleep_for(50ms);
+    WebSocketClient sensor = stream();
+    const std::int64_t before = sensor.next_json()["welcome"]["time_ms"];
+    sensor.say(hello(1, {"set_clock"}));
+    std::map<std::string, std::int64_t> told;
+    while (told.size() < 2) {
+        const json frame = sensor.next_json();
+        if (frame.contains("command"))
+            told[frame["command"]["id"]] = frame["command"]["arguments"]["time_ms"];
+    }
+    const std::int64_t after = api::now_ms();
+    const std::int64_t created = behind["created_at_ms"];
+    EXPECT_GE(told[behind["id"]] - 1'000, before - created);
+    EXPECT_LE(told[behind["id"]] - 1'000, after - created);
+    EXPECT_GE(told[plain["id"]], before);
+    EXPECT_LE(told[plain["id"]], after);
 }
 
 // Under water: handed over on the way up in time, never after.

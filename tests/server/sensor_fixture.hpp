@@ -15,6 +15,9 @@ class SensorFixture : public testing::Test {
 protected:
     using json = nlohmann::json;
 
+    SensorFixture() = default;
+    explicit SensorFixture(const server::ServerConfig& config) : server_(config) {}
+
     std::string sensor_token(const std::string& sensor, const std::string& project = "default") {
         return storage::TokenStore(server_.catalog())
             .create(

@@ -40,6 +40,26 @@ TEST_F(SensorStreamTest, ManyAtOnceAreWrittenTogetherAndAllAnswered) {
               json::array({kNumMessages}));
 }
 
+// S34: three seconds of a device that says a thousand things a second, all in one.
+TEST_F(SensorStreamTest, S34AFloodIsTakenAndKeepsNobodyElseWaiting) {
+    constexpr int kMany = 3'000;
+    const std::string other = sensor_token("other");
+    WebSocketClient sensor = stream();
+    sensor.next_json();
+    std::thread flood([&] {
+        for (int i = 0; i < kMany; ++i) sensor.say(report(i, {{"num_frames", i}}));
+    });
+    std::vector<int> statuses;
+    for (int i = 0; i < 10; ++i)
+        statuses.push_back(push(other, report(i, {{"battery", 0.5}}), "other").status);
+    flood.join();
+    std::int64_t acknowledged = -1;
+    while (acknowledged < kMany - 1)
+        acknowledged = sensor.next_json().at("answer").at("acknowledged");
+    EXPECT_EQ(statuses, std::vector<int>(10, 200));
+    EXPECT_EQ(get("/api/v1/sensors/aqua")["status"]["num_frames"], kMany - 1);
+}
+
 TEST_F(SensorStreamTest, T4APreviewIsShownWithItsAge) {
     WebSocketClient sensor = stream();
     sensor.next_json();

@@ -138,5 +138,30 @@ TEST_F(SensorTest, ReportsAtOnceAreEachAnsweredAndKept) {
     EXPECT_EQ(num_rows, kNumSensors * kNumReports);
 }
 
+class SensorOnAFullDiskTest : public SensorFixture {
+protected:
+    static server::ServerConfig full() {
+        server::ServerConfig config;
+        config.min_free_bytes = std::int64_t{1} << 60;
+        return config;
+    }
+    SensorOnAFullDiskTest() : SensorFixture(full()) {}
+};
+
+// A14 for sensors: what they say goes on, their pictures take no more room.
+TEST_F(SensorOnAFullDiskTest, KeepsFewPreviewsAndEveryStatus) {
+    const json picture = {{"camera", "cam0"}, {"jpeg", base64(jpeg())}};
+    for (int i = 0; i < 30; i += 2) {
+        ASSERT_EQ(push(token_, report(i, {{"battery", 0.5}, {"depth_m", i}})).status, 200);
+        const json preview = {
+            {"boot_id", "boot-1"},
+            {"messages", {{{"seq", i + 1}, {"uptime_ms", 1000 * i}, {"preview", picture}}}}};
+        const RawResponse answer = push(token_, preview);
+        ASSERT_EQ(answer.status, 200) << answer.body;
+    }
+    EXPECT_EQ(get("/api/v1/sensors/aqua/previews")["items"].size(), 10U);
+    EXPECT_EQ(get("/api/v1/sensors/aqua")["status"]["depth_m"], 28);
+}
+
 }  // namespace
 }  // namespace divemesh
