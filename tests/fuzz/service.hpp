@@ -54,7 +54,7 @@ private:
     api::Readiness readiness_;
     api::DiskReserve reserve_{folder_ / "reserve"};
     api::SensorDesk desk_;
-    api::ReportQueue reports_{catalog_, pool_, desk_};
+    api::ReportQueue reports_{catalog_, pool_, desk_, [] { return true; }};
     std::atomic<bool> stopping_ = false;
     api::ServiceLimits limits_;
     std::string dive_id_;

@@ -5,6 +5,7 @@
 
 #include "schemas/base64.hpp"
 #include "worker/compare/change_pictures.hpp"
+#include "worker/metrics/html_parts.hpp"
 #include "worker/metrics/svg_plot.hpp"
 
 namespace divemesh::worker {
@@ -15,16 +16,8 @@ using nlohmann::json;
 constexpr int kPictureSide_px = 1100;
 
 constexpr char kStyle[] = R"(
-body{font:15px/1.5 system-ui,sans-serif;color:#1b2a33;max-width:1180px;margin:2rem auto;padding:0 1rem}
-h1{font-size:1.5rem;margin:0}h2{font-size:1.1rem;margin:1.6rem 0 .4rem}.sub{color:#5b6b75}
-.row{display:flex;flex-wrap:wrap;gap:1.5rem;align-items:flex-start}.row>*{flex:1 1 340px;min-width:0}
-table{border-collapse:collapse;width:100%}td,th{padding:.22rem .6rem;border-bottom:1px solid #dfe6ea;text-align:left;vertical-align:top}
-td.value{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
-svg{width:100%;height:auto;border:1px solid #dfe6ea;border-radius:4px}svg text{font:11px system-ui,sans-serif;fill:#415059}
-svg .title{font-size:13px;font-weight:600;fill:#1b2a33}svg .grid{stroke:#e4eaee}
-img{max-width:100%;border:1px solid #dfe6ea;border-radius:4px;background:#fff}
 .grown{color:#2166ac}.lost{color:#b2182b}
-.scale{height:14px;border-radius:3px;background:linear-gradient(90deg,#b2182b,#f7f7f7,#2166ac)}
+.range{height:14px;border-radius:3px;background:linear-gradient(90deg,#b2182b,#f7f7f7,#2166ac)}
 .ends{display:flex;justify-content:space-between;font-size:13px;color:#415059})";
 
 std::string number(double value, int digits) {
@@ -65,6 +58,8 @@ std::string totals(const json& document) {
         const std::string name(kind);
         html += row(name + ", patches", std::to_string(total.at("num_patches").get<int>()));
         html += row(name + ", volume, litres (95 %)", bounds(total.at("volume_m3"), 1e3, 2));
+        html += row(name + ", of it undetected at most, litres",
+                    number(1e3 * total.at("undetected_m3").get<double>(), 2));
         html += row(name + ", area, cm² (95 %)", bounds(total.at("area_m2"), 1e4, 0));
     }
     html += row("rest: rise less fall, litres (95 %)",
@@ -161,15 +156,13 @@ std::string compare_report(const CompareReportInput& input) {
     const json& document = input.document;
     const std::string title = title_of(document.at("a")) + " → " + title_of(document.at("b"));
     const std::string full = number(1e3 * input.full_change_m, 0) + " mm";
-    return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-           escape_html(title) + "</title><style>" + kStyle + "</style></head><body><h1>" +
-           escape_html(title) +
+    return html_head(title, kStyle) + "<body><h1>" + escape_html(title) +
            "</h1><p class=\"sub\">What changed between two dives of one place. Blue rose, red "
            "sank; "
            "only where both dives saw the ground, and only beyond the level of detection. Volumes "
            "are those between the two surfaces as seen from above.</p>" +
            picture("Change", jpeg(input.difference)) +
-           "<div class=\"scale\"></div><div class=\"ends\"><span>" + full +
+           "<div class=\"range\"></div><div class=\"ends\"><span>" + full +
            " lost</span><span>0</span><span>" + full +
            " grown</span></div><p class=\"sub\">Grey: the later dive, no change. Pale: seen by one "
            "dive alone. Orange lines: one dive did not look where the other has its "

@@ -23,9 +23,9 @@ th{font-weight:600;color:#415059}.scroll{max-height:32rem;overflow:auto}
 
 }  // namespace
 
-std::string html_head(const std::string& title) {
+std::string html_head(const std::string& title, const std::string& style) {
     return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-           escape_html(title) + "</title><style>" + kStyle + "</style></head>";
+           escape_html(title) + "</title><style>" + kStyle + style + "</style></head>";
 }
 
 std::string html_table(const std::string& title, const HtmlRows& rows) {

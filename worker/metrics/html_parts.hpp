@@ -10,8 +10,8 @@ namespace divemesh::worker {
 // What pages for a person are put together from. All texts are escaped.
 using HtmlRows = std::vector<std::pair<std::string, std::string>>;  // name, value
 
-// Everything up to <body>.
-std::string html_head(const std::string& title);
+// Everything up to <body>. `style`: what the page has besides, CSS.
+std::string html_head(const std::string& title, const std::string& style = "");
 
 // A section with a table of names and values; "" when it has no row.
 std::string html_table(const std::string& title, const HtmlRows& rows);
