@@ -1,5 +1,10 @@
 #include "api/handlers/uploads.hpp"
 
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <chrono>
+
 #include "api/at_once.hpp"
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
@@ -26,6 +31,7 @@ namespace divemesh::api {
 namespace {
 
 constexpr auto kChecksumMismatch = static_cast<http::status>(460);
+constexpr auto kNamingPatience = std::chrono::seconds(2);
 
 void check_content_length(const Request& request, const Upload& upload, const Services& services) {
     const std::int64_t room =
@@ -151,8 +157,10 @@ Awaitable<Response> receive(
                                    kChecksumMismatch,
                                    "Upload-Checksum says that other bytes came than were sent: "
                                    "none is kept, send them again");
+    // Whoever asked this request to stop wants the bytes' lock; what they become is better made now
+    // than by nobody, and the other waits for it.
     if (received->complete())
-        co_return co_await completed(std::move(response), request, services, *received, stopped);
+        co_return co_await completed(std::move(response), request, services, *received, new_flag());
     co_return co_await arrived(std::move(response), request, services, *received, stopped);
 }
 
@@ -213,6 +221,20 @@ Response describe(const Upload& upload) {
         response.set("Divemesh-Dive", upload.dive_id);
     response.set("Cache-Control", "no-store");
     return response;
+}
+
+// A client that lost the last answer asks for the dive here, which mostly is made within moments.
+Awaitable<Upload> once_named(Request request, Services services, Upload upload) {
+    const auto end = std::chrono::steady_clock::now() + kNamingPatience;
+    boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
+    while (becomes_dive(upload) && upload.dive_id.empty() && upload.truth_id.empty() &&
+           !services.stopping && std::chrono::steady_clock::now() < end) {
+        timer.expires_after(std::chrono::milliseconds(50));
+        co_await timer.async_wait(boost::asio::use_awaitable);
+        auto look = [services, request] { return visible_upload(request, services.catalog); };
+        upload = co_await in_pool(services.pool, std::move(look));
+    }
+    co_return upload;
 }
 
 Response offset_conflict(const Request& request, const Upload& upload) {
@@ -287,7 +309,8 @@ Awaitable<Response> get_upload_offset(Request request, Services services) {
     auto look = [services, request] { return visible_upload(request, services.catalog); };
     Upload upload = co_await in_pool(services.pool, std::move(look));
     // Not to be stopped: a join, and the hashing of what is complete.
-    if (upload.is_final() || upload.complete()) co_return describe(upload);
+    if (upload.is_final()) co_return describe(upload);
+    if (upload.complete()) co_return describe(co_await once_named(request, services, upload));
     auto turn = co_await take_turn(request, services, new_flag());
     auto fresh = [services, request] {
         return reconciled(services, visible_upload(request, services.catalog));

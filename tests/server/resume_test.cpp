@@ -74,6 +74,33 @@ TEST(ResumeTest, U14ANewRequestEndsAnOlderOneThatHangs) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 1'000'000);
 }
 
+// The answer to the last byte is lost: the client learns of its dive by asking for the offset,
+// however close behind that byte it asks.
+TEST(ResumeTest, U14WhoLostTheLastAnswerIsToldTheDiveByHead) {
+    TestServer server;
+    const auto bytes = random_bytes(300'000);
+    int num_whole = 0;
+    for (int i = 0; i < 20; ++i) {
+        const std::string own = bytes + std::to_string(i);
+        const auto path =
+            create_upload(server.port(), server.admin(), std::ssize(own), "commit eWVz");
+        RawClient deaf(server.port());
+        deaf.send(request_head("PATCH", path, patch_headers(server.admin(), 0), own.size()));
+        deaf.send(own);
+        std::this_thread::sleep_for(2ms * (i % 10));
+        const auto answer =
+            RawClient(server.port()).request("HEAD", path, tus_headers(server.admin()));
+        ASSERT_EQ(answer.status, 200);
+        if (answer.header("upload-offset") != std::to_string(own.size())) continue;
+        ++num_whole;
+        const auto dive = answer.header("divemesh-dive");
+        ASSERT_FALSE(dive.empty()) << i;
+        const auto told = server.request("GET", "/api/v1/dives/" + dive, server.admin());
+        EXPECT_EQ(told.json()["archive_sha256"], sha256_hex(own));
+    }
+    EXPECT_GT(num_whole, 0);
+}
+
 TEST(ResumeTest, U12S12ATerminationEndsAnUploadThatIsUnderWay) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
