@@ -114,7 +114,7 @@ private:
         texture();
     }
     void fuse();
-    CloudFigures write_cloud(const std::filesystem::path& file, const PointOctree& octree) const;
+    void write_cloud(const std::filesystem::path& file, std::shared_ptr<const OctreeVolume> cloud);
     void mesh();
     void texture();
     void write_pictures(const std::filesystem::path& folder,
@@ -185,8 +185,10 @@ private:
     MeshBorders borders_;
     std::string picture_png_;
     std::vector<StageTime> stage_times_;
-    // Of the mesh while its pictures are made; they end before what they read goes.
+    // Of the cloud while the mesh is made, of the mesh while its pictures are; they end before what
+    // they read goes.
     Workers workers_;
+    Background cloud_writer_{workers_};
     Background ply_writer_{workers_};
     Background border_finder_{workers_};
 };
@@ -307,8 +309,9 @@ void DiveRun::fuse() {
                                     request_.scratch,
                                     progress);
         volume_ = std::move(map.volume);
-        cloud_ = write_cloud(cloud_artifact, map.cloud->octree());
+        write_cloud(cloud_artifact, std::move(map.cloud));
         keep(entry, {volume_name() + ".stage", "cloud.stage", "cloud.ply"}, [&] {
+            cloud_writer_.wait();
             volume_->save(volume_file);
             link_or_copy(cloud_artifact, cloud_file);
             save_cloud_figures(stage_file("cloud"), keys_.fuse, cloud_);
@@ -319,14 +322,21 @@ void DiveRun::fuse() {
     stage_done(watch, "fuse", reused);
 }
 
-CloudFigures DiveRun::write_cloud(const std::filesystem::path& file,
-                                  const PointOctree& octree) const {
-    const ConfirmedPoints points(octree, *volume_, request_.options.num_threads);
-    CloudPlyWriter writer(file, points.size());
-    points.for_each(
-        [&](const Eigen::Vector3f& p_world, const Color& color) { writer.add(p_world, color); });
-    writer.commit();
-    return {points.size(), octree.leaf_m(), octree.num_points(), octree.size_bytes()};
+// Beside the meshing: what is asked of the volume is asked before.
+void DiveRun::write_cloud(const std::filesystem::path& file,
+                          std::shared_ptr<const OctreeVolume> cloud) {
+    const PointOctree& octree = cloud->octree();
+    const auto points =
+        std::make_shared<const ConfirmedPoints>(octree, *volume_, request_.options.num_threads);
+    cloud_ = {points->size(), octree.leaf_m(), octree.num_points(), octree.size_bytes()};
+    cloud_writer_.run([file, cloud = std::move(cloud), points] {
+        CloudPlyWriter writer(file, points->size());
+        points->for_each([&](const Eigen::Vector3f& p_world, const Color& color) {
+            writer.add(p_world, color);
+        });
+        writer.commit();
+    });
+    if (request_.options.num_threads == 1) cloud_writer_.wait();  // nobody else: room for the mesh
 }
 
 void DiveRun::mesh() {
@@ -342,6 +352,7 @@ void DiveRun::mesh() {
         stored = simplified(std::move(mesh), request_.options);
         keep(entry, {"mesh.stage"}, [&] { save_surface(stage_file("mesh"), keys_.mesh, *stored); });
     }
+    cloud_writer_.wait();
     volume_.reset();
     surface_ = std::move(*stored);
     ply_writer_.run([this] { write_ply(request_.out / "mesh.ply", surface_.mesh); });

@@ -1,7 +1,7 @@
 #include "worker/volume/confirmed_points.hpp"
 
 #include <algorithm>
-#include <span>
+#include <utility>
 
 #include "worker/parallel.hpp"
 
@@ -16,14 +16,16 @@ constexpr std::size_t kSlice = 4096;  // points that a thread takes at once
 ConfirmedPoints::ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads)
     : points_(points) {
     confirmed_.reserve(static_cast<std::size_t>(points.num_points()));
-    std::vector<Eigen::Vector3d> batch;
+    std::vector<std::pair<Eigen::Vector3i, PointLeaf>> batch;
     batch.reserve(kPointsAtOnce);
     const auto ask = [&] {
         std::vector<std::uint8_t> answers(batch.size());
         for_each_index(num_threads, (batch.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
             const std::size_t begin = slice * kSlice;
-            const std::size_t num = std::min(kSlice, batch.size() - begin);
-            volume.confirm(std::span(batch).subspan(begin, num), answers.data() + begin);
+            std::vector<Eigen::Vector3d> places;
+            for (std::size_t i = begin; i < std::min(begin + kSlice, batch.size()); ++i)
+                places.push_back(points.position(batch[i].first, batch[i].second));
+            volume.confirm(places, answers.data() + begin);
         });
         volume.trim();
         num_confirmed_ += std::count(answers.begin(), answers.end(), 1);
@@ -31,7 +33,7 @@ ConfirmedPoints::ConfirmedPoints(const PointOctree& points, const Volume& volume
         batch.clear();
     };
     points.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
-        batch.push_back(points.position(cell, leaf));
+        batch.emplace_back(cell, leaf);
         if (batch.size() == kPointsAtOnce) ask();
     });
     ask();

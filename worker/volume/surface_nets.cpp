@@ -1,11 +1,14 @@
 #include "worker/volume/surface_nets.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <vector>
 
+#include "worker/uninitialised_vector.hpp"
 #include "worker/volume/cell_topology.hpp"
 #include "worker/volume/crossed_cells.hpp"
 #include "worker/volume/field_reader.hpp"
@@ -27,7 +30,7 @@ struct NetVertex {
     Eigen::Vector3i cell;
     Eigen::Vector3f crossing;  // mean of the cell's zeros, in the cell, 0 to 1
     std::array<float, 8> corners_m;
-    bool single = true;  // the only sheet in its cell
+    bool single;  // the only sheet in its cell
 };
 
 struct BlockNet {
@@ -80,10 +83,11 @@ private:
     FieldReader reader_;
     std::vector<BlockNet> nets_;
     std::vector<std::vector<Quad>> quads_;
-    std::vector<NetVertex> vertices_;
+    UninitialisedVector<NetVertex> vertices_;
     std::vector<Eigen::Vector3f> places_;  // of the vertices in their cells, 0 to 1
     std::vector<SampleAttributes> attributes_;
-    std::vector<std::uint32_t> links_;       // to neighbours, of all vertices one after the other
+    UninitialisedVector<std::uint32_t>
+        links_;                              // to neighbours, of all vertices one after the other
     std::vector<std::uint32_t> first_link_;  // of each vertex, and one behind
     std::vector<std::uint8_t> num_neighbours_;
     std::vector<std::uint8_t> on_border_;
@@ -231,21 +235,28 @@ void SurfaceNets::link_neighbours() {
     phase(0.55, 0.6, vertices_.size(), [this](std::size_t vertex) { sort_links(vertex); });
 }
 
-// Both ways along each side of each quad: a side between two quads comes twice.
+// Both ways along each side of each quad: a side between two quads comes twice. In which order is
+// left to the threads, as sort_links() makes one.
 void SurfaceNets::collect_links() {
     first_link_.assign(vertices_.size() + 2, 0);
-    for (const auto& quads : quads_)
-        for (const Quad& quad : quads)
-            for (const std::uint32_t vertex : quad) first_link_[vertex + 2] += 2;
-    for (std::size_t i = 2; i < first_link_.size(); ++i) first_link_[i] += first_link_[i - 1];
+    const auto advanced = [this](std::uint32_t vertex, std::size_t ahead) {
+        return std::atomic_ref(first_link_[vertex + ahead]).fetch_add(2, std::memory_order_relaxed);
+    };
+    for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
+        for (const Quad& quad : quads_[block])
+            for (const std::uint32_t vertex : quad) advanced(vertex, 2);
+    });
+    std::inclusive_scan(first_link_.begin(), first_link_.end(), first_link_.begin());
     links_.resize(first_link_.back());
     // first_link_[v + 1] runs from where v's links begin to where they end.
-    for (const auto& quads : quads_)
-        for (const Quad& quad : quads)
+    for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
+        for (const Quad& quad : quads_[block])
             for (int i = 0; i < 4; ++i) {
-                links_[first_link_[quad[i] + 1]++] = quad[(i + 1) & 3];
-                links_[first_link_[quad[i] + 1]++] = quad[(i + 3) & 3];
+                const std::uint32_t place = advanced(quad[i], 1);
+                links_[place] = quad[(i + 1) & 3];
+                links_[place + 1] = quad[(i + 3) & 3];
             }
+    });
 }
 
 // Leaves each neighbour once, in order.
@@ -308,7 +319,8 @@ Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
 }
 
 Mesh SurfaceNets::make_mesh() {
-    for (auto* done : {&links_, &first_link_}) *done = {};
+    links_ = {};
+    first_link_ = {};
     Mesh mesh;
     const std::size_t num_vertices = vertices_.size();
     mesh.vertices.resize(num_vertices);

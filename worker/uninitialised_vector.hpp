@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace divemesh::worker {
+
+// Leaves what resize() adds as it is in memory, where its type lets it: who writes all of it on
+// several threads has the system bring in the pages on all of them too.
+template <typename T>
+class UninitialisedAllocator : public std::allocator<T> {
+public:
+    template <typename U>
+    struct rebind {
+        using other = UninitialisedAllocator<U>;
+    };
+    UninitialisedAllocator() = default;
+    template <typename U>
+    explicit UninitialisedAllocator(const UninitialisedAllocator<U>&) noexcept {}
+
+    template <typename U>
+    void construct(U* place) {
+        ::new (static_cast<void*>(place)) U;
+    }
+    template <typename U, typename... Arguments>
+    void construct(U* place, Arguments&&... arguments) {
+        ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+    }
+};
+
+template <typename T>
+using UninitialisedVector = std::vector<T, UninitialisedAllocator<T>>;
+
+}  // namespace divemesh::worker
