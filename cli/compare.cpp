@@ -112,6 +112,8 @@ void add_compare(CLI::App& app, Context& context) {
     command->add_option("a", request->a, "folder of the earlier reconstruction; with --server the id of its dive or job")->required();
     command->add_option("b", request->b, "folder of the later one, or its id")->required();
     command->add_option("--out", request->out, "folder of the results, made when missing")->required();
+    command->add_option("--areas", request->areas, "JSON: polygons and quadrats, as of `measure`, on the earlier model");
+    command->add_option("--later-areas", request->later_areas, "the same, on the later one: gives the change per label");
     command->add_option("--cell-m", options.cell_m, "of the maps; 0: from the meshes")->capture_default_str();
     command->add_option("--cylinder-m", options.cylinder_m, "M3C2: diameter to average over; 0: 4 cells")->capture_default_str();
     command->add_option("--normal-scale-m", options.normal_scale_m, "M3C2: to take directions over; 0: 8 cells")->capture_default_str();

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/compare/change_sums.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -47,34 +49,6 @@ cv::Mat filled(const cv::Mat& cells, const cv::Mat& allowed) {
     cv::Mat full = cv::Mat::zeros(cells.size(), CV_8U);
     cv::drawContours(full, outlines, -1, cv::Scalar::all(255), cv::FILLED);
     return full & allowed;
-}
-
-struct Sums {
-    double volume_m3 = 0.0;
-    double sigma_m = 0.0;         // mean of the cells' own
-    double registration_m = 0.0;  // mean
-    double area_m2 = 0.0;
-    double largest_m = 0.0;
-};
-
-Sums sum_over(const ChangeMap& map, const cv::Mat& cells) {
-    Sums sums;
-    const double cell_m2 = map.grid.cell_m * map.grid.cell_m;
-    double num = 0.0;
-    for (int row = 0; row < cells.rows; ++row)
-        for (int column = 0; column < cells.cols; ++column) {
-            if (cells.at<std::uint8_t>(row, column) == 0) continue;
-            const auto change = static_cast<double>(map.change_m.at<float>(row, column));
-            sums.volume_m3 += cell_m2 * change;
-            sums.sigma_m += static_cast<double>(map.sigma_m.at<float>(row, column));
-            sums.registration_m += static_cast<double>(map.registration_m.at<float>(row, column));
-            if (std::abs(change) > std::abs(sums.largest_m)) sums.largest_m = change;
-            num += 1.0;
-        }
-    sums.area_m2 = num * cell_m2;
-    sums.sigma_m /= std::max(1.0, num);
-    sums.registration_m /= std::max(1.0, num);
-    return sums;
 }
 
 struct Undetected {
@@ -130,14 +104,7 @@ private:
     double volume_of(const Found& found) const {
         return sum_over(window_of(found.window), found.core).volume_m3;
     }
-    ChangeMap window_of(const cv::Rect& window) const {
-        return {map_.grid,
-                map_.state(window),
-                map_.change_m(window),
-                map_.sigma_m(window),
-                map_.registration_m(window),
-                map_.level_factor};
-    }
+    ChangeMap window_of(const cv::Rect& window) const { return worker::window_of(map_, window); }
 
     void find(CellState state) {
         cv::Mat labels;
@@ -195,35 +162,27 @@ private:
         const Undetected missed = undetected(map_, counts);
         changes_.grown.undetected_m3 = missed.rise_m3;
         changes_.lost.undetected_m3 = missed.fall_m3;
-        const Sums sums = sum_over(map_, counts);
+        const ChangeSums sums = sum_over(map_, counts);
         changes_.rest_m2 = sums.area_m2;
-        changes_.rest_m3 = interval(sums.volume_m3, noise_m3(sums), registration_m3(sums));
+        changes_.rest_m3 =
+            interval(sums.volume_m3, noise_m3(sums, changes_.noise), registration_m3(sums));
         const int num_beyond = cv::countNonZero(
             (cells_in(map_, CellState::Grown) | cells_in(map_, CellState::Lost)) & counts);
         changes_.beyond_share = num_beyond / std::max(1.0, cv::countNonZero(counts) * 1.0);
         map_.state.setTo(cv::Scalar::all(static_cast<double>(CellState::Stable)), counts);
     }
 
-    double noise_m3(const Sums& sums) const {
-        return sums.area_m2 * sums.sigma_m * changes_.noise.sigma_of_mean(sums.area_m2);
-    }
-    static double registration_m3(const Sums& sums) { return sums.area_m2 * sums.registration_m; }
     // Standard deviation of the volume when the outline's bounds hold with 95 %: of what stands up
     // steeply the mesh rounds off the foot or fills it, the same way everywhere.
-    static double outline_m3(const Interval& area_m2, const Sums& sums) {
+    static double outline_m3(const Estimate& area_m2, const ChangeSums& sums) {
         return std::abs(sums.volume_m3) / std::max(1e-12, area_m2.value) * 0.5 *
                (area_m2.high - area_m2.low) / k95;
     }
-    static Interval interval(double value, double noise, double registration) {
-        const double half = k95 * std::hypot(noise, registration);
-        return {value, value - half, value + half};
-    }
-
     void measure(std::size_t i) {
         const Found& found = found_[i];
         const ChangeMap window = window_of(found.window);
         const double sign = found.grown ? 1.0 : -1.0;
-        Sums sums = sum_over(window, found.support);
+        ChangeSums sums = sum_over(window, found.support);
         if (sign * sums.volume_m3 <= 0.0)
             sums = sum_over(window, found.core);  // beside its opposite
         ChangePatch patch;
@@ -232,10 +191,11 @@ private:
         patch.area_m2 = area_of(found);
         const double outline = outline_m3(patch.area_m2, sums);
         const double common = registration_m3(sums) + outline;
-        patch.volume_m3 = interval(sign * sums.volume_m3, noise_m3(sums), common);
+        patch.volume_m3 = interval(sign * sums.volume_m3, noise_m3(sums, changes_.noise), common);
         patch.volume_m3.low = std::max(0.0, patch.volume_m3.low);
         patch.mean_change_m = sums.volume_m3 / std::max(1e-12, sums.area_m2);
         patch.largest_change_m = sums.largest_m;
+        patch.outline_m = outline / std::max(1e-12, sums.area_m2);
         locate(found, patch);
         cv::Mat about;
         cv::dilate(found.support, about, disc(2.0));
@@ -243,12 +203,12 @@ private:
         const cv::Mat hidden = cells_in(window, CellState::Hidden);
         patch.hidden_m2 =
             cv::countNonZero(about & (not_both | hidden)) * map_.grid.cell_m * map_.grid.cell_m;
-        noises_.push_back(noise_m3(sums));
+        noises_.push_back(noise_m3(sums, changes_.noise));
         registrations_.push_back(common);
         changes_.patches.push_back(patch);
     }
 
-    Interval area_of(const Found& found) const {
+    Estimate area_of(const Found& found) const {
         const double cell_m2 = map_.grid.cell_m * map_.grid.cell_m;
         cv::Mat less;
         cv::Mat more;

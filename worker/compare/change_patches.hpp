@@ -5,32 +5,27 @@
 
 #include "worker/compare/change_map.hpp"
 #include "worker/compare/change_noise.hpp"
+#include "worker/reef/estimate.hpp"
 
 namespace divemesh::worker {
-
-// A figure and the bounds within which it lies with 95 %.
-struct Interval {
-    double value = 0.0;
-    double low = 0.0;
-    double high = 0.0;
-};
 
 // Connected ground that rose or sank beyond the level of detection.
 struct ChangePatch {
     int number = 0;  // from 1 on, the largest volume first
     bool grown = false;
-    Interval area_m2;    // seen from above
-    Interval volume_m3;  // between both surfaces, positive
+    Estimate area_m2;    // seen from above
+    Estimate volume_m3;  // between both surfaces, positive
     Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
     Eigen::AlignedBox2d box_m;
     double mean_change_m = 0.0;
     double largest_change_m = 0.0;
+    double outline_m = 0.0;  // standard deviation of the mean change, of how the outline is known
     double hidden_m2 = 0.0;  // beside it, of ground that one dive did not see
 };
 
 struct ChangeTotal {
-    Interval area_m2;
-    Interval volume_m3;          // its upper bound holds what may be outside of the patches as well
+    Estimate area_m2;
+    Estimate volume_m3;          // its upper bound holds what may be outside of the patches as well
     double undetected_m3 = 0.0;  // at most, outside of all patches
     std::size_t num_patches = 0;
 };
@@ -39,7 +34,7 @@ struct Changes {
     std::vector<ChangePatch> patches;
     ChangeTotal grown;
     ChangeTotal lost;
-    Interval rest_m3;  // rise less fall of the ground outside of all patches
+    Estimate rest_m3;  // rise less fall of the ground outside of all patches
     double rest_m2 = 0.0;
     ChangeNoise noise{std::vector<ChangeNoise::Step>{}};
     double beyond_share =

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schemas/error.hpp"
+#include "worker/compare/area_changes.hpp"
 #include "worker/compare/change_pictures.hpp"
 #include "worker/compare/changed_mesh.hpp"
 #include "worker/compare/co_register.hpp"
@@ -35,6 +36,9 @@ void check(const CompareRequest& request) {
     check_range("least_area_m2", options.least_area_m2, 1e-6, 100.0);
     if (request.out.empty())
         throw Error(ErrorCode::InvalidArgument, "no folder to write the comparison to: name one");
+    if (request.later_areas && !request.areas)
+        throw Error(ErrorCode::InvalidArgument,
+                    "areas of the later dive alone: give those of the earlier as well");
 }
 
 Mesh surface_of(const ReconstructionFolder& folder) {
@@ -195,7 +199,28 @@ void write_results(const std::filesystem::path& folder,
                                draw_surface(pair.b, map.grid),
                                difference,
                                full_m}));
+    if (document.contains("areas"))
+        write_file(folder / "area_changes.csv", area_changes_csv(document["areas"]["figures"]));
     write_file(folder / "compare.json", document.dump(2) + "\n");
+}
+
+std::optional<ComparedAreas> areas_of(const CompareRequest& request) {
+    if (!request.areas) return std::nullopt;
+    return read_compared_areas(*request.areas, request.later_areas);
+}
+
+Registration lay_over(const Pair& pair,
+                      const CompareRequest& request,
+                      double spacing_m,
+                      const ProgressShare& progress) {
+    return co_register(pair.a,
+                       pair.b,
+                       {.spacing_m = spacing_m,
+                        .num_threads = request.num_threads,
+                        .seed = request.seed,
+                        .known = guess_by_markers(marker_positions(pair.folder_a),
+                                                  marker_positions(pair.folder_b))},
+                       progress);
 }
 
 }  // namespace
@@ -210,18 +235,12 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     };
     const int threads = request.num_threads;
     const auto registering = stage("register", 0.0, 0.4);
+    std::optional<ComparedAreas> areas = areas_of(request);
     Pair pair = read(request);
     CompareOptions options = settled(request.options, pair.a, pair.b);
-    const Registration registration =
-        co_register(pair.a,
-                    pair.b,
-                    {.spacing_m = options.cell_m,
-                     .num_threads = threads,
-                     .seed = request.seed,
-                     .known = guess_by_markers(marker_positions(pair.folder_a),
-                                               marker_positions(pair.folder_b))},
-                    registering);
+    const Registration registration = lay_over(pair, request, options.cell_m, registering);
     move(pair.b, registration.T_a_b);
+    if (areas && areas->later) areas->later = moved(*areas->later, registration.T_a_b);
     const Distances distances =
         measure(pair.a, pair.b, registration, options, threads, stage("measure", 0.4, 0.7));
     const auto changing = stage("change", 0.7, 0.85);
@@ -249,6 +268,7 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
                                                 map,
                                                 changes,
                                                 views_a && views_b});
+    if (areas) document["areas"] = area_changes(*areas, map, changes, request.seed);
     write_results(request.out, pair, distances.of_b, map, changes, document);
     return document;
 }

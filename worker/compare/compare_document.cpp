@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/compare/change_figure.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -23,7 +25,7 @@ json dive_of(const ReconstructionFolder& folder) {
 
 json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 json to_json(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
-json to_json(const Interval& i) { return {{"value", i.value}, {"low", i.low}, {"high", i.high}}; }
+json to_json(const Estimate& estimate) { return estimate_json(estimate); }
 
 json to_json(const Registration& fit) {
     const Eigen::Quaterniond q(fit.T_a_b.linear());

@@ -1,5 +1,6 @@
 #include "worker/compare/compare_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -128,6 +129,85 @@ std::string patches(const json& document) {
     return html + "</table>";
 }
 
+// Three or four figures are enough for a person.
+std::string significant(double value) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+}
+
+std::string estimate_text(const json& figure, const char* time, double factor) {
+    const auto estimate = figure.find(time);
+    if (estimate == figure.end()) return "";
+    const auto text = [&](const char* bound) {
+        return significant(factor * estimate->at(bound).get<double>());
+    };
+    return text("value") + " (" + text("low") + " to " + text("high") + ")";
+}
+
+std::string figure_name(const json& figure) {
+    std::string name = figure.at("figure").get<std::string>();
+    std::replace(name.begin(), name.end(), '_', ' ');
+    const auto unit = figure.at("unit").get<std::string>();
+    return unit.empty() ? name : name + ", " + (unit == "m3" ? "l" : unit);
+}
+
+double shown_factor(const json& figure) { return figure.at("unit") == "m3" ? 1e3 : 1.0; }
+
+std::string label_changes(const json& figures) {
+    std::vector<std::vector<std::string>> rows = {
+        {"label", "figure", "earlier (95 %)", "later (95 %)", "change (95 %)"}};
+    for (const json& figure : figures) {
+        if (figure.contains("area")) continue;
+        const double factor = shown_factor(figure);
+        rows.push_back({figure.value("label", std::string()),
+                        figure_name(figure),
+                        estimate_text(figure, "earlier", factor),
+                        estimate_text(figure, "later", factor),
+                        figure.contains("refused")
+                            ? "refused: " + figure.at("refused").get<std::string>()
+                            : estimate_text(figure, "change", factor)});
+    }
+    return rows.size() < 2 ? "" : "<h2>Labels</h2>" + html_grid(rows);
+}
+
+std::string outline_changes(const json& areas) {
+    std::vector<std::vector<std::string>> rows = {{"outline",
+                                                   "of the dive",
+                                                   "label",
+                                                   "same as",
+                                                   "area, cm²",
+                                                   "seen by both",
+                                                   "grown, l (95 %)",
+                                                   "lost, l (95 %)",
+                                                   "net, l (95 %)"}};
+    auto figure = areas.at("figures").begin();  // three of each outline come first
+    for (const json& area : areas.at("areas")) {
+        std::vector<std::string> row = {
+            area.at("name"),
+            area.at("dive"),
+            area.value("label", std::string()),
+            area.value("same_as", std::string()),
+            number(1e4 * area.at("area_m2").get<double>(), 0),
+            number(100.0 * area.at("coverage").get<double>(), 0) + " %"};
+        for (int i = 0; i < 3; ++i, ++figure)
+            row.push_back(figure->contains("refused") ? "refused"
+                                                      : estimate_text(*figure, "change", 1e3));
+        rows.push_back(std::move(row));
+    }
+    return rows.size() < 2 ? "" : "<h2>Outlines</h2>" + html_grid(rows);
+}
+
+std::string areas(const json& document) {
+    const auto found = document.find("areas");
+    if (found == document.end()) return "";
+    return label_changes(found->at("figures")) + "<p class=\"sub\">Labels over " +
+           number(found->at("surveyed_m2").get<double>(), 2) +
+           " m² that both dives saw. What is said of one year alone takes it for a sample of the "
+           "reef; a change compares the same ground twice.</p>" +
+           outline_changes(*found);
+}
+
 Plot noise_plot(const json& document) {
     PlotLine measured{"measured on stable ground", "#0b6fa4", {}, {}};
     PlotLine independent{"if cells erred independently", "#9aa7af", {}, {}};
@@ -168,7 +248,8 @@ std::string compare_report(const CompareReportInput& input) {
            "dive alone. Orange lines: one dive did not look where the other has its "
            "surface.</p><div class=\"row\">" +
            totals(document) + ground(document) + "</div><h2>Patches</h2>" + patches(document) +
-           "<div class=\"row\">" + picture("Earlier dive", jpeg(input.surface_a)) +
+           areas(document) + "<div class=\"row\">" +
+           picture("Earlier dive", jpeg(input.surface_a)) +
            picture("Later dive", jpeg(input.surface_b)) + "</div><div class=\"row\">" +
            registration(document) + svg_plot(noise_plot(document)) + "</div></body></html>\n";
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -15,16 +16,18 @@ struct Population {
     double surveyed_m2 = 0.0;
 };
 
-// Colonies per m2, with the exact interval of a Poisson count (Garwood 1936, by the chi-square
-// quantiles of Wilson and Hilferty 1931).
+// A Poisson count with its exact interval (Garwood 1936, by the chi-square quantiles of Wilson and
+// Hilferty 1931).
+Estimate poisson_count(std::size_t num);
+
+// Colonies per m2, by that interval.
 Estimate density_per_m2(const Population& population);
 
 // Share of the surveyed ground, with the variance of a compound Poisson sum: that of the squared
 // areas.
 Estimate cover(const Population& population);
 
-// A quantile of the sizes by linear interpolation, with the percentiles of a bootstrap over the
-// colonies (Efron 1979; 1000 draws, fixed seed). Of one colony: its size, no interval to speak of.
-Estimate size_quantile(std::vector<double> sizes, double share, std::uint64_t seed);
+// A quantile of at least one size by linear interpolation, bootstrapped over the colonies.
+Estimate size_quantile(const std::vector<double>& sizes, double share, std::uint64_t seed);
 
 }  // namespace divemesh::worker

@@ -11,8 +11,8 @@
 #include "schemas/error.hpp"
 #include "tests/paths.hpp"
 #include "tests/synthetic/rough_ground.hpp"
+#include "tests/synthetic/small_reconstruction.hpp"
 #include "tests/temporary_folder.hpp"
-#include "worker/output/ply.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -21,18 +21,10 @@ using nlohmann::json;
 using synthetic::ground_mesh;
 using synthetic::HeightOf;
 using synthetic::rough_ground;
+using synthetic::write_reconstruction;
 
 constexpr double kStep_m = 0.02;
 constexpr double kNoise_m = 0.002;
-
-void write_reconstruction(const std::filesystem::path& folder, const Mesh& mesh) {
-    std::filesystem::create_directories(folder);
-    write_ply(folder / "mesh.ply", mesh);
-    std::ofstream(folder / "metrics.json") << json{
-        {"version", "0.1.0"},
-        {"preset", "standard"},
-        {"dive", {{"name", "<b>" + folder.filename().string() + "</b>"}, {"content_sha256", ""}}}};
-}
 
 std::string content(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -41,7 +33,7 @@ std::string content(const std::filesystem::path& file) {
 
 // A cone of 0.25 m radius and 0.2 m height, and a hole of the same shape upside down.
 constexpr double kVolume_m3 = 3.14159265 * 0.25 * 0.25 * 0.2 / 3.0;
-double cone(double x, double y) { return 0.2 * std::max(0.0, 1.0 - std::hypot(x, y) / 0.25); }
+double cone(double x, double y) { return synthetic::cone(x, y, 0.25, 0.2); }
 
 class CompareTest : public testing::Test {
 protected:

@@ -76,6 +76,7 @@ int run(int argc, char** argv) {
     app.add_option("--out", request.out, "folder of the comparison")->required();
     app.add_option("--scene", scene);
     app.add_option("--seed", seed);
+    app.add_option("--length-m", length_m, "of the path");
     app.add_option("--year", year, "of the later dive");
     app.add_option("--threads", request.num_threads);
     CLI11_PARSE(app, argc, argv);

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "worker/output/ply.hpp"
+#include "worker/volume/mesh.hpp"
+
+namespace divemesh::synthetic {
+
+// As much of a reconstruction's folder as a comparison needs.
+inline void write_reconstruction(const std::filesystem::path& folder, const worker::Mesh& mesh) {
+    std::filesystem::create_directories(folder);
+    worker::write_ply(folder / "mesh.ply", mesh);
+    std::ofstream(folder / "metrics.json") << nlohmann::json{
+        {"version", "0.1.0"},
+        {"preset", "standard"},
+        {"dive", {{"name", "<b>" + folder.filename().string() + "</b>"}, {"content_sha256", ""}}}};
+}
+
+// A cone about the origin.
+inline double cone(double x, double y, double radius_m, double height_m) {
+    return height_m * std::max(0.0, 1.0 - std::hypot(x, y) / radius_m);
+}
+
+}  // namespace divemesh::synthetic

@@ -1,0 +1,234 @@
+#include "worker/compare/area_changes.hpp"
+
+#include <array>
+#include <map>
+
+#include "schemas/error.hpp"
+#include "worker/compare/change_figure.hpp"
+#include "worker/compare/change_sums.hpp"
+#include "worker/compare/label_changes.hpp"
+#include "worker/compare/outlined_cells.hpp"
+#include "worker/output/csv_cell.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kLeastCoverage = 0.5;
+
+AreaSet read_in_world(const std::filesystem::path& file) {
+    AreaSet set = read_areas(file);
+    if (set.frame != AreaFrame::World)
+        throw Error(ErrorCode::BadData,
+                    file.string() +
+                        ": its frame is ground_truth; a comparison takes areas in the frame of the "
+                        "reconstruction that they are drawn on: \"frame\": \"world\"");
+    try {
+        for (const Area& area : set.areas)
+            if (area.kind != AreaKind::Transect) outline_from_above(area);
+    } catch (const Error& refused) {
+        throw Error(refused.code(),
+                    file.string() + ": " + refused.what() + " (a comparison looks from above)");
+    }
+    return set;
+}
+
+// CV_8U: ground of which both dives know the surface.
+cv::Mat compared_ground(const ChangeMap& map) {
+    return (map.change_m == map.change_m) & (map.state != static_cast<int>(CellState::Hidden));
+}
+
+// Of the ground what lies in quadrats without a label; all of it when there are none.
+cv::Mat in_quadrats(const AreaSet& set, const RasterGrid& grid, const cv::Mat& ground) {
+    cv::Mat inside = cv::Mat::zeros(ground.size(), CV_8U);
+    bool any = false;
+    for (const Area& area : set.areas) {
+        if (area.kind != AreaKind::Quadrat || !area.label.empty()) continue;
+        any = true;
+        cells_within(outline_from_above(area), grid).add_to(inside);
+    }
+    return any ? cv::Mat(inside & ground) : ground;
+}
+
+class AreaMeasurer {
+public:
+    AreaMeasurer(const ChangeMap& map, const Changes& changes)
+        : map_(map), changes_(changes), ground_(compared_ground(map)) {}
+
+    const cv::Mat& ground() const { return ground_; }
+
+    // The three volumes of some cells (CV_8U, of the window's size), as figures.
+    void measure(const json& whose,
+                 const cv::Rect& window,
+                 const cv::Mat& cells,
+                 json& figures) const {
+        const cv::Mat seen = cells & ground_(window);
+        for (const bool grown : {true, false}) {
+            const Part part = of_patches(window, seen, grown);
+            const ChangeSums sums = sum_over(window_of(map_, window), part.cells);
+            Estimate volume = interval((grown ? 1.0 : -1.0) * sums.volume_m3,
+                                       noise_m3(sums, changes_.noise),
+                                       registration_m3(sums) + part.outline_m3);
+            volume = {std::max(0.0, volume.value), std::max(0.0, volume.low), volume.high};
+            figures.push_back(change_json(
+                whose,
+                {grown ? "grown_volume" : "lost_volume", "m3", "of patches, within the outline"},
+                volume));
+        }
+        const ChangeSums net = sum_over(window_of(map_, window), seen);
+        figures.push_back(change_json(
+            whose,
+            {"net_volume", "m3", "rise less fall of all ground that both dives saw"},
+            interval(net.volume_m3, noise_m3(net, changes_.noise), registration_m3(net))));
+    }
+
+private:
+    struct Part {
+        cv::Mat cells;
+        double outline_m3 = 0.0;  // standard deviation, shared by all patches
+    };
+
+    Part of_patches(const cv::Rect& window, const cv::Mat& seen, bool grown) const {
+        Part part{cv::Mat::zeros(seen.size(), CV_8U)};
+        const double cell_m2 = map_.grid.cell_m * map_.grid.cell_m;
+        const cv::Mat number = changes_.number(window);
+        for (int row = 0; row < seen.rows; ++row)
+            for (int column = 0; column < seen.cols; ++column) {
+                const int at = number.at<int>(row, column);
+                if (at == 0 || seen.at<std::uint8_t>(row, column) == 0) continue;
+                const ChangePatch& patch = changes_.patches[static_cast<std::size_t>(at - 1)];
+                if (patch.grown != grown) continue;
+                part.cells.at<std::uint8_t>(row, column) = 255;
+                part.outline_m3 += cell_m2 * patch.outline_m;
+            }
+        return part;
+    }
+
+    const ChangeMap& map_;
+    const Changes& changes_;
+    cv::Mat ground_;
+};
+
+json area_json(const Area& area, const char* dive, double area_m2, double coverage) {
+    json entry = {{"name", area.name},
+                  {"dive", dive},
+                  {"kind", to_string(area.kind)},
+                  {"area_m2", area_m2},
+                  {"coverage", coverage}};
+    if (!area.label.empty()) entry["label"] = area.label;
+    return entry;
+}
+
+// What all outlines of a label cover, of both years.
+using LabelCells = std::map<std::string, cv::Mat>;
+
+void measure_set(const AreaSet& set,
+                 const char* dive,
+                 const AreaMeasurer& measurer,
+                 const RasterGrid& grid,
+                 LabelCells& labels,
+                 json& result) {
+    for (const Area& area : set.areas) {
+        if (area.kind == AreaKind::Transect) continue;
+        const Polygon outline = outline_from_above(area);
+        const OutlinedCells within = cells_within(outline, grid);
+        const double coverage = share_on(within, area_m2(outline), measurer.ground(), grid.cell_m);
+        result["areas"].push_back(area_json(area, dive, area_m2(outline), coverage));
+        json whose = {{"area", area.name}, {"dive", dive}};
+        if (!area.label.empty()) {
+            whose["label"] = area.label;
+            cv::Mat& cells =
+                labels.try_emplace(area.label, cv::Mat::zeros(grid.rows, grid.columns, CV_8U))
+                    .first->second;
+            within.add_to(cells);
+        }
+        if (coverage < kLeastCoverage) {
+            for (const char* figure : {"grown_volume", "lost_volume", "net_volume"})
+                result["figures"].push_back(refused_change_json(
+                    whose, {figure, "m3", ""}, "less than half of it was seen by both dives"));
+            continue;
+        }
+        measurer.measure(whose, within.window, within.cells, result["figures"]);
+    }
+}
+
+void name_pairs(const std::vector<Colony>& before,
+                const std::vector<Colony>& after,
+                const std::vector<ColonyPair>& pairs,
+                json& areas) {
+    std::map<std::pair<std::string, std::string>, json*> entries;
+    for (json& entry : areas) entries[{entry["dive"], entry["name"]}] = &entry;
+    for (const ColonyPair& pair : pairs) {
+        if (pair.before < 0 || pair.after < 0) continue;
+        const std::string& first = before[static_cast<std::size_t>(pair.before)].name;
+        const std::string& second = after[static_cast<std::size_t>(pair.after)].name;
+        (*entries.at({"earlier", first}))["same_as"] = second;
+        (*entries.at({"later", second}))["same_as"] = first;
+    }
+}
+
+json csv_value(const json& figure, const char* time, const char* bound) {
+    const auto estimate = figure.find(time);
+    return estimate == figure.end() ? json() : (*estimate)[bound];
+}
+
+std::string csv_field(const json& value) {
+    if (value.is_null()) return "";
+    return value.is_string() ? csv_cell(value.get<std::string>()) : value.dump();
+}
+
+}  // namespace
+
+ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
+                                  const std::optional<std::filesystem::path>& later) {
+    ComparedAreas areas{read_in_world(earlier), std::nullopt};
+    if (later) areas.later = read_in_world(*later);
+    return areas;
+}
+
+json area_changes(const ComparedAreas& areas,
+                  const ChangeMap& map,
+                  const Changes& changes,
+                  std::uint64_t seed) {
+    const AreaMeasurer measurer(map, changes);
+    LabelCells labels;
+    json result = {{"areas", json::array()}, {"figures", json::array()}};
+    measure_set(areas.earlier, "earlier", measurer, map.grid, labels, result);
+    if (areas.later) measure_set(*areas.later, "later", measurer, map.grid, labels, result);
+    cv::Mat surveyed = in_quadrats(areas.earlier, map.grid, measurer.ground());
+    if (areas.later) surveyed = in_quadrats(*areas.later, map.grid, surveyed);
+    const double surveyed_m2 = cv::countNonZero(surveyed) * map.grid.cell_m * map.grid.cell_m;
+    const std::vector<Colony> before = colonies_of(areas.earlier, map.grid, surveyed);
+    const std::vector<Colony> after =
+        areas.later ? colonies_of(*areas.later, map.grid, surveyed) : std::vector<Colony>();
+    const std::vector<ColonyPair> pairs = match_colonies(before, after);
+    name_pairs(before, after, pairs, result["areas"]);
+    result["surveyed_m2"] = surveyed_m2;
+    if (surveyed_m2 > 0.0)
+        for (json& figure :
+             label_changes({before, after, pairs, surveyed_m2, areas.later.has_value()}, seed))
+            result["figures"].push_back(std::move(figure));
+    const cv::Rect all(0, 0, map.grid.columns, map.grid.rows);
+    for (const auto& [label, cells] : labels)
+        measurer.measure({{"label", label}}, all, cells, result["figures"]);
+    return result;
+}
+
+std::string area_changes_csv(const json& figures) {
+    std::string csv =
+        "figure,area,dive,label,unit,earlier,earlier_low,earlier_high,later,later_low,later_high,"
+        "change,change_low,change_high,method,refused\n";
+    for (const json& figure : figures) {
+        for (const char* key : {"figure", "area", "dive", "label", "unit"})
+            csv += csv_field(figure.value(key, json())) + ",";
+        for (const char* time : {"earlier", "later", "change"})
+            for (const char* bound : {"value", "low", "high"})
+                csv += csv_field(csv_value(figure, time, bound)) + ",";
+        csv += csv_field(figure.value("method", json())) + "," +
+               csv_field(figure.value("refused", json())) + "\n";
+    }
+    return csv;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "worker/compare/change_patches.hpp"
+#include "worker/reef/area_set.hpp"
+
+namespace divemesh::worker {
+
+// Outlines of the compared place, in the earlier dive's frame.
+struct ComparedAreas {
+    AreaSet earlier;               // drawn on the earlier dive
+    std::optional<AreaSet> later;  // drawn on the later; nothing: the earlier stand for the place
+};
+
+// Reads them. Throws what read_areas throws, and Error{BadData} for a file whose areas are not in
+// the frame of the reconstruction or have no area from above.
+ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
+                                  const std::optional<std::filesystem::path>& later);
+
+// {"areas": [{name, dive: "earlier" | "later", kind, label?, area_m2, coverage, same_as?}],
+//  "surveyed_m2", "figures": [{figure, area?, dive?, label?, unit, earlier?, later?, change,
+//  method}
+//                           | {figure, area?, dive?, label?, unit, refused}]}
+// where earlier, later and change have value, low and high (95 %). Per quadrat and polygon
+// `grown_volume`, `lost_volume` (of the patches, within the outline) and `net_volume` (of all that
+// both dives saw in it); per label the same of all its outlines together, and `count`,
+// `population_density`, `cover`, `colony_area_median` and `colony_diameter_median` with their
+// change, over the ground that both dives saw: of the quadrats without a label of either file,
+// else all of it. The figures of outlines come first, three each, in the order of "areas".
+nlohmann::json area_changes(const ComparedAreas& areas,
+                            const ChangeMap& map,
+                            const Changes& changes,
+                            std::uint64_t seed);
+
+// A heading and a row per figure: figure, area, dive, label, unit, then value, low and high of
+// earlier, later and change, method, refused (RFC 4180; lines end with \n).
+std::string area_changes_csv(const nlohmann::json& figures);
+
+}  // namespace divemesh::worker

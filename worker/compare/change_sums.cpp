@@ -1,0 +1,48 @@
+#include "worker/compare/change_sums.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+
+ChangeSums sum_over(const ChangeMap& map, const cv::Mat& cells) {
+    ChangeSums sums;
+    const double cell_m2 = map.grid.cell_m * map.grid.cell_m;
+    double num = 0.0;
+    for (int row = 0; row < cells.rows; ++row)
+        for (int column = 0; column < cells.cols; ++column) {
+            if (cells.at<std::uint8_t>(row, column) == 0) continue;
+            const auto change = static_cast<double>(map.change_m.at<float>(row, column));
+            sums.volume_m3 += cell_m2 * change;
+            sums.sigma_m += static_cast<double>(map.sigma_m.at<float>(row, column));
+            sums.registration_m += static_cast<double>(map.registration_m.at<float>(row, column));
+            if (std::abs(change) > std::abs(sums.largest_m)) sums.largest_m = change;
+            num += 1.0;
+        }
+    sums.area_m2 = num * cell_m2;
+    sums.sigma_m /= std::max(1.0, num);
+    sums.registration_m /= std::max(1.0, num);
+    return sums;
+}
+
+ChangeMap window_of(const ChangeMap& map, const cv::Rect& window) {
+    return {map.grid,
+            map.state(window),
+            map.change_m(window),
+            map.sigma_m(window),
+            map.registration_m(window),
+            map.level_factor};
+}
+
+double noise_m3(const ChangeSums& sums, const ChangeNoise& noise) {
+    return sums.area_m2 * sums.sigma_m * noise.sigma_of_mean(sums.area_m2);
+}
+
+double registration_m3(const ChangeSums& sums) { return sums.area_m2 * sums.registration_m; }
+
+Estimate interval(double value, double noise, double shared) {
+    const double half = 1.96 * std::hypot(noise, shared);
+    return {value, value - half, value + half};
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,148 @@
+#include "worker/compare/label_changes.hpp"
+
+#include <map>
+
+#include "worker/compare/change_figure.hpp"
+#include "worker/reef/population.hpp"
+#include "worker/reef/population_change.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kLeastShare = 0.5;
+
+// The colonies of one label.
+struct LabelChange {
+    std::vector<Individual> areas_m2;      // of those that count
+    std::vector<Individual> diameters_m;   // likewise
+    std::vector<Individual> on_ground_m2;  // of all, what lies on the surveyed ground
+};
+
+const Colony* at(const std::vector<Colony>& colonies, int index) {
+    return index < 0 ? nullptr : &colonies[static_cast<std::size_t>(index)];
+}
+
+// `size` of a colony, at both times.
+template <typename Size>
+Individual individual(const Colony* before, const Colony* after, const Size& size) {
+    Individual individual;
+    if (before != nullptr) individual.before = size(*before);
+    if (after != nullptr) individual.after = size(*after);
+    return individual;
+}
+
+std::map<std::string, LabelChange> by_label(const ComparedColonies& colonies) {
+    std::map<std::string, LabelChange> labels;
+    for (const ColonyPair& pair : colonies.pairs) {
+        const Colony* before = at(colonies.before, pair.before);
+        const Colony* after = at(colonies.after, pair.after);
+        const Colony& either = before != nullptr ? *before : *after;
+        LabelChange& label = labels[either.label];
+        const auto of = [&](const auto& size) { return individual(before, after, size); };
+        label.on_ground_m2.push_back(of([](const Colony& c) { return c.share * c.area_m2; }));
+        const double share = 0.5 * (either.share + (after != nullptr ? *after : either).share);
+        if (share < kLeastShare) continue;
+        label.areas_m2.push_back(of([](const Colony& c) { return c.area_m2; }));
+        label.diameters_m.push_back(of([](const Colony& c) { return c.diameter_m; }));
+    }
+    return labels;
+}
+
+std::vector<double> sizes_of(const std::vector<Individual>& individuals, bool later) {
+    std::vector<double> sizes;
+    for (const Individual& one : individuals)
+        if (const auto& size = later ? one.after : one.before) sizes.push_back(*size);
+    return sizes;
+}
+
+Estimate over(const Estimate& estimate, double surveyed_m2) {
+    return {estimate.value / surveyed_m2, estimate.low / surveyed_m2, estimate.high / surveyed_m2};
+}
+
+class LabelFigures {
+public:
+    LabelFigures(const ComparedColonies& colonies, std::uint64_t seed)
+        : colonies_(colonies), seed_(seed) {}
+
+    void add(const std::string& label, const LabelChange& change) {
+        whose_ = {{"label", label}};
+        const double ground_m2 = colonies_.surveyed_m2;
+        const auto figure = [&](const char* name,
+                                const char* unit,
+                                const char* method,
+                                const std::vector<Individual>& individuals,
+                                const auto& at_one_time) {
+            ChangeFigure made{name, unit, method, at_one_time(sizes_of(individuals, false))};
+            if (colonies_.have_later) made.later = at_one_time(sizes_of(individuals, true));
+            return made;
+        };
+        const Estimate count = count_change(change.areas_m2);
+        const auto count_of = [](const auto& sizes) { return poisson_count(sizes.size()); };
+        put(figure("count", "", "new less gone, Poisson", change.areas_m2, count_of), count);
+        const auto density = [&](const auto& sizes) {
+            return density_per_m2({sizes, {}, ground_m2});
+        };
+        put(figure("population_density",
+                   "1/m2",
+                   "new less gone over surveyed ground, Poisson",
+                   change.areas_m2,
+                   density),
+            over(count, ground_m2));
+        const auto cover_of = [&](const auto& sizes) { return cover({sizes, {}, ground_m2}); };
+        put(figure("cover",
+                   "",
+                   "area of the colonies over surveyed ground, compound Poisson",
+                   change.on_ground_m2,
+                   cover_of),
+            over(sum_change(change.on_ground_m2), ground_m2));
+        add_median("colony_area_median", "m2", change.areas_m2);
+        add_median("colony_diameter_median", "m", change.diameters_m);
+    }
+
+    json take() { return std::move(figures_); }
+
+private:
+    void put(const ChangeFigure& figure, const Estimate& change) {
+        figures_.push_back(
+            colonies_.have_later
+                ? change_json(whose_, figure, change)
+                : refused_change_json(
+                      whose_,
+                      figure,
+                      "the outlines are of one year: give those of the later dive as well"));
+    }
+
+    void add_median(const char* name, const char* unit, const std::vector<Individual>& sizes) {
+        ChangeFigure figure{name, unit, "over the colonies of either year, bootstrap"};
+        const auto median_of = [&](bool later) -> std::optional<Estimate> {
+            const std::vector<double> values = sizes_of(sizes, later);
+            if (values.empty()) return std::nullopt;
+            return size_quantile(values, 0.5, seed_);
+        };
+        figure.earlier = median_of(false);
+        if (colonies_.have_later) figure.later = median_of(true);
+        const auto change = median_change(sizes, seed_);
+        if (!change && colonies_.have_later)
+            figures_.push_back(
+                refused_change_json(whose_, figure, "one of the years has no such colony"));
+        else
+            put(figure, change.value_or(Estimate{}));
+    }
+
+    const ComparedColonies& colonies_;
+    std::uint64_t seed_;
+    json whose_;
+    json figures_ = json::array();
+};
+
+}  // namespace
+
+json label_changes(const ComparedColonies& colonies, std::uint64_t seed) {
+    LabelFigures figures(colonies, seed);
+    for (const auto& [label, change] : by_label(colonies)) figures.add(label, change);
+    return figures.take();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "worker/compare/surface_raster.hpp"
+#include "worker/reef/area_set.hpp"
+#include "worker/reef/polygon.hpp"
+
+namespace divemesh::worker {
+
+// The outline of a quadrat or a polygon as seen from above: x and y of its corners. Throws
+// Error{BadData} that names the area when from above it has no area or its sides cross.
+Polygon outline_from_above(const Area& area);
+
+// Cells of a map whose middle lies within an outline.
+struct OutlinedCells {
+    cv::Rect window;  // of the map, empty when the outline lies beside it
+    cv::Mat cells;    // CV_8U, of the window's size
+
+    int num_on(const cv::Mat& map) const;  // that a map (CV_8U) names too
+    void add_to(cv::Mat& map) const;
+};
+
+OutlinedCells cells_within(const Polygon& outline, const RasterGrid& grid);
+
+// Of an outline with that area the share that a map names; what lies beside the map counts as not.
+double share_on(const OutlinedCells& within, double area_m2, const cv::Mat& map, double cell_m);
+
+}  // namespace divemesh::worker
