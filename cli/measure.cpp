@@ -8,6 +8,7 @@
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/text.hpp"
+#include "worker/mosaic/drawing_page.hpp"
 #include "worker/output/atomic_file.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 
@@ -75,9 +76,18 @@ std::string report_text(const json& result) {
 struct Options {
     worker::MeasureRequest request;
     std::filesystem::path csv;
+    std::filesystem::path draw;
 };
 
+int write_drawing_page(const Options& options) {
+    const worker::ReconstructionFolder model(options.request.reconstruction);
+    worker::write_file(options.draw, worker::drawing_page(model));
+    std::cout << options.draw.string() << "\n";
+    return kExitDone;
+}
+
 int measure(const Options& options, const Context& context) {
+    if (!options.draw.empty()) return write_drawing_page(options);
     const json result = worker::measure_reconstruction(options.request);
     if (!options.csv.empty())
         worker::write_file(options.csv, worker::figures_csv(result["figures"]));
@@ -100,6 +110,11 @@ void add_measure(CLI::App& app, Context& context) {
                         options->request.ground_truth,
                         "trajectory (TUM, EuRoC) whose frame the areas are in");
     command->add_option("--csv", options->csv, "writes the figures there too");
+    command
+        ->add_option(
+            "--draw", options->draw, "writes a page (HTML) to draw areas on, and measures nothing")
+        ->excludes("--areas")
+        ->excludes("--csv");
     command->add_option("--threads", options->request.num_threads, "0: all cores")
         ->check(CLI::Range(0, 1024));
     command->callback([options, &context] {
