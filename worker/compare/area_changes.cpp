@@ -67,10 +67,11 @@ public:
         for (const bool grown : {true, false}) {
             const Part part = of_patches(window, seen, grown);
             const ChangeSums sums = sum_over(window_of(map_, window), part.cells);
-            Estimate volume = interval((grown ? 1.0 : -1.0) * sums.volume_m3,
-                                       noise_m3(sums, changes_.noise),
-                                       registration_m3(sums) + part.outline_m3);
-            volume = {std::max(0.0, volume.value), std::max(0.0, volume.low), volume.high};
+            const double value = std::max(0.0, (grown ? 1.0 : -1.0) * sums.volume_m3);
+            const double half =
+                part.num_sigma *
+                std::hypot(noise_m3(sums, changes_.noise), registration_m3(sums) + part.outline_m3);
+            const Estimate volume{value, std::max(0.0, value - half), value + half};
             figures.push_back(change_json(
                 whose,
                 {grown ? "grown_volume" : "lost_volume", "m3", "of patches, within the outline"},
@@ -87,6 +88,7 @@ private:
     struct Part {
         cv::Mat cells;
         double outline_m3 = 0.0;  // standard deviation, shared by all patches
+        double num_sigma = 1.96;  // the most of any patch
     };
 
     Part of_patches(const cv::Rect& window, const cv::Mat& seen, bool grown) const {
@@ -101,6 +103,7 @@ private:
                 if (patch.grown != grown) continue;
                 part.cells.at<std::uint8_t>(row, column) = 255;
                 part.outline_m3 += cell_m2 * patch.outline_m;
+                part.num_sigma = std::max(part.num_sigma, patch.num_sigma);
             }
         return part;
     }

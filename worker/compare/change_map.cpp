@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/compare/change_scatter.hpp"
 #include "worker/parallel.hpp"
 
 namespace divemesh::worker {
@@ -32,11 +33,10 @@ float height_sigma_m(const Mesh& mesh, std::uint32_t vertex) {
 
 class Mapper {
 public:
-    Mapper(const Surveyed& a, const Surveyed& b, const Detection& detection, ChangeMap& map)
+    Mapper(const Surveyed& a, const Surveyed& b, const Registration& registration, ChangeMap& map)
         : a_(a),
           b_(b),
-          registration_(detection.registration),
-          level_factor_(static_cast<float>(detection.level_factor)),
+          registration_(registration),
           map_(map),
           raster_a_(rasterise(a.mesh, map.grid)),
           raster_b_(rasterise(b.mesh, map.grid)) {}
@@ -58,11 +58,23 @@ public:
         map_.change_m.at<float>(row, column) = change;
         map_.sigma_m.at<float>(row, column) = sigma;
         map_.registration_m.at<float>(row, column) = registration;
-        if (std::abs(change) <= 1.96F * level_factor_ * sigma + 1.96F * registration) return;
+    }
+
+    void scale(double scale_m) const { scale_by_scatter(map_, raster_a_, raster_b_, scale_m); }
+
+    void decide(int row, int column) const {
+        if (map_.at(row, column) != CellState::Stable) return;
+        const float change = map_.change_m.at<float>(row, column);
+        if (std::abs(change) <= 1.96F * (map_.sigma_m.at<float>(row, column) +
+                                         map_.registration_m.at<float>(row, column)))
+            return;
+        const std::uint32_t vertex_a = nearest_corner(a_.mesh, raster_a_, row, column);
+        const std::uint32_t vertex_b = nearest_corner(b_.mesh, raster_b_, row, column);
         if (!confirmed(a_.distances[vertex_a], change) ||
             !confirmed(b_.distances[vertex_b], change))
             return;
-        state = static_cast<std::uint8_t>(change > 0.0F ? CellState::Grown : CellState::Lost);
+        map_.state.at<std::uint8_t>(row, column) =
+            static_cast<std::uint8_t>(change > 0.0F ? CellState::Grown : CellState::Lost);
     }
 
     // Of cells that seem to have changed: the dive without the higher surface must have looked
@@ -99,7 +111,6 @@ private:
     const Surveyed& a_;
     const Surveyed& b_;
     const Registration& registration_;
-    float level_factor_;
     ChangeMap& map_;
     SurfaceRaster raster_a_;
     SurfaceRaster raster_b_;
@@ -113,20 +124,17 @@ double ChangeMap::area_m2(CellState wanted) const {
 
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
-                      const Detection& detection,
+                      const Registration& registration,
                       const RasterGrid& grid,
+                      double scale_m,
                       int num_threads) {
     const auto of = [&](int type, double value) {
         return cv::Mat(grid.rows, grid.columns, type, cv::Scalar::all(value));
     };
     const auto nothing = static_cast<double>(kNothing);
-    ChangeMap map{grid,
-                  of(CV_8U, 0.0),
-                  of(CV_32F, nothing),
-                  of(CV_32F, nothing),
-                  of(CV_32F, nothing),
-                  detection.level_factor};
-    const Mapper mapper(a, b, detection, map);
+    ChangeMap map{
+        grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
+    const Mapper mapper(a, b, registration, map);
     const auto each_cell = [&](const auto& work) {
         for_each_index(num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
             for (int column = 0; column < grid.columns; ++column)
@@ -134,6 +142,8 @@ ChangeMap map_changes(const Surveyed& a,
         });
     };
     each_cell([&](int row, int column) { mapper.measure(row, column); });
+    mapper.scale(scale_m);
+    each_cell([&](int row, int column) { mapper.decide(row, column); });
     for (const bool of_b : {false, true}) {  // one index in memory at a time
         const Surveyed& looking = of_b ? b : a;
         if (!looking.views) continue;

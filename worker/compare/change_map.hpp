@@ -25,11 +25,10 @@ enum class CellState : std::uint8_t {
 // What became of each cell of the ground, seen from above, in a's frame.
 struct ChangeMap {
     RasterGrid grid;
-    cv::Mat state;              // CV_8U, CellState
-    cv::Mat change_m;           // CV_32F, height of b over a; NaN unless both saw it
-    cv::Mat sigma_m;            // CV_32F, of `change_m` without the registration's part
-    cv::Mat registration_m;     // CV_32F, standard deviation of that part
-    double level_factor = 1.0;  // of sigma_m, in levels of detection
+    cv::Mat state;           // CV_8U, CellState
+    cv::Mat change_m;        // CV_32F, height of b over a; NaN unless both saw it
+    cv::Mat sigma_m;         // CV_32F, of `change_m` without the registration's part
+    cv::Mat registration_m;  // CV_32F, standard deviation of that part
 
     CellState at(int row, int column) const {
         return static_cast<CellState>(state.at<std::uint8_t>(row, column));
@@ -44,19 +43,15 @@ struct Surveyed {
     const std::optional<Views>& views;           // into this frame; none: not checked
 };
 
-// How well a difference can be told from none.
-struct Detection {
-    const Registration& registration;
-    double level_factor = 1.0;  // of what the meshes say of their vertices
-};
-
-// A cell has changed when the vertical difference is beyond its own level of detection and every
+// A cell has changed when the vertical difference is beyond its own level of detection (by how far
+// such ground scatters over `scale_m`: scale_by_scatter) and every
 // M3C2 distance known there, from either surface, is significant with the same sign, and when the
 // dive that lacks the higher surface looked through it at the ground behind.
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
-                      const Detection& detection,
+                      const Registration& registration,
                       const RasterGrid& grid,
+                      double scale_m,
                       int num_threads);
 
 }  // namespace divemesh::worker

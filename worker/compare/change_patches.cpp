@@ -24,12 +24,14 @@ double exceeded_with(double probability) {
     return low;
 }
 
+double ground_m2(const ChangeMap& map) {
+    return cv::countNonZero(map.change_m == map.change_m) * map.grid.cell_m * map.grid.cell_m;
+}
+
 // CV_8U: cells whose change is beyond what any of the ground would show by chance.
 cv::Mat beyond_chance(const ChangeMap& map, double piece_m2) {
-    const double ground_m2 =
-        cv::countNonZero(map.change_m == map.change_m) * map.grid.cell_m * map.grid.cell_m;
-    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / piece_m2));
-    const cv::Mat level = most * (map.level_factor * map.sigma_m + map.registration_m);
+    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2(map) / piece_m2));
+    const cv::Mat level = most * (map.sigma_m + map.registration_m);
     return cv::abs(map.change_m) > level;
 }
 
@@ -56,20 +58,31 @@ struct Undetected {
     double fall_m3 = 0.0;
 };
 
-Undetected undetected(const ChangeMap& map, const cv::Mat& counts) {
+// What the blocks rise (sink) by beyond what their noise alone would show, half of each block's
+// errors being a rise: a normal error's positive part has the mean s / sqrt(2 pi).
+Undetected undetected(const ChangeMap& map, const cv::Mat& counts, const ChangeNoise& noise) {
+    constexpr double kMeanPart = 0.398942;
+    constexpr double kVariancePart = 0.5 - kMeanPart * kMeanPart;
     const int side = std::max(1, static_cast<int>(std::lround(kBlock_m / map.grid.cell_m)));
-    const double cell_m2 = map.grid.cell_m * map.grid.cell_m;
+    const cv::Rect all(0, 0, counts.cols, counts.rows);
     Undetected sums;
+    double expected_m3 = 0.0;
+    double variance = 0.0;
+    double shared_m3 = 0.0;
     for (int top = 0; top < counts.rows; top += side)
         for (int left = 0; left < counts.cols; left += side) {
-            double volume_m3 = 0.0;
-            for (int row = top; row < std::min(top + side, counts.rows); ++row)
-                for (int column = left; column < std::min(left + side, counts.cols); ++column)
-                    if (counts.at<std::uint8_t>(row, column) != 0)
-                        volume_m3 +=
-                            cell_m2 * static_cast<double>(map.change_m.at<float>(row, column));
-            (volume_m3 > 0.0 ? sums.rise_m3 : sums.fall_m3) += std::abs(volume_m3);
+            const cv::Rect block = cv::Rect(left, top, side, side) & all;
+            const ChangeSums of_block = sum_over(window_of(map, block), counts(block));
+            const double noise_of_block_m3 = noise_m3(of_block, noise);
+            (of_block.volume_m3 > 0.0 ? sums.rise_m3 : sums.fall_m3) +=
+                std::abs(of_block.volume_m3);
+            expected_m3 += kMeanPart * noise_of_block_m3;
+            variance += kVariancePart * noise_of_block_m3 * noise_of_block_m3;
+            shared_m3 += registration_m3(of_block);
         }
+    const double doubt_m3 = k95 * std::hypot(std::sqrt(variance), shared_m3);
+    for (double* sum : {&sums.rise_m3, &sums.fall_m3})
+        *sum = std::max(0.0, *sum - expected_m3) + doubt_m3;
     return sums;
 }
 
@@ -159,7 +172,7 @@ private:
         const cv::Mat counts = (map_.change_m == map_.change_m) & (changes_.number == 0) &
                                ~cells_in(map_, CellState::Hidden);
         changes_.noise = measure_noise(map_, counts);
-        const Undetected missed = undetected(map_, counts);
+        const Undetected missed = undetected(map_, counts, changes_.noise);
         changes_.grown.undetected_m3 = missed.rise_m3;
         changes_.lost.undetected_m3 = missed.fall_m3;
         const ChangeSums sums = sum_over(map_, counts);
@@ -191,7 +204,10 @@ private:
         patch.area_m2 = area_of(found);
         const double outline = outline_m3(patch.area_m2, sums);
         const double common = registration_m3(sums) + outline;
-        patch.volume_m3 = interval(sign * sums.volume_m3, noise_m3(sums, changes_.noise), common);
+        patch.num_sigma = num_sigma(sums.area_m2);
+        const double value = sign * sums.volume_m3;
+        const double half = patch.num_sigma * std::hypot(noise_m3(sums, changes_.noise), common);
+        patch.volume_m3 = {value, value - half, value + half};
         patch.volume_m3.low = std::max(0.0, patch.volume_m3.low);
         patch.mean_change_m = sums.volume_m3 / std::max(1e-12, sums.area_m2);
         patch.largest_change_m = sums.largest_m;
@@ -206,6 +222,15 @@ private:
         noises_.push_back(noise_m3(sums, changes_.noise));
         registrations_.push_back(common);
         changes_.patches.push_back(patch);
+    }
+
+    // Of all the pieces of ground that large those were chosen that changed the most, by their
+    // errors too: so many of them hold with 95 % when each is given as many standard deviations as
+    // an error exceeds with 0.05 times their share of all (Benjamini and Yekutieli 2005).
+    double num_sigma(double area_m2) const {
+        const double num_pieces = std::max(1.0, ground_m2(map_) / std::max(1e-12, area_m2));
+        const double share = static_cast<double>(found_.size()) / num_pieces;
+        return exceeded_with(0.05 * std::min(1.0, share));
     }
 
     Estimate area_of(const Found& found) const {
@@ -238,19 +263,22 @@ private:
             ChangeTotal& total = grown ? changes_.grown : changes_.lost;
             double noise = 0.0;
             double registration = 0.0;
+            double low =
+                0.0;  // chosen for how much they seem to change: their errors point one way
             for (std::size_t i = 0; i < changes_.patches.size(); ++i) {
                 const ChangePatch& patch = changes_.patches[i];
                 if (patch.grown != grown) continue;
                 ++total.num_patches;
                 total.volume_m3.value += patch.volume_m3.value;
-                noise = std::hypot(noise, noises_[i]);
+                low += patch.volume_m3.low;
+                noise = std::hypot(noise, patch.num_sigma / k95 * noises_[i]);
                 registration += registrations_[i];
                 total.area_m2.value += patch.area_m2.value;
                 total.area_m2.low += patch.area_m2.low;
                 total.area_m2.high += patch.area_m2.high;
             }
             total.volume_m3 = interval(total.volume_m3.value, noise, registration);
-            total.volume_m3.low = std::max(0.0, total.volume_m3.low);
+            total.volume_m3.low = low;
             total.volume_m3.high += total.undetected_m3;
         }
     }

@@ -19,8 +19,9 @@ struct ChangePatch {
     Eigen::AlignedBox2d box_m;
     double mean_change_m = 0.0;
     double largest_change_m = 0.0;
-    double outline_m = 0.0;  // standard deviation of the mean change, of how the outline is known
-    double hidden_m2 = 0.0;  // beside it, of ground that one dive did not see
+    double num_sigma = 1.96;  // standard deviations to either side of the volume
+    double outline_m = 0.0;   // standard deviation of the mean change, of how the outline is known
+    double hidden_m2 = 0.0;   // beside it, of ground that one dive did not see
 };
 
 struct ChangeTotal {
@@ -55,10 +56,11 @@ struct PatchOptions {
 // summed over a margin too, where change fades out below the level of detection; its area is that
 // of the significant cells with what they enclose, its outline known to half the margin.
 // The volume's interval has the noise of a mean over that area, as measured on stable ground, and
-// the registration's error, which is one and the same for all patches of a total. What changed by
-// less than the level of detection is in no patch: a total's upper bound adds what all blocks of
-// 0.15 m of the other ground rose (sank) by on the mean, noise included, so that it errs to the
-// safe side.
+// the registration's and the outline's error, which are the same for all patches of a total; and,
+// patches being chosen for how much they seem to have changed, so many standard deviations that 95
+// % of the chosen hold (false coverage rate; Benjamini and Yekutieli 2005). What changed by less
+// than the level of detection is in no patch: a total's upper bound adds what all blocks of 0.15 m
+// of the other ground rose (sank) by beyond what their noise alone shows.
 Changes gather_changes(ChangeMap& map, const PatchOptions& options);
 
 }  // namespace divemesh::worker

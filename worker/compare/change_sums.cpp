@@ -30,8 +30,7 @@ ChangeMap window_of(const ChangeMap& map, const cv::Rect& window) {
             map.state(window),
             map.change_m(window),
             map.sigma_m(window),
-            map.registration_m(window),
-            map.level_factor};
+            map.registration_m(window)};
 }
 
 double noise_m3(const ChangeSums& sums, const ChangeNoise& noise) {

@@ -6,6 +6,7 @@
 #include "schemas/error.hpp"
 #include "worker/compare/area_changes.hpp"
 #include "worker/compare/change_pictures.hpp"
+#include "worker/compare/change_scatter.hpp"
 #include "worker/compare/changed_mesh.hpp"
 #include "worker/compare/co_register.hpp"
 #include "worker/compare/compare_document.hpp"
@@ -13,6 +14,7 @@
 #include "worker/output/atomic_file.hpp"
 #include "worker/output/mesh_check.hpp"
 #include "worker/parallel.hpp"
+#include "worker/volume/mean_edge.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -95,10 +97,9 @@ float quantile(std::vector<float>& values, double share) {
 double level_factor(const std::vector<M3c2Distance>& distances) {
     std::vector<float> ratios;
     for (const M3c2Distance& distance : distances)
-        if (distance.known()) ratios.push_back(std::abs(distance.distance_m) / distance.lod95_m);
-    const auto median = static_cast<double>(quantile(ratios, 0.5)) / (0.6745 / 1.96);
-    const auto most = static_cast<double>(quantile(ratios, 0.8)) / (1.2816 / 1.96);
-    return std::max(median, most);
+        if (distance.known())
+            ratios.push_back(1.96F * std::abs(distance.distance_m) / distance.lod95_m);
+    return robust_sigma(ratios);
 }
 
 // Never below what the registration alone leaves open.
@@ -250,8 +251,9 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     options.cell_m = grid.cell_m;
     ChangeMap map = map_changes({pair.a, distances.of_a, views_a},
                                 {pair.b, distances.of_b, views_b},
-                                {registration, distances.level_factor},
+                                registration,
                                 grid,
+                                options.cylinder_m,
                                 threads);
     changing.at(0.8);
     const Changes changes =

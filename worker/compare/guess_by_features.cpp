@@ -8,6 +8,7 @@
 #include "worker/compare/surface_raster.hpp"
 #include "worker/geometry/horn.hpp"
 #include "worker/simulator/hashed_random.hpp"
+#include "worker/volume/mean_edge.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -47,6 +47,4 @@ RasterGrid grid_over(const Mesh& a, const Mesh& b, double cell_m, std::int64_t m
 
 SurfaceRaster rasterise(const Mesh& mesh, const RasterGrid& grid);
 
-double mean_edge_m(const Mesh& mesh);  // 0 without triangles
-
 }  // namespace divemesh::worker

@@ -7,6 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/volume/mean_edge.hpp"
+#include "worker/volume/triangle_pixels.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -29,14 +32,6 @@ Bounds bounds_of(const Mesh& mesh) {
     return bounds;
 }
 
-double mean_edge_m(const Mesh& mesh) {
-    double sum = 0.0;
-    for (const auto& triangle : mesh.triangles)
-        sum +=
-            static_cast<double>((mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]]).norm());
-    return sum / static_cast<double>(mesh.triangles.size());
-}
-
 double choose_pixel_m(const Mesh& mesh, const Bounds& bounds, const MosaicOptions& options) {
     constexpr double kFinest_m = 1e-4;
     const Eigen::Vector2d size = bounds.size().cast<double>();
@@ -48,9 +43,8 @@ double choose_pixel_m(const Mesh& mesh, const Bounds& bounds, const MosaicOption
     return pixel_m;
 }
 
-// A triangle's corners in pixels (z: height in m) and their colours.
 struct ScreenTriangle {
-    std::array<Eigen::Vector3f, 3> corners;
+    PixelTriangle corners;
     std::array<Eigen::Vector3f, 3> colors;  // b g r
 };
 
@@ -65,40 +59,21 @@ Eigen::Vector3f color_of(const Mesh& mesh, std::uint32_t vertex) {
     return Eigen::Vector3f::Constant(60.0F + 180.0F * light);
 }
 
-// Pixel centres inside the triangle, the higher surface wins (z-buffer).
+// The higher surface wins (z-buffer).
 void draw(const ScreenTriangle& triangle, Mosaic& mosaic) {
-    const auto& [a, b, c] = triangle.corners;
-    const float area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    if (area == 0.0F) return;
-    const auto first = [](float low) {
-        return std::max(0, static_cast<int>(std::ceil(low - 0.5F)));
+    const auto paint = [&](int row, int column, const Eigen::Vector3f& weights, float height) {
+        auto& highest = mosaic.height_m.at<float>(row, column);
+        if (height <= highest) return;  // false where there was nothing
+        highest = height;
+        const Eigen::Vector3f color = weights[0] * triangle.colors[0] +
+                                      weights[1] * triangle.colors[1] +
+                                      weights[2] * triangle.colors[2];
+        auto& pixel = mosaic.color.at<cv::Vec4b>(row, column);
+        for (int channel = 0; channel < 3; ++channel)
+            pixel[channel] = cv::saturate_cast<std::uint8_t>(color[channel]);
+        pixel[3] = 255;
     };
-    const auto last = [](float high, int count) {
-        return std::min(count - 1, static_cast<int>(std::floor(high - 0.5F)));
-    };
-    const int last_row = last(std::max({a.y(), b.y(), c.y()}), mosaic.color.rows);
-    const int last_column = last(std::max({a.x(), b.x(), c.x()}), mosaic.color.cols);
-    const int first_column = first(std::min({a.x(), b.x(), c.x()}));
-    for (int row = first(std::min({a.y(), b.y(), c.y()})); row <= last_row; ++row) {
-        auto* heights = mosaic.height_m.ptr<float>(row);
-        auto* colors = mosaic.color.ptr<cv::Vec4b>(row);
-        for (int column = first_column; column <= last_column; ++column) {
-            const float x = static_cast<float>(column) + 0.5F;
-            const float y = static_cast<float>(row) + 0.5F;
-            const float v = ((x - a.x()) * (c.y() - a.y()) - (y - a.y()) * (c.x() - a.x())) / area;
-            const float w = ((b.x() - a.x()) * (y - a.y()) - (b.y() - a.y()) * (x - a.x())) / area;
-            const float u = 1.0F - v - w;
-            if (u < 0.0F || v < 0.0F || w < 0.0F) continue;
-            const float height = u * a.z() + v * b.z() + w * c.z();
-            if (height <= heights[column]) continue;  // false where there was nothing
-            heights[column] = height;
-            const Eigen::Vector3f color =
-                u * triangle.colors[0] + v * triangle.colors[1] + w * triangle.colors[2];
-            for (int channel = 0; channel < 3; ++channel)
-                colors[column][channel] = cv::saturate_cast<std::uint8_t>(color[channel]);
-            colors[column][3] = 255;
-        }
-    }
+    for_each_pixel(triangle.corners, mosaic.color.rows, mosaic.color.cols, paint);
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+#include "worker/compare/change_scatter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::array kRanges_m = {0.0, 0.01, 0.02, 0.04, 0.08, 0.16};
+constexpr std::size_t kFewestCells = 200;
+
+cv::Mat disc(double diameter_cells) {
+    const int r = std::max(1, static_cast<int>(std::lround(0.5 * diameter_cells)));
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
+}
+
+// Highest less lowest within the element; 0 where nothing was seen.
+cv::Mat range_of(const cv::Mat& height_m, const cv::Mat& element) {
+    const cv::Mat unseen = height_m != height_m;
+    cv::Mat high = height_m.clone();
+    cv::Mat low = height_m.clone();
+    high.setTo(cv::Scalar::all(std::numeric_limits<float>::lowest()), unseen);
+    low.setTo(cv::Scalar::all(std::numeric_limits<float>::max()), unseen);
+    cv::dilate(high, high, element);
+    cv::erode(low, low, element);
+    cv::Mat range = high - low;
+    range.setTo(cv::Scalar::all(0.0), unseen);
+    return range;
+}
+
+float quantile(std::vector<float>& values, double share) {
+    const auto at = values.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+// CV_8U: index of each compared cell's class; those at an edge come last.
+cv::Mat classes_of(const ChangeMap& map,
+                   const SurfaceRaster& a,
+                   const SurfaceRaster& b,
+                   double scale_m) {
+    const double scale_cells = scale_m / map.grid.cell_m;
+    const cv::Mat element = disc(scale_cells);
+    const cv::Mat range = cv::max(range_of(a.height_m, element), range_of(b.height_m, element));
+    cv::Mat edge;
+    cv::dilate(map.change_m != map.change_m, edge, disc(2.0 * scale_cells));
+    cv::Mat classes = cv::Mat::zeros(range.size(), CV_8U);
+    for (std::size_t i = 1; i < kRanges_m.size(); ++i)
+        classes.setTo(cv::Scalar::all(static_cast<double>(i)), range >= kRanges_m[i]);
+    cv::add(classes, cv::Scalar::all(static_cast<double>(kRanges_m.size())), classes, edge);
+    return classes;
+}
+
+}  // namespace
+
+double robust_sigma(std::vector<float>& sizes) {
+    if (sizes.empty()) return 0.0;
+    return std::max(static_cast<double>(quantile(sizes, 0.5)) / 0.6745,
+                    static_cast<double>(quantile(sizes, 0.8)) / 1.2816);
+}
+
+std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
+                                           const SurfaceRaster& a,
+                                           const SurfaceRaster& b,
+                                           double scale_m) {
+    const cv::Mat classes = classes_of(map, a, b, scale_m);
+    std::vector<std::vector<float>> ratios(2 * kRanges_m.size());
+    for (int row = 0; row < classes.rows; ++row)
+        for (int column = 0; column < classes.cols; ++column) {
+            const float change = map.change_m.at<float>(row, column);
+            if (change == change)
+                ratios[classes.at<std::uint8_t>(row, column)].push_back(
+                    std::abs(change) / map.sigma_m.at<float>(row, column));
+        }
+    std::vector<ScatterClass> scatter;
+    for (std::size_t i = 0; i < ratios.size(); ++i) {
+        const std::size_t num = ratios[i].size();
+        ScatterClass one{kRanges_m[i % kRanges_m.size()], i >= kRanges_m.size(), num};
+        one.factor = robust_sigma(ratios[i]);
+        if (num < kFewestCells && i > 0) one.factor = scatter.back().factor;
+        scatter.push_back(one);
+    }
+    for (int row = 0; row < classes.rows; ++row)
+        for (int column = 0; column < classes.cols; ++column)
+            map.sigma_m.at<float>(row, column) *=
+                static_cast<float>(scatter[classes.at<std::uint8_t>(row, column)].factor);
+    return scatter;
+}
+
+}  // namespace divemesh::worker
