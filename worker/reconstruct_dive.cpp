@@ -347,8 +347,7 @@ void DiveRun::mesh() {
     const bool reused = stored.has_value();
     if (!stored) {
         Mesh mesh = worker::mesh(*volume_, request_.options, progress);
-        const double path_m2 = optimised_.statistics.path.mean_square_m2;
-        finish_sigma(mesh, voxel_m_, std::sqrt(path_m2 / 3.0));
+        finish_sigma(mesh, voxel_m_, shared_sigma_m(optimised_.statistics.path));
         stored = simplified(std::move(mesh), request_.options);
         keep(entry, {"mesh.stage"}, [&] { save_surface(stage_file("mesh"), keys_.mesh, *stored); });
     }

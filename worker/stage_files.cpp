@@ -253,6 +253,7 @@ void save_surface(const std::filesystem::path& path,
     file.put_vector(mesh.normals);
     file.put_vector(mesh.colors);
     file.put_vector(mesh.sigma_m);
+    file.put_vector(mesh.sigma_local_m);
     file.put_vector(mesh.num_observations);
     file.put_vector(mesh.triangles);
     file.put(surface.simplification.has_value());
@@ -269,6 +270,7 @@ std::optional<Surface> load_surface(const std::filesystem::path& path, const std
     mesh.normals = file->get_vector<Eigen::Vector3f>();
     mesh.colors = file->get_vector<Color>();
     mesh.sigma_m = file->get_vector<float>();
+    mesh.sigma_local_m = file->get_vector<float>();
     mesh.num_observations = file->get_vector<std::uint32_t>();
     mesh.triangles = file->get_vector<std::array<std::uint32_t, 3>>();
     if (file->get<bool>()) surface.simplification = file->get<SimplificationError>();

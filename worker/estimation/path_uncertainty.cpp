@@ -51,6 +51,8 @@ PathUncertainty with_frames_between(PathUncertainty keyframes,
     return keyframes;
 }
 
+double shared_sigma_m(const PathUncertainty& path) { return std::sqrt(path.mean_square_m2 / 3.0); }
+
 double quantile_95(double mean_square, double freedom) {
     const double spread = 2.0 / (9.0 * freedom);
     return mean_square * std::pow(1.0 - spread + kNormal95 * std::sqrt(spread), 3.0);

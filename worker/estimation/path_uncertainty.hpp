@@ -32,6 +32,9 @@ PathUncertainty with_frames_between(PathUncertainty keyframes,
                                     const CovarianceTrack& of_keyframes,
                                     const CovarianceTrack& of_frames);
 
+// By how much, along one axis, the poses move what is near them; 0: not known.
+double shared_sigma_m(const PathUncertainty& path);
+
 // What a sum of squares of normal numbers stays below in 95 of 100 cases, by its mean and its
 // degrees of freedom (Wilson and Hilferty 1931).
 double quantile_95(double mean_square, double freedom);

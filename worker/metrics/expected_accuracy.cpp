@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <numbers>
 #include <sstream>
 
 #include "worker/metrics/metrics_document.hpp"
@@ -52,8 +53,17 @@ std::string percent(double share) {
     return text.str() + " %";
 }
 
-// Keeps a check that says something; one that contradicts the cameras is a finding.
-std::optional<ScaleCheck> judged(const std::optional<ScaleCheck>& check,
+// Positions far apart err independently, each by a third of the mean square along a line.
+PathError path_error(const ExpectedAccuracyInput& input) {
+    Eigen::AlignedBox3d box;
+    for (const StampedPose& pose : input.trajectory) box.extend(pose.T_world_imu.translation());
+    return {std::numbers::sqrt2 * shared_sigma_m(input.optimise.path),
+            box.isEmpty() ? 0.0 : box.diagonal().norm()};
+}
+
+// Keeps a check that says something, with what the calibration errs by in its sigma: 1 has to be
+// within. One that contradicts the cameras is a finding.
+std::optional<ScaleCheck> judged(std::optional<ScaleCheck> check,
                                  const std::string& figure,
                                  const std::string& sensor,
                                  const std::string& why_not,
@@ -62,6 +72,7 @@ std::optional<ScaleCheck> judged(const std::optional<ScaleCheck>& check,
         expected.left_out.push_back({figure, why_not});
         return std::nullopt;
     }
+    check->sigma = std::hypot(check->sigma, kCalibrationSigma);
     if (check->sigma > kLargestScaleSigma) {
         expected.left_out.push_back({figure,
                                      "the motion says too little: sigma would be " +
@@ -69,7 +80,7 @@ std::optional<ScaleCheck> judged(const std::optional<ScaleCheck>& check,
         return std::nullopt;
     }
     const double off = check->scale - 1.0;
-    if (std::abs(off) > kContradicts_sigmas * std::hypot(check->sigma, kCalibrationSigma))
+    if (std::abs(off) > kContradicts_sigmas * check->sigma)
         expected.findings.push_back(
             {Severity::Warning,
              "scale_contradicted",
@@ -106,7 +117,8 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                    expected);
     }
     expected.known_distances =
-        judged(input.known_distances ? scale_by_distances(*input.known_distances) : std::nullopt,
+        judged(input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
+                                     : std::nullopt,
                "scale.known_distances",
                "known distances",
                "fewer than three known distances could be measured",
@@ -127,6 +139,8 @@ void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expe
 
 void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (input.mesh) expected.surface = expected_surface(*input.mesh);
+    if (input.optimise.path.is_known())
+        expected.surface_shared_m = shared_sigma_m(input.optimise.path);
     if (expected.surface) return;
     expected.left_out.push_back(
         {"surface",
@@ -184,6 +198,8 @@ json to_metrics(const ExpectedAccuracy& expected) {
         result["imu_vision_disagreement_deg"] = *expected.imu_vision_disagreement_deg;
     if (expected.reprojection_rms_px) result["reprojection_rms_px"] = *expected.reprojection_rms_px;
     if (expected.surface) result["surface"] = to_metrics(*expected.surface);
+    if (expected.surface && expected.surface_shared_m)
+        result["surface"]["sigma_shared_m"] = *expected.surface_shared_m;
     for (const LeftOut& left_out : expected.left_out)
         result["left_out"].push_back({{"figure", left_out.figure}, {"reason", left_out.reason}});
     return result;

@@ -45,6 +45,7 @@ struct ExpectedAccuracy {
     std::optional<double> imu_vision_disagreement_deg;  // RMS per frame
     std::optional<double> reprojection_rms_px;
     std::optional<ExpectedSurface> surface;
+    std::optional<double> surface_shared_m;  // of its sigma, what the poses move all of it by
     std::vector<LeftOut> left_out;
     std::vector<Finding> findings;  // checks that contradict the cameras, bounds that are large
 };

@@ -74,7 +74,7 @@ double error_95_m(const SigmaHistogram& sigmas, double largest_m, double whole) 
 std::optional<ExpectedSurface> expected_surface(const Mesh& mesh) {
     if (mesh.sigma_m.empty()) return std::nullopt;
     const std::vector<float> areas = areas_at_vertices(mesh);
-    SigmaHistogram sigmas;
+    SigmaHistogram sigmas, local_sigmas;
     std::array<double, 3> by_views{};
     double whole = 0.0;
     for (std::size_t i = 0; i < areas.size(); ++i) {
@@ -83,6 +83,7 @@ std::optional<ExpectedSurface> expected_surface(const Mesh& mesh) {
             mesh.num_observations.empty() ? 1 : std::clamp(mesh.num_observations[i], 1U, 3U);
         by_views[num_views - 1] += area;
         sigmas.add(mesh.sigma_m[i], area);
+        if (!mesh.sigma_local_m.empty()) local_sigmas.add(mesh.sigma_local_m[i], area);
         whole += area;
     }
     if (whole <= 0.0) return std::nullopt;
@@ -92,16 +93,21 @@ std::optional<ExpectedSurface> expected_surface(const Mesh& mesh) {
                            by_views[2] / whole,
                            sigmas.quantile_m(0.5, whole),
                            sigmas.quantile_m(kLevel, whole),
+                           mesh.sigma_local_m.empty()
+                               ? std::optional<double>()
+                               : std::optional(local_sigmas.quantile_m(0.5, whole)),
                            error_95_m(sigmas, static_cast<double>(largest_m), whole)};
 }
 
 nlohmann::json to_metrics(const ExpectedSurface& surface) {
-    return {{"share_1_view", surface.share_1_view},
-            {"share_2_views", surface.share_2_views},
-            {"share_3_views_or_more", surface.share_3_views_or_more},
-            {"sigma_median_m", surface.sigma_median_m},
-            {"sigma_p95_m", surface.sigma_p95_m},
-            {"error_95_m", surface.error_95_m}};
+    nlohmann::json json = {{"share_1_view", surface.share_1_view},
+                           {"share_2_views", surface.share_2_views},
+                           {"share_3_views_or_more", surface.share_3_views_or_more},
+                           {"sigma_median_m", surface.sigma_median_m},
+                           {"sigma_p95_m", surface.sigma_p95_m},
+                           {"error_95_m", surface.error_95_m}};
+    if (surface.sigma_local_median_m) json["sigma_local_median_m"] = *surface.sigma_local_median_m;
+    return json;
 }
 
 }  // namespace divemesh::worker

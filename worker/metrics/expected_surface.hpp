@@ -15,6 +15,7 @@ struct ExpectedSurface {
     double share_3_views_or_more = 0.0;
     double sigma_median_m = 0.0;
     double sigma_p95_m = 0.0;
+    std::optional<double> sigma_local_median_m;  // of the noise alone
     double error_95_m = 0.0;  // 95 % of the area is expected within this of the true surface
 };
 

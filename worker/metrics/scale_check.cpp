@@ -170,6 +170,11 @@ double repetition(const Eigen::VectorXd& residuals) {
     return (1.0 + correlation) / (1.0 - correlation);
 }
 
+double sigma_between_m(double length_m, const PathError& path) {
+    if (path.extent_m <= 0.0) return 0.0;
+    return path.far_sigma_m * std::sqrt(std::min(1.0, length_m / path.extent_m));
+}
+
 }  // namespace
 
 std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& imu,
@@ -218,19 +223,23 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& p
     return ScaleCheck{solution[0], std::sqrt(variance)};
 }
 
-std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distances) {
+std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distances,
+                                             const PathError& path) {
     if (distances.num_measured < 3) return std::nullopt;
     const double measured_over_known = 1.0 + distances.scale_error;
     double squares = 0.0;
     double known_squares = 0.0;
+    double by_poses_m2 = 0.0;
     for (const MeasuredDistance& distance : distances.distances) {
         if (!distance.measured_m) continue;
         const double rest = *distance.measured_m - measured_over_known * distance.known_m;
         squares += rest * rest;
         known_squares += distance.known_m * distance.known_m;
+        by_poses_m2 += distance.known_m * sigma_between_m(distance.known_m, path);
     }
-    const double sigma =
-        std::sqrt(squares / static_cast<double>(distances.num_measured - 1) / known_squares);
+    const double sigma = std::hypot(
+        std::sqrt(squares / static_cast<double>(distances.num_measured - 1) / known_squares),
+        by_poses_m2 / known_squares);
     if (sigma <= 0.0) return std::nullopt;
     return ScaleCheck{1.0 / measured_over_known, sigma};
 }

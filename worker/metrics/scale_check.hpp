@@ -32,8 +32,17 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
 std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
                                             const Trajectory& trajectory);
 
-// Known lengths t over measured ones m. Nothing for fewer than three.
-std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distances);
+// How far two places far apart on the path err against each other along a line.
+struct PathError {
+    double far_sigma_m = 0.0;
+    double extent_m = 0.0;  // of the path; over less the error grows with the root of the length
+};
+
+// Known lengths t over measured ones m. Sigma by the spread of the residuals, and in quadrature
+// what the poses do to all of the lengths alike, which the residuals cannot show. Nothing for fewer
+// than three.
+std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distances,
+                                             const PathError& path);
 
 nlohmann::json to_metrics(const ScaleCheck& check);
 

@@ -10,9 +10,9 @@
 
 namespace divemesh::worker {
 
-// Binary little-endian PLY. Vertices: x y z nx ny nz (float), red green blue (uchar), sigma
-// (float, m; 0: unknown), num_observations (uint; 0: unknown). Colours are left out when the mesh
-// has none. Throws as AtomicFile and check_mesh do.
+// Binary little-endian PLY. Vertices: x y z nx ny nz (float), red green blue (uchar), sigma and
+// sigma_local (float, m; 0: unknown), num_observations (uint; 0: unknown). Colours are left out
+// when the mesh has none. Throws as AtomicFile and check_mesh do.
 void write_ply(const std::filesystem::path& file, const Mesh& mesh);
 
 // x y z (float), red green blue (uchar), one point after the other; the number of points is known

@@ -199,11 +199,35 @@ std::uint8_t color_channel(double value, Scalar type) {
     return static_cast<std::uint8_t>(std::clamp(std::isfinite(scaled) ? scaled : 0.0, 0.0, 255.0));
 }
 
-enum class Target { X, Y, Z, Nx, Ny, Nz, Red, Green, Blue, Sigma, NumObservations, None };
+enum class Target {
+    X,
+    Y,
+    Z,
+    Nx,
+    Ny,
+    Nz,
+    Red,
+    Green,
+    Blue,
+    Sigma,
+    SigmaLocal,
+    NumObservations,
+    None
+};
 
 Target target_of(std::string_view name) {
-    static constexpr std::string_view kNames[] = {
-        "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "sigma", "num_observations"};
+    static constexpr std::string_view kNames[] = {"x",
+                                                  "y",
+                                                  "z",
+                                                  "nx",
+                                                  "ny",
+                                                  "nz",
+                                                  "red",
+                                                  "green",
+                                                  "blue",
+                                                  "sigma",
+                                                  "sigma_local",
+                                                  "num_observations"};
     const auto* found = std::find(std::begin(kNames), std::end(kNames), name);
     return static_cast<Target>(found - std::begin(kNames));
 }
@@ -221,6 +245,7 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
     if (has(Target::Nx)) mesh.normals.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Red)) mesh.colors.resize(element.count);
     if (has(Target::Sigma)) mesh.sigma_m.resize(element.count);
+    if (has(Target::SigmaLocal)) mesh.sigma_local_m.resize(element.count);
     if (has(Target::NumObservations)) mesh.num_observations.resize(element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
         for (std::size_t p = 0; p < targets.size(); ++p) {
@@ -242,6 +267,8 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
                     color_channel(value, property.type);
             else if (target == Target::Sigma)
                 mesh.sigma_m[i] = static_cast<float>(value);
+            else if (target == Target::SigmaLocal)
+                mesh.sigma_local_m[i] = static_cast<float>(value);
             else if (target == Target::NumObservations)
                 mesh.num_observations[i] =
                     static_cast<std::uint32_t>(value > 0.0 ? std::min(value, 4294967295.0) : 0.0);

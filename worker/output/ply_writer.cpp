@@ -48,7 +48,8 @@ std::string mesh_header(const Mesh& mesh) {
     return header_start(mesh.vertices.size()) +
            "property float nx\nproperty float ny\nproperty float nz\n" +
            (mesh.colors.empty() ? "" : kColorHeader) +
-           "property float sigma\nproperty uint num_observations\nelement face " +
+           "property float sigma\nproperty float sigma_local\nproperty uint num_observations\n"
+           "element face " +
            std::to_string(mesh.triangles.size()) +
            "\nproperty list uchar int vertex_indices\nend_header\n";
 }
@@ -66,6 +67,7 @@ void write_ply(const std::filesystem::path& file, const Mesh& mesh) {
         record.put(normals[i]);
         if (!mesh.colors.empty()) record.put(mesh.colors[i]);
         record.put(mesh.sigma_m.empty() ? 0.0F : mesh.sigma_m[i]);
+        record.put(mesh.sigma_local_m.empty() ? 0.0F : mesh.sigma_local_m[i]);
         record.put(mesh.num_observations.empty() ? 0U : mesh.num_observations[i]);
         record.flush_to(output);
     }

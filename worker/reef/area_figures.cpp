@@ -21,6 +21,7 @@ void add_surface_area(Kinds& kinds, const Fineness& fineness) {
     FigureKind kind{"surface_area", "m2", fineness.detail_m};
     kind.method = "triangles of the mesh over the area, every sheet (habtools surface_area)";
     kind.lowest = 0.0;
+    kind.length_power = 2;
     kind.measure = [](const Ground& ground) {
         return std::optional(surface_area_m2(ground.patch, ground.vertices));
     };
@@ -56,12 +57,15 @@ void add_heights(Kinds& kinds) {
     range.method = "highest less lowest along the normal (habtools hr)";
     range.lowest = 0.0;
     range.is_extreme = true;
+    range.length_power = 1;
     range.loses_detail = true;
     range.measure = [](const Ground& ground) { return height_range(ground.grid); };
     kinds.push_back(range);
     FigureKind volume{"volume", "m3", std::nullopt};
     volume.method = "between the highest surface and the area's plane, above less below";
     volume.is_extreme = true;
+    volume.length_power = 3;
+    volume.is_from_plane = true;
     volume.measure = [](const Ground& ground) {
         return std::optional(volume_over_plane(ground.grid));
     };
@@ -117,13 +121,15 @@ void add_terrain(Kinds& kinds, double spacing_m) {
         kDegrees);
     add({.figure = "curvature",
          .unit = "1/m",
-         .method = "mean, hills positive (Zevenbergen and Thorne 1987)"},
+         .method = "mean, hills positive (Zevenbergen and Thorne 1987)",
+         .length_power = -1},
         &Terrain::mean_curvature,
         1.0);
     add({.figure = "curvature_deviation",
          .unit = "1/m",
          .method = "standard deviation of the curvature",
-         .lowest = 0.0},
+         .lowest = 0.0,
+         .length_power = -1},
         &Terrain::curvature_deviation,
         1.0);
     add({.figure = "vrm",
@@ -141,6 +147,7 @@ void add_fractal_dimensions(Kinds& kinds, double finest_m) {
     hvar.lowest = 2.0;
     hvar.highest = 3.0;
     hvar.loses_detail = true;
+    hvar.needs_relief = true;
     // habtools takes no square smaller than ten samples.
     const double sample_m = 0.2 * finest_m;
     hvar.measure = [=](const Ground& ground) {

@@ -31,9 +31,12 @@ struct FigureKind {
     std::string method;
     double lowest = -std::numeric_limits<double>::infinity();  // that the figure can be
     double highest = std::numeric_limits<double>::infinity();
-    bool is_extreme = false;    // unseen ground would change it
-    bool loses_detail = false;  // blurring takes from it
-    bool is_direction = false;  // deg, 360 is 0
+    bool is_extreme = false;     // unseen ground would change it
+    bool loses_detail = false;   // blurring takes from it
+    bool is_direction = false;   // deg, 360 is 0
+    int length_power = 0;        // by which the figure goes with the scale of all lengths
+    bool is_from_plane = false;  // what moves all of the surface along the normal changes it
+    bool needs_relief = false;   // beyond noise
     std::function<std::optional<double>(const Ground&)> measure;
 };
 

@@ -18,6 +18,7 @@ constexpr std::size_t kMaxAreas = 10'000;
 constexpr std::size_t kMaxPoints = 1'000;  // of an area
 constexpr std::size_t kMaxNameLength = 200;
 constexpr double kFarthest_m = 1e5;
+constexpr double kLongest_m = 1e4;  // of a transect, which is sampled every 5 mm
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
     throw Error(ErrorCode::BadData, where + ": " + what);
@@ -75,9 +76,13 @@ std::vector<Eigen::Vector3d> read_points(const json& entry, const std::string& w
 void check_line(const Area& area, const std::string& where) {
     if (area.points.size() < 2) refuse(where, "a transect of fewer than two points");
     const Eigen::Vector3d normal = area.normal.value_or(Eigen::Vector3d::UnitZ());
-    for (std::size_t i = 1; i < area.points.size(); ++i)
+    double length_m = 0.0;
+    for (std::size_t i = 1; i < area.points.size(); ++i) {
+        length_m += (area.points[i] - area.points[i - 1]).norm();
         if (!((area.points[i] - area.points[i - 1]).cross(normal).norm() > 1e-4))
             refuse(where, "two points of the transect lie above one another");
+    }
+    if (length_m > kLongest_m) refuse(where, "a transect longer than 10 km");
 }
 
 Area read_area(const json& entry, std::size_t index) {

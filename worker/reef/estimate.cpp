@@ -1,5 +1,6 @@
 #include "worker/reef/estimate.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -39,21 +40,30 @@ double student_t_975(int degrees_of_freedom) {
            (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
 }
 
-Estimate estimate(const Simulated& simulated, double sigma_doubt) {
+double sharpened(double measured, double blurred, double blurred_twice) {
+    const double first = measured - blurred;
+    if (first == 0.0 || !std::isfinite(first)) return measured;
+    const double next = (blurred - blurred_twice) / first;
+    return measured + first * (2.0 - std::clamp(std::isfinite(next) ? next : 1.0, 0.0, 1.0));
+}
+
+Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedError& shared) {
     constexpr double kTwoSided = 1.959964;
-    const double blur = simulated.measured - simulated.blurred;
     double noise = 0.0;  // what it added
     double half_width = 0.0;
     if (simulated.once.size() > 1) {
         const double once = mean_of(simulated.once);
         const double twice = mean_of(simulated.twice);
-        noise = 3.0 * once - 2.0 * simulated.measured - twice;
+        noise = 3.0 * once - 2.0 * simulated.sharp - twice;
         half_width = student_t_975(static_cast<int>(simulated.once.size()) - 1) *
                      deviation_of(simulated, once, twice);
     }
-    const double doubt = kTwoSided * std::hypot(2.0 * sigma_doubt * noise, blur);
-    half_width = std::hypot(half_width, doubt);
-    const double value = simulated.measured - noise + blur;
+    const double value = simulated.sharp - noise;
+    const Eigen::Vector4d doubts(2.0 * sigma_doubt * noise,
+                                 simulated.sharp - simulated.measured,
+                                 shared.relative * value,
+                                 shared.absolute);
+    half_width = std::hypot(half_width, kTwoSided * doubts.norm());
     return {value, value - half_width, value + half_width};
 }
 

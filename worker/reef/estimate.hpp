@@ -11,22 +11,33 @@ struct Estimate {
     double high = 0.0;
 };
 
-// A figure of a surface with noise: as measured; of the measured surface with the same noise added
-// once more, and with twice its variance, replicate by replicate; and with detail as fine as the
-// surface's own resolution blurred once more.
+// A figure of a surface with noise and of limited detail: as measured; with the detail put back
+// (sharpened) that the surface cannot hold; the latter of the measured surface with the same noise
+// added once more, and with twice its variance, replicate by replicate.
 struct Simulated {
     double measured = 0.0;
+    double sharp = 0.0;  // = measured where nothing is known of the resolution
     std::vector<double> once;
     std::vector<double> twice;
-    double blurred = 0.0;  // = measured where nothing is known of the resolution
 };
 
-// Noise raises rugosity and lowers nothing, so the figure is taken back to noise of no variance by
-// the parabola through the three (SIMEX; Cook and Stefanski 1994), and to detail that blurring
-// took by what blurring once more takes (twicing; Tukey 1977). The interval: Student's t over the
-// spread of the replicates; `sigma_doubt` of the noise's size, which goes into its part twice; and
-// the whole of blurring's part as one standard deviation.
-Estimate estimate(const Simulated& simulated, double sigma_doubt);
+// A figure with what blurring took from it put back, by what blurring once and twice more takes:
+// one step back along the parabola through the three, as simulation and extrapolation goes with
+// noise (Cook and Stefanski 1994); once more alone is Tukey's twicing (1977). Never less than that
+// and never more than twice as much.
+double sharpened(double measured, double blurred, double blurred_twice);
+
+// What errors that all vertices share do to a figure: one standard deviation.
+struct SharedError {
+    double relative = 0.0;  // of the figure itself
+    double absolute = 0.0;
+};
+
+// Noise raises rugosity and lowers nothing, so the sharpened figure is taken back to noise of no
+// variance by the parabola through the three (SIMEX; Cook and Stefanski 1994). The interval:
+// Student's t over the spread of the replicates; `sigma_doubt` of the noise's size, which goes into
+// its part twice; what sharpening put back as one standard deviation; the shared errors.
+Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedError& shared = {});
 
 double student_t_975(int degrees_of_freedom);  // Cornish and Fisher 1960, to 1e-3 from 4 on
 

@@ -5,21 +5,18 @@
 #include <cstdio>
 
 namespace divemesh::worker {
-namespace {
-
 std::string length_text(double length_m) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.1f mm", 1000.0 * length_m);
     return text.data();
 }
 
-}  // namespace
-
 Fineness fineness_of(const SurfacePatch& patch,
                      const std::vector<Eigen::Vector3d>& cameras_plane,
                      const MeasureOptions& options) {
     Fineness fineness;
-    fineness.sigma_m = typical_sigma_m(patch);
+    fineness.sigma_m = typical_sigma_m(patch.sigma_m);
+    fineness.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
     double detail = options.least_detail_m;
     double window = 2.0 * median_edge_m(patch);
     const auto range = median_range_m(patch, cameras_plane);
@@ -52,10 +49,12 @@ std::optional<double> finest_spacing_m(const MeasureOptions& options, const Fine
 }
 
 void fill_in_sigma(SurfacePatch& patch, const MeasureOptions& options) {
-    const double typical =
-        options.sigma_m > 0.0 ? options.sigma_m : typical_sigma_m(patch).value_or(0.0);
-    for (double& sigma : patch.sigma_m)
-        if (sigma <= 0.0) sigma = typical;
+    for (std::vector<double>* sigmas : {&patch.sigma_m, &patch.sigma_local_m}) {
+        const double typical =
+            options.sigma_m > 0.0 ? options.sigma_m : typical_sigma_m(*sigmas).value_or(0.0);
+        for (double& sigma : *sigmas)
+            if (sigma <= 0.0) sigma = typical;
+    }
 }
 
 }  // namespace divemesh::worker

@@ -10,8 +10,9 @@ namespace divemesh::worker {
 
 // How fine the ground was measured.
 struct Fineness {
-    std::optional<double> sigma_m;   // of the vertices, root of the mean square
-    std::optional<double> detail_m;  // shortest that the surface holds
+    std::optional<double> sigma_m;        // of the vertices, root of the mean square
+    std::optional<double> sigma_local_m;  // likewise, of their noise alone
+    std::optional<double> detail_m;       // shortest that the surface holds
     double correlation_length_m = 0.0;
     double least_sample_m = 0.0;  // of a grid with no more samples than memory is for
 };
@@ -20,6 +21,8 @@ struct Fineness {
 Fineness fineness_of(const SurfacePatch& patch,
                      const std::vector<Eigen::Vector3d>& cameras_plane,
                      const MeasureOptions& options);
+
+std::string length_text(double length_m);  // mm
 
 // Why nothing can be said at this spacing, below three sigma, finer than the detail or than the
 // samples; nothing when it can.

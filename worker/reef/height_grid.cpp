@@ -71,6 +71,15 @@ void mark_row(const GridShape& shape,
     }
 }
 
+// Of each of `num` values, `stride` apart, the sum over up to `radius` neighbours to either side.
+void sum_around(double* values, int num, std::ptrdiff_t stride, int radius) {
+    std::vector<double> before(static_cast<std::size_t>(num) + 1, 0.0);  // sum of all before it
+    for (int i = 0; i < num; ++i) before[i + 1] = before[i] + values[i * stride];
+    for (int i = 0; i < num; ++i)
+        values[i * stride] =
+            before[std::min(num, i + radius + 1)] - before[std::max(0, i - radius)];
+}
+
 }  // namespace
 
 GridShape grid_over(const Polygon& outline, double spacing_m) {
@@ -123,23 +132,22 @@ HeightGrid every(const HeightGrid& grid, int step) {
 HeightGrid blurred(const HeightGrid& grid, double side_m) {
     const GridShape& shape = grid.shape;
     const int radius = static_cast<int>(std::lround(0.5 * side_m / shape.spacing_m));
+    std::vector<double> sums(shape.num_nodes());
+    std::vector<double> nums(shape.num_nodes());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const bool is_seen = grid.heights_m[i] > kUnseen_m;
+        sums[i] = is_seen ? grid.heights_m[i] : 0.0;
+        nums[i] = is_seen ? 1.0 : 0.0;
+    }
+    for (std::vector<double>* values : {&sums, &nums}) {
+        for (int row = 0; row < shape.num_rows; ++row)
+            sum_around(values->data() + shape.index(0, row), shape.num_columns, 1, radius);
+        for (int column = 0; column < shape.num_columns; ++column)
+            sum_around(values->data() + column, shape.num_rows, shape.num_columns, radius);
+    }
     HeightGrid out = grid;
-    for (int row = 0; row < shape.num_rows; ++row)
-        for (int column = 0; column < shape.num_columns; ++column) {
-            if (!grid.is_seen(column, row)) continue;
-            double sum = 0.0;
-            int num = 0;
-            for (int y = std::max(0, row - radius); y <= std::min(shape.num_rows - 1, row + radius);
-                 ++y)
-                for (int x = std::max(0, column - radius);
-                     x <= std::min(shape.num_columns - 1, column + radius);
-                     ++x)
-                    if (grid.is_seen(x, y)) {
-                        sum += grid.at(x, y);
-                        ++num;
-                    }
-            out.heights_m[shape.index(column, row)] = sum / num;
-        }
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (grid.heights_m[i] > kUnseen_m) out.heights_m[i] = sums[i] / nums[i];
     return out;
 }
 

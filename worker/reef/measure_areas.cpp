@@ -1,5 +1,7 @@
 #include "worker/reef/measure_areas.hpp"
 
+#include <algorithm>
+
 #include "schemas/error.hpp"
 #include "worker/output/mesh_check.hpp"
 #include "worker/reef/measure_labels.hpp"
@@ -46,11 +48,13 @@ void check(const Mesh& mesh, const AreaSet& set) {
 
 }  // namespace
 
-json measure_areas(const Mesh& mesh, const AreaSet& set, const MeasureOptions& options) {
+json measure_areas(const Mesh& mesh, const AreaSet& set, MeasureOptions options) {
     check(mesh, set);
     AreaTask whole{std::string(kWholeModel), "", "whole"};
     whole.is_whole_model = true;
     const AreaResult all = measure_outline(mesh, whole, plane_of_all(mesh), options);
+    // How far the stated noise is too large is alike all over a dive, and shows on smooth ground.
+    options.noise_share = std::min(options.noise_share, all.noise_share);
     json areas = json::array({all.area});
     json figures = all.figures;
     SurveyedGround ground{std::string(kWholeModel), all.planar_m2, {}};

@@ -23,6 +23,9 @@ struct MeasureOptions {
     double least_detail_m = 0.0;  // two voxels
 
     double sigma_m = 0.0;               // of the vertices where the mesh does not say
+    double sigma_shared_m = 0.0;        // by which poses move all of an area along its normal
+    double scale_sigma = 0.001;         // of all lengths: a careful calibration's
+    double noise_share = 1.0;           // of the stated local sigma, the most that is there
     double sigma_doubt = 0.25;          // how far sigma itself may be off: relative, one deviation
     double correlation_length_m = 0.0;  // of the noise; 0: window_px, else two triangle sides
 

@@ -6,6 +6,8 @@
 
 #include "worker/reef/area_figures.hpp"
 #include "worker/reef/figure_json.hpp"
+#include "worker/reef/fractal_dimension.hpp"
+#include "worker/reef/shown_noise.hpp"
 #include "worker/reef/simulate_figures.hpp"
 
 namespace divemesh::worker {
@@ -55,19 +57,45 @@ struct Survey {
     }
 };
 
+// Answers the share that was kept.
+double keep_shown_noise(Survey& survey, double most) {
+    SurfacePatch& patch = survey.patch[0];
+    ShownNoise noise(survey.fineness.correlation_length_m);
+    noise.add(patch, survey.shape);
+    const double share = std::min(most, noise.share());
+    for (double& sigma : patch.sigma_local_m) sigma *= share;
+    survey.fineness.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
+    return share;
+}
+
 struct Seen {
     double num_within = 0.0;
     double num_seen = 0.0;
+    double num_border = 0.0;  // sides between seen nodes and what was not seen
 };
 
 Seen count_seen(const Survey& survey) {
     const HeightGrid grid = survey.grid(survey.patch[0].vertices);
     Seen seen;
-    for (std::size_t i = 0; i < survey.within.size(); ++i) {
-        seen.num_within += survey.within[i];
-        if (grid.heights_m[i] > kUnseen_m) seen.num_seen += 1.0;
-    }
+    const auto is_seen = [&](int column, int row) {
+        return column >= 0 && row >= 0 && column < grid.shape.num_columns &&
+               row < grid.shape.num_rows && grid.is_seen(column, row);
+    };
+    for (int row = 0; row < grid.shape.num_rows; ++row)
+        for (int column = 0; column < grid.shape.num_columns; ++column) {
+            seen.num_within += survey.within[grid.shape.index(column, row)];
+            if (!grid.is_seen(column, row)) continue;
+            seen.num_seen += 1.0;
+            seen.num_border += 4 - is_seen(column - 1, row) - is_seen(column + 1, row) -
+                               is_seen(column, row - 1) - is_seen(column, row + 1);
+        }
     return seen;
+}
+
+// Of an area whose border is known to half the detail that the surface holds, every such stretch
+// of it independently.
+double border_sigma_m2(double border_m, double detail_m) {
+    return detail_m * std::sqrt(border_m * detail_m / 12.0);
 }
 
 double value_of(const FigureKind& kind, const Ground& ground, double near) {
@@ -81,19 +109,23 @@ std::vector<Simulated> simulate(const Survey& survey,
                                 const MeasureOptions& options) {
     std::vector<double> measured(kinds.size(), std::nan(""));
     const Eigen::Matrix3d R_world_plane = survey.plane.T_plane_world.linear().transpose();
-    const Evaluate evaluate = [&](const Places& places, bool is_blurred) {
+    const Evaluate evaluate = [&](const Places& places, int num_blurs) {
         Ground ground{survey.patch[0], places[0], survey.grid(places[0]), R_world_plane};
-        if (is_blurred && survey.fineness.detail_m)
+        for (int i = 0; i < num_blurs; ++i)
             ground.grid = blurred(ground.grid, *survey.fineness.detail_m);
         std::vector<double> values;
         for (std::size_t k = 0; k < kinds.size(); ++k)
-            values.push_back(is_blurred && !kinds[k].loses_detail
-                                 ? measured[k]
+            values.push_back(num_blurs > 0 && !kinds[k].loses_detail
+                                 ? std::nan("")
                                  : value_of(kinds[k], ground, measured[k]));
         return values;
     };
-    measured = evaluate({survey.patch[0].vertices}, false);
-    return simulate_figures(survey.patch, survey.fineness.correlation_length_m, options, evaluate);
+    measured = evaluate({survey.patch[0].vertices}, 0);
+    return simulate_figures(survey.patch,
+                            survey.fineness.correlation_length_m,
+                            survey.fineness.detail_m.has_value(),
+                            options,
+                            evaluate);
 }
 
 std::optional<std::string> refusal(const FigureKind& kind,
@@ -112,6 +144,28 @@ std::optional<std::string> refusal(const FigureKind& kind,
     return kind.resolution_m ? refused_at(*kind.resolution_m, fineness) : std::nullopt;
 }
 
+// Nothing where heights within a square of the figure's resolution differ by more than noise makes
+// them, three sigma up and down.
+std::optional<std::string> too_flat(const FigureKind& kind, const Survey& survey) {
+    if (!kind.needs_relief || !kind.resolution_m) return std::nullopt;
+    const std::vector<double> ranges =
+        height_ranges(survey.grid(survey.patch[0].vertices), *kind.resolution_m);
+    if (ranges.empty()) return std::nullopt;
+    const double mean =
+        std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
+    const double noise = 6.0 * survey.fineness.sigma_local_m.value_or(0.0);
+    if (mean > noise) return std::nullopt;
+    return "too flat: heights within " + length_text(*kind.resolution_m) + " differ by " +
+           length_text(mean) + ", noise alone makes up to " + length_text(noise);
+}
+
+SharedError shared_error(const FigureKind& kind,
+                         const AreaResult& result,
+                         const MeasureOptions& options) {
+    return {std::abs(kind.length_power) * options.scale_sigma,
+            kind.is_from_plane ? options.sigma_shared_m * result.coverage * result.planar_m2 : 0.0};
+}
+
 // Those that can be taken are; the others say why not, in their place.
 void add_figures(const std::vector<FigureKind>& kinds,
                  const AreaTask& task,
@@ -122,6 +176,7 @@ void add_figures(const std::vector<FigureKind>& kinds,
     std::vector<FigureKind> taken;
     for (const FigureKind& kind : kinds) {
         refused.push_back(refusal(kind, task, survey.fineness, result.coverage, options));
+        if (!refused.back()) refused.back() = too_flat(kind, survey);
         if (!refused.back()) taken.push_back(kind);
     }
     const std::vector<Simulated> simulated = simulate(survey, taken, options);
@@ -131,8 +186,14 @@ void add_figures(const std::vector<FigureKind>& kinds,
             result.figures.push_back(refused_json(task, kinds[k], *refused[k]));
             continue;
         }
-        const Estimate estimated = estimate(simulated[next++], options.sigma_doubt);
+        const Estimate estimated = estimate(
+            simulated[next++], options.sigma_doubt, shared_error(kinds[k], result, options));
         const bool is_known = std::isfinite(estimated.low) && std::isfinite(estimated.high);
+        if (estimated.high < kinds[k].lowest || estimated.low > kinds[k].highest) {
+            result.figures.push_back(refused_json(
+                task, kinds[k], "all of its interval lies beyond what the figure can be"));
+            continue;
+        }
         result.figures.push_back(
             is_known ? figure_json(task, kinds[k], estimated)
                      : refused_json(task,
@@ -142,17 +203,23 @@ void add_figures(const std::vector<FigureKind>& kinds,
     }
 }
 
-void add_given(const AreaTask& task, const AreaPlane& plane, AreaResult& result) {
+void add_given(const AreaTask& task,
+               const AreaPlane& plane,
+               const MeasureOptions& options,
+               AreaResult& result) {
+    const auto of_value = [&](double value, int length_power, double sigma) {
+        return estimate({value, value, {}, {}}, 0.0, {length_power * options.scale_sigma, sigma});
+    };
     FigureKind planar{"planar_area", "m2", std::nullopt};
     planar.method = task.is_whole_model ? "samples with surface, seen from above"
                                         : "of the outline as given, along its normal";
     result.figures.push_back(
-        figure_json(task, planar, {result.planar_m2, result.planar_m2, result.planar_m2}));
+        figure_json(task, planar, of_value(result.planar_m2, 2, result.border_sigma_m2)));
     if (task.is_whole_model) return;
     const double longest = longest_diameter_m(plane.outline);
     FigureKind diameter{"longest_diameter", "m", std::nullopt};
     diameter.method = "between the two farthest corners of the outline as given";
-    result.figures.push_back(figure_json(task, diameter, {longest, longest, longest}));
+    result.figures.push_back(figure_json(task, diameter, of_value(longest, 1, 0.0)));
 }
 
 nlohmann::json describe(const AreaTask& task, const AreaResult& result, const Fineness& fineness) {
@@ -162,6 +229,7 @@ nlohmann::json describe(const AreaTask& task, const AreaResult& result, const Fi
                            {"correlation_length_m", fineness.correlation_length_m}};
     if (!task.label.empty()) json["label"] = task.label;
     if (fineness.sigma_m) json["sigma_m"] = *fineness.sigma_m;
+    if (fineness.sigma_local_m) json["sigma_local_m"] = *fineness.sigma_local_m;
     if (fineness.detail_m) json["detail_m"] = *fineness.detail_m;
     return json;
 }
@@ -182,16 +250,20 @@ AreaResult measure_outline(const Mesh& mesh,
         survey.shape = *shape;
         survey.fineness.least_sample_m = shape->spacing_m;
         survey.within = nodes_within(*shape, plane.outline);
+        result.noise_share = keep_shown_noise(survey, options.noise_share);
         const Seen seen = count_seen(survey);
         result.coverage = seen.num_within > 0.0 ? seen.num_seen / seen.num_within : 0.0;
         if (task.is_whole_model) {
             result.coverage = seen.num_seen > 0.0 ? 1.0 : 0.0;
             result.planar_m2 = seen.num_seen * shape->spacing_m * shape->spacing_m;
+            result.border_sigma_m2 =
+                border_sigma_m2(seen.num_border * shape->spacing_m,
+                                std::max(shape->spacing_m, survey.fineness.detail_m.value_or(0.0)));
         }
     }
     result.area = describe(task, result, survey.fineness);
     result.area["planar_area_m2"] = result.planar_m2;
-    add_given(task, plane, result);
+    add_given(task, plane, options, result);
     const auto kinds =
         area_figures(options, survey.fineness, finest_spacing_m(options, survey.fineness));
     if (shape && result.coverage > 0.0) {

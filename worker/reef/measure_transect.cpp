@@ -5,6 +5,7 @@
 #include "worker/reef/figure_json.hpp"
 #include "worker/reef/measure_outline.hpp"
 #include "worker/reef/rugosity.hpp"
+#include "worker/reef/shown_noise.hpp"
 #include "worker/reef/simulate_figures.hpp"
 
 namespace divemesh::worker {
@@ -12,7 +13,6 @@ namespace {
 
 constexpr double kMargin_m = 0.05;
 constexpr double kStep_m = 0.005;  // of which every spacing of the options is a multiple
-constexpr double kLongest_m = 10'000.0;
 
 // A straight piece of the line with the mesh around it; samples at whole steps of the line.
 struct Piece {
@@ -115,10 +115,24 @@ Fineness fineness_of_all(const std::vector<Piece>& pieces,
             cameras.push_back(pieces[i].plane.T_plane_world * position);
         const Fineness here = fineness_of(patches[i], cameras, options);
         if (here.sigma_m) all.sigma_m = std::max(all.sigma_m.value_or(0.0), *here.sigma_m);
+        if (here.sigma_local_m)
+            all.sigma_local_m = std::max(all.sigma_local_m.value_or(0.0), *here.sigma_local_m);
         if (here.detail_m) all.detail_m = std::max(all.detail_m.value_or(0.0), *here.detail_m);
         all.correlation_length_m = std::max(all.correlation_length_m, here.correlation_length_m);
     }
     return all;
+}
+
+void keep_shown_noise(const std::vector<Piece>& pieces,
+                      std::vector<SurfacePatch>& patches,
+                      double most,
+                      Fineness& fineness) {
+    ShownNoise noise(fineness.correlation_length_m);
+    for (std::size_t i = 0; i < pieces.size(); ++i) noise.add(patches[i], pieces[i].shape);
+    const double share = std::min(most, noise.share());
+    if (fineness.sigma_local_m) *fineness.sigma_local_m *= share;
+    for (SurfacePatch& patch : patches)
+        for (double& sigma : patch.sigma_local_m) sigma *= share;
 }
 
 }  // namespace
@@ -140,7 +154,8 @@ AreaResult measure_transect(const Mesh& mesh,
     for (const SurfacePatch& patch : patches) measured.push_back(patch.vertices);
     AreaResult result;
     result.coverage = coverage_of(profile_of(pieces, patches, measured));
-    const Fineness fineness = fineness_of_all(pieces, patches, options);
+    Fineness fineness = fineness_of_all(pieces, patches, options);
+    keep_shown_noise(pieces, patches, options.noise_share, fineness);
     result.area = {{"name", task.name},
                    {"kind", task.kind},
                    {"length_m", length},
@@ -148,17 +163,18 @@ AreaResult measure_transect(const Mesh& mesh,
                    {"correlation_length_m", fineness.correlation_length_m}};
     if (!task.label.empty()) result.area["label"] = task.label;
     if (fineness.sigma_m) result.area["sigma_m"] = *fineness.sigma_m;
+    if (fineness.sigma_local_m) result.area["sigma_local_m"] = *fineness.sigma_local_m;
     if (fineness.detail_m) result.area["detail_m"] = *fineness.detail_m;
-    const Evaluate evaluate = [&](const Places& places, bool is_blurred) {
+    const Evaluate evaluate = [&](const Places& places, int num_blurs) {
         std::vector<ProfilePoint> profile = profile_of(pieces, patches, places);
-        if (is_blurred && fineness.detail_m) profile = blurred(profile, *fineness.detail_m);
+        for (int i = 0; i < num_blurs; ++i) profile = blurred(profile, *fineness.detail_m);
         std::vector<double> values;
         for (const double spacing_m : options.spacings_m)
             values.push_back(chain_rugosity(every(profile, spacing_m)).value_or(std::nan("")));
         return values;
     };
-    const std::vector<Simulated> simulated =
-        simulate_figures(patches, fineness.correlation_length_m, options, evaluate);
+    const std::vector<Simulated> simulated = simulate_figures(
+        patches, fineness.correlation_length_m, fineness.detail_m.has_value(), options, evaluate);
     for (std::size_t k = 0; k < options.spacings_m.size(); ++k) {
         const FigureKind kind = chain_kind(options.spacings_m[k]);
         const Estimate estimated = estimate(simulated[k], options.sigma_doubt);

@@ -32,33 +32,47 @@ int num_replicates(const std::vector<SurfacePatch>& patches, const MeasureOption
     bool has_noise = false;
     for (const SurfacePatch& patch : patches) {
         num_vertices += patch.vertices.size();
-        has_noise = has_noise || typical_sigma_m(patch).has_value();
+        has_noise = has_noise || typical_sigma_m(patch.sigma_local_m).has_value();
     }
     if (!has_noise || options.num_replicates < 2) return 0;
     const auto affordable = static_cast<int>(kMostVertices / num_vertices);
     return std::min(options.num_replicates, std::max(kLeast, affordable));
 }
 
+std::vector<double> sharpened_figures(const Evaluate& evaluate,
+                                      const Places& places,
+                                      std::vector<double> measured,
+                                      bool has_blur) {
+    if (!has_blur) return measured;
+    const std::vector<double> blurred = evaluate(places, 1);
+    const std::vector<double> blurred_twice = evaluate(places, 2);
+    for (std::size_t k = 0; k < measured.size(); ++k)
+        measured[k] = sharpened(measured[k], blurred[k], blurred_twice[k]);
+    return measured;
+}
+
 }  // namespace
 
 std::vector<Simulated> simulate_figures(const std::vector<SurfacePatch>& patches,
                                         double correlation_length_m,
+                                        bool has_blur,
                                         const MeasureOptions& options,
                                         const Evaluate& evaluate) {
     const Places places = measured_places(patches);
-    const std::vector<double> measured = evaluate(places, false);
-    const std::vector<double> blurred = evaluate(places, true);
+    const std::vector<double> measured = evaluate(places, 0);
+    const std::vector<double> sharp = sharpened_figures(evaluate, places, measured, has_blur);
     const int num = num_replicates(patches, options);
     std::vector<std::vector<double>> noisy(2 * static_cast<std::size_t>(num));
     for_each_index(options.num_threads, noisy.size(), [&](std::size_t i) {
         const NoiseField noise(correlation_length_m, options.seed + i / 2);
         const double scale = i % 2 == 0 ? 1.0 : std::numbers::sqrt2;
-        noisy[i] = evaluate(noisy_places(patches, noise, scale), false);
+        const Places moved = noisy_places(patches, noise, scale);
+        noisy[i] = sharpened_figures(evaluate, moved, evaluate(moved, 0), has_blur);
     });
     std::vector<Simulated> figures(measured.size());
     for (std::size_t k = 0; k < measured.size(); ++k) {
         figures[k].measured = measured[k];
-        figures[k].blurred = blurred[k];
+        figures[k].sharp = sharp[k];
         for (std::size_t i = 0; i < noisy.size(); ++i)
             (i % 2 == 0 ? figures[k].once : figures[k].twice).push_back(noisy[i][k]);
     }

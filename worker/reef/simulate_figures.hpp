@@ -12,12 +12,14 @@ namespace divemesh::worker {
 
 // Figures of the ground whose vertices, patch by patch, are at these places; NaN: cannot be taken.
 using Places = std::vector<std::vector<Eigen::Vector3d>>;
-using Evaluate = std::function<std::vector<double>(const Places& vertices, bool is_blurred)>;
+using Evaluate = std::function<std::vector<double>(const Places& vertices, int num_blurs)>;
 
-// Each figure as measured, with noise of the vertices' sigma once and twice over, and blurred. No
-// replicates where no vertex has a sigma. The patches share no vertex.
+// Each figure as measured and sharpened, the latter with noise of the vertices' local sigma once
+// and twice over as well. `evaluate` is asked for blurs where `has_blur`. No replicates where no
+// vertex has a sigma. The patches share no vertex.
 std::vector<Simulated> simulate_figures(const std::vector<SurfacePatch>& patches,
                                         double correlation_length_m,
+                                        bool has_blur,
                                         const MeasureOptions& options,
                                         const Evaluate& evaluate);
 

@@ -63,7 +63,8 @@ std::vector<Eigen::Vector3d> with_noise(const SurfacePatch& patch,
                                         double scale) {
     std::vector<Eigen::Vector3d> vertices = patch.vertices;
     for (std::size_t i = 0; i < vertices.size(); ++i)
-        vertices[i] += scale * patch.sigma_m[i] * noise.at(patch.vertices[i]) * patch.normals[i];
+        vertices[i] +=
+            scale * patch.sigma_local_m[i] * noise.at(patch.vertices[i]) * patch.normals[i];
     return vertices;
 }
 

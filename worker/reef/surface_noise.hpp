@@ -22,7 +22,7 @@ private:
     std::uint64_t seed_;
 };
 
-// The vertices moved along their normals by scale * sigma * noise.
+// The vertices moved along their normals by scale * sigma_local * noise.
 std::vector<Eigen::Vector3d> with_noise(const SurfacePatch& patch,
                                         const NoiseField& noise,
                                         double scale);

@@ -43,6 +43,11 @@ double upper_median(std::vector<double>& values) {
     return *middle;
 }
 
+double known_or_zero(const std::vector<float>& sigmas_m, std::uint32_t vertex) {
+    const double sigma = sigmas_m.empty() ? 0.0 : sigmas_m[vertex];
+    return std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0;
+}
+
 // Takes vertices over as triangles ask for them.
 class PatchBuilder {
 public:
@@ -57,8 +62,9 @@ public:
         index_[vertex] = static_cast<std::uint32_t>(patch.vertices.size());
         patch.vertices.emplace_back(T_plane_world_ * mesh_.vertices[vertex].cast<double>());
         patch.normals.emplace_back(T_plane_world_.linear() * normals_[vertex].cast<double>());
-        const double sigma = mesh_.sigma_m.empty() ? 0.0 : mesh_.sigma_m[vertex];
-        patch.sigma_m.push_back(std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0);
+        patch.sigma_m.push_back(known_or_zero(mesh_.sigma_m, vertex));
+        patch.sigma_local_m.push_back(known_or_zero(
+            mesh_.sigma_local_m.empty() ? mesh_.sigma_m : mesh_.sigma_local_m, vertex));
         return index_[vertex];
     }
 
@@ -117,10 +123,10 @@ double surface_area_m2(const SurfacePatch& patch, const std::vector<Eigen::Vecto
     return area;
 }
 
-std::optional<double> typical_sigma_m(const SurfacePatch& patch) {
+std::optional<double> typical_sigma_m(const std::vector<double>& sigma_m) {
     double squares = 0.0;
     std::size_t num = 0;
-    for (const double sigma : patch.sigma_m) {
+    for (const double sigma : sigma_m) {
         if (sigma <= 0.0) continue;
         squares += sigma * sigma;
         ++num;

@@ -13,7 +13,8 @@ namespace divemesh::worker {
 struct SurfacePatch {
     std::vector<Eigen::Vector3d> vertices;
     std::vector<Eigen::Vector3d> normals;  // unit
-    std::vector<double> sigma_m;           // along the normal; 0: unknown
+    std::vector<double> sigma_m;           // along the normal, all of it; 0: unknown
+    std::vector<double> sigma_local_m;     // the noise in it, where the mesh tells it apart
     Triangles triangles;
     std::vector<double> share_within;  // of each triangle's area, the area's outline
 };
@@ -25,8 +26,8 @@ SurfacePatch cut_patch(const Mesh& mesh, const AreaPlane& plane, double margin_m
 // surface_area), with the vertices at these places.
 double surface_area_m2(const SurfacePatch& patch, const std::vector<Eigen::Vector3d>& vertices);
 
-// Root of the mean squares over the vertices that have one; nothing when none has.
-std::optional<double> typical_sigma_m(const SurfacePatch& patch);
+// Root of the mean squares over those that are known; nothing when none is.
+std::optional<double> typical_sigma_m(const std::vector<double>& sigma_m);
 // Of the vertices to the nearest of the cameras, the median; nothing without cameras or vertices.
 std::optional<double> median_range_m(const SurfacePatch& patch,
                                      const std::vector<Eigen::Vector3d>& cameras_plane);

@@ -16,6 +16,7 @@ struct Mesh {
     std::vector<Eigen::Vector3f> normals;         // unit, outward; as many as vertices, or none
     std::vector<Color> colors;                    // as many as vertices, or none
     std::vector<float> sigma_m;                   // standard deviation along the normal, or none
+    std::vector<float> sigma_local_m;             // of it, what only near neighbours share, or none
     std::vector<std::uint32_t> num_observations;  // views that saw the vertex, or none
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };

@@ -71,6 +71,7 @@ void drop_unused_vertices(Mesh& mesh) {
     keep_entries(mesh.normals, kept);
     keep_entries(mesh.colors, kept);
     keep_entries(mesh.sigma_m, kept);
+    keep_entries(mesh.sigma_local_m, kept);
     keep_entries(mesh.num_observations, kept);
 }
 

@@ -28,6 +28,7 @@ Values means_around(const Mesh& mesh, const Values& values) {
 
 void finish_sigma(Mesh& mesh, double voxel_m, double sigma_poses_m) {
     if (mesh.sigma_m.empty()) return;
+    mesh.sigma_local_m.resize(mesh.sigma_m.size());
     Values normals;
     normals.reserve(mesh.normals.size());
     for (const Eigen::Vector3f& normal : mesh.normals) normals.emplace_back(normal.homogeneous());
@@ -40,7 +41,8 @@ void finish_sigma(Mesh& mesh, double voxel_m, double sigma_poses_m) {
         const float alike = 1.0F + kAlike * std::max(0.0F, num_views - 1.0F);
         const float theta2 =
             normals.empty() ? 0.0F : 2.0F * std::max(0.0F, 1.0F - normals[i].head<3>().norm());
-        mesh.sigma_m[i] = std::sqrt(alike * mesh.sigma_m[i] * mesh.sigma_m[i] +
+        mesh.sigma_local_m[i] = std::sqrt(alike) * mesh.sigma_m[i];
+        mesh.sigma_m[i] = std::sqrt(mesh.sigma_local_m[i] * mesh.sigma_local_m[i] +
                                     flattened_m * flattened_m * theta2 + poses_m2);
     }
 }

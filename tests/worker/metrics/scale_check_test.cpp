@@ -107,13 +107,17 @@ TEST(ScaleCheckTest, KnownDistancesSayTheScaleAndHowWellTheyAgree) {
         errors.distances.push_back({"", known, measured, 4, 4});
     errors.num_measured = 3;
     errors.scale_error = -0.02;
-    const auto check = scale_by_distances(errors);
+    const auto check = scale_by_distances(errors, {});
     ASSERT_TRUE(check.has_value());
     EXPECT_NEAR(check->scale, 1.0 / 0.98, 1e-9);
     // Residuals of 1 mm, 1 mm and nothing; squares of the lengths add up to 6.
     EXPECT_NEAR(check->sigma, std::sqrt(2e-6 / 2.0 / 6.0), 1e-9);
+    // The poses move ends that are 2 m apart by 3 mm, those of the shorter lengths by 3 / sqrt(2).
+    const double by_poses = (2.0 * 0.003 / std::sqrt(2.0) + 2.0 * 0.003) / 6.0;
+    EXPECT_NEAR(
+        scale_by_distances(errors, {0.003, 2.0})->sigma, std::hypot(check->sigma, by_poses), 1e-9);
     errors.num_measured = 2;
-    EXPECT_FALSE(scale_by_distances(errors).has_value());
+    EXPECT_FALSE(scale_by_distances(errors, {}).has_value());
 }
 
 }  // namespace

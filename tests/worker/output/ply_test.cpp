@@ -18,15 +18,16 @@ TEST_F(PlyTest, AMeshSurvivesTheWayThroughAFile) {
     EXPECT_EQ(mesh.vertices, written.vertices);
     EXPECT_EQ(mesh.colors, written.colors);
     EXPECT_EQ(mesh.sigma_m, written.sigma_m);
+    EXPECT_EQ(mesh.sigma_local_m, written.sigma_local_m);
     EXPECT_EQ(mesh.num_observations, written.num_observations);
     EXPECT_EQ(mesh.triangles, written.triangles);
 }
 
-TEST_F(PlyTest, VerticesTakeThirtyFiveBytesAndTrianglesThirteen) {
+TEST_F(PlyTest, VerticesTakeThirtyNineBytesAndTrianglesThirteen) {
     write_ply(file("mesh.ply"), tetrahedron());
     const std::string bytes = read(file("mesh.ply"));
     const std::string end = "end_header\n";
-    EXPECT_EQ(bytes.size() - bytes.find(end) - end.size(), 4U * 35U + 4U * 13U);
+    EXPECT_EQ(bytes.size() - bytes.find(end) - end.size(), 4U * 39U + 4U * 13U);
 }
 
 TEST_F(PlyTest, WrittenNormalsAreUnitLengthEvenWhereTheMeshHasNone) {

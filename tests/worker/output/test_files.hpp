@@ -60,6 +60,7 @@ inline Mesh tetrahedron() {
     mesh.normals = {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     mesh.colors = {{0, 10, 20}, {255, 0, 0}, {0, 255, 0}, {188, 188, 188}};
     mesh.sigma_m = {0.001F, 0.002F, 0.003F, 0.004F};
+    mesh.sigma_local_m = {0.0005F, 0.001F, 0.0015F, 0.002F};
     mesh.num_observations = {1, 2, 3, 4};
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     return mesh;

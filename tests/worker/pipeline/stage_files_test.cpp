@@ -70,6 +70,7 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
     Mesh& mesh = surface.mesh;
     mesh.vertices = {{0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};
     mesh.sigma_m = {0.001F, 0.002F, 0.003F};
+    mesh.sigma_local_m = {0.0005F, 0.001F, 0.002F};
     mesh.triangles = {{0, 1, 2}};
     surface.simplification = SimplificationError{7, 0.001, 0.002};
     save_surface(folder / "mesh.stage", "key", surface);
@@ -78,6 +79,7 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->mesh.vertices, mesh.vertices);
     EXPECT_EQ(read->mesh.sigma_m, mesh.sigma_m);
+    EXPECT_EQ(read->mesh.sigma_local_m, mesh.sigma_local_m);
     EXPECT_EQ(read->mesh.triangles, mesh.triangles);
     EXPECT_TRUE(read->mesh.normals.empty());
     ASSERT_TRUE(read->simplification);

@@ -80,6 +80,11 @@ TEST(AreaSet, HugeCountsAreRefusedBeforeTheyAreWorkedOn) {
     EXPECT_NE(refusal(many).find("more than 10000 areas"), std::string::npos);
 }
 
+TEST(AreaSet, ATransectLongerThanAnyDiveIsRefused) {
+    const json line = {{"name", "t"}, {"kind", "transect"}, {"line", {{0, 0, 0}, {1.1e4, 0, 0}}}};
+    EXPECT_NE(refusal(one(line)).find("area 't': a transect longer than 10 km"), std::string::npos);
+}
+
 TEST(AreaSet, AnythingElseThatIsNotAnAreaIsRefused) {
     EXPECT_NE(refusal(json::array()), "");
     EXPECT_NE(refusal({{"areas", 3}}), "");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/heights.hpp"
 #include "worker/reef/rugosity.hpp"
+#include "worker/reef/shown_noise.hpp"
 #include "worker/reef/simulate_figures.hpp"
 #include "worker/reef/surface_noise.hpp"
 #include "worker/reef/terrain.hpp"
@@ -101,7 +103,7 @@ TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     for (int seed = 1; seed <= kNumSeeds; ++seed) {
         const SurfacePatch patch = noisy_patch(setting, seed);
         const auto simulated = simulate_figures(
-            {patch}, kCorrelationLength_m, options, [&](const Places& places, bool) {
+            {patch}, kCorrelationLength_m, false, options, [&](const Places& places, int) {
                 return setting.figures(patch, places);
             });
         raised += (simulated[0].measured - truth[0]) / kNumSeeds;
@@ -118,22 +120,112 @@ TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
 }
 
 TEST(Estimate, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
-    const Estimate exact = estimate({1.5, {}, {}, 1.5}, 0.25);
+    const Estimate exact = estimate({1.5, 1.5, {}, {}}, 0.25);
     EXPECT_EQ(exact.value, 1.5);
     EXPECT_EQ(exact.low, 1.5);
     EXPECT_EQ(exact.high, 1.5);
 }
 
-TEST(Estimate, WhatBlurringTookIsPutBackAndDoubted) {
-    const Estimate sharper = estimate({1.40, {}, {}, 1.35}, 0.25);
+TEST(Estimate, WhatSharpeningPutBackIsDoubted) {
+    const Estimate sharper = estimate({1.40, 1.45, {}, {}}, 0.25);
     EXPECT_NEAR(sharper.value, 1.45, 1e-12);
     EXPECT_NEAR(sharper.high - sharper.low, 2.0 * 1.96 * 0.05, 1e-4);
+}
+
+TEST(Estimate, ErrorsThatAllVerticesShareWidenTheIntervalAndMoveNothing) {
+    const Estimate area = estimate({2.0, 2.0, {}, {}}, 0.25, {0.003, 0.008});
+    EXPECT_EQ(area.value, 2.0);
+    EXPECT_NEAR(area.high - area.low, 2.0 * 1.96 * 0.01, 1e-4);
+}
+
+TEST(Estimate, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFirstStep) {
+    const auto parabola = [](double t) { return 2.0 - 0.3 * t + 0.05 * t * t; };
+    EXPECT_NEAR(sharpened(parabola(1.0), parabola(2.0), parabola(3.0)), parabola(0.0), 1e-12);
+    EXPECT_NEAR(sharpened(1.4, 1.3, 1.1), 1.5, 1e-12);
+    EXPECT_NEAR(sharpened(1.4, 1.3, 1.35), 1.6, 1e-12);
+    EXPECT_EQ(sharpened(1.4, 1.4, 1.4), 1.4);
+}
+
+// A mesh of ground that no camera resolves: sines as fine as the blur's side and finer. What is
+// left of the truth's rugosity is brought back closer than Tukey's twicing does.
+TEST(Estimate, SharpeningBringsBackRugosityThatABlurTook) {
+    constexpr double kSide_m = 0.03;
+    GridShape shape{Eigen::Vector2d::Zero(), 0.002, 401, 401};
+    HeightGrid ground{shape, std::vector<double>(shape.num_nodes())};
+    for (int row = 0; row < shape.num_rows; ++row)
+        for (int column = 0; column < shape.num_columns; ++column) {
+            double height = 0.0;  // amplitudes fall with the wavelength, as those of a fractal do
+            for (const double wavelength : {0.4, 0.2, 0.1, 0.05})
+                height += 0.2 * wavelength *
+                          std::sin(2.0 * std::numbers::pi * shape.x_m(column) / wavelength) *
+                          std::cos(2.0 * std::numbers::pi * shape.y_m(row) / wavelength);
+            ground.heights_m[shape.index(column, row)] = height;
+        }
+    const auto at_5_cm = [](const HeightGrid& grid) { return rugosity(every(grid, 25)).value(); };
+    const double truth = at_5_cm(ground);
+    const HeightGrid once = blurred(ground, kSide_m);
+    const HeightGrid twice = blurred(once, kSide_m);
+    const double measured = at_5_cm(once);
+    const double sharp = sharpened(measured, at_5_cm(twice), at_5_cm(blurred(twice, kSide_m)));
+    EXPECT_LT(measured, 0.98 * truth);
+    EXPECT_LT(std::abs(sharp - truth), 0.5 * std::abs(2.0 * measured - at_5_cm(twice) - truth));
+}
+
+TEST(HeightGrid, BlurringIsTheMeanOfWhatIsSeenWithinTheSquare) {
+    GridShape shape{Eigen::Vector2d::Zero(), 0.01, 9, 7};
+    HeightGrid grid{shape, std::vector<double>(shape.num_nodes())};
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> uniform;
+    for (double& height : grid.heights_m)
+        height = uniform(random) < 0.2 ? kUnseen_m : uniform(random);
+    const HeightGrid means = blurred(grid, 0.04);
+    for (int row = 0; row < shape.num_rows; ++row)
+        for (int column = 0; column < shape.num_columns; ++column) {
+            if (!grid.is_seen(column, row)) {
+                EXPECT_FALSE(means.is_seen(column, row));
+                continue;
+            }
+            double sum = 0.0, num = 0.0;
+            for (int y = std::max(0, row - 2); y <= std::min(shape.num_rows - 1, row + 2); ++y)
+                for (int x = std::max(0, column - 2);
+                     x <= std::min(shape.num_columns - 1, column + 2);
+                     ++x)
+                    if (grid.is_seen(x, y)) {
+                        sum += grid.at(x, y);
+                        num += 1.0;
+                    }
+            EXPECT_NEAR(means.at(column, row), sum / num, 1e-12);
+        }
 }
 
 TEST(Estimate, StudentsQuantilesAreThoseOfTheTables) {
     EXPECT_NEAR(student_t_975(5), 2.571, 5e-3);
     EXPECT_NEAR(student_t_975(10), 2.228, 1e-3);
     EXPECT_NEAR(student_t_975(99), 1.984, 1e-3);
+}
+
+// Of a patch whose noise is a share of the one that its vertices state.
+double shown_share(const HeightOf& height, double noise_share) {
+    const Setting setting;
+    Mesh mesh = sheet(0.66, 0.01, height);
+    mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
+    SurfacePatch patch = cut_patch(mesh, setting.plane, 0.05);
+    patch.vertices = with_noise(patch, NoiseField(kCorrelationLength_m, 3), noise_share);
+    ShownNoise shown(kCorrelationLength_m);
+    shown.add(patch, grid_over(setting.plane.outline, 0.005));
+    return shown.share();
+}
+
+TEST(ShownNoise, OnSmoothGroundIsTheShareThatIsThere) {
+    const auto slope = [](double x, double y) { return 0.1 * x - 0.05 * y; };
+    EXPECT_NEAR(shown_share(slope, 0.3), 0.3, 0.06);
+    EXPECT_NEAR(shown_share(slope, 0.8), 0.8, 0.15);
+    EXPECT_EQ(shown_share(slope, 1.5), 1.0);
+    EXPECT_NEAR(shown_share(slope, 0.0), 0.0, 1e-4);
+}
+
+TEST(ShownNoise, OnRoughGroundIsNeverLessThanWhatIsThere) {
+    EXPECT_GE(shown_share(sine, 0.5), 0.45);
 }
 
 TEST(NoiseField, HasVarianceOneAndFallsToOneOverEAtItsLength) {

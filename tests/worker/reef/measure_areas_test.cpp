@@ -6,7 +6,9 @@
 
 #include "schemas/error.hpp"
 #include "tests/worker/reef/sheets.hpp"
+#include "worker/reef/area_plane.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
+#include "worker/reef/surface_noise.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -59,6 +61,64 @@ TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailFiguresAreRefusedWithTheReaso
     EXPECT_NE(refused(0.02).find("detail that the surface holds, 40.0 mm"), std::string::npos);
     EXPECT_EQ(refused(0.05), "");
     EXPECT_NEAR(figure_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
+}
+
+TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
+    Mesh mesh = sheet(0.4, 0.01, hills);
+    const double exact = figure_of(measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), {}),
+                                   "q",
+                                   "rugosity",
+                                   0.05)["value"];
+    mesh.sigma_m.assign(mesh.vertices.size(), 0.01F);
+    mesh.sigma_local_m.assign(mesh.vertices.size(), 0.0001F);
+    const json measured = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), few_replicates());
+    EXPECT_NEAR(
+        figure_of(measured, "q", "rugosity", 0.05)["value"].get<double>(), exact, 1e-4 * exact);
+    EXPECT_NEAR(measured["areas"][1]["sigma_m"].get<double>(), 0.01, 1e-6);
+    EXPECT_LE(measured["areas"][1]["sigma_local_m"].get<double>(), 0.000101);
+}
+
+TEST(MeasureAreas, WhatAllOfTheSurfaceErrsByIsInTheIntervals) {
+    const Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
+    MeasureOptions options;
+    options.scale_sigma = 0.01;
+    options.sigma_shared_m = 0.002;
+    const json measured = measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), options);
+    const auto half_width = [&](const char* figure) {
+        const json entry = figure_of(measured, "q", figure);
+        return 0.5 * (entry["high"].get<double>() - entry["low"].get<double>());
+    };
+    EXPECT_NEAR(half_width("planar_area"), 1.96 * 0.02 * 0.09, 1e-6);
+    EXPECT_NEAR(half_width("longest_diameter"), 1.96 * 0.01 * 0.3 * std::sqrt(2.0), 1e-6);
+    EXPECT_NEAR(half_width("volume"), 1.96 * std::hypot(0.002 * 0.09, 0.03 * 0.09 * 0.225), 1e-6);
+}
+
+TEST(MeasureAreas, TheBorderOfWhatWasSeenIsInTheIntervalOfItsArea) {
+    Mesh mesh = sheet(0.5, 0.01, hills);
+    MeasureOptions options = few_replicates();
+    options.least_detail_m = 0.02;
+    options.scale_sigma = 0.0;
+    const json planar = figure_of(measure_areas(mesh, {}, options), "whole model", "planar_area");
+    const double sigma = 0.02 * std::sqrt(4.0 * 0.5 * 0.02 / 12.0);
+    EXPECT_NEAR(
+        planar["high"].get<double>() - planar["value"].get<double>(), 1.96 * sigma, 0.05 * sigma);
+}
+
+TEST(MeasureAreas, FlatGroundHasNoFractalDimensionAndSaysWhy) {
+    Mesh noisy = sheet(0.6, 0.01, [](double, double) { return 0.0; });
+    noisy.sigma_m.assign(noisy.vertices.size(), 0.003F);
+    const SurfacePatch patch = cut_patch(noisy, plane_of(quadrat("q", 0.0, 0.6)), 0.1);
+    const auto moved = with_noise(patch, NoiseField(0.02, 4), 1.0);
+    for (std::size_t i = 0; i < moved.size(); ++i) noisy.vertices[i] = moved[i].cast<float>();
+    noisy.triangles.clear();
+    for (const auto& [a, b, c] : patch.triangles) noisy.triangles.push_back({a, b, c});
+    const json measured =
+        measure_areas(noisy, set_of({quadrat("q", 0.05, 0.55)}), few_replicates());
+    for (const char* figure :
+         {"fractal_dimension_hvar", "fractal_dimension_cubes", "fractal_dimension_rdh"})
+        EXPECT_NE(figure_of(measured, "q", figure).value("refused", "").find("too flat: heights"),
+                  std::string::npos)
+            << figure;
 }
 
 TEST(MeasureAreas, CoarseCamerasMakeCoarseFigures) {

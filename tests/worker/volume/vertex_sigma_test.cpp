@@ -80,6 +80,7 @@ TEST(VertexSigmaTest, HoldsWhatThePosesErrByAndLeavesTheShape) {
     Mesh after = before;
     finish_sigma(after, kVoxel_m, 0.004);
     EXPECT_NEAR(at_middle(after), 0.005, 1e-6);
+    EXPECT_NEAR(after.sigma_local_m[kEdge * kEdge / 2], 0.003, 1e-6);
     EXPECT_EQ(after.vertices, before.vertices);
     EXPECT_EQ(after.normals, before.normals);
     EXPECT_EQ(after.triangles, before.triangles);
