@@ -87,9 +87,9 @@ fs::path rendered(const SimulatedDive& dive, const Options& options) {
 // What bounds take a calibration's baseline and focal length to err by, drawn for a dive.
 double baseline_error_of(const SimulatedDive& dive) {
     constexpr double kCalibrationSigma = 0.001;
-    std::seed_seq seeds(dive.scene.begin(), dive.scene.end());
+    const std::string name = dive.scene + " " + dive.name();
+    std::seed_seq seeds(name.begin(), name.end());
     std::mt19937_64 random(seeds);
-    random.discard(static_cast<unsigned long long>(2 * dive.seed + dive.num_laps));
     return kCalibrationSigma * std::normal_distribution<double>()(random);
 }
 

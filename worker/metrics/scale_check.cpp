@@ -217,8 +217,11 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& p
     const Eigen::LDLT<Eigen::Matrix4d> factor(information);
     const Eigen::Vector4d solution = factor.solve(path.transpose() * depth_m);
     const Eigen::VectorXd residuals = depth_m - path * solution;
-    const double variance = residuals.squaredNorm() / static_cast<double>(path.rows() - 4) *
-                            factor.solve(Eigen::Vector4d::Unit(0)).x() * repetition(residuals);
+    const double times = repetition(residuals);
+    // A smooth column takes as much of correlated residuals as `times` columns of white ones.
+    const double freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
+    const double variance =
+        residuals.squaredNorm() / freedom * factor.solve(Eigen::Vector4d::Unit(0)).x() * times;
     if (variance <= 0.0) return std::nullopt;
     return ScaleCheck{solution[0], std::sqrt(variance)};
 }
