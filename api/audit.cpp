@@ -21,6 +21,14 @@ Event event_of(const Request& request, std::optional<std::int64_t> uploaded_byte
     return event;
 }
 
+Event event_of(const std::string& who, const std::string& what) {
+    Request nobodys{.path = what};
+    nobodys.token.name = who;
+    Event event = event_of(nobodys, std::nullopt);
+    event.data["method"] = "";
+    return event;
+}
+
 storage::Catalog noting(const storage::Catalog& catalog, Event event) {
     return catalog.with_note([event = std::move(event)](soci::session& session) {
         storage::EventStore::append(session, event);
@@ -38,11 +46,11 @@ storage::Catalog audited(const Services& services,
 storage::Catalog audited(const storage::Catalog& catalog,
                          const std::string& who,
                          const std::string& what) {
-    Request nobodys{.path = what};
-    nobodys.token.name = who;
-    Event event = event_of(nobodys, std::nullopt);
-    event.data["method"] = "";
-    return noting(catalog, std::move(event));
+    return noting(catalog, event_of(who, what));
+}
+
+void note_audit(soci::session& session, const std::string& who, const std::string& what) {
+    storage::EventStore::append(session, event_of(who, what));
 }
 
 void audit_uploaded(const Services& services, const Request& request, std::int64_t num_bytes) {

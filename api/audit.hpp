@@ -18,6 +18,9 @@ storage::Catalog audited(const storage::Catalog& catalog,
                          const std::string& who,
                          const std::string& what);
 
+// The same inside a transaction that is under way.
+void note_audit(soci::session& session, const std::string& who, const std::string& what);
+
 // For an upload that this request made whole and that became no dive by it: its bytes came in many
 // transactions, so the event follows them. Blocks: for the pool. What cannot be written is logged.
 void audit_uploaded(const Services& services, const Request& request, std::int64_t num_bytes);

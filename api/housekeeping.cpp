@@ -3,10 +3,11 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "api/audit.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/make_truth.hpp"
 #include "api/sensor_desk.hpp"
-#include "storage//dive_removal.hpp"
+#include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
 #include "storage/schedule_store.hpp"
@@ -78,7 +79,14 @@ void watch_sensors(const Services& services) {
 
 void run_schedules(const Services& services) {
     attempt("schedules", services, [&] {
-        storage::ScheduleStore(services.catalog).run_due(DIVEMESH_VERSION);
+        storage::ScheduleStore(services.catalog)
+            .run_due(DIVEMESH_VERSION,
+                     [](soci::session& session, const Schedule& schedule, int num_jobs) {
+                         note_audit(session,
+                                    "schedule " + schedule.id,
+                                    std::to_string(num_jobs) + " reports of the tag " +
+                                        schedule.tag + " in project " + schedule.project);
+                     });
     });
 }
 

@@ -45,6 +45,7 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}/truth",  "dives:read",  list_truth},
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}/truth/{truth_id}", "dives:read",  get_truth},
     {Plain,      verb::delete_, "/api/v1/dives/{dive_id}/truth/{truth_id}", "dives:write", delete_truth},
+    {File,       verb::get,     "/api/v1/dives/{dive_id}/truth/{truth_id}/content", "dives:read", get_truth_content},
 
     {Plain,      verb::get,     "/api/v1/metrics",                "dives:read",  get_figure_series},
     {Plain,      verb::get,     "/api/v1/schedules",              "dives:read",  list_schedules},

@@ -69,4 +69,14 @@ std::optional<std::int64_t> parse_count(std::string_view text) {
     return value;
 }
 
+std::vector<std::string> split_list(const std::string& list) {
+    std::vector<std::string> parts;
+    for (std::size_t start = 0; start <= list.size();) {
+        const auto end = std::min(list.find(',', start), list.size());
+        parts.push_back(list.substr(start, end - start));
+        start = end + 1;
+    }
+    return parts;
+}
+
 }  // namespace divemesh::api

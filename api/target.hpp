@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace divemesh::api {
 
@@ -19,6 +20,9 @@ struct Target {
 // Splits a request's target. Throws Error{InvalidArgument} for what is no path of ours: not
 // beginning with "/", broken escapes, a name twice.
 Target parse_target(std::string_view target);
+
+// "a,b" as its parts, at least one.
+std::vector<std::string> split_list(const std::string& list);
 
 // A whole decimal number without sign that fits; nothing otherwise.
 std::optional<std::int64_t> parse_count(std::string_view text);

@@ -29,6 +29,7 @@ void add_cancel(CLI::App& app, Context& context);
 void add_retry(CLI::App& app, Context& context);
 void add_queue(CLI::App& app, Context& context);
 void add_workers(CLI::App& app, Context& context);
+void add_schedules(CLI::App& app, Context& context);
 void add_reconstruct(CLI::App& app, Context& context);
 void add_export(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);

@@ -87,17 +87,11 @@ int run_there(const worker::CompareRequest& request,
                            .wait = there.wait,
                            .out = request.out};
     api::client::RestClient rest(account_of(there.server));
-    const ServerJobEnd end = run_on_server(rest, wanted);
-    if (!end.finished) {
-        std::cout << (context.json ? nlohmann::json{{"job", end.job_id}}.dump(2)
-                                   : "job " + end.job_id)
-                  << '\n';
+    return run_on_server(rest, wanted, context, [&](const std::string& artifacts) {
+        const auto document = rest.get(artifacts + "compare.json");
+        std::cout << (context.json ? document.dump(2) + "\n" : summary(document));
         return kExitDone;
-    }
-    if (!end.succeeded) return kExitFailed;
-    const auto document = rest.get("/api/v1/jobs/" + end.job_id + "/artifacts/compare.json");
-    std::cout << (context.json ? document.dump(2) + "\n" : summary(document));
-    return kExitDone;
+    });
 }
 
 }  // namespace
@@ -123,8 +117,7 @@ void add_compare(CLI::App& app, Context& context) {
     command->add_flag("--wait,!--no-wait", there->wait, "on a server: until it is done (default)");
     // clang-format on
     command->callback([request, there, command, &context] {
-        const bool is_there = command->get_option("--server")->count() > 0 &&
-                              !std::filesystem::is_directory(request->a);
+        const bool is_there = is_on_server(*command, request->a);
         context.command = [request, there, is_there, &context] {
             return is_there ? run_there(*request, *there, context) : run(*request, context);
         };

@@ -49,14 +49,26 @@ int list_dives(client::RestClient& rest, const DivesOptions& options, const Cont
     return kExitDone;
 }
 
+std::string truth_text(const TruthFile& file) {
+    return std::string(to_string(file.kind)) + ' ' + file.id + ": " + file.name + ", " +
+           bytes_text(static_cast<double>(file.size_bytes)) + ", sent " +
+           time_text(file.created_at_ms) +
+           (file.problem.empty() ? "" : "; left aside, it cannot be read: " + file.problem) + '\n';
+}
+
 int show_dive(client::RestClient& rest, const DivesOptions& options, const Context& context) {
     const std::string path = "/api/v1/dives/" + client::percent_encode(options.dive_id);
     auto dive = rest.get(path);
     const auto findings = rest.list(path + "/findings", {});
-    if (context.json) dive["findings"] = findings;
+    const auto truth = rest.list(path + "/truth", {});
+    if (context.json) {
+        dive["findings"] = findings;
+        dive["truth"] = truth;
+    }
     std::cout << dive.dump(2) << '\n';
-    if (!context.json)
-        for (const auto& item : findings) std::cout << finding_text(item.get<Finding>());
+    if (context.json) return kExitDone;
+    for (const auto& item : findings) std::cout << finding_text(item.get<Finding>());
+    for (const auto& item : truth) std::cout << truth_text(item.get<TruthFile>());
     return kExitDone;
 }
 
@@ -65,7 +77,8 @@ int show_dive(client::RestClient& rest, const DivesOptions& options, const Conte
 void add_dives(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("dives", "list the dives of a server, or show one");
     auto options = std::make_shared<DivesOptions>();
-    command->add_option("dive", options->dive_id, "id of one dive: show it with its findings");
+    command->add_option(
+        "dive", options->dive_id, "id of one dive: show it with its findings and files of truth");
     add_server_options(*command, options->server);
     command->add_option("--site", options->site, "only dives of this site");
     command->add_option("--state", options->state, "only checking, ready or refused ones");

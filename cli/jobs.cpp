@@ -46,8 +46,9 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
         std::cout << nlohmann::json(items).dump(2) << '\n';
         return kExitDone;
     }
-    std::vector<std::vector<std::string>> rows = {
-        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "TRIES", "PLACE", "CREATED", "FAILURE"}};
+    std::vector<std::vector<std::string>> rows = {// clang-format off
+        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "VERDICT", "TRIES", "PLACE", "CREATED", "FAILURE"}};
+    // clang-format on
     for (const auto& item : items) {
         const Job job = item.get<Job>();
         rows.push_back({job.id,
@@ -56,6 +57,7 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
                         job.preset,
                         std::string(to_string(job.state)),
                         percent_text(job.progress.fraction),
+                        std::string(verdict_of(job)),
                         std::to_string(job.num_attempts),
                         job.forecast ? std::to_string(job.forecast->position) : "",
                         time_text(job.created_at_ms),

@@ -1,7 +1,10 @@
 #include "cli/jobs_by_server.hpp"
 
+#include <iostream>
+
 #include "api/client/dive_tar.hpp"
 #include "api/client/tus_upload.hpp"
+#include "cli/exit_code.hpp"
 #include "cli/follow.hpp"
 #include "cli/progress_bar.hpp"
 #include "schemas/content_hash.hpp"
@@ -78,9 +81,7 @@ std::string dive_of(client::RestClient& rest, const std::string& subject, nlohma
     return job.dive_id;
 }
 
-}  // namespace
-
-ServerJobEnd run_on_server(client::RestClient& rest, const ServerJob& wanted) {
+Job make_job(client::RestClient& rest, const ServerJob& wanted) {
     for (const auto& [kind, file] : wanted.truth)
         if (!fs::is_regular_file(file))
             throw Error(ErrorCode::NotFound, "no file " + file.string() + " to send");
@@ -89,18 +90,35 @@ ServerJobEnd run_on_server(client::RestClient& rest, const ServerJob& wanted) {
     for (const auto& [kind, file] : wanted.truth)
         options[kind] = send_truth(rest, dive_id, kind, file);
     client::Backoff backoff(kGiveUpAfter, {});
-    const Job job = rest.post_once(dive_path(dive_id) + "/jobs",
-                                   {{"kind", wanted.kind}, {"options", options}},
-                                   backoff)
-                        .get<Job>();
-    ServerJobEnd end{.job_id = job.id};
-    if (!wanted.wait) return end;
+    return rest
+        .post_once(
+            dive_path(dive_id) + "/jobs", {{"kind", wanted.kind}, {"options", options}}, backoff)
+        .get<Job>();
+}
+
+}  // namespace
+
+bool is_on_server(const CLI::App& command, const fs::path& subject) {
+    return command.get_option("--server")->count() > 0 && !fs::is_directory(subject);
+}
+
+int run_on_server(client::RestClient& rest,
+                  const ServerJob& wanted,
+                  const Context& context,
+                  const std::function<int(const std::string& artifacts)>& done) {
+    const Job job = make_job(rest, wanted);
+    if (!wanted.wait) {
+        std::cout << (context.json ? nlohmann::json{{"job", job.id}}.dump(2) : "job " + job.id)
+                  << '\n';
+        return kExitDone;
+    }
     const Job finished = wait_for_job(rest, job.id);
-    end.finished = true;
-    end.succeeded = finished.state == JobState::Succeeded;
-    if (!end.succeeded) print_failure(rest, finished);
-    if (end.succeeded && !wanted.out.empty()) download_job(rest, job.id, {}, wanted.out);
-    return end;
+    if (finished.state != JobState::Succeeded) {
+        print_failure(rest, finished);
+        return kExitFailed;
+    }
+    if (!wanted.out.empty()) download_job(rest, job.id, {}, wanted.out);
+    return done("/api/v1/jobs/" + job.id + "/artifacts/");
 }
 
 }  // namespace divemesh::cli

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "api/client/rest_client.hpp"
+#include "cli/command.hpp"
 
 namespace divemesh::cli {
 
@@ -20,13 +21,16 @@ struct ServerJob {
     std::filesystem::path out;                           // then fetch the artifacts to here; "": no
 };
 
-struct ServerJobEnd {
-    std::string job_id;
-    bool finished = false;  // false: it was not waited for
-    bool succeeded = false;
-};
+// Whether a command with the option --server means something there, not a folder here.
+bool is_on_server(const CLI::App& command, const std::filesystem::path& subject);
 
-// Sends the truth, makes the job and waits as it is told; what went wrong with it is on stderr.
-ServerJobEnd run_on_server(api::client::RestClient& rest, const ServerJob& wanted);
+// Sends the truth, makes the job and waits as it is told, then calls `done` with the address of its
+// artifacts ("/api/v1/jobs/.../artifacts/"). Returns the exit code: of `done`; kExitFailed when the
+// job came to nothing, which stderr then explains; kExitDone with the job's id on stdout when it is
+// not waited for.
+int run_on_server(api::client::RestClient& rest,
+                  const ServerJob& wanted,
+                  const Context& context,
+                  const std::function<int(const std::string& artifacts)>& done);
 
 }  // namespace divemesh::cli

@@ -150,6 +150,13 @@ int report_here(const ReportOptions& options, const Context& context) {
     return finish(report, context);
 }
 
+void write_text(const fs::path& file, const std::string& text) {
+    std::ofstream stream(file, std::ios::binary);
+    stream << text;
+    stream.close();
+    if (!stream) throw Error(ErrorCode::OutOfSpace, "cannot write " + file.string());
+}
+
 // The same on a server: truth goes there, the report comes from there.
 int report_there(const ReportOptions& options, const Context& context) {
     if (!options.dive.empty())
@@ -169,22 +176,11 @@ int report_there(const ReportOptions& options, const Context& context) {
                                      std::pair{"areas", options.areas}})
         if (!file.empty()) wanted.truth[kind] = file;
     api::client::RestClient rest(account_of(options.server));
-    const ServerJobEnd end = run_on_server(rest, wanted);
-    if (!end.finished) {
-        std::cout << (context.json ? nlohmann::json{{"job", end.job_id}}.dump(2)
-                                   : "job " + end.job_id)
-                  << '\n';
-        return kExitDone;
-    }
-    if (!end.succeeded) return kExitFailed;
-    const std::string artifacts = "/api/v1/jobs/" + end.job_id + "/artifacts/";
-    if (!options.junit.empty()) {
-        std::ofstream file(options.junit, std::ios::binary);
-        file << rest.get_text(artifacts + "junit.xml");
-        file.close();
-        if (!file) throw Error(ErrorCode::OutOfSpace, "cannot write " + options.junit.string());
-    }
-    return finish(rest.get(artifacts + "report.json"), context);
+    return run_on_server(rest, wanted, context, [&](const std::string& artifacts) {
+        if (!options.junit.empty())
+            write_text(options.junit, rest.get_text(artifacts + "junit.xml"));
+        return finish(rest.get(artifacts + "report.json"), context);
+    });
 }
 
 }  // namespace
@@ -225,8 +221,7 @@ void add_report(CLI::App& app, Context& context) {
     command->add_option("--junit", options->junit, "write the verdicts here as JUnit XML too");
     command->add_option("--threads", options->num_threads, "0: all cores; never changes a figure");
     command->callback([options, &context, command] {
-        const bool there =
-            command->get_option("--server")->count() > 0 && !fs::is_directory(options->subject);
+        const bool there = is_on_server(*command, options->subject);
         context.command = [options, &context, there] {
             return there ? report_there(*options, context) : report_here(*options, context);
         };

@@ -54,6 +54,7 @@ void to_json(nlohmann::json& json, const Measurement& measured);
 void from_json(const nlohmann::json& json, Measurement& measured);
 void to_json(nlohmann::json& json, const FigurePoint& point);
 void to_json(nlohmann::json& json, const Schedule& schedule);
+void from_json(const nlohmann::json& json, Schedule& schedule);
 void to_json(nlohmann::json& json, const Artifact& artifact);
 void from_json(const nlohmann::json& json, Artifact& artifact);
 void to_json(nlohmann::json& json, const Event& event);

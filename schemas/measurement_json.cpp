@@ -11,7 +11,8 @@ void to_json(nlohmann::json& json, const TruthFile& truth) {
             {"name", truth.name},
             {"sha256", truth.sha256},
             {"size_bytes", truth.size_bytes},
-            {"created_at_ms", truth.created_at_ms}};
+            {"created_at_ms", truth.created_at_ms},
+            {"problem", truth.problem}};
 }
 
 void from_json(const nlohmann::json& json, TruthFile& truth) {
@@ -23,6 +24,7 @@ void from_json(const nlohmann::json& json, TruthFile& truth) {
     json.at("sha256").get_to(truth.sha256);
     json.at("size_bytes").get_to(truth.size_bytes);
     json.at("created_at_ms").get_to(truth.created_at_ms);
+    truth.problem = json.value("problem", "");
 }
 
 void to_json(nlohmann::json& json, const MeasuredFigure& figure) {
@@ -114,6 +116,20 @@ void to_json(nlohmann::json& json, const Schedule& schedule) {
             {"last_run_ms", schedule.last_run_ms},
             {"last_num_jobs", schedule.last_num_jobs},
             {"last_problem", schedule.last_problem}};
+}
+
+void from_json(const nlohmann::json& json, Schedule& schedule) {
+    json.at("id").get_to(schedule.id);
+    json.at("project").get_to(schedule.project);
+    json.at("cron").get_to(schedule.cron);
+    json.at("tag").get_to(schedule.tag);
+    json.at("preset").get_to(schedule.preset);
+    schedule.options = json.at("options");
+    json.at("created_at_ms").get_to(schedule.created_at_ms);
+    json.at("next_run_ms").get_to(schedule.next_run_ms);
+    json.at("last_run_ms").get_to(schedule.last_run_ms);
+    json.at("last_num_jobs").get_to(schedule.last_num_jobs);
+    json.at("last_problem").get_to(schedule.last_problem);
 }
 
 }  // namespace divemesh

@@ -35,6 +35,13 @@ struct TruthFile {
     std::int64_t size_bytes = 0;
     std::string blob;  // key in the blob store; not shown over HTTP
     std::int64_t created_at_ms = 0;
+    std::string problem;  // why a report could not read it; "": nobody found that
+};
+
+// What a report says of the file of a kind that it was given.
+struct UnreadableTruth {
+    TruthKind kind = TruthKind::GroundTruth;
+    std::string problem;
 };
 
 }  // namespace divemesh

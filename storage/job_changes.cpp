@@ -177,7 +177,7 @@ std::vector<std::string> released_children(soci::session& session, const std::st
 
 std::string unique_key(const NewJob& request) {
     nlohmann::json options = request.options;
-    for (const char* name : {"num_threads", "fusion_memory_bytes"}) options.erase(name);
+    for (const char* name : {"num_threads", "fusion_memory_bytes", "newest"}) options.erase(name);
     return sha256_hex(std::string(to_string(request.kind)) + "\n" + request.preset + "\n" +
                       to_text(options));
 }

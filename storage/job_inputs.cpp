@@ -5,6 +5,7 @@
 #include "storage/figure_store.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/job_store.hpp"
+#include "storage/report_jobs.hpp"
 #include "storage/sql.hpp"
 #include "storage/truth_store.hpp"
 
@@ -61,13 +62,14 @@ JobInputs JobStore::inputs(const Job& job) {
             if (id != job.options.end() && *id != kTruthOfDive)
                 inputs.truth.push_back(read_named_truth(session, job, id->get<std::string>()));
         }
-        if (job.kind == JobKind::AccuracyReport)
-            inputs.history = earlier_figures(session,
-                                             {.project = job.project,
-                                              .dive_id = job.dive_id,
-                                              .tag = job.options.value("tag", ""),
-                                              .preset = job.preset,
-                                              .measured_job_id = job.options.value("job", "")});
+        if (job.kind != JobKind::AccuracyReport) return;
+        inputs.set_aside = truth_set_aside(session, job);
+        inputs.history = earlier_figures(session,
+                                         {.project = job.project,
+                                          .dive_id = job.dive_id,
+                                          .tag = job.options.value("tag", ""),
+                                          .preset = job.preset,
+                                          .measured_job_id = job.options.value("job", "")});
     });
     for (const std::string& source : sources) inputs.reconstructions.push_back(artifacts(source));
     return inputs;

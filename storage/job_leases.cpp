@@ -10,6 +10,7 @@
 #include "storage/job_rows.hpp"
 #include "storage/job_speeds.hpp"
 #include "storage/job_store.hpp"
+#include "storage/report_jobs.hpp"
 #include "storage/sql.hpp"
 #include "storage/stage_seconds.hpp"
 
@@ -295,11 +296,19 @@ bool JobStore::finish_intake(const Lease& lease, const IntakeResult& result) {
     });
 }
 
-bool JobStore::fail(const Lease& lease, const Failure& failure) {
+bool JobStore::fail(const Lease& lease,
+                    const Failure& failure,
+                    const std::optional<UnreadableTruth>& unreadable) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
+        const bool other_truth = unreadable && set_truth_aside(session, job, *unreadable);
         const std::int64_t retry_at_ms =
             Catalog::now_ms(session) + pause_ms(pause_, job.num_attempts);
-        const AttemptEnd end = end_of_failed(job, failure, retry_at_ms);
+        const AttemptEnd end = other_truth && !job.cancel_requested
+                                   ? AttemptEnd{.attempt = AttemptState::Failed,
+                                                .job = JobState::Queued,
+                                                .failure = failure,
+                                                .counts = false}
+                                   : end_of_failed(job, failure, retry_at_ms);
         if (job.kind == JobKind::Intake && end.job == JobState::Failed)
             refuse_dive(session, job, failure);
         end_attempt(session, job, end);

@@ -11,6 +11,7 @@
 #include "schemas/artifact.hpp"
 #include "schemas/job.hpp"
 #include "schemas/measurement.hpp"
+#include "schemas/truth_file.hpp"
 #include "storage/catalog.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/job_inputs.hpp"
@@ -126,7 +127,11 @@ public:
                  const std::vector<Artifact>& artifacts,
                  const Measurement& measured = {});
     bool finish_intake(const Lease& lease, const IntakeResult& result);  // dive ready or refused
-    bool fail(const Lease& lease, const Failure& failure);  // as storage/job_ends.hpp says
+    // As storage/job_ends.hpp says. A report whose truth is unreadable, and was not named, is tried
+    // again at once with the newest file that is left.
+    bool fail(const Lease& lease,
+              const Failure& failure,
+              const std::optional<UnreadableTruth>& unreadable = std::nullopt);
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
 
     // What claim() does first, for when no worker claims: how many jobs lost their lease.

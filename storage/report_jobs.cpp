@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "schemas/error.hpp"
+#include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_rows.hpp"
@@ -11,6 +12,8 @@
 
 namespace divemesh::storage {
 namespace {
+
+constexpr const char* kNewest = "newest";
 
 std::string text_option(const NewJob& request, const std::string& name) {
     const auto option = request.options.find(name);
@@ -74,12 +77,13 @@ Job other_reconstruction(soci::session& session, const Dive& dive, const NewJob&
     return reconstruction_of(session, *other, request);
 }
 
-// An id, or the newest of that name.
+// An id, or the newest of that name; without either the newest that can be read.
 std::string truth_id(const std::vector<TruthFile>& files,
                      TruthKind kind,
                      const std::string& wanted) {
     for (auto file = files.rbegin(); file != files.rend(); ++file)
-        if (file->kind == kind && (wanted.empty() || file->id == wanted || file->name == wanted))
+        if (file->kind == kind &&
+            (wanted.empty() ? file->problem.empty() : file->id == wanted || file->name == wanted))
             return file->id;
     if (wanted.empty()) return "";
     throw Error(
@@ -89,6 +93,7 @@ std::string truth_id(const std::vector<TruthFile>& files,
 
 void resolve_truth(soci::session& session, const Dive& dive, NewJob& request) {
     const auto files = truth_of_dive(session, dive.id);
+    nlohmann::json newest = nlohmann::json::array();
     for (const TruthKind kind : kTruthKinds) {
         const std::string name(to_string(kind));
         const std::string wanted = text_option(request, name);
@@ -96,7 +101,15 @@ void resolve_truth(soci::session& session, const Dive& dive, NewJob& request) {
         const std::string id = truth_id(files, kind, wanted);
         request.options.erase(name);
         if (!id.empty()) request.options[name] = id;
+        if (wanted.empty() && !id.empty()) newest.push_back(name);
     }
+    if (!newest.empty()) request.options[kNewest] = newest;
+}
+
+// Not asked for by name: the file of that kind, if any, was the newest.
+bool takes_newest(const nlohmann::json& options, const std::string& kind) {
+    const auto newest = options.value(kNewest, std::vector<std::string>());
+    return !options.contains(kind) || std::find(newest.begin(), newest.end(), kind) != newest.end();
 }
 
 void check_tag(const Dive& dive, const NewJob& request) {
@@ -130,6 +143,37 @@ void resolve_names(soci::session& session, const Dive& dive, NewJob& request) {
         request.parents.push_back(other.id);
     }
     request.preset = job.preset;
+}
+
+bool set_truth_aside(soci::session& session, const Job& job, const UnreadableTruth& unreadable) {
+    const std::string kind(to_string(unreadable.kind));
+    const auto id = job.options.find(kind);
+    if (id == job.options.end() || *id == kTruthOfDive) return false;
+    mark_unreadable(session, id->get<std::string>(), unreadable.problem);
+    if (!takes_newest(job.options, kind)) return false;
+    nlohmann::json options = job.options;
+    const std::string next = truth_id(truth_of_dive(session, job.dive_id), unreadable.kind, "");
+    options.erase(kind);
+    if (!next.empty()) options[kind] = next;
+    const std::string text = to_text(options);
+    execute(session,
+            "UPDATE jobs SET options = :options WHERE id = :id",
+            soci::use(text, "options"),
+            soci::use(job.id, "id"));
+    return true;
+}
+
+std::vector<TruthFile> truth_set_aside(soci::session& session, const Job& job) {
+    std::vector<TruthFile> aside;
+    const auto files = truth_of_dive(session, job.dive_id);
+    for (const TruthKind kind : kTruthKinds) {
+        const std::string name(to_string(kind));
+        if (!takes_newest(job.options, name)) continue;
+        const std::string used = job.options.value(name, "");
+        for (auto file = files.rbegin(); file != files.rend() && file->id != used; ++file)
+            if (file->kind == kind && !file->problem.empty()) aside.push_back(*file);
+    }
+    return aside;
 }
 
 }  // namespace divemesh::storage

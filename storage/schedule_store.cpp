@@ -177,7 +177,7 @@ void ScheduleStore::remove(const std::string& id) {
 
 // One whose last run lies ahead was run before the clock was set back: its next time is reckoned
 // anew, and it is not run for that.
-int ScheduleStore::run_due(const std::string& version) {
+int ScheduleStore::run_due(const std::string& version, const Note& note) {
     std::vector<Schedule> due;
     catalog_.read([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
@@ -192,7 +192,9 @@ int ScheduleStore::run_due(const std::string& version) {
         catalog_.transaction([&](soci::session& session) {
             const std::int64_t now_ms = Catalog::now_ms(session);
             if (!take_tick(session, schedule, now_ms) || schedule.next_run_ms > now_ms) return;
-            num_jobs += make_reports(session, schedule, version);
+            const int num_made = make_reports(session, schedule, version);
+            if (note && num_made > 0) note(session, schedule, num_made);
+            num_jobs += num_made;
         });
     return num_jobs;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "schemas/schedule.hpp"
@@ -23,8 +24,10 @@ public:
 
     // Makes the reports of every schedule that is due, each in one transaction with its next time,
     // so that a tick is run once whoever looks, and those that nobody looked at are run as one.
-    // `version` is that of this program, see NewJob::fresh_version. How many jobs it made.
-    int run_due(const std::string& version);
+    // `version` is that of this program, see NewJob::fresh_version. How many jobs it made; of each
+    // schedule that made some, `note` is told in its transaction.
+    using Note = std::function<void(soci::session&, const Schedule&, int num_jobs)>;
+    int run_due(const std::string& version, const Note& note = {});
 
 private:
     Catalog& catalog_;

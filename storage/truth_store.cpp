@@ -10,8 +10,10 @@
 namespace divemesh::storage {
 namespace {
 
+constexpr std::size_t kMaxProblemBytes = 1000;
+
 const std::string kSelect =
-    "SELECT id, project, dive_id, kind, name, sha256, size_bytes, blob, created_at_ms"
+    "SELECT id, project, dive_id, kind, name, sha256, size_bytes, blob, created_at_ms, problem"
     " FROM truth_files WHERE ";
 
 struct TruthRow {
@@ -28,6 +30,7 @@ struct TruthRow {
         statement.exchange(soci::into(file.size_bytes));
         statement.exchange(soci::into(file.blob));
         statement.exchange(soci::into(file.created_at_ms));
+        statement.exchange(soci::into(file.problem));
     }
     TruthFile value() const {
         TruthFile value = file;
@@ -86,6 +89,14 @@ void append_truth_event(soci::session& session, const TruthFile& file, const std
                         .data = file});
 }
 
+TruthFile tried_anew(soci::session& session, TruthFile file) {
+    if (file.problem.empty()) return file;
+    execute(
+        session, "UPDATE truth_files SET problem = '' WHERE id = :id", soci::use(file.id, "id"));
+    file.problem.clear();
+    return file;
+}
+
 TruthFile insert_truth(soci::session& session, const NewTruth& request) {
     const TruthFile file{.id = new_id("truth"),
                          .project = request.project,
@@ -128,6 +139,16 @@ std::optional<TruthFile> find_truth(soci::session& session, const std::string& i
         session, kSelect + "id = :id AND deleted_at_ms = 0", soci::use(id, "id"));
 }
 
+void mark_unreadable(soci::session& session, const std::string& id, const std::string& problem) {
+    const std::string kept = problem.substr(0, kMaxProblemBytes);
+    execute(session,
+            "UPDATE truth_files SET problem = :problem WHERE id = :id AND deleted_at_ms = 0",
+            soci::use(kept, "problem"),
+            soci::use(id, "id"));
+    if (const auto file = find_truth(session, id))
+        append_truth_event(session, *file, "dive.truth_unreadable");
+}
+
 CreatedTruth TruthStore::create(const NewTruth& request) {
     CreatedTruth created;
     catalog_.transaction([&](soci::session& session) {
@@ -140,7 +161,7 @@ CreatedTruth TruthStore::create(const NewTruth& request) {
         require_dive(session, request);
         auto same = find_same(session, request);
         created.existed = same.has_value();
-        created.file = same ? std::move(*same) : insert_truth(session, request);
+        created.file = same ? tried_anew(session, *same) : insert_truth(session, request);
         execute(session,
                 "UPDATE uploads SET dive_id = :dive, truth_id = :truth WHERE id = :id",
                 soci::use(request.dive_id, "dive"),

@@ -36,7 +36,8 @@ public:
     explicit TruthStore(Catalog& catalog) : catalog_(catalog) {}
 
     // One transaction: the file, its upload bound to it, the event dive.truth_added. Asked twice
-    // for one upload it answers the first file. Throws Error{NotFound} for a dive of another
+    // for one upload it answers the first file. One that was unreadable is tried anew when it is
+    // sent again. Throws Error{NotFound} for a dive of another
     // project, Error{Conflict} for one that is deleted or refused, Error{TooMany}.
     CreatedTruth create(const NewTruth& request);
     std::vector<TruthFile> list(const std::string& dive_id);              // oldest first
@@ -52,5 +53,7 @@ private:
 // Inside a transaction; without those that were removed.
 std::vector<TruthFile> truth_of_dive(soci::session& session, const std::string& dive_id);
 std::optional<TruthFile> find_truth(soci::session& session, const std::string& id);
+// Why a file cannot be read, with the event dive.truth_unreadable.
+void mark_unreadable(soci::session& session, const std::string& id, const std::string& problem);
 
 }  // namespace divemesh::storage

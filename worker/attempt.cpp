@@ -19,6 +19,7 @@
 #include "worker/dive/intake.hpp"
 #include "worker/forbid_processes.hpp"
 #include "worker/metrics/accuracy_report.hpp"
+#include "worker/metrics/truth_check.hpp"
 #include "worker/reconstruct_dive.hpp"
 
 namespace divemesh::worker {
@@ -120,6 +121,15 @@ std::optional<std::filesystem::path> truth_file(const AttemptRequest& request, T
     return file->second;
 }
 
+std::optional<UnreadableTruth> unreadable_truth(const AttemptRequest& request) {
+    for (const auto& [kind, file] : request.truth) {
+        const TruthKind of = truth_kind_from_string(kind);
+        if (auto problem = problem_of_truth(of, file); !problem.empty())
+            return UnreadableTruth{of, std::move(problem)};
+    }
+    return std::nullopt;
+}
+
 void run_report(const AttemptRequest& request) {
     const nlohmann::json& options = request.options;
     AccuracyReportRequest report{
@@ -133,6 +143,7 @@ void run_report(const AttemptRequest& request) {
         .areas = truth_file(request, TruthKind::Areas),
         .requirements = options.value("require", std::vector<std::string>()),
         .history = request.history,
+        .findings = request.findings,
         .num_threads = options.value("num_threads", 0)};
     if (options.contains("lever_arm"))
         set_lever_arm(report.truth, options["lever_arm"].get<std::string>());
@@ -141,11 +152,12 @@ void run_report(const AttemptRequest& request) {
     try {
         send(measurement_of(make_accuracy_report(report, reporter())));
     } catch (const Error& error) {
-        if (error.code() != ErrorCode::BadData) throw;
-        return send(Failure{.code = error.code(),
-                            .message = error.what(),
-                            .remedy = "mend that file, send it anew and ask again, or delete it "
-                                      "from the truth of the dive"});
+        const auto unreadable = unreadable_truth(request);
+        if (error.code() == ErrorCode::Cancelled || !unreadable) throw;
+        send(*unreadable);
+        return send(Failure{.code = ErrorCode::BadData,
+                            .message = unreadable->problem,
+                            .remedy = "mend that file, send it anew and ask again"});
     }
     send(Done{});
 }

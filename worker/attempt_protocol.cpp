@@ -17,6 +17,11 @@ json message_body(const Measurement& measured) {
     return {{"type", "measured"}, {"body", measured}};
 }
 
+json message_body(const UnreadableTruth& truth) {
+    return {{"type", "unreadable_truth"},
+            {"body", {{"kind", to_string(truth.kind)}, {"problem", truth.problem}}}};
+}
+
 json message_body(const Done&) { return {{"type", "done"}, {"body", nullptr}}; }
 
 json message_body(const Failure& failure) { return {{"type", "failed"}, {"body", failure}}; }
@@ -62,7 +67,8 @@ void to_json(json& out, const AttemptRequest& request) {
            {"options", request.options},
            {"reconstructions", json::array()},
            {"truth", json::object()},
-           {"history", request.history}};
+           {"history", request.history},
+           {"findings", request.findings}};
     for (const auto& folder : request.reconstructions)
         out["reconstructions"].push_back(folder.string());
     for (const auto& [kind, file] : request.truth) out["truth"][kind] = file.string();
@@ -82,6 +88,7 @@ void from_json(const json& in, AttemptRequest& request) {
     for (const auto& [kind, file] : in.at("truth").items())
         request.truth[kind] = file.get<std::string>();
     in.at("history").get_to(request.history);
+    in.at("findings").get_to(request.findings);
 }
 
 std::string encode_message(const AttemptMessage& message) {
@@ -100,6 +107,9 @@ AttemptMessage decode_message(const std::string& line) {
         if (type == "stage") return body.get<StageRun>();
         if (type == "intake") return intake_from_json(body);
         if (type == "measured") return body.get<Measurement>();
+        if (type == "unreadable_truth")
+            return UnreadableTruth{truth_kind_from_string(body.at("kind").get<std::string>()),
+                                   body.at("problem").get<std::string>()};
         if (type == "done") return Done{};
         if (type == "failed") return body.get<Failure>();
         throw Error(ErrorCode::BadData, "an attempt sent an unknown message: " + type);

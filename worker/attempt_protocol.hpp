@@ -11,6 +11,7 @@
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
 #include "schemas/measurement.hpp"
+#include "schemas/truth_file.hpp"
 
 // What the two processes of a worker say to each other. The parent writes one request file; the
 // child answers on the pipe at kAttemptPipe, one JSON object a line.
@@ -32,6 +33,7 @@ struct AttemptRequest {
     std::vector<std::filesystem::path> reconstructions;  // folders: `job`, then `with`
     std::map<std::string, std::filesystem::path> truth;  // files by their kind
     std::map<std::string, std::vector<double>> history;  // earlier figures, oldest first
+    std::vector<Finding> findings;                       // of what a report is made of
 };
 
 // An intake's answer; the thumbnail is the file `thumbnail.jpg` in the request's out folder.
@@ -53,8 +55,9 @@ struct LogText {
 
 struct Done {};  // all that is to be kept lies in `out`
 
-using AttemptMessage =
-    std::variant<Progress, LogText, StageRun, Measurement, IntakeAnswer, Done, Failure>;
+// An UnreadableTruth comes before the failure that it is the cause of.
+using AttemptMessage = std::
+    variant<Progress, LogText, StageRun, Measurement, UnreadableTruth, IntakeAnswer, Done, Failure>;
 
 void to_json(nlohmann::json& json, const AttemptRequest& request);
 void from_json(const nlohmann::json& json, AttemptRequest& request);

@@ -64,6 +64,16 @@ void bring(storage::BlobStore& blobs,
         std::filesystem::create_symlink(std::filesystem::absolute(there), destination);
 }
 
+Finding set_aside(const TruthFile& file) {
+    return {
+        Severity::Warning,
+        "truth_set_aside",
+        file.name,
+        "this " + std::string(to_string(file.kind)) + " (" + file.id +
+            ") is newer than what the report was made with, but cannot be read: " + file.problem,
+        "mend it and send it anew, or delete it from the truth of the dive"};
+}
+
 // What changes no byte of the result and takes the least memory.
 void lower(nlohmann::json& options) {
     options["num_threads"] = 1;
@@ -138,6 +148,7 @@ void AttemptRunner::fetch_inputs(AttemptRequest& request) const {
         request.truth[kind] = folder() / ("truth-" + kind + plain_extension(file.name));
         bring(blobs_, file.blob, request.truth[kind]);
     }
+    for (const TruthFile& file : inputs.set_aside) request.findings.push_back(set_aside(file));
     request.history = inputs.history;
 }
 
@@ -221,6 +232,8 @@ void AttemptRunner::take(const AttemptMessage& message) {
         report(*stage);
     } else if (const auto* measured = std::get_if<Measurement>(&message)) {
         measurement_ = *measured;
+    } else if (const auto* truth = std::get_if<UnreadableTruth>(&message)) {
+        unreadable_truth_ = *truth;
     } else {
         result_ = message;
     }
@@ -356,7 +369,7 @@ void AttemptRunner::fail(const Failure& failure) {
               {"code", to_string(failure.code)},
               {"what", failure.message}});
     remove_blobs();
-    persist([&] { return jobs_.fail(claim_.lease, failure); });
+    persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_); });
 }
 
 // Of this attempt alone, and never those of a success: a commit may have reached the catalog though

@@ -75,6 +75,7 @@ private:
     std::optional<Clock::time_point> asked_to_end_;
     std::optional<AttemptMessage> result_;
     Measurement measurement_;
+    std::optional<UnreadableTruth> unreadable_truth_;
     std::optional<Progress> progress_;  // that the catalog does not know yet
     std::string log_;                   // the same
     Clock::time_point reported_ = {};

@@ -10,6 +10,7 @@
 #include "schemas/artifact.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
+#include "storage/truth_store.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -126,6 +127,23 @@ Awaitable<Response> get_thumbnail(Request request, Services services) {
                           "",
                           kAskEachTime,
                           services.blobs.open(blob)};
+    };
+    const StoredFile file = co_await in_pool(services.pool, std::move(work));
+    co_return file_response(request, file);
+}
+
+// It is whatever somebody has sent under that name: bytes, not a page.
+Awaitable<Response> get_truth_content(Request request, Services services) {
+    auto work = [services, request] {
+        const Dive dive = visible_dive(request, services.catalog);
+        const TruthFile file =
+            storage::TruthStore(services.catalog).get(dive.id, request.parameter("truth_id"));
+        return StoredFile{file.name,
+                          "application/octet-stream",
+                          '"' + file.sha256 + '"',
+                          file.sha256,
+                          kAskEachTime,
+                          services.blobs.open(file.blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));
     co_return file_response(request, file);

@@ -7,5 +7,6 @@ namespace divemesh::api {
 
 Awaitable<Response> get_artifact(Request request, Services services);
 Awaitable<Response> get_thumbnail(Request request, Services services);
+Awaitable<Response> get_truth_content(Request request, Services services);
 
 }  // namespace divemesh::api

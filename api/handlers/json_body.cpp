@@ -79,16 +79,6 @@ bool flag_value(const Request& request, const std::string& name) {
     return value == "true";
 }
 
-std::vector<std::string> split_list(const std::string& list) {
-    std::vector<std::string> parts;
-    for (std::size_t start = 0; start <= list.size();) {
-        const auto end = std::min(list.find(',', start), list.size());
-        parts.push_back(list.substr(start, end - start));
-        start = end + 1;
-    }
-    return parts;
-}
-
 std::string query_value(const Request& request, const std::string& name) {
     const auto found = request.query.find(name);
     return found == request.query.end() ? "" : found->second;

@@ -35,9 +35,6 @@ T value_or(const nlohmann::json& body, const std::string& key, T fallback) {
 // ?limit= and ?cursor=. Throws Error{InvalidArgument} when they are out of range.
 storage::PageRequest page_request(const Request& request);
 
-// "a,b" as its parts, at least one.
-std::vector<std::string> split_list(const std::string& list);
-
 // ?name=, "" when it is missing.
 std::string query_value(const Request& request, const std::string& name);
 // True or false; without one false. Throws Error{InvalidArgument} for anything else.

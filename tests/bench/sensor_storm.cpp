@@ -7,16 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <csignal>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sys/epoll.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
 
 #include "storage/token_store.hpp"
+#include "tests/bench/bench_main.hpp"
 #include "tests/bench/process_usage.hpp"
 #include "tests/bench/raw_socket.hpp"
 #include "tests/bench/served.hpp"
@@ -335,11 +334,7 @@ int run(int argc, char** argv) {
     app.add_option("--program", program, "divemesh")->required();
     app.add_option("--seconds", seconds, "of it")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
-    std::signal(SIGPIPE, SIG_IGN);
-    rlimit files{};
-    getrlimit(RLIMIT_NOFILE, &files);
-    files.rlim_cur = files.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &files);
+    prepare_for_many_connections();
 
     const TemporaryFolder folder;
     fs::create_directories(folder / "data");
@@ -355,11 +350,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace divemesh
 
-int main(int argc, char** argv) {
-    try {
-        return divemesh::run(argc, argv);
-    } catch (const std::exception& error) {
-        std::cerr << error.what() << '\n';
-        return 1;
-    }
-}
+int main(int argc, char** argv) { return divemesh::run_or_say_why(divemesh::run, argc, argv); }

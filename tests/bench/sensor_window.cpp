@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "storage/token_store.hpp"
+#include "tests/bench/bench_main.hpp"
 #include "tests/bench/process_usage.hpp"
 #include "tests/bench/raw_socket.hpp"
 #include "tests/bench/served.hpp"
@@ -222,7 +223,7 @@ int run(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--seconds", setting.seconds, "of link")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
-    std::signal(SIGPIPE, SIG_IGN);
+    prepare_for_many_connections();
     Window window(setting);
     std::cout << window.run().dump(2) << '\n';
     return 0;
@@ -231,11 +232,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace divemesh
 
-int main(int argc, char** argv) {
-    try {
-        return divemesh::run(argc, argv);
-    } catch (const std::exception& error) {
-        std::cerr << error.what() << '\n';
-        return 1;
-    }
-}
+int main(int argc, char** argv) { return divemesh::run_or_say_why(divemesh::run, argc, argv); }

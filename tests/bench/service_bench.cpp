@@ -3,12 +3,10 @@
 // which do not read, while 100 others upload. Prints one JSON. Needs wrk.
 #include <CLI/CLI.hpp>
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <poll.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
@@ -17,6 +15,7 @@
 #include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/token_store.hpp"
+#include "tests/bench/bench_main.hpp"
 #include "tests/bench/process_usage.hpp"
 #include "tests/bench/raw_socket.hpp"
 #include "tests/bench/served.hpp"
@@ -207,11 +206,7 @@ int run(int argc, char** argv) {
     app.add_option("--seconds", seconds, "of GET")->capture_default_str();
     app.add_option("--large", large_bytes, "bytes of one more upload, beside all the others");
     CLI11_PARSE(app, argc, argv);
-    std::signal(SIGPIPE, SIG_IGN);
-    rlimit files{};
-    getrlimit(RLIMIT_NOFILE, &files);
-    files.rlim_cur = files.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &files);
+    prepare_for_many_connections();
 
     const TemporaryFolder folder;
     fs::create_directories(folder / "data");
@@ -230,4 +225,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace divemesh
 
-int main(int argc, char** argv) { return divemesh::run(argc, argv); }
+int main(int argc, char** argv) { return divemesh::run_or_say_why(divemesh::run, argc, argv); }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "api/client/rest_client.hpp"
 #include "tests/end_to_end/service.hpp"
@@ -25,11 +26,7 @@ protected:
         more.insert(more.begin(), {"report", subject, "--server", service.address()});
         return service.run(more, 200s);
     }
-    nlohmann::json get(const std::string& path) {
-        api::client::RestClient rest(
-            {api::client::parse_server_url(service.address()), service.token()});
-        return rest.get(path);
-    }
+    nlohmann::json get(const std::string& path) { return service.rest().get(path); }
 
     Service service;
 };
@@ -72,6 +69,49 @@ TEST_F(AccuracyEndToEndTest, TruthThatIsSentLaterIsWhatAReportMeasuresAgainst) {
     EXPECT_NE(measured.at("truth").at("source"), "dive");
     EXPECT_EQ(with_truth().exit_code, 0);
     EXPECT_EQ(get("/api/v1/dives/" + dive + "/truth").at("items").size(), 1U) << "sent once";
+}
+
+TEST_F(AccuracyEndToEndTest, TruthThatIsBrokenIsLeftAsideAndTheReportSaysSo) {
+    service.start_server(1);
+    const std::string dive = upload();
+    const fs::path broken = service / "broken.tum";
+    std::ofstream(broken) << "1.0 2 3 4 0 0 0 1\n2.0 2 3 here 0 0 0 1\n";
+    const Outcome named = report(dive, {"--ground-truth", broken.string()});
+    EXPECT_EQ(named.exit_code, 1);
+    EXPECT_NE(named.err.find("2"), std::string::npos) << named.err;
+    const Outcome unnamed = report(dive, {"--json"});
+    ASSERT_EQ(unnamed.exit_code, 0) << unnamed.err;
+    const auto measured = nlohmann::json::parse(unnamed.out);
+    EXPECT_EQ(measured.at("truth").at("source"), "dive");
+    const auto& findings = measured.at("findings");
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings.at(0).at("code"), "truth_set_aside");
+    EXPECT_EQ(findings.at(0).at("where"), "broken.tum");
+    EXPECT_NE(service.run({"dives", dive}).out.find("cannot be read"), std::string::npos);
+}
+
+TEST_F(AccuracyEndToEndTest, SchedulesAreMadeListedAndRemoved) {
+    service.start_server(0);
+    const auto add = [&](const std::string& cron, const std::string& requirement) {
+        return service.run({"schedules",
+                            "add",
+                            "--cron",
+                            cron,
+                            "--tag",
+                            "reference",
+                            "--require",
+                            requirement,
+                            "--json"});
+    };
+    const Outcome made = add("30 4 * * mon", "drift_percent<=0.5");
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const auto id = nlohmann::json::parse(made.out).at("id").get<std::string>();
+    EXPECT_NE(service.run({"schedules", "list"}).out.find(id), std::string::npos);
+    EXPECT_EQ(add("every monday", "drift_percent<=0.5").exit_code, 2);
+    EXPECT_EQ(add("30 4 * * mon", "beauty<=1").exit_code, 2);
+    EXPECT_EQ(service.run({"schedules", "remove", id}).exit_code, 0);
+    EXPECT_EQ(service.run({"schedules", "remove", id}).exit_code, 1);
+    EXPECT_EQ(service.run({"schedules", "list", "--json"}).out, "[]\n");
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
                                       "retry",
                                       "queue",
                                       "workers",
+                                      "schedules",
                                       "reconstruct",
                                       "evaluate",
                                       "report",

@@ -34,27 +34,33 @@ nlohmann::json parse(const Outcome& outcome) {
 
 fs::path divemesh_program() { return DIVEMESH_PROGRAM; }
 
-fs::path small_dive() {
+fs::path simulated_dive(const std::vector<std::string>& options) {
     const auto built = fs::last_write_time(divemesh_program()).time_since_epoch().count();
+    std::vector<std::string> command = {divemesh_program().string(), "simulate"};
+    command.insert(command.end(), options.begin(), options.end());
+    std::string what = std::to_string(built);
+    for (const std::string& word : command) what += '\n' + word;
     const fs::path folder = fs::temp_directory_path() /
-                            ("divemesh-test-" + std::to_string(::getuid())) /
-                            sha256_hex(divemesh_program().string() + std::to_string(built));
+                            ("divemesh-test-" + std::to_string(::getuid())) / sha256_hex(what);
     if (fs::exists(folder)) return folder;
     const TemporaryFolder scratch;
     const fs::path made = folder.string() + "." + std::to_string(::getpid());
     fs::create_directories(folder.parent_path());
-    // clang-format off
-    Process simulate({divemesh_program().string(), "simulate", "--scene", "tank",
-                      "--length-m", "1", "--rate", "10", "--width-px", "320", "--height-px", "240",
-                      "--out", made.string()},
-                     scratch.path());
-    // clang-format on
+    command.insert(command.end(), {"--out", made.string()});
+    Process simulate(command, scratch.path());
     if (simulate.wait(std::chrono::seconds(300)) != 0)
         throw std::runtime_error("divemesh simulate: " + simulate.stderr_text());
     std::error_code lost;  // another test may have been first
     fs::rename(made, folder, lost);
     if (lost) fs::remove_all(made);
     return folder;
+}
+
+fs::path small_dive() {
+    // clang-format off
+    return simulated_dive({"--scene", "tank", "--length-m", "1", "--rate", "10",
+                           "--width-px", "320", "--height-px", "240"});
+    // clang-format on
 }
 
 Service::Service() {
@@ -99,6 +105,10 @@ Outcome Service::run(const std::vector<std::string>& arguments,
     Process process = start(arguments);
     const auto exit_code = process.wait(timeout);
     return {exit_code.value_or(-1), process.stdout_text(), process.stderr_text()};
+}
+
+api::client::RestClient Service::rest() const {
+    return api::client::RestClient({api::client::parse_server_url(address_), token_});
 }
 
 nlohmann::json Service::jobs() const { return parse(run({"jobs", "--json"})); }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/client/rest_client.hpp"
 #include "tests/end_to_end/process.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -12,8 +13,10 @@ namespace divemesh {
 
 std::filesystem::path divemesh_program();
 
-// A small simulated dive, rendered once for all tests of one build of the program.
-std::filesystem::path small_dive();
+// What `divemesh simulate` renders by these options, once for all tests of one build of the
+// program.
+std::filesystem::path simulated_dive(const std::vector<std::string>& options);
+std::filesystem::path small_dive();  // of the tank
 
 struct Outcome {
     int exit_code = -1;
@@ -37,6 +40,7 @@ public:
     Outcome run(const std::vector<std::string>& arguments,
                 std::chrono::seconds timeout = std::chrono::seconds(60)) const;
 
+    api::client::RestClient rest() const;
     nlohmann::json jobs() const;
     nlohmann::json dives() const;
     nlohmann::json job(const std::string& id) const;

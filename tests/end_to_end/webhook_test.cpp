@@ -1,48 +1,64 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
-
-#include "api/client/rest_client.hpp"
-#include "tests/end_to_end/service.hpp"
-#include "tests/paths.hpp"
+#include "tests/end_to_end/webhook_receiver.hpp"
 
 namespace divemesh {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-// S32: foreign code finds our signatures good.
-TEST(WebhookTest, A12MessagesPassTheLibraryOfStandardWebhooks) {
-    const fs::path scripts = source_directory() / "tests/end_to_end/js";
-    if (!fs::exists(scripts / "node_modules/standardwebhooks"))
-        GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
-    setenv("DIVEMESH_WEBHOOK_NETWORK", "127.0.0.1", 1);
-    Service service;
-    service.start_server(0);
-    unsetenv("DIVEMESH_WEBHOOK_NETWORK");
-    const fs::path secret_file = service / "secret";
-    Process node(
-        {"/usr/bin/env", "node", (scripts / "webhook_receiver.mjs").string(), secret_file.string()},
-        service / ".");
-    ASSERT_TRUE(wait_until(30s, [&] { return node.stdout_text().ends_with('\n'); }))
-        << node.stderr_text();
-    const std::string receiver = node.stdout_text().substr(0, node.stdout_text().find('\n'));
+class WebhookTest : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!WebhookReceiver::is_installed())
+            GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
+    }
 
-    api::client::RestClient client(
-        {api::client::parse_server_url(service.address()), service.token()});
-    const auto webhook =
-        client.post("/api/v1/webhooks", {{"url", receiver}, {"topics", {"upload", "dive"}}});
-    std::ofstream(secret_file) << webhook.at("secret").get<std::string>();
+    Service service;
+};
+
+// S32: foreign code finds our signatures good.
+TEST_F(WebhookTest, A12MessagesPassTheLibraryOfStandardWebhooks) {
+    WebhookReceiver receiver(service, 0, {"upload", "dive"});
     const Outcome upload = service.run({"upload", small_dive().string(), "--no-job"}, 60s);
     ASSERT_EQ(upload.exit_code, 0) << upload.err;
+    EXPECT_TRUE(receiver.hears("dive.created", 30s)) << receiver.heard();
+    EXPECT_EQ(receiver.events("upload.completed").size(), 1U);
+    EXPECT_EQ(receiver.heard().find("bad"), std::string::npos) << receiver.heard();
+}
 
-    EXPECT_TRUE(wait_until(30s, [&] {
-        return node.stdout_text().find("good dive.created") != std::string::npos;
-    })) << node.stdout_text();
-    EXPECT_NE(node.stdout_text().find("good upload.completed"), std::string::npos);
-    EXPECT_EQ(node.stdout_text().find("bad"), std::string::npos) << node.stdout_text();
+TEST_F(WebhookTest, ASensorsLeakIsDeliveredOnceAndSoIsItsEnd) {
+    WebhookReceiver receiver(service, 0, {"sensor"});
+    const Outcome made = service.run({"token",
+                                      "create",
+                                      "--data",
+                                      (service / "data").string(),
+                                      "--name",
+                                      "rig-1",
+                                      "--scope",
+                                      "sensor:push",
+                                      "--sensor",
+                                      "rig-1"});
+    api::client::RestClient sensor({api::client::parse_server_url(service.address()),
+                                    made.out.substr(0, made.out.find('\n'))});
+    const auto say = [&](int seq, bool leak) {
+        sensor.post("/api/v1/sensors/rig-1/status",
+                    {{"boot_id", "boot-1"},
+                     {"messages",
+                      {{{"seq", seq}, {"uptime_ms", 1000 * seq}, {"status", {{"leak", leak}}}}}}});
+    };
+    say(0, false);
+    say(1, true);
+    say(2, true);
+    say(3, false);
+    const auto alarms = [&] { return receiver.events("sensor.alarm"); };
+    ASSERT_TRUE(wait_until(30s, [&] { return alarms().size() >= 2; })) << receiver.heard();
+    EXPECT_EQ(alarms().size(), 2U) << receiver.heard();
+    EXPECT_EQ(alarms()[0].at("name"), "leak");
+    EXPECT_EQ(alarms()[0].at("level"), "stop");
+    EXPECT_EQ(alarms()[0].at("raised"), true);
+    EXPECT_EQ(alarms()[1].at("raised"), false);
+    EXPECT_EQ(receiver.heard().find("bad"), std::string::npos) << receiver.heard();
 }
 
 }  // namespace

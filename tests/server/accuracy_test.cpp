@@ -61,6 +61,20 @@ TEST_F(AccuracyTest, TruthIsUploadedLaterAndLeavesItsDiveAsItIs) {
     EXPECT_NE(send("better").header("divemesh-truth"), file["id"]);
 }
 
+TEST_F(AccuracyTest, TruthIsFetchedAsItWasSent) {
+    const auto content = dive + "/truth/" + send("poses").header("divemesh-truth") + "/content";
+    const auto whole = get(content);
+    EXPECT_EQ(whole.body, "poses");
+    EXPECT_EQ(whole.header("etag"), '"' + sha256_hex("poses") + '"');
+    EXPECT_NE(whole.header("content-disposition").find("tracker.tum"), std::string::npos);
+    EXPECT_EQ(whole.header("content-type"), "application/octet-stream");
+    const auto part = server.request("GET", content, token, {{"Range", "bytes=2-"}});
+    EXPECT_EQ(part.status, 206);
+    EXPECT_EQ(part.body, "ses");
+    EXPECT_EQ(get(content, server.make_token("theirs", {"dives:read"})).status, 404);
+    EXPECT_EQ(get(dive + "/truth/truth_none/content").status, 404);
+}
+
 TEST_F(AccuracyTest, TruthOfALinkThatBreaksGoesOnWhereItWas) {
     const auto path = create_upload(server.port(), token, 10, metadata("areas", "areas.json"));
     EXPECT_EQ(patch(path, 0, "01234").header("divemesh-truth"), "");

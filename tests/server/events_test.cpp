@@ -2,6 +2,7 @@
 
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
+#include <future>
 #include <soci/soci.h>
 
 #include "schemas/content_hash.hpp"
@@ -133,6 +134,19 @@ TEST(EventsTest, DropsAClientThatGivesNoSignOfLife) {
         },
         beast::system_error);
     EXPECT_LT(std::chrono::steady_clock::now() - began, 15s);
+}
+
+// Pings go out at half of the time that a client may be silent.
+TEST(EventsTest, T5AWatcherThatAnswersPingsStaysThoughNothingHappens) {
+    EXPECT_EQ(server::Timeouts{}.web_socket, 30s);
+    server::ServerConfig config;
+    config.timeouts.web_socket = 500ms;
+    TestServer server(config);
+    EventClient client(server.port(), server.admin(), "");
+    auto heard = std::async(std::launch::async, [&] { return client.next(); });
+    EXPECT_EQ(heard.wait_for(3s), std::future_status::timeout);
+    server.make_dive("default", sha256_hex("1"));
+    EXPECT_GT(heard.get().sequence, 0);
 }
 
 // S24

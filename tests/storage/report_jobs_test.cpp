@@ -100,6 +100,7 @@ TEST_F(ReportJobsTest, TruthIsTheNewestOfItsKindUnlessItIsNamed) {
     const TruthFile mesh = add_truth(dive, TruthKind::Reference, "mesh.ply");
     const json newest = report(dive).options;
     EXPECT_EQ(newest["ground_truth"], second.id);
+    EXPECT_EQ(newest["newest"], nlohmann::json({"ground_truth", "reference"}));
     EXPECT_EQ(newest["reference"], mesh.id);
     for (const std::string& name : {first.id, first.name})
         EXPECT_EQ(report(dive, {{"ground_truth", name}}).options["ground_truth"], first.id);
@@ -110,6 +111,44 @@ TEST_F(ReportJobsTest, TruthIsTheNewestOfItsKindUnlessItIsNamed) {
         EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] {
             report(dive, {{"ground_truth", name}});
         })) << name;
+}
+
+TEST_F(ReportJobsTest, TruthThatIsUnreadableIsMarkedAndLeftAside) {
+    const Dive dive = ready_dive();
+    reconstructed(dive);
+    const TruthFile good = add_truth(dive, TruthKind::GroundTruth, "good.tum");
+    const TruthFile broken = add_truth(dive, TruthKind::GroundTruth, "broken.tum");
+    const Failure failure{ErrorCode::BadData, "line 3"};
+    const UnreadableTruth unreadable{TruthKind::GroundTruth, "line 3"};
+    const Job newest = report(dive);
+    EXPECT_TRUE(jobs_.fail(claim().lease, failure, unreadable));
+    EXPECT_EQ(TruthStore(catalog_).get(dive.id, broken.id).problem, "line 3");
+    EXPECT_EQ(event_types(dive.id).back(), "dive.truth_unreadable");
+    EXPECT_EQ(jobs_.get(newest.id).state, JobState::Queued);
+    EXPECT_EQ(jobs_.get(newest.id).num_attempts, 0);
+    EXPECT_EQ(jobs_.get(newest.id).options["ground_truth"], good.id);
+    ASSERT_EQ(jobs_.inputs(jobs_.get(newest.id)).set_aside.size(), 1U);
+    succeed();
+    EXPECT_EQ(report(dive).options["ground_truth"], good.id);
+    succeed();
+
+    const Job named = report(dive, {{"ground_truth", broken.id}});
+    EXPECT_TRUE(jobs_.inputs(named).set_aside.empty());
+    jobs_.fail(claim().lease, failure, unreadable);
+    EXPECT_EQ(jobs_.get(named.id).state, JobState::Failed);
+    add_truth(dive, TruthKind::GroundTruth, "broken.tum");
+    EXPECT_EQ(report(dive).options["ground_truth"], broken.id) << "sent again, it is tried again";
+}
+
+TEST_F(ReportJobsTest, WhereNoTruthIsReadableTheRecordingsOwnServes) {
+    const Dive dive = ready_dive();
+    reconstructed(dive);
+    add_truth(dive, TruthKind::Areas, "areas.json");
+    const Job job = report(dive);
+    jobs_.fail(
+        claim().lease, {ErrorCode::BadData, "why"}, UnreadableTruth{TruthKind::Areas, "why"});
+    EXPECT_FALSE(jobs_.get(job.id).options.contains("areas"));
+    EXPECT_EQ(jobs_.inputs(jobs_.get(job.id)).set_aside.size(), 1U);
 }
 
 TEST_F(ReportJobsTest, AComparisonIsOfTwoReconstructions) {

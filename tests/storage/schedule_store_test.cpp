@@ -42,7 +42,12 @@ TEST_F(ScheduleStoreTest, ReportsEveryDiveOfItsTag) {
     const Schedule made = schedule();
     EXPECT_EQ(schedules_.run_due(""), 0) << "not due yet";
     let_pass(made);
-    EXPECT_EQ(schedules_.run_due(""), 2);
+    std::vector<std::string> notes;
+    const auto note = [&](soci::session&, const Schedule& schedule, int num_jobs) {
+        notes.push_back(schedule.tag + " " + std::to_string(num_jobs));
+    };
+    EXPECT_EQ(schedules_.run_due("", note), 2);
+    EXPECT_EQ(notes, std::vector<std::string>{"yearly 2"});
     EXPECT_EQ(schedules_.run_due(""), 0) << "five missed minutes are one run";
     const Schedule after = schedules_.get(made.id);
     EXPECT_EQ(after.last_num_jobs, 2);

@@ -25,10 +25,8 @@ json parse_object(std::string_view text, const std::string& file, FindingLog& fi
     } catch (const json::exception& error) {
         problem = printable(error.what());
     }
-    findings.warning("json_unreadable",
-                     file,
-                     file + " is left out: " + problem,
-                     "Check it with a JSON checker.");
+    findings.warning(
+        kJsonUnreadable, file, file + " is left out: " + problem, "Check it with a JSON checker.");
     return json::object();
 }
 

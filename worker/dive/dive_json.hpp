@@ -8,6 +8,8 @@
 
 namespace divemesh::worker {
 
+inline constexpr const char* kJsonUnreadable = "json_unreadable";  // a finding: nothing of it is
+
 // dive.json and measurements.json; what cannot be read is a warning and left out.
 DiveInfo parse_dive_info(std::string_view text, FindingLog& findings);
 std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingLog& findings);

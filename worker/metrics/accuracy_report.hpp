@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "schemas/finding.hpp"
 #include "schemas/truth_options.hpp"
 #include "worker/observer.hpp"
 
@@ -26,7 +27,8 @@ struct AccuracyReportRequest {
     std::vector<std::string> requirements;              // see schemas/requirement.hpp
     // Earlier values of figures, oldest first, by their full names.
     std::map<std::string, std::vector<double>> history;
-    int num_threads = 0;  // 0: all cores; never changes a figure
+    std::vector<Finding> findings;  // of what it is made of: told in it
+    int num_threads = 0;            // 0: all cores; never changes a figure
 };
 
 // Measures a reconstruction against what is known and writes report.json

@@ -75,6 +75,8 @@ std::unique_ptr<Dive> open_dive(const AccuracyReportRequest& request,
     return dive;
 }
 
+}  // namespace
+
 std::vector<KnownDistance> read_known_distances(const fs::path& file,
                                                 std::vector<Finding>& findings) {
     if (fs::file_size(file) > kMaxMeasurements_bytes)
@@ -83,16 +85,18 @@ std::vector<KnownDistance> read_known_distances(const fs::path& file,
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     FindingLog log;
     auto distances = parse_known_distances(text, log);
+    for (const Finding& finding : log.all())
+        if (finding.code == kJsonUnreadable)
+            throw Error(ErrorCode::BadData, file.filename().string() + ": " + finding.message);
     findings.insert(findings.end(), log.all().begin(), log.all().end());
     return distances;
 }
-
-}  // namespace
 
 ReportInputs read_report_inputs(const AccuracyReportRequest& request,
                                 const ProgressCallback& progress) {
     ReportInputs inputs{.reconstruction = ReconstructionFolder(request.reconstruction)};
     inputs.files = describe_files(request);
+    inputs.findings = request.findings;
     progress({.stage = "evaluate", .fraction = 0.05});
     inputs.dive = open_dive(request, inputs.reconstruction, progress);
     if (request.ground_truth) {

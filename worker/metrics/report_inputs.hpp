@@ -27,6 +27,11 @@ struct ReportInputs {
     std::vector<Finding> findings;
 };
 
+// measurements.json; adds what is wrong with single distances. Throws Error{BadData} when nothing
+// of it can be read, Error{TooLarge} beyond 16 MiB.
+std::vector<KnownDistance> read_known_distances(const std::filesystem::path& file,
+                                                std::vector<Finding>& findings);
+
 // Throws Error{BadData} when the dive is another one than that of the reconstruction.
 ReportInputs read_report_inputs(const AccuracyReportRequest& request,
                                 const ProgressCallback& progress);

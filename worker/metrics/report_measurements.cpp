@@ -164,9 +164,10 @@ void Measuring::measure_distances() {
     const bool all_marked = std::all_of(inputs_.known_distances.begin(),
                                         inputs_.known_distances.end(),
                                         [](const KnownDistance& d) { return d.is_marked(); });
-    const bool has_truth = result_.trajectory && inputs_.reference &&
-                           !inputs_.reference->triangles.empty() &&
-                           !registered_.options.pair_by_index;
+    // A reconstruction of the path alone leaves no keyframes to mark the ends in.
+    const bool has_truth =
+        result_.trajectory && inputs_.reference && !inputs_.reference->triangles.empty() &&
+        inputs_.reconstruction.has_surface() && !registered_.options.pair_by_index;
     if (!inputs_.dive || (!all_marked && !has_truth)) {
         cannot("known_distances_not_measured",
                "measurements.json",
@@ -174,7 +175,7 @@ void Measuring::measure_distances() {
                             : "lengths are measured with the calibration of the rig, which the "
                               "dive holds",
                inputs_.dive ? "mark both ends in four frames or more (marks_a, marks_b), or give "
-                              "ground truth and a reference mesh"
+                              "ground truth, a reference mesh and a reconstruction with a surface"
                             : "give the dive as well");
         return;
     }

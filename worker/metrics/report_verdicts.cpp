@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 
 #include "worker/metrics/summary.hpp"
 
@@ -33,22 +34,53 @@ std::string missing_reason(const std::string& name) {
     return "not available for this reconstruction";
 }
 
-// Of which more is better.
-bool is_better_when_more(const std::string& name) {
-    static constexpr const char* kEndings[] = {"coverage",
-                                               "precision",
-                                               "recall",
-                                               "f1",
-                                               "share_in_95",
-                                               "inlier_share",
-                                               "frames_per_s",
-                                               "num_frames_tracked",
-                                               "num_measured",
-                                               "num_accepted",
-                                               "mean_tracked_features"};
-    return std::any_of(std::begin(kEndings), std::end(kEndings), [&](const char* ending) {
-        return name.ends_with(ending);
+enum class Better { More, Less, Neither };
+
+bool ends_with_any(const std::string& name, std::initializer_list<const char*> endings) {
+    return std::any_of(
+        endings.begin(), endings.end(), [&](const char* ending) { return name.ends_with(ending); });
+}
+
+bool contains_any(const std::string& name, std::initializer_list<const char*> words) {
+    return std::any_of(words.begin(), words.end(), [&](const char* word) {
+        return name.find(word) != std::string::npos;
     });
+}
+
+// What a dive is like (its length, its calibration, how many keyframes) is no verdict on it, and
+// how fast it went is the machine's.
+Better better(const std::string& name) {
+    const std::string last = name.substr(name.rfind('.') + 1);
+    if (name.starts_with("speed.") || name.starts_with("calibration.")) return Better::Neither;
+    if (ends_with_any(last,
+                      {"coverage",
+                       "precision",
+                       "recall",
+                       "f1",
+                       "share_in_95",
+                       "share_3_views_or_more",
+                       "inlier_share",
+                       "num_frames_tracked",
+                       "num_measured",
+                       "num_accepted",
+                       "mean_tracked_features"}))
+        return Better::More;
+    if (contains_any(name, {"accuracy.", "completeness."}) && name.starts_with("surface."))
+        return last == "num_samples" ? Better::Neither : Better::Less;
+    return contains_any(last,
+                        {"error",
+                         "ate_",
+                         "drift",
+                         "rms",
+                         "sigma",
+                         "bound",
+                         "expected_m",
+                         "disagreement",
+                         "num_degenerate_frames",
+                         "num_skipped_frames",
+                         "num_poses_outside"})
+               ? Better::Less
+               : Better::Neither;
 }
 
 }  // namespace
@@ -94,15 +126,19 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
     for (const auto& [name, earlier] : history) {
         const Figure* figure = find(figures, name);
         if (figure == nullptr || !figure->value || earlier.size() < kLeastValues) continue;
-        const double middle = median(earlier);
+        const Better sense = better(name);
+        if (sense == Better::Neither) continue;
+        std::vector<double> sizes;  // an error may have either sign
+        for (const double value : earlier) sizes.push_back(std::abs(value));
+        const double size = std::abs(*figure->value);
+        const double middle = median(sizes);
         std::vector<double> deviations;
-        for (const double value : earlier) deviations.push_back(std::abs(value - middle));
-        const double allowed =
-            std::max(kSigmas * 1.4826 * median(deviations), kTolerated * std::abs(middle));
-        const double sign = is_better_when_more(name) ? -1.0 : 1.0;
-        if (sign * (*figure->value - middle) <= allowed) continue;
+        for (const double value : sizes) deviations.push_back(std::abs(value - middle));
+        const double allowed = std::max(kSigmas * 1.4826 * median(deviations), kTolerated * middle);
+        const double sign = sense == Better::More ? -1.0 : 1.0;
+        if (sign * (size - middle) <= allowed) continue;
         regressions.push_back({{"figure", name},
-                               {"value", *figure->value},
+                               {"value", size},
                                {"limit", middle + sign * allowed},
                                {"median", middle},
                                {"num_earlier", earlier.size()}});

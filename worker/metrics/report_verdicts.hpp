@@ -19,8 +19,9 @@ nlohmann::json passed(const nlohmann::json& requirements);
 
 // "regressions": figures that are worse than their history allows, of which at least three values
 // are asked: beyond the median by more than three robust standard deviations (1.4826 median
-// absolute deviations) and by more than 10 % of it. Worse is more, but for figures that say how
-// much was found, where it is less.
+// absolute deviations) and by more than 10 % of it. Errors and stated uncertainties are worse when
+// they are larger, by their size whatever their sign; coverage, shares of what fits and counts of
+// what was found when they are smaller; other figures are neither good nor bad.
 nlohmann::json find_regressions(const std::map<std::string, std::vector<double>>& history,
                                 const std::vector<Figure>& figures);
 

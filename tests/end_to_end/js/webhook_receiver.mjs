@@ -1,5 +1,5 @@
 // node webhook_receiver.mjs SECRET_FILE: prints the address of a receiver on loopback, then one line
-// per message: its type when Standard Webhooks' own library finds the signature good, or what was
+// per message: its type and data when Standard Webhooks' own library finds the signature good, or what was
 // wrong with it. The secret is looked up when a message comes.
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -15,7 +15,7 @@ const server = createServer((request, response) => {
       const webhook = new Webhook(readFileSync(secretFile, 'utf8').trim());
       const message = webhook.verify(Buffer.concat(pieces).toString(), request.headers);
       response.writeHead(204).end();
-      console.log(`good ${message.type}`);
+      console.log(`good ${message.type} ${JSON.stringify(message.data)}`);
     } catch (error) {
       response.writeHead(400).end();
       console.log(`bad ${error.message}`);

@@ -18,6 +18,7 @@
 #include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
 #include "worker/metrics/accuracy_report.hpp"
+#include "worker/metrics/truth_check.hpp"
 #include "worker/reconstruct_dive.hpp"
 
 namespace divemesh::worker {
@@ -174,7 +175,11 @@ nlohmann::json compare_reconstructions(const CompareRequest& request, const Prog
     return {};
 }
 
-// Says what it was given: the mesh, the truth, the history.
+std::string problem_of_truth(TruthKind, const fs::path& file) {
+    return fs::file_size(file) == 0 ? "the truth is empty" : "";
+}
+
+// Says what it was given: the mesh, the truth, the findings, the history.
 nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCallback&) {
     if (request.ground_truth && fs::file_size(*request.ground_truth) == 0)
         throw Error(ErrorCode::BadData, "the truth is empty");
@@ -183,6 +188,7 @@ nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const 
     if (request.ground_truth)
         file << request.ground_truth->filename().string() << ' '
              << std::ifstream(*request.ground_truth).rdbuf();
+    for (const Finding& finding : request.findings) file << ' ' << finding.message;
     for (const auto& [name, values] : request.history) file << ' ' << name << ' ' << values.size();
     const auto figure = nlohmann::json{
         {"figure", "trajectory.path_length_m"}, {"value", 2.5}, {"unit", "m"}, {"method", ""}};

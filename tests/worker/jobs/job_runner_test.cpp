@@ -107,6 +107,28 @@ protected:
     std::string wait_once() const { return "wait-once " + marker_.string(); }
     void let_go() const { std::ofstream(marker_.string() + ".go") << "go"; }
 
+    TruthFile add_truth(const Job& of, const std::string& name, const std::string& content) {
+        std::ofstream(folder_ / "truth") << content;
+        const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
+        const std::string key = "truth/" + upload.id + "/file";
+        blobs_->put_file(key, folder_ / "truth");
+        return storage::TruthStore(catalog_)
+            .create({.upload_id = upload.id,
+                     .project = "default",
+                     .dive_id = of.dive_id,
+                     .name = name,
+                     .sha256 = sha256_hex(content),
+                     .size_bytes = static_cast<std::int64_t>(content.size()),
+                     .blob = key})
+            .file;
+    }
+    std::string content_of(const Artifact& artifact) {
+        const auto blob = blobs_->open(artifact.blob);
+        std::string text(static_cast<std::size_t>(blob->size_bytes()), ' ');
+        blob->read_at(0, text);
+        return text;
+    }
+
     TemporaryFolder folder_;
     fs::path marker_ = folder_ / "marker";
     std::string catalog_url_ = "sqlite://" + (folder_ / "catalog.db").string();
@@ -123,16 +145,7 @@ TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept)
     const Job reconstruction = make_job("plain");
     const Process worker = start_worker();
     ASSERT_TRUE(reaches(reconstruction, JobState::Succeeded));
-    std::ofstream(folder_ / "truth") << "poses";
-    const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
-    blobs_->put_file("truth/" + upload.id + "/file", folder_ / "truth");
-    storage::TruthStore(catalog_).create({.upload_id = upload.id,
-                                          .project = "default",
-                                          .dive_id = reconstruction.dive_id,
-                                          .name = "../a b.tum",
-                                          .sha256 = sha256_hex("poses"),
-                                          .size_bytes = 5,
-                                          .blob = "truth/" + upload.id + "/file"});
+    add_truth(reconstruction, "../a b.tum", "poses");
     const Job report = jobs_
                            .enqueue({.dive_id = reconstruction.dive_id,
                                      .kind = JobKind::AccuracyReport,
@@ -140,10 +153,8 @@ TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept)
                            .job;
     ASSERT_TRUE(reaches(report, JobState::Succeeded)) << jobs_.get(report.id).failure.message;
     EXPECT_EQ(verdict_of(jobs_.get(report.id)), "failed");
-    const auto written = blobs_->open(jobs_.artifact(report.id, "report.json").blob);
-    std::string text(static_cast<std::size_t>(written->size_bytes()), ' ');
-    written->read_at(0, text);
-    EXPECT_EQ(text, "ply\ntruth-ground_truth.tum poses");
+    EXPECT_EQ(content_of(jobs_.artifact(report.id, "report.json")),
+              "ply\ntruth-ground_truth.tum poses");
     const auto points =
         storage::FigureStore(catalog_).series({.figure = "trajectory.path_length_m"}, {}).items;
     ASSERT_EQ(points.size(), 2U);
@@ -172,22 +183,41 @@ TEST_F(JobRunnerTest, AComparisonReadsTwoReconstructions) {
     EXPECT_EQ(jobs_.get(other_ground.id).failure.message, "other ground");
 }
 
-TEST_F(JobRunnerTest, TruthThatCannotBeReadIsNotSaidToBeTheRecordingsFault) {
+TEST_F(JobRunnerTest, TruthThatWasNamedAndCannotBeReadIsNotSaidToBeTheRecordingsFault) {
     const Job reconstruction = make_job("plain");
-    const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
-    const std::string key = "truth/" + upload.id + "/file";
-    std::ofstream(folder_ / "truth").close();
-    blobs_->put_file(key, folder_ / "truth");
-    storage::TruthStore(catalog_).create({.upload_id = upload.id,
-                                          .project = "default",
-                                          .dive_id = reconstruction.dive_id,
-                                          .sha256 = sha256_hex(""),
-                                          .blob = key});
-    const Job report =
-        jobs_.enqueue({.dive_id = reconstruction.dive_id, .kind = JobKind::AccuracyReport}).job;
+    const TruthFile truth = add_truth(reconstruction, "broken.tum", "");
+    const Job report = jobs_
+                           .enqueue({.dive_id = reconstruction.dive_id,
+                                     .kind = JobKind::AccuracyReport,
+                                     .options = {{"ground_truth", "broken.tum"}}})
+                           .job;
     const Process worker = start_worker();
     ASSERT_TRUE(reaches(report, JobState::Failed));
-    EXPECT_THAT(jobs_.get(report.id).failure.remedy, HasSubstr("truth of the dive"));
+    EXPECT_EQ(jobs_.get(report.id).failure.message, "the truth is empty");
+    EXPECT_THAT(jobs_.get(report.id).failure.remedy, HasSubstr("mend that file"));
+    EXPECT_EQ(storage::TruthStore(catalog_).get(truth.dive_id, truth.id).problem,
+              "the truth is empty");
+}
+
+TEST_F(JobRunnerTest, AReportGoesOnWithTheNewestTruthThatCanBeReadAndSaysWhatItLeftAside) {
+    const Job reconstruction = make_job("plain");
+    const TruthFile good = add_truth(reconstruction, "good.tum", "poses");
+    const TruthFile broken = add_truth(reconstruction, "broken.tum", "");
+    const auto ask = [&] {
+        return jobs_.enqueue({.dive_id = reconstruction.dive_id, .kind = JobKind::AccuracyReport})
+            .job;
+    };
+    const Job first = ask();
+    EXPECT_EQ(first.options["ground_truth"], broken.id);
+    const Process worker = start_worker();
+    for (const Job& report : {first, ask()}) {
+        ASSERT_TRUE(reaches(report, JobState::Succeeded)) << jobs_.get(report.id).failure.message;
+        EXPECT_EQ(jobs_.get(report.id).options["ground_truth"], good.id);
+        const std::string text = content_of(jobs_.artifact(report.id, "report.json"));
+        EXPECT_THAT(text, HasSubstr("poses"));
+        EXPECT_THAT(text, HasSubstr(broken.id + ") is newer"));
+        EXPECT_THAT(text, HasSubstr("the truth is empty"));
+    }
 }
 
 TEST_F(JobRunnerTest, AReportWhoseTruthWasDeletedFailsAtOnceAndSaysSo) {

@@ -57,6 +57,30 @@ TEST(Regressions, AShareThatFellIsWorseAndOneThatRoseIsNot) {
     EXPECT_EQ(find_regressions({{"frames.coverage", {0.2, 0.2, 0.2}}}, figures()).size(), 0U);
 }
 
+TEST(Regressions, AnErrorIsAsBadAsItIsLargeWhateverItsSign) {
+    const auto regressions = [](double earlier, double now) {
+        const std::string name = "known_distances.distances[bar].error_m";
+        return find_regressions({{name, {earlier, earlier, earlier}}},
+                                {{.name = name, .value = now}});
+    };
+    EXPECT_TRUE(regressions(-0.002, 0.0002).empty());
+    EXPECT_TRUE(regressions(-0.002, 0.002).empty());
+    ASSERT_EQ(regressions(0.001, -0.004).size(), 1U);
+    EXPECT_DOUBLE_EQ(regressions(0.001, -0.004)[0]["value"].get<double>(), 0.004);
+}
+
+TEST(Regressions, WhatADiveIsLikeAndHowFastTheMachineWasIsNotJudged) {
+    for (const std::string name : {"frames.num_keyframes",
+                                   "trajectory.path_length_m",
+                                   "calibration.gravity.tilt_deg",
+                                   "calibration.refined.lenses.cam0.k1.sigma",
+                                   "surface.accuracy.num_samples",
+                                   "speed.stages[track].wall_s"})
+        EXPECT_TRUE(
+            find_regressions({{name, {1.0, 1.0, 1.0}}}, {{.name = name, .value = 9.0}}).empty())
+            << name;
+}
+
 TEST(Regressions, TwoEarlierValuesSayNothing) {
     EXPECT_TRUE(find_regressions({{"frames.coverage", {1.0, 1.0}}}, figures()).empty());
 }

@@ -1,0 +1,34 @@
+#include "worker/metrics/truth_check.hpp"
+
+#include <vector>
+
+#include "schemas/error.hpp"
+#include "worker/metrics/report_inputs.hpp"
+#include "worker/output/mesh_reader.hpp"
+#include "worker/reef/area_set.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+void read_truth(TruthKind kind, const std::filesystem::path& file) {
+    std::vector<Finding> of_single_distances;
+    switch (kind) {
+        case TruthKind::GroundTruth: read_trajectory(file); return;
+        case TruthKind::Reference: read_mesh(file); return;
+        case TruthKind::Measurements: read_known_distances(file, of_single_distances); return;
+        case TruthKind::Areas: read_areas(file); return;
+    }
+}
+
+}  // namespace
+
+std::string problem_of_truth(TruthKind kind, const std::filesystem::path& file) {
+    try {
+        read_truth(kind, file);
+        return "";
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+}  // namespace divemesh::worker

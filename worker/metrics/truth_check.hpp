@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "schemas/truth_file.hpp"
+
+namespace divemesh::worker {
+
+// Why a report cannot read a file of truth; "" when it can.
+std::string problem_of_truth(TruthKind kind, const std::filesystem::path& file);
+
+}  // namespace divemesh::worker
