@@ -19,19 +19,22 @@ constexpr float kFarthest_m = 2.2F;   // from the camera
 constexpr float kLeastCosine = 0.5F;  // between the board's normal and the way to the camera
 constexpr float kSteepest_cosine = 0.7F;
 
-struct Board {
-    Eigen::Isometry3f T_world_board = Eigen::Isometry3f::Identity();
-    Eigen::Vector3d middle_world() const {
-        return (T_world_board * Eigen::Vector3f(0, 0, 0.5F * kThickness_m)).cast<double>();
-    }
-};
+// One cell of white around the picture of the tag.
+float edge_of_board_m(const SimulateOptions& options) {
+    const TagLayout layout = tag_layout(options.marker_family);
+    return static_cast<float>(options.marker_size_m * (layout.total_cells + 2) / layout.size_cells);
+}
+
+Eigen::Vector3d middle_world(const LaidMarker& marker) {
+    return (marker.T_world_board * Eigen::Vector3f(0, 0, 0.5F * kThickness_m)).cast<double>();
+}
 
 class BoardLayer {
 public:
     BoardLayer(const RayCaster& caster, float edge_m, std::uint64_t seed)
         : caster_(caster), edge_m_(edge_m), seed_(seed) {}
 
-    const std::vector<Board>& boards() const { return boards_; }
+    const std::vector<LaidMarker>& boards() const { return boards_; }
 
     // Where this ray of the camera meets the ground, if there is room and it is seen well.
     void try_at(const Eigen::Isometry3d& T_world_cam, const Eigen::Vector3d& ray_cam) {
@@ -40,7 +43,7 @@ public:
         const RayHit hit = caster_.cast(eye, ray);
         if (!hit.valid() || hit.t > kFarthest_m) return;
         const Eigen::Vector3f p = eye + hit.t * ray;
-        for (const Board& board : boards_)
+        for (const LaidMarker& board : boards_)
             if ((board.T_world_board.translation() - p).norm() < 2.0F * edge_m_) return;
         const auto board = board_on(p);
         if (!board) return;
@@ -52,7 +55,7 @@ public:
     }
 
 private:
-    bool is_in_sight(const Board& board, const Eigen::Vector3f& eye) const {
+    bool is_in_sight(const LaidMarker& board, const Eigen::Vector3f& eye) const {
         for (const Eigen::Vector2f& side : {Eigen::Vector2f(-1, -1),
                                             Eigen::Vector2f(1, -1),
                                             Eigen::Vector2f(1, 1),
@@ -75,7 +78,7 @@ private:
     }
 
     // On the plane through the ground at 5 x 5 points below it, above the highest of them.
-    std::optional<Board> board_on(const Eigen::Vector3f& p) const {
+    std::optional<LaidMarker> board_on(const Eigen::Vector3f& p) const {
         const auto yaw = static_cast<float>(
             6.283 * to_unit(hash64(seed_, static_cast<std::int64_t>(boards_.size()))));
         const Eigen::AngleAxisf turn(yaw, Eigen::Vector3f::UnitZ());
@@ -94,7 +97,8 @@ private:
         const Eigen::Vector3f normal = Eigen::Vector3f(-plane.x(), -plane.y(), 1).normalized();
         if (normal.z() < kSteepest_cosine) return std::nullopt;
         const float lift = (z - A * plane).maxCoeff() + kGap_m;
-        Board board;
+        LaidMarker board;
+        board.id = static_cast<int>(boards_.size());
         board.T_world_board.linear() =
             (Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal) * turn)
                 .toRotationMatrix();
@@ -105,63 +109,106 @@ private:
     const RayCaster& caster_;
     float edge_m_;
     std::uint64_t seed_;
-    std::vector<Board> boards_;
+    std::vector<LaidMarker> boards_;
 };
 
-void put_into(
-    Scene& scene, const Board& board, int id, const SimulateOptions& options, float edge_m) {
+void put_into(Scene& scene, const LaidMarker& marker, const SimulateOptions& options) {
     const TagLayout layout = tag_layout(options.marker_family);
-    SceneObject object{.name = "tag " + std::to_string(id),
+    const float edge_m = edge_of_board_m(options);
+    SceneObject object{.name = "tag " + std::to_string(marker.id),
                        .material = Material::Marker,
-                       .T_object_world = board.T_world_board.inverse(),
+                       .T_object_world = marker.T_world_board.inverse(),
                        .length_m = edge_m};
-    object.tag = tag_picture(options.marker_family, id);
+    object.tag = tag_picture(options.marker_family, marker.id);
     object.cell_m = static_cast<float>(options.marker_size_m / layout.size_cells);
     constexpr float kPiece_m = 0.04F;
     add_object(scene, std::move(object), make_box({edge_m, edge_m, kThickness_m}, kPiece_m));
 }
 
-}  // namespace
-
-MarkerPlan lay_markers(const SimulateOptions& options,
-                       const Rig& rig,
-                       const DiverMotion& motion,
-                       Scene& scene) {
-    const TagLayout layout = tag_layout(options.marker_family);
-    // One cell of white around the picture of the tag.
-    const auto edge_m =
-        static_cast<float>(options.marker_size_m * (layout.total_cells + 2) / layout.size_cells);
-    const RayCaster caster(scene.vertices, scene.triangles);
-    BoardLayer layer(caster, edge_m, options.seed);
-    const auto wanted = static_cast<std::size_t>(options.num_markers);
+// At this height of the picture, evenly along the way first, then between.
+void lay_along(const SimulateOptions& options,
+               const Rig& rig,
+               const DiverMotion& motion,
+               double height,
+               BoardLayer& layer) {
     constexpr double kSides[] = {0.35, 0.65, 0.5, 0.25, 0.75};  // of the picture's width
+    const auto wanted = static_cast<std::size_t>(options.num_markers);
     const int num_steps = 2 * options.num_markers;
     for (std::size_t round = 0; round < std::size(kSides); ++round) {
         for (int step = 0; step < num_steps && layer.boards().size() < wanted; ++step) {
-            if (round == 0 && step % 2 == 1) continue;  // evenly along the way first
+            if (round == 0 && step % 2 == 1) continue;
             const double t_s = motion.duration_s() * (step + 1.0) / (num_steps + 1.0);
             const double side =
                 kSides[(round + static_cast<std::size_t>(step / 2)) % std::size(kSides)];
-            layer.try_at(motion.at(t_s).T_world_imu * rig.T_imu_cam0,
-                         rig.cam0.unproject({side * rig.cam0.width_px, 0.5 * rig.cam0.height_px}));
+            layer.try_at(
+                motion.at(t_s).T_world_imu * rig.T_imu_cam0,
+                rig.cam0.unproject({side * rig.cam0.width_px, height * rig.cam0.height_px}));
         }
     }
+}
+
+}  // namespace
+
+std::vector<LaidMarker> lay_markers(const SimulateOptions& options,
+                                    const Rig& rig,
+                                    const DiverMotion& motion,
+                                    const Scene& ground) {
+    const RayCaster caster(ground.vertices, ground.triangles);
+    BoardLayer layer(caster, edge_of_board_m(options), options.seed);
+    for (const double height : {0.5, 0.7, 0.9}) lay_along(options, rig, motion, height, layer);
+    const auto wanted = static_cast<std::size_t>(options.num_markers);
     if (layer.boards().size() < wanted)
         throw Error(ErrorCode::InvalidArgument,
                     "there is room for " + std::to_string(layer.boards().size()) + " of " +
                         std::to_string(wanted) +
                         " markers on what is seen: choose fewer, smaller ones or a longer path");
-    MarkerPlan plan{.family = options.marker_family, .size_m = options.marker_size_m};
-    const auto& boards = layer.boards();
-    for (std::size_t i = 0; i < boards.size(); ++i) {
-        put_into(scene, boards[i], static_cast<int>(i), options, edge_m);
-        for (std::size_t j = i + 1; j < std::min(boards.size(), i + 3); ++j)
-            plan.scale_bars.push_back(
-                {.name = std::to_string(i) + " - " + std::to_string(j),
-                 .from = {static_cast<int>(i), std::nullopt},
-                 .to = {static_cast<int>(j), std::nullopt},
-                 .distance_m = (boards[i].middle_world() - boards[j].middle_world()).norm()});
+    return layer.boards();
+}
+
+std::vector<LaidMarker> unmoved_markers(const std::vector<LaidMarker>& markers,
+                                        const SimulateOptions& options,
+                                        const Scene& before,
+                                        const Scene& after) {
+    constexpr float kAbove_m = 0.5F;
+    constexpr float kSame_m = 0.002F;
+    const RayCaster caster_before(before.vertices, before.triangles);
+    const RayCaster caster_after(after.vertices, after.triangles);
+    const float edge_m = edge_of_board_m(options);
+    std::vector<LaidMarker> unmoved;
+    for (const LaidMarker& marker : markers) {
+        bool same = true;
+        for (int i = 0; i < 25; ++i) {
+            const Eigen::Vector3f from =
+                marker.T_world_board *
+                    Eigen::Vector3f(0.25F * edge_m * static_cast<float>(i % 5 - 2),
+                                    0.25F * edge_m * static_cast<float>(i / 5 - 2),
+                                    0.0F) +
+                kAbove_m * Eigen::Vector3f::UnitZ();
+            const RayHit first = caster_before.cast(from, -Eigen::Vector3f::UnitZ());
+            const RayHit second = caster_after.cast(from, -Eigen::Vector3f::UnitZ());
+            same =
+                same && first.valid() && second.valid() && std::abs(first.t - second.t) < kSame_m;
+        }
+        if (same) unmoved.push_back(marker);
     }
+    return unmoved;
+}
+
+void put_markers(const std::vector<LaidMarker>& markers,
+                 const SimulateOptions& options,
+                 Scene& scene) {
+    for (const LaidMarker& marker : markers) put_into(scene, marker, options);
+}
+
+MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options) {
+    MarkerPlan plan{.family = options.marker_family, .size_m = options.marker_size_m};
+    for (std::size_t i = 0; i < markers.size(); ++i)
+        for (std::size_t j = i + 1; j < std::min(markers.size(), i + 3); ++j)
+            plan.scale_bars.push_back(
+                {.name = std::to_string(markers[i].id) + " - " + std::to_string(markers[j].id),
+                 .from = {markers[i].id, std::nullopt},
+                 .to = {markers[j].id, std::nullopt},
+                 .distance_m = (middle_world(markers[i]) - middle_world(markers[j])).norm()});
     return plan;
 }
 

@@ -89,6 +89,12 @@ void write_picture(const fs::path& file, const cv::Mat& image, int jpeg_quality)
                     "cannot write " + file.string() + ": free space or choose another folder");
 }
 
+DiverMotion motion_of(const SimulateOptions& options, const Survey& survey) {
+    return options.laps > 0 ? DiverMotion::closed_lap(
+                                  survey.path, options.length_m, options.rate_hz, survey.seed)
+                            : DiverMotion::open_path(survey.path, options.length_m, survey.seed);
+}
+
 // One dive being made.
 class Simulation {
 public:
@@ -100,12 +106,11 @@ public:
           scene_(make_scene(options.scene, options.seed, options.year, options.length_m)),
           rig_(draw_rig(options.width_px, options.height_px, options.seed)),
           survey_(plan_survey(options, scene_.path, water_)),
-          motion_(options.laps > 0
-                      ? DiverMotion::closed_lap(
-                            survey_.path, options.length_m, options.rate_hz, survey_.seed)
-                      : DiverMotion::open_path(survey_.path, options.length_m, survey_.seed)),
+          motion_(motion_of(options, survey_)),
           exposures_(plan_exposures(options, motion_)) {
-        if (options.num_markers > 0) markers_ = lay_markers(options, rig_, motion_, scene_);
+        if (options.year > 1)
+            first_year_ = make_scene(options.scene, options.seed, 1, options.length_m);
+        if (options.num_markers > 0) mark();
     }
 
     void run() {
@@ -122,12 +127,10 @@ public:
         write_measurements(options_.out / "measurements.json", scene_.distances);
         if (markers_) write_markers(options_.out / "markers.json", *markers_);
         if (options_.year > 1)
-            write_changes(
-                options_.out / "change.json",
-                options_.year,
-                scene_.changes,
-                surface_changes(make_scene(options_.scene, options_.seed, 1, options_.length_m),
-                                scene_));
+            write_changes(options_.out / "change.json",
+                          options_.year,
+                          scene_.changes,
+                          surface_changes(*first_year_, scene_));
         write_ply(options_.out / "reference.ply",
                   make_reference_mesh(scene_, renderer.seen_triangles(), options_.seed));
         write_dive_info(options_.out / "dive.json", options_, water_);
@@ -135,6 +138,23 @@ public:
     }
 
 private:
+    // Markers were laid on the first dive of the first year.
+    void mark() {
+        SimulateOptions first = options_;
+        first.year = 1;
+        first.survey = 1;
+        const Scene& ground = first_year_ ? *first_year_ : scene_;
+        auto markers = lay_markers(
+            options_, rig_, motion_of(first, plan_survey(first, ground.path, water_)), ground);
+        if (first_year_) {
+            auto unmoved = unmoved_markers(markers, options_, *first_year_, scene_);
+            put_markers(markers, options_, *first_year_);
+            markers = std::move(unmoved);
+        }
+        put_markers(markers, options_, scene_);
+        markers_ = plan_of(markers, options_);
+    }
+
     RenderOptions render_options() const {
         RenderOptions render{
             .water = survey_.water, .exact_depth = options_.truth, .seed = options_.seed};
@@ -243,6 +263,7 @@ private:
     const ProgressCallback& report_;
     WaterKind water_;
     Scene scene_;
+    std::optional<Scene> first_year_;  // of a later year's
     Rig rig_;
     Survey survey_;
     DiverMotion motion_;
