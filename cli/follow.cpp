@@ -126,6 +126,7 @@ void print_failure(api::client::RestClient& rest, const Job& job) {
     std::cerr << "job " << job.id << " " << to_string(job.state);
     if (!job.failure.message.empty()) std::cerr << ": " << job.failure.message;
     std::cerr << '\n';
+    if (!job.failure.remedy.empty()) std::cerr << "  " << job.failure.remedy << '\n';
     const Dive dive = rest.get(dive_path(job.dive_id)).get<Dive>();
     if (dive.state == DiveState::Refused) print_findings(rest, job.dive_id);
 }

@@ -56,13 +56,13 @@ bool is_below(const fs::path& name) {
                name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
 }
 
-std::string plain_extension(const std::string& file_name) {
-    constexpr std::size_t kMostLetters = 8;
-    const auto dot = file_name.rfind('.');
-    if (dot == std::string::npos || file_name.size() - dot - 1 > kMostLetters) return "";
-    const std::string letters = file_name.substr(dot + 1);
-    const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0; };
-    return std::all_of(letters.begin(), letters.end(), is_plain) ? "." + letters : "";
+std::string plain_name(const std::string& file_name) {
+    constexpr std::size_t kMostLetters = 64;
+    const std::size_t too_many = file_name.size() - std::min(file_name.size(), kMostLetters);
+    std::string name = file_name.substr(too_many);
+    for (char& c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
+    return name.find_first_not_of('.') == std::string::npos ? "file" : name;
 }
 
 }  // namespace divemesh::worker

@@ -17,7 +17,8 @@ bool is_read_again(const std::string& artifact_name);
 // A name that does not lead out of its folder, whoever gave it.
 bool is_below(const std::filesystem::path& name);
 
-// What tells formats apart (".tum", ".csv", ".ply"): letters and digits alone, else "".
-std::string plain_extension(const std::string& file_name);
+// A name for a file of ours that people know theirs by: letters, digits and ._- alone, 64 at most,
+// the end of a long one, which tells formats apart.
+std::string plain_name(const std::string& file_name);
 
 }  // namespace divemesh::worker

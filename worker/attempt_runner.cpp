@@ -145,7 +145,9 @@ void AttemptRunner::fetch_inputs(AttemptRequest& request) const {
     }
     for (const TruthFile& file : inputs.truth) {
         const std::string kind(to_string(file.kind));
-        request.truth[kind] = folder() / ("truth-" + kind + plain_extension(file.name));
+        const auto own_folder = folder() / ("truth-" + kind);
+        std::filesystem::create_directories(own_folder);
+        request.truth[kind] = own_folder / plain_name(file.name);
         bring(blobs_, file.blob, request.truth[kind]);
     }
     for (const TruthFile& file : inputs.set_aside) request.findings.push_back(set_aside(file));

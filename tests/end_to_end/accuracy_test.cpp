@@ -44,6 +44,11 @@ TEST_F(AccuracyEndToEndTest, AReportPassesOrFailsByWhatIsRequiredOfIt) {
     EXPECT_EQ(read_text(junit), read_text(out / "junit.xml"));
     EXPECT_NE(read_text(junit).find("failures=\"0\""), std::string::npos) << read_text(junit);
 
+    const Outcome hollow = report(dive, {"--require", "drift_percent<=0.5", "--json"});
+    EXPECT_EQ(hollow.exit_code, 3) << "a path of one metre has no segment to take it over";
+    const auto reason = nlohmann::json::parse(hollow.out).at("requirements").at(0).at("reason");
+    EXPECT_NE(reason.get<std::string>().find("segment"), std::string::npos) << reason;
+
     const Outcome unmet = report(dive, {"--require", "ate_rmse_m<=1e-9", "--json"});
     EXPECT_EQ(unmet.exit_code, 3) << unmet.err;
     EXPECT_EQ(nlohmann::json::parse(unmet.out).at("passed"), false);
@@ -51,7 +56,7 @@ TEST_F(AccuracyEndToEndTest, AReportPassesOrFailsByWhatIsRequiredOfIt) {
     EXPECT_EQ(report("dive_none", {}).exit_code, 1);
 
     const auto series = get("/api/v1/metrics?metric=ate_rmse_m&kind=accuracy_report");
-    EXPECT_EQ(series.at("items").size(), 2U);
+    EXPECT_EQ(series.at("items").size(), 3U);
     EXPECT_EQ(series.at("unit"), "m");
 }
 
@@ -78,7 +83,8 @@ TEST_F(AccuracyEndToEndTest, TruthThatIsBrokenIsLeftAsideAndTheReportSaysSo) {
     std::ofstream(broken) << "1.0 2 3 4 0 0 0 1\n2.0 2 3 here 0 0 0 1\n";
     const Outcome named = report(dive, {"--ground-truth", broken.string()});
     EXPECT_EQ(named.exit_code, 1);
-    EXPECT_NE(named.err.find("2"), std::string::npos) << named.err;
+    EXPECT_NE(named.err.find("broken.tum:2:"), std::string::npos) << named.err;
+    EXPECT_NE(named.err.find("mend that file"), std::string::npos) << named.err;
     const Outcome unnamed = report(dive, {"--json"});
     ASSERT_EQ(unnamed.exit_code, 0) << unnamed.err;
     const auto measured = nlohmann::json::parse(unnamed.out);

@@ -37,6 +37,9 @@ json report_document(const AccuracyReportRequest& request,
     const json& metrics = measured.document;
     std::vector<Figure> figures = figures_of(metrics);
     for (Figure& figure : reef_figures(measured.reef)) figures.push_back(std::move(figure));
+    for (Figure& figure : figures)
+        if (!figure.value && figure.name.ends_with(".drift_percent"))
+            figure.method = "refused: the path is shorter than the shortest segment";
     json report = {{"format", 1},
                    {"version", DIVEMESH_VERSION},
                    {"dive",

@@ -93,6 +93,8 @@ void Measuring::compare_trajectories() try {
     result_.trajectory = trajectory_error(result_.path, poses, options);
     result_.has_orientation = registration.has_orientation;
     const auto figures = [&](json metrics) {
+        // Nothing to take it over is not a drift of zero.
+        if (metrics.at("segments").empty()) metrics["drift_percent"] = nullptr;
         return registration.has_orientation ? metrics : without_rotations(std::move(metrics));
     };
     json& section = result_.document["trajectory"];

@@ -153,8 +153,7 @@ TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept)
                            .job;
     ASSERT_TRUE(reaches(report, JobState::Succeeded)) << jobs_.get(report.id).failure.message;
     EXPECT_EQ(verdict_of(jobs_.get(report.id)), "failed");
-    EXPECT_EQ(content_of(jobs_.artifact(report.id, "report.json")),
-              "ply\ntruth-ground_truth.tum poses");
+    EXPECT_EQ(content_of(jobs_.artifact(report.id, "report.json")), "ply\n.._a_b.tum poses");
     const auto points =
         storage::FigureStore(catalog_).series({.figure = "trajectory.path_length_m"}, {}).items;
     ASSERT_EQ(points.size(), 2U);
