@@ -270,11 +270,17 @@ void add_samples(const json& result, std::vector<CalibrationCurve>& curves) {
 
 void write_plot(const std::vector<CalibrationCurve>& curves, const fs::path& file) {
     const char* colors[] = {"#0b6fa4", "#b3541e", "#2e7d4f", "#7b4ba0", "#a08a1e", "#a3231f"};
-    worker::Plot plot{"Stated level against observed frequency", "stated", "observed", {}, true};
+    worker::Plot plot{"Stated level against observed frequency (number of dives)",
+                      "stated",
+                      "observed",
+                      {},
+                      true};
     plot.lines.push_back({"honest", "#9aa7af", {0.0, 1.0}, {0.0, 1.0}});
     for (std::size_t i = 0; i < curves.size(); ++i) {
         if (curves[i].num_dives() == 0) continue;
-        worker::PlotLine line{curves[i].kind(), colors[i % std::size(colors)], {0.0}, {0.0}};
+        const std::string name =
+            curves[i].kind() + " (" + std::to_string(curves[i].num_dives()) + ")";
+        worker::PlotLine line{name, colors[i % std::size(colors)], {0.0}, {0.0}};
         for (const double level : shown_levels()) {
             line.x.push_back(level);
             line.y.push_back(curves[i].held(level));

@@ -142,17 +142,29 @@ std::string polyline(const PlotLine& line, const Axes& axes) {
            escape_html(line.color) + "\" points=\"" + points + "\"/>";
 }
 
+double width_px(const PlotLine& line) { return 40.0 + 7.0 * static_cast<double>(line.name.size()); }
+
+std::string named(const PlotLine& line, double x, double y) {
+    return line_between(
+               x, y, x + 18.0, y, "stroke-width=\"3\" stroke=\"" + escape_html(line.color) + "\"") +
+           text_at(x + 23.0, y + 4.0, "", line.name);
+}
+
+// In a row above the plot; what has no room there in a column at its lower right.
 std::string legend(const Plot& plot) {
-    std::string svg;
-    double x = kLeft_px;
+    double row = 0.0, column = 0.0;
     for (const PlotLine& line : plot.lines) {
-        svg += line_between(x,
-                            34.0,
-                            x + 18.0,
-                            34.0,
-                            "stroke-width=\"3\" stroke=\"" + escape_html(line.color) + "\"");
-        svg += text_at(x + 23.0, 38.0, "", line.name);
-        x += 40.0 + 7.0 * static_cast<double>(line.name.size());
+        row += width_px(line);
+        column = std::max(column, 23.0 + 6.0 * static_cast<double>(line.name.size()));
+    }
+    const bool is_row = kLeft_px + row <= kWidth_px;
+    double x = is_row ? kLeft_px : kWidth_px - kRight_px - column;
+    double y =
+        is_row ? 34.0 : kHeight_px - kBottom_px - 15.0 * static_cast<double>(plot.lines.size());
+    std::string svg;
+    for (const PlotLine& line : plot.lines) {
+        svg += named(line, x, y);
+        (is_row ? x : y) += is_row ? width_px(line) : 15.0;
     }
     return svg;
 }

@@ -36,7 +36,7 @@ struct FigureKind {
     bool is_direction = false;   // deg, 360 is 0
     int length_power = 0;        // by which the figure goes with the scale of all lengths
     bool is_from_plane = false;  // what moves all of the surface along the normal changes it
-    bool needs_relief = false;   // beyond noise
+    bool needs_relief = false;   // beyond what the surface errs by
     std::function<std::optional<double>(const Ground&)> measure;
 };
 

@@ -144,8 +144,8 @@ std::optional<std::string> refusal(const FigureKind& kind,
     return kind.resolution_m ? refused_at(*kind.resolution_m, fineness) : std::nullopt;
 }
 
-// Nothing where heights within a square of the figure's resolution differ by more than noise makes
-// them, three sigma up and down.
+// Nothing where heights within a square of the figure's resolution differ by more than three sigma
+// of the surface: a fractal dimension of less is one of errors, about 2.5.
 std::optional<std::string> too_flat(const FigureKind& kind, const Survey& survey) {
     if (!kind.needs_relief || !kind.resolution_m) return std::nullopt;
     const std::vector<double> ranges =
@@ -153,10 +153,10 @@ std::optional<std::string> too_flat(const FigureKind& kind, const Survey& survey
     if (ranges.empty()) return std::nullopt;
     const double mean =
         std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
-    const double noise = 6.0 * survey.fineness.sigma_local_m.value_or(0.0);
-    if (mean > noise) return std::nullopt;
+    const double least = 3.0 * survey.fineness.sigma_m.value_or(0.0);
+    if (mean > least) return std::nullopt;
     return "too flat: heights within " + length_text(*kind.resolution_m) + " differ by " +
-           length_text(mean) + ", noise alone makes up to " + length_text(noise);
+           length_text(mean) + ", not by more than 3 sigma of the surface, " + length_text(least);
 }
 
 SharedError shared_error(const FigureKind& kind,

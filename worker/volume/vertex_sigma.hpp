@@ -21,8 +21,9 @@ namespace divemesh::worker {
 // 3. The poses move the surface: sigma_poses_m, the part of the error that is shared by all
 //    vertices near each other.
 //
-// The geometry stays. What is not covered: fish and snow taken for surface, and calibration beyond
-// its stated figures.
+// sigma_local_m keeps term 1 alone: noise, which raises what is rough; term 2 lowers it, term 3
+// moves all alike. The geometry stays. What is not covered: fish and snow taken for surface, and
+// calibration beyond its stated figures.
 void finish_sigma(Mesh& mesh, double voxel_m, double sigma_poses_m);
 
 }  // namespace divemesh::worker

@@ -75,5 +75,20 @@ TEST(SvgPlot, LongLinesAreThinned) {
     EXPECT_LT(svg_plot({"t", "x", "y", {line}, false}).size(), 40'000U);
 }
 
+TEST(SvgPlot, NamesThatHaveNoRoomInARowStandBelowOneAnother) {
+    Plot plot{"t", "x", "y", {}, false};
+    for (int i = 0; i < 7; ++i)
+        plot.lines.push_back(
+            {"a name of some length " + std::to_string(i), "#000", {0, 1}, {0, 1}});
+    const std::string svg = svg_plot(plot);
+    for (const PlotLine& line : plot.lines) {
+        const std::size_t end = svg.find(">" + line.name);
+        ASSERT_NE(end, std::string::npos);
+        const std::size_t x = svg.find("x=\"", svg.rfind("<text", end));
+        EXPECT_LT(std::stod(svg.substr(x + 3)) + 6.0 * static_cast<double>(line.name.size()),
+                  560.0);
+    }
+}
+
 }  // namespace
 }  // namespace divemesh::worker
