@@ -38,10 +38,10 @@ struct NewJob {
     int priority = 0;
     int max_attempts = 3;
     // Of a report: a reconstruction by this version of the program; "": any will do.
-    std::string fresh_version = "";
+    std::string fresh_version = {};
     // Of the request that asks: when it comes again it finds its job, whatever became of that one.
     // Empty: each time is a request of its own.
-    std::string request_key = "";
+    std::string request_key = {};
 };
 
 struct EnqueuedJob {
