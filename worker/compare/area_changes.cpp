@@ -64,20 +64,25 @@ public:
                  const cv::Mat& cells,
                  json& figures) const {
         const cv::Mat seen = cells & ground_(window);
+        const ChangeMap part_of_map = window_of(map_, window);
+        const ChangeSums rest = sum_over(part_of_map, seen & (changes_.number(window) == 0));
+        const double rest_sigma_m3 =
+            std::hypot(noise_m3(rest, changes_.noise), registration_m3(rest));
         for (const bool grown : {true, false}) {
+            const double sign = grown ? 1.0 : -1.0;
             const Part part = of_patches(window, seen, grown);
-            const ChangeSums sums = sum_over(window_of(map_, window), part.cells);
-            const double value = std::max(0.0, (grown ? 1.0 : -1.0) * sums.volume_m3);
+            const ChangeSums sums = sum_over(part_of_map, part.cells);
+            const double value = std::max(0.0, sign * sums.volume_m3);
             const double half =
                 part.num_sigma *
                 std::hypot(noise_m3(sums, changes_.noise), registration_m3(sums) + part.outline_m3);
-            const Estimate volume{value, std::max(0.0, value - half), value + half};
+            const double undetected = std::max(0.0, sign * rest.volume_m3 + 1.96 * rest_sigma_m3);
             figures.push_back(change_json(
                 whose,
                 {grown ? "grown_volume" : "lost_volume", "m3", "of patches, within the outline"},
-                volume));
+                {value, std::max(0.0, value - half), value + half + undetected}));
         }
-        const ChangeSums net = sum_over(window_of(map_, window), seen);
+        const ChangeSums net = sum_over(part_of_map, seen);
         figures.push_back(change_json(
             whose,
             {"net_volume", "m3", "rise less fall of all ground that both dives saw"},

@@ -19,6 +19,7 @@ constexpr int kPictureSide_px = 1100;
 constexpr char kStyle[] = R"(
 .grown{color:#2166ac}.lost{color:#b2182b}
 .range{height:14px;border-radius:3px;background:linear-gradient(90deg,#b2182b,#f7f7f7,#2166ac)}
+section img{min-width:70%}
 .ends{display:flex;justify-content:space-between;font-size:13px;color:#415059})";
 
 std::string number(double value, int digits) {
@@ -132,7 +133,7 @@ std::string patches(const json& document) {
 // Three or four figures are enough for a person.
 std::string significant(double value) {
     char text[48];
-    std::snprintf(text, sizeof text, "%.3g", value);
+    std::snprintf(text, sizeof text, "%.3g", std::abs(value) < 1e-9 ? 0.0 : value);
     return text;
 }
 
