@@ -109,7 +109,8 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                                            : "the IMU covers too little of the dive without a gap",
                    expected);
         expected.pressure =
-            judged(scale_by_pressure(recording.pressure(), input.trajectory),
+            judged(scale_by_pressure(
+                       recording.pressure(), input.trajectory, shared_sigma_m(input.optimise.path)),
                    "scale.pressure",
                    "the pressure sensor",
                    recording.pressure().empty() ? "the dive has no pressure sensor"

@@ -203,7 +203,8 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
 }
 
 std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
-                                            const Trajectory& trajectory) {
+                                            const Trajectory& trajectory,
+                                            double sigma_poses_m) {
     const std::vector<DepthBin> bins = depth_bins(pressure, trajectory);
     if (bins.size() < kLeastBins) return std::nullopt;
     Eigen::MatrixXd path(std::ssize(bins), 4);
@@ -220,8 +221,10 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& p
     const double times = repetition(residuals);
     // A smooth column takes as much of correlated residuals as `times` columns of white ones.
     const double freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
-    const double variance =
-        residuals.squaredNorm() / freedom * factor.solve(Eigen::Vector4d::Unit(0)).x() * times;
+    const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z alone
+    const double variance = (residuals.squaredNorm() / freedom * times +
+                             sigma_poses_m * sigma_poses_m * static_cast<double>(path.rows())) *
+                            inverse;
     if (variance <= 0.0) return std::nullopt;
     return ScaleCheck{solution[0], std::sqrt(variance)};
 }

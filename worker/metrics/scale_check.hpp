@@ -27,10 +27,12 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
 
 // Depth by pressure against how far up and down the path goes: the slope of depth over -z, half
 // seconds of the dive as the samples; a slope over x and y is free, as the path may be tilted a
-// little. Residuals that follow one another are alike: their correlation is in sigma. Nothing
+// little. Residuals that follow one another are alike: their correlation is in sigma, and what the
+// poses err by along one axis, `sigma_poses_m`, as if all of it went with the depth. Nothing
 // without pressure or with less than ten seconds of it.
 std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
-                                            const Trajectory& trajectory);
+                                            const Trajectory& trajectory,
+                                            double sigma_poses_m);
 
 // How far two places far apart on the path err against each other along a line.
 struct PathError {

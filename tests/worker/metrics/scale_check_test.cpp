@@ -94,11 +94,12 @@ TEST(ScaleCheckTest, AGapOfTheImuCostsItsWindowsAlone) {
 }
 
 TEST(ScaleCheckTest, ThePressureFindsAScaleErrorOfTheCameras) {
-    const auto check = scale_by_pressure(depth_felt(0.02, 1), path_seen(0.95));
+    const auto check = scale_by_pressure(depth_felt(0.02, 1), path_seen(0.95), 0.0);
     ASSERT_TRUE(check.has_value());
     EXPECT_NEAR(check->scale, 1.0 / 0.95, 3.0 * check->sigma);
     EXPECT_LT(check->sigma, 0.01);
-    EXPECT_FALSE(scale_by_pressure({}, path_seen(1.0)).has_value());
+    EXPECT_GT(scale_by_pressure(depth_felt(0.02, 1), path_seen(0.95), 0.05)->sigma, check->sigma);
+    EXPECT_FALSE(scale_by_pressure({}, path_seen(1.0), 0.0).has_value());
 }
 
 TEST(ScaleCheckTest, KnownDistancesSayTheScaleAndHowWellTheyAgree) {
