@@ -64,10 +64,7 @@ std::map<std::string, std::string> named_blobs(Catalog& catalog) {
     struct Row {
         std::string blob;
         std::string sha256;
-        void define(soci::statement& statement) {
-            statement.exchange(soci::into(blob));
-            statement.exchange(soci::into(sha256));
-        }
+        void define(soci::statement& statement) { define_columns(statement, blob, sha256); }
         std::pair<std::string, std::string> value() const { return {blob, sha256}; }
     };
     std::map<std::string, std::string> blobs;

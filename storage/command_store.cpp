@@ -20,17 +20,18 @@ struct CommandRow {
     std::string arguments, state;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(command.id));
-        statement.exchange(soci::into(command.sensor));
-        statement.exchange(soci::into(command.name));
-        statement.exchange(soci::into(arguments));
-        statement.exchange(soci::into(state));
-        statement.exchange(soci::into(command.detail));
-        statement.exchange(soci::into(command.requested_by));
-        statement.exchange(soci::into(command.created_at_ms));
-        statement.exchange(soci::into(command.expires_at_ms));
-        statement.exchange(soci::into(command.sent_at_ms));
-        statement.exchange(soci::into(command.ended_at_ms));
+        define_columns(statement,
+                       command.id,
+                       command.sensor,
+                       command.name,
+                       arguments,
+                       state,
+                       command.detail,
+                       command.requested_by,
+                       command.created_at_ms,
+                       command.expires_at_ms,
+                       command.sent_at_ms,
+                       command.ended_at_ms);
     }
     SensorCommand value() const {
         SensorCommand value = command;

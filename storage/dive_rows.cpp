@@ -81,23 +81,24 @@ void write_tags(soci::session& session, const Dive& dive) {
 }  // namespace
 
 void DiveRow::define(soci::statement& statement) {
-    statement.exchange(soci::into(dive.id));
-    statement.exchange(soci::into(dive.project));
-    statement.exchange(soci::into(state));
-    statement.exchange(soci::into(dive.name));
-    statement.exchange(soci::into(dive.site));
-    statement.exchange(soci::into(dive.rig));
-    statement.exchange(soci::into(tags));
-    statement.exchange(soci::into(dive.archive_sha256));
-    statement.exchange(soci::into(dive.content_sha256));
-    statement.exchange(soci::into(dive.archive_bytes));
-    statement.exchange(soci::into(dive.blob));
-    statement.exchange(soci::into(dive.num_frames));
-    statement.exchange(soci::into(dive.duration_s));
-    statement.exchange(soci::into(has_thumbnail));
-    statement.exchange(soci::into(dive.created_at_ms));
-    statement.exchange(soci::into(dive.deleted_at_ms));
-    statement.exchange(soci::into(dive.expires_at_ms));
+    define_columns(statement,
+                   dive.id,
+                   dive.project,
+                   state,
+                   dive.name,
+                   dive.site,
+                   dive.rig,
+                   tags,
+                   dive.archive_sha256,
+                   dive.content_sha256,
+                   dive.archive_bytes,
+                   dive.blob,
+                   dive.num_frames,
+                   dive.duration_s,
+                   has_thumbnail,
+                   dive.created_at_ms,
+                   dive.deleted_at_ms,
+                   dive.expires_at_ms);
 }
 
 Dive DiveRow::value() const {

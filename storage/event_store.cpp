@@ -11,13 +11,14 @@ struct EventRow {
     std::string data;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(event.sequence));
-        statement.exchange(soci::into(event.time_ms));
-        statement.exchange(soci::into(event.project));
-        statement.exchange(soci::into(event.topic));
-        statement.exchange(soci::into(event.subject));
-        statement.exchange(soci::into(event.type));
-        statement.exchange(soci::into(data));
+        define_columns(statement,
+                       event.sequence,
+                       event.time_ms,
+                       event.project,
+                       event.topic,
+                       event.subject,
+                       event.type,
+                       data);
     }
     Event value() const {
         Event value = event;

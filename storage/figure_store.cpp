@@ -17,18 +17,10 @@ constexpr std::size_t kMaxUnitBytes = 32;
 constexpr std::size_t kMaxMethodBytes = 1000;
 constexpr int kMaxEarlier = 50;
 
-struct NumberRow {
-    std::int64_t number = 0;
-    void define(soci::statement& statement) { statement.exchange(soci::into(number)); }
-    std::int64_t value() const { return number; }
-};
-
 struct NameRow {
     FigureName name;
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(name.name));
-        statement.exchange(soci::into(name.unit));
-        statement.exchange(soci::into(name.method));
+        define_columns(statement, name.name, name.unit, name.method);
     }
     FigureName value() const { return name; }
 };
@@ -37,17 +29,18 @@ struct PointRow {
     FigurePoint point;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(point.number));
-        statement.exchange(soci::into(point.dive_id));
-        statement.exchange(soci::into(point.job_id));
-        statement.exchange(soci::into(point.kind));
-        statement.exchange(soci::into(point.site));
-        statement.exchange(soci::into(point.rig));
-        statement.exchange(soci::into(point.preset));
-        statement.exchange(soci::into(point.version));
-        statement.exchange(soci::into(point.calibration_sha256));
-        statement.exchange(soci::into(point.time_ms));
-        statement.exchange(soci::into(point.value));
+        define_columns(statement,
+                       point.number,
+                       point.dive_id,
+                       point.job_id,
+                       point.kind,
+                       point.site,
+                       point.rig,
+                       point.preset,
+                       point.version,
+                       point.calibration_sha256,
+                       point.time_ms,
+                       point.value);
     }
     FigurePoint value() const { return point; }
 };
@@ -60,8 +53,7 @@ struct EarlierValue {
 struct EarlierRow {
     EarlierValue earlier;
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(earlier.name));
-        statement.exchange(soci::into(earlier.value));
+        define_columns(statement, earlier.name, earlier.value);
     }
     EarlierValue value() const { return earlier; }
 };

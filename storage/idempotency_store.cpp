@@ -9,10 +9,7 @@ struct AnswerRow {
     StoredAnswer answer;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(answer.fingerprint));
-        statement.exchange(soci::into(answer.status));
-        statement.exchange(soci::into(answer.headers));
-        statement.exchange(soci::into(answer.body));
+        define_columns(statement, answer.fingerprint, answer.status, answer.headers, answer.body);
     }
     StoredAnswer value() const { return answer; }
 };

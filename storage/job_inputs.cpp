@@ -20,10 +20,7 @@ struct SourceRow {
     std::string dive_id;
     std::int64_t deleted_at_ms = 0;
 
-    void define(soci::statement& statement) {
-        statement.exchange(soci::into(dive_id));
-        statement.exchange(soci::into(deleted_at_ms));
-    }
+    void define(soci::statement& statement) { define_columns(statement, dive_id, deleted_at_ms); }
     std::pair<std::string, std::int64_t> value() const { return {dive_id, deleted_at_ms}; }
 };
 

@@ -90,9 +90,7 @@ std::optional<Lease> take_next(soci::session& session,
     struct LeaseRow {
         Lease lease;
         void define(soci::statement& statement) {
-            statement.exchange(soci::into(lease.job_id));
-            statement.exchange(soci::into(lease.attempt));
-            statement.exchange(soci::into(lease.lease_id));
+            define_columns(statement, lease.job_id, lease.attempt, lease.lease_id);
         }
         Lease value() const { return lease; }
     };

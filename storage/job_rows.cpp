@@ -18,30 +18,31 @@ ErrorCode failure_code_from(const std::string& text) {
 }  // namespace
 
 void JobRow::define(soci::statement& statement) {
-    statement.exchange(soci::into(job.id));
-    statement.exchange(soci::into(job.project));
-    statement.exchange(soci::into(job.dive_id));
-    statement.exchange(soci::into(kind));
-    statement.exchange(soci::into(state));
-    statement.exchange(soci::into(job.preset));
-    statement.exchange(soci::into(options));
-    statement.exchange(soci::into(parents));
-    statement.exchange(soci::into(job.priority));
-    statement.exchange(soci::into(paused));
-    statement.exchange(soci::into(lowered));
-    statement.exchange(soci::into(job.num_attempts));
-    statement.exchange(soci::into(job.max_attempts));
-    statement.exchange(soci::into(cancel_requested));
-    statement.exchange(soci::into(progress));
-    statement.exchange(soci::into(stages));
-    statement.exchange(soci::into(failure_code));
-    statement.exchange(soci::into(job.failure.message));
-    statement.exchange(soci::into(job.failure.remedy));
-    statement.exchange(soci::into(job.not_before_ms));
-    statement.exchange(soci::into(job.created_at_ms));
-    statement.exchange(soci::into(job.started_at_ms));
-    statement.exchange(soci::into(job.finished_at_ms));
-    statement.exchange(soci::into(requirements));
+    define_columns(statement,
+                   job.id,
+                   job.project,
+                   job.dive_id,
+                   kind,
+                   state,
+                   job.preset,
+                   options,
+                   parents,
+                   job.priority,
+                   paused,
+                   lowered,
+                   job.num_attempts,
+                   job.max_attempts,
+                   cancel_requested,
+                   progress,
+                   stages,
+                   failure_code,
+                   job.failure.message,
+                   job.failure.remedy,
+                   job.not_before_ms,
+                   job.created_at_ms,
+                   job.started_at_ms,
+                   job.finished_at_ms,
+                   requirements);
 }
 
 Job JobRow::value() const {
@@ -62,20 +63,20 @@ Job JobRow::value() const {
 
 void ExpiredRow::define(soci::statement& statement) {
     row.define(statement);
-    statement.exchange(soci::into(renewed));
-    statement.exchange(soci::into(num_silent_losses));
+    define_columns(statement, renewed, num_silent_losses);
 }
 
 void AttemptRow::define(soci::statement& statement) {
-    statement.exchange(soci::into(attempt.job_id));
-    statement.exchange(soci::into(attempt.number));
-    statement.exchange(soci::into(state));
-    statement.exchange(soci::into(attempt.worker));
-    statement.exchange(soci::into(failure_code));
-    statement.exchange(soci::into(attempt.failure.message));
-    statement.exchange(soci::into(attempt.failure.remedy));
-    statement.exchange(soci::into(attempt.started_at_ms));
-    statement.exchange(soci::into(attempt.finished_at_ms));
+    define_columns(statement,
+                   attempt.job_id,
+                   attempt.number,
+                   state,
+                   attempt.worker,
+                   failure_code,
+                   attempt.failure.message,
+                   attempt.failure.remedy,
+                   attempt.started_at_ms,
+                   attempt.finished_at_ms);
 }
 
 Attempt AttemptRow::value() const {

@@ -14,9 +14,7 @@ struct SpeedRow {
     double seconds_per_unit = 0.0;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(kind));
-        statement.exchange(soci::into(preset));
-        statement.exchange(soci::into(seconds_per_unit));
+        define_columns(statement, kind, preset, seconds_per_unit);
     }
     SpeedRow value() const { return *this; }
 };

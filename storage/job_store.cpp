@@ -20,12 +20,13 @@ struct ArtifactRow {
     Artifact artifact;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(artifact.job_id));
-        statement.exchange(soci::into(artifact.name));
-        statement.exchange(soci::into(artifact.media_type));
-        statement.exchange(soci::into(artifact.sha256));
-        statement.exchange(soci::into(artifact.size_bytes));
-        statement.exchange(soci::into(artifact.blob));
+        define_columns(statement,
+                       artifact.job_id,
+                       artifact.name,
+                       artifact.media_type,
+                       artifact.sha256,
+                       artifact.size_bytes,
+                       artifact.blob);
     }
     Artifact value() const { return artifact; }
 };
@@ -34,10 +35,7 @@ struct StateCountRow {
     std::string state;
     std::int64_t count = 0;
 
-    void define(soci::statement& statement) {
-        statement.exchange(soci::into(state));
-        statement.exchange(soci::into(count));
-    }
+    void define(soci::statement& statement) { define_columns(statement, state, count); }
     std::pair<JobState, std::int64_t> value() const {
         return {job_state_from_string(state), count};
     }

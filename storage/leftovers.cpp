@@ -14,8 +14,7 @@ struct EndedAttemptRow {
     EndedAttempt attempt;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(attempt.job_id));
-        statement.exchange(soci::into(attempt.number));
+        define_columns(statement, attempt.job_id, attempt.number);
     }
     EndedAttempt value() const { return attempt; }
 };

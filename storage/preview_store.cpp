@@ -15,14 +15,15 @@ struct PreviewRow {
     std::string about;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(preview.id));
-        statement.exchange(soci::into(preview.camera));
-        statement.exchange(soci::into(preview.time_ms));
-        statement.exchange(soci::into(preview.width));
-        statement.exchange(soci::into(preview.height));
-        statement.exchange(soci::into(preview.num_bytes));
-        statement.exchange(soci::into(preview.sha256));
-        statement.exchange(soci::into(about));
+        define_columns(statement,
+                       preview.id,
+                       preview.camera,
+                       preview.time_ms,
+                       preview.width,
+                       preview.height,
+                       preview.num_bytes,
+                       preview.sha256,
+                       about);
     }
     Preview value() const {
         Preview value = preview;

@@ -10,8 +10,7 @@ struct UsageRow {
     ProjectUsage usage;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(usage.num_dives));
-        statement.exchange(soci::into(usage.stored_bytes));
+        define_columns(statement, usage.num_dives, usage.stored_bytes);
     }
     ProjectUsage value() const { return usage; }
 };

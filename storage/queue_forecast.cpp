@@ -31,14 +31,8 @@ struct WaitingRow {
     std::string progress;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(rank_ms));
-        statement.exchange(soci::into(id));
-        statement.exchange(soci::into(project));
-        statement.exchange(soci::into(kind));
-        statement.exchange(soci::into(preset));
-        statement.exchange(soci::into(num_frames));
-        statement.exchange(soci::into(archive_bytes));
-        statement.exchange(soci::into(progress));
+        define_columns(
+            statement, rank_ms, id, project, kind, preset, num_frames, archive_bytes, progress);
     }
     WaitingRow value() const { return *this; }
 };

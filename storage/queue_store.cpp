@@ -12,9 +12,7 @@ struct QueueRow {
     int paused = 0;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(queue.project));
-        statement.exchange(soci::into(paused));
-        statement.exchange(soci::into(queue.max_running));
+        define_columns(statement, queue.project, paused, queue.max_running);
     }
     Queue value() const {
         Queue value = queue;
@@ -27,10 +25,7 @@ struct CountRow {
     std::string state;
     std::int64_t count = 0;
 
-    void define(soci::statement& statement) {
-        statement.exchange(soci::into(state));
-        statement.exchange(soci::into(count));
-    }
+    void define(soci::statement& statement) { define_columns(statement, state, count); }
     CountRow value() const { return *this; }
 };
 

@@ -22,17 +22,18 @@ struct ScheduleRow {
     std::string options;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(schedule.id));
-        statement.exchange(soci::into(schedule.project));
-        statement.exchange(soci::into(schedule.cron));
-        statement.exchange(soci::into(schedule.tag));
-        statement.exchange(soci::into(schedule.preset));
-        statement.exchange(soci::into(options));
-        statement.exchange(soci::into(schedule.created_at_ms));
-        statement.exchange(soci::into(schedule.next_run_ms));
-        statement.exchange(soci::into(schedule.last_run_ms));
-        statement.exchange(soci::into(schedule.last_num_jobs));
-        statement.exchange(soci::into(schedule.last_problem));
+        define_columns(statement,
+                       schedule.id,
+                       schedule.project,
+                       schedule.cron,
+                       schedule.tag,
+                       schedule.preset,
+                       options,
+                       schedule.created_at_ms,
+                       schedule.next_run_ms,
+                       schedule.last_run_ms,
+                       schedule.last_num_jobs,
+                       schedule.last_problem);
     }
     Schedule value() const {
         Schedule value = schedule;

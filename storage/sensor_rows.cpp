@@ -12,9 +12,7 @@ struct BootRow {
     std::string received;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(boot.number));
-        statement.exchange(soci::into(boot.boot_id));
-        statement.exchange(soci::into(boot.life));
+        define_columns(statement, boot.number, boot.boot_id, boot.life);
         statement.exchange(soci::into(epoch_ms, has_epoch));
         statement.exchange(soci::into(received));
     }
@@ -38,24 +36,25 @@ const std::string kSelectSensors =
 
 void SensorRow::define(soci::statement& statement) {
     Sensor& sensor = record.sensor;
-    statement.exchange(soci::into(record.number));
-    statement.exchange(soci::into(sensor.id));
-    statement.exchange(soci::into(sensor.project));
-    statement.exchange(soci::into(state));
-    statement.exchange(soci::into(alarms));
-    statement.exchange(soci::into(record.boot));
-    statement.exchange(soci::into(record.num_lives));
-    statement.exchange(soci::into(hello));
-    statement.exchange(soci::into(status));
-    statement.exchange(soci::into(sensor.status_at_ms));
-    statement.exchange(soci::into(record.status_sequence));
-    statement.exchange(soci::into(previews));
-    statement.exchange(soci::into(sensor.seen_at_ms));
-    statement.exchange(soci::into(sensor.back_at_ms));
-    statement.exchange(soci::into(record.twin_at_ms));
-    statement.exchange(soci::into(sensor.created_at_ms));
-    statement.exchange(soci::into(sensor.boot_id));
-    statement.exchange(soci::into(received));
+    define_columns(statement,
+                   record.number,
+                   sensor.id,
+                   sensor.project,
+                   state,
+                   alarms,
+                   record.boot,
+                   record.num_lives,
+                   hello,
+                   status,
+                   sensor.status_at_ms,
+                   record.status_sequence,
+                   previews,
+                   sensor.seen_at_ms,
+                   sensor.back_at_ms,
+                   record.twin_at_ms,
+                   sensor.created_at_ms,
+                   sensor.boot_id,
+                   received);
 }
 
 SensorRecord SensorRow::value() const {

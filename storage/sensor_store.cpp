@@ -25,12 +25,6 @@ constexpr std::int64_t kMostBoots = 1000;  // of a sensor: who makes up more los
 constexpr std::size_t kMostCameras = 8;    // that are shown
 constexpr int kForgottenAtOnce = 20'000;
 
-struct NumberRow {
-    std::int64_t number = 0;
-    void define(soci::statement& statement) { statement.exchange(soci::into(number)); }
-    std::int64_t value() const { return number; }
-};
-
 void tell_alarm(soci::session& session, const Sensor& sensor, const Alarm& alarm, bool raised) {
     json data = alarm;
     data["raised"] = raised;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <soci/soci.h>
@@ -13,6 +14,12 @@
 // What the stores say to SOCI. A Row is a struct with define(statement), which binds its members to
 // the columns, and value(), which makes the domain type of them.
 namespace divemesh::storage {
+
+// Binds the columns of a row, in their order.
+template <typename... Fields>
+void define_columns(soci::statement& statement, Fields&... fields) {
+    (statement.exchange(soci::into(fields)), ...);
+}
 
 // Every row of the query. `uses` are soci::use(variable, "name").
 template <typename Row, typename... Uses>
@@ -91,6 +98,13 @@ struct TextRow {
     std::string text;
     void define(soci::statement& statement) { statement.exchange(soci::into(text)); }
     std::string value() const { return text; }
+};
+
+// A row of one whole number.
+struct NumberRow {
+    std::int64_t number = 0;
+    void define(soci::statement& statement) { statement.exchange(soci::into(number)); }
+    std::int64_t value() const { return number; }
 };
 
 // JSON as stored: text of a recording may be any bytes, what is not UTF-8 is replaced.

@@ -18,11 +18,7 @@ struct ClassRow {
     double total_s = 0.0;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(stage));
-        statement.exchange(soci::into(cached));
-        statement.exchange(soci::into(up_to_s));
-        statement.exchange(soci::into(num_runs));
-        statement.exchange(soci::into(total_s));
+        define_columns(statement, stage, cached, up_to_s, num_runs, total_s);
     }
     ClassRow value() const { return *this; }
 };

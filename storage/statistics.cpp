@@ -9,10 +9,7 @@ struct CountRow {
     std::string state;
     std::int64_t count = 0;
 
-    void define(soci::statement& statement) {
-        statement.exchange(soci::into(state));
-        statement.exchange(soci::into(count));
-    }
+    void define(soci::statement& statement) { define_columns(statement, state, count); }
     std::pair<std::string, std::int64_t> value() const { return {state, count}; }
 };
 

@@ -27,16 +27,17 @@ struct TokenRow {
     int revoked = 0;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(token.id));
-        statement.exchange(soci::into(token.name));
-        statement.exchange(soci::into(token.project));
-        statement.exchange(soci::into(scopes));
-        statement.exchange(soci::into(token.sensor));
-        statement.exchange(soci::into(token.secret_sha256));
-        statement.exchange(soci::into(token.created_at_ms));
-        statement.exchange(soci::into(token.last_used_at_ms));
-        statement.exchange(soci::into(token.expires_at_ms));
-        statement.exchange(soci::into(revoked));
+        define_columns(statement,
+                       token.id,
+                       token.name,
+                       token.project,
+                       scopes,
+                       token.sensor,
+                       token.secret_sha256,
+                       token.created_at_ms,
+                       token.last_used_at_ms,
+                       token.expires_at_ms,
+                       revoked);
     }
     Token value() const {
         Token value = token;

@@ -21,16 +21,17 @@ struct TruthRow {
     std::string kind;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(file.id));
-        statement.exchange(soci::into(file.project));
-        statement.exchange(soci::into(file.dive_id));
-        statement.exchange(soci::into(kind));
-        statement.exchange(soci::into(file.name));
-        statement.exchange(soci::into(file.sha256));
-        statement.exchange(soci::into(file.size_bytes));
-        statement.exchange(soci::into(file.blob));
-        statement.exchange(soci::into(file.created_at_ms));
-        statement.exchange(soci::into(file.problem));
+        define_columns(statement,
+                       file.id,
+                       file.project,
+                       file.dive_id,
+                       kind,
+                       file.name,
+                       file.sha256,
+                       file.size_bytes,
+                       file.blob,
+                       file.created_at_ms,
+                       file.problem);
     }
     TruthFile value() const {
         TruthFile value = file;

@@ -32,20 +32,21 @@ struct UploadRow {
     std::int64_t length_bytes = 0;  // -1: not known
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(upload.id));
-        statement.exchange(soci::into(upload.project));
-        statement.exchange(soci::into(upload.token_id));
-        statement.exchange(soci::into(length_bytes));
-        statement.exchange(soci::into(upload.offset_bytes));
-        statement.exchange(soci::into(upload.metadata));
-        statement.exchange(soci::into(upload.concat));
-        statement.exchange(soci::into(upload.blob));
-        statement.exchange(soci::into(upload.dive_id));
-        statement.exchange(soci::into(upload.truth_id));
-        statement.exchange(soci::into(upload.created_at_ms));
-        statement.exchange(soci::into(upload.lifetime_ms));
-        statement.exchange(soci::into(upload.expires_at_ms));
-        statement.exchange(soci::into(ended));
+        define_columns(statement,
+                       upload.id,
+                       upload.project,
+                       upload.token_id,
+                       length_bytes,
+                       upload.offset_bytes,
+                       upload.metadata,
+                       upload.concat,
+                       upload.blob,
+                       upload.dive_id,
+                       upload.truth_id,
+                       upload.created_at_ms,
+                       upload.lifetime_ms,
+                       upload.expires_at_ms,
+                       ended);
     }
     Upload value() const {
         Upload result = upload;

@@ -29,12 +29,13 @@ struct WebhookRow {
     std::string state;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(webhook.id));
-        statement.exchange(soci::into(webhook.project));
-        statement.exchange(soci::into(webhook.url));
-        statement.exchange(soci::into(topics));
-        statement.exchange(soci::into(state));
-        statement.exchange(soci::into(webhook.created_at_ms));
+        define_columns(statement,
+                       webhook.id,
+                       webhook.project,
+                       webhook.url,
+                       topics,
+                       state,
+                       webhook.created_at_ms);
     }
     Webhook value() const {
         Webhook value = webhook;
@@ -49,16 +50,17 @@ struct DeliveryRow {
     WebhookDelivery delivery;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(delivery.id));
-        statement.exchange(soci::into(delivery.webhook_id));
-        statement.exchange(soci::into(delivery.type));
-        statement.exchange(soci::into(delivery.state));
-        statement.exchange(soci::into(delivery.num_attempts));
-        statement.exchange(soci::into(delivery.next_at_ms));
-        statement.exchange(soci::into(delivery.last_status));
-        statement.exchange(soci::into(delivery.last_error));
-        statement.exchange(soci::into(delivery.created_at_ms));
-        statement.exchange(soci::into(delivery.finished_at_ms));
+        define_columns(statement,
+                       delivery.id,
+                       delivery.webhook_id,
+                       delivery.type,
+                       delivery.state,
+                       delivery.num_attempts,
+                       delivery.next_at_ms,
+                       delivery.last_status,
+                       delivery.last_error,
+                       delivery.created_at_ms,
+                       delivery.finished_at_ms);
     }
     WebhookDelivery value() const { return delivery; }
 };
@@ -67,11 +69,7 @@ struct DueRow {
     DueDelivery due;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(due.id));
-        statement.exchange(soci::into(due.webhook_id));
-        statement.exchange(soci::into(due.url));
-        statement.exchange(soci::into(due.secret));
-        statement.exchange(soci::into(due.body));
+        define_columns(statement, due.id, due.webhook_id, due.url, due.secret, due.body);
     }
     DueDelivery value() const { return due; }
 };

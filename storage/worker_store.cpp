@@ -14,13 +14,14 @@ struct WorkerRow {
     int alive = 0;
 
     void define(soci::statement& statement) {
-        statement.exchange(soci::into(worker.name));
-        statement.exchange(soci::into(worker.num_slots));
-        statement.exchange(soci::into(worker.num_running));
-        statement.exchange(soci::into(draining));
-        statement.exchange(soci::into(alive));
-        statement.exchange(soci::into(worker.started_at_ms));
-        statement.exchange(soci::into(worker.seen_at_ms));
+        define_columns(statement,
+                       worker.name,
+                       worker.num_slots,
+                       worker.num_running,
+                       draining,
+                       alive,
+                       worker.started_at_ms,
+                       worker.seen_at_ms);
     }
     Worker value() const {
         Worker value = worker;
