@@ -17,7 +17,7 @@
 #include "cli/server_options.hpp"
 #include "cli/text.hpp"
 #include "schemas/requirement.hpp"
-#include "worker/metrics/accuracy_report.hpp"
+#include "worker/report/accuracy_report.hpp"
 
 namespace divemesh::cli {
 namespace {

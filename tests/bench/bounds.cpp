@@ -23,9 +23,9 @@
 #include "worker/dive/dive.hpp"
 #include "worker/metrics/known_distances.hpp"
 #include "worker/metrics/surface_index.hpp"
-#include "worker/metrics/svg_plot.hpp"
 #include "worker/metrics/trajectory_error.hpp"
 #include "worker/output/reconstruction_folder.hpp"
+#include "worker/report/svg_plot.hpp"
 
 namespace divemesh::bench {
 namespace {

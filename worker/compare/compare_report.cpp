@@ -6,8 +6,8 @@
 
 #include "schemas/base64.hpp"
 #include "worker/compare/change_pictures.hpp"
-#include "worker/metrics/html_parts.hpp"
-#include "worker/metrics/svg_plot.hpp"
+#include "worker/report/html_parts.hpp"
+#include "worker/report/svg_plot.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -17,9 +17,9 @@
 #include "worker/attempt_protocol.hpp"
 #include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
-#include "worker/metrics/accuracy_report.hpp"
-#include "worker/metrics/truth_check.hpp"
 #include "worker/reconstruct_dive.hpp"
+#include "worker/report/accuracy_report.hpp"
+#include "worker/report/truth_check.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/metrics/figure_rows.hpp"
+#include "worker/report/figure_rows.hpp"
 
 #include <cstdio>
 

@@ -1,4 +1,4 @@
-#include "worker/metrics/report_verdicts.hpp"
+#include "worker/report/report_verdicts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "worker/metrics/report_formats.hpp"
+#include "worker/report/report_formats.hpp"
 
 #include <algorithm>
 #include <array>

@@ -8,9 +8,9 @@
 
 #include "schemas/finding.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/metrics/accuracy_report.hpp"
 #include "worker/output/reconstruction_folder.hpp"
 #include "worker/output/trajectory_file.hpp"
+#include "worker/report/accuracy_report.hpp"
 
 namespace divemesh::worker {
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "worker/metrics/html_parts.hpp"
+#include "worker/report/html_parts.hpp"
 
 namespace divemesh::worker {
 

@@ -1,4 +1,4 @@
-#include "worker/metrics/path_plots.hpp"
+#include "worker/report/path_plots.hpp"
 
 #include <Eigen/Geometry>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "worker/metrics/svg_plot.hpp"
 #include "worker/metrics/trajectory_error.hpp"
+#include "worker/report/svg_plot.hpp"
 
 namespace divemesh::worker {
 

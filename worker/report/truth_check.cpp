@@ -1,11 +1,11 @@
-#include "worker/metrics/truth_check.hpp"
+#include "worker/report/truth_check.hpp"
 
 #include <vector>
 
 #include "schemas/error.hpp"
-#include "worker/metrics/report_inputs.hpp"
 #include "worker/output/mesh_reader.hpp"
 #include "worker/reef/area_set.hpp"
+#include "worker/report/report_inputs.hpp"
 
 namespace divemesh::worker {
 namespace {

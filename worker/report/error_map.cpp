@@ -1,4 +1,4 @@
-#include "worker/metrics/error_map.hpp"
+#include "worker/report/error_map.hpp"
 
 #include <algorithm>
 #include <array>

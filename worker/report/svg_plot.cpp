@@ -1,4 +1,4 @@
-#include "worker/metrics/svg_plot.hpp"
+#include "worker/report/svg_plot.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "worker/metrics/accuracy_report.hpp"
+#include "worker/report/accuracy_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "worker/metrics/report_reef.hpp"
+#include "worker/report/report_reef.hpp"
 
 #include <cstdio>
 
-#include "worker/metrics/html_parts.hpp"
+#include "worker/report/html_parts.hpp"
 
 namespace divemesh::worker {
 namespace {

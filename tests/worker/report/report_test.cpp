@@ -1,10 +1,10 @@
-#include "worker/metrics/report.hpp"
+#include "worker/report/report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "worker/metrics/svg_plot.hpp"
+#include "worker/report/svg_plot.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,7 +1,7 @@
-#include "worker/metrics/html_parts.hpp"
+#include "worker/report/html_parts.hpp"
 
 #include "schemas/base64.hpp"
-#include "worker/metrics/svg_plot.hpp"
+#include "worker/report/svg_plot.hpp"
 
 namespace divemesh::worker {
 namespace {

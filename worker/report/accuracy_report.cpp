@@ -1,17 +1,17 @@
-#include "worker/metrics/accuracy_report.hpp"
+#include "worker/report/accuracy_report.hpp"
 
 #include <utility>
 
 #include "schemas/figure.hpp"
 #include "schemas/json.hpp"
 #include "schemas/requirement.hpp"
-#include "worker/metrics/report_formats.hpp"
-#include "worker/metrics/report_inputs.hpp"
-#include "worker/metrics/report_measurements.hpp"
-#include "worker/metrics/report_page.hpp"
-#include "worker/metrics/report_reef.hpp"
-#include "worker/metrics/report_verdicts.hpp"
 #include "worker/output/atomic_file.hpp"
+#include "worker/report/report_formats.hpp"
+#include "worker/report/report_inputs.hpp"
+#include "worker/report/report_measurements.hpp"
+#include "worker/report/report_page.hpp"
+#include "worker/report/report_reef.hpp"
+#include "worker/report/report_verdicts.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,15 +1,15 @@
-#include "worker/metrics/report_measurements.hpp"
+#include "worker/report/report_measurements.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "schemas/error.hpp"
 #include "worker/markers/world_scale.hpp"
-#include "worker/metrics/error_map.hpp"
 #include "worker/metrics/known_distances.hpp"
 #include "worker/metrics/relative_pose_error.hpp"
 #include "worker/metrics/surface_index.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
+#include "worker/report/error_map.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "worker/metrics/report_measurements.hpp"
+#include "worker/report/report_measurements.hpp"
 
 namespace divemesh::worker {
 

@@ -1,13 +1,13 @@
-#include "worker/metrics/report_page.hpp"
+#include "worker/report/report_page.hpp"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "worker/metrics/error_map.hpp"
-#include "worker/metrics/figure_rows.hpp"
-#include "worker/metrics/html_parts.hpp"
-#include "worker/metrics/path_plots.hpp"
-#include "worker/metrics/report_reef.hpp"
+#include "worker/report/error_map.hpp"
+#include "worker/report/figure_rows.hpp"
+#include "worker/report/html_parts.hpp"
+#include "worker/report/path_plots.hpp"
+#include "worker/report/report_reef.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "worker/metrics/report_inputs.hpp"
 #include "worker/metrics/surface_error.hpp"
 #include "worker/metrics/trajectory_error.hpp"
 #include "worker/metrics/truth_registration.hpp"
+#include "worker/report/report_inputs.hpp"
 
 namespace divemesh::worker {
 

@@ -1,8 +1,8 @@
-#include "worker/metrics/report.hpp"
+#include "worker/report/report.hpp"
 
-#include "worker/metrics/figure_rows.hpp"
-#include "worker/metrics/html_parts.hpp"
-#include "worker/metrics/path_plots.hpp"
+#include "worker/report/figure_rows.hpp"
+#include "worker/report/html_parts.hpp"
+#include "worker/report/path_plots.hpp"
 
 namespace divemesh::worker {
 

@@ -1,4 +1,4 @@
-#include "worker/metrics/report_inputs.hpp"
+#include "worker/report/report_inputs.hpp"
 
 #include <array>
 #include <fstream>
