@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "tests/temporary_folder.hpp"
 #include "worker/markers/marker_positions.hpp"
@@ -89,6 +91,67 @@ TEST_F(MarkedDiveTest, CorrectedLengthsAreRightInEverythingThatIsGivenOut) {
             nearest_m = std::min(nearest_m, (vertex - marker.p_world.cast<float>()).norm());
         EXPECT_LT(nearest_m, 0.01) << marker.id;
     }
+}
+
+double length_m(const Trajectory& path, std::size_t first, std::size_t last) {
+    double sum = 0.0;
+    for (std::size_t i = first + 1; i < last; ++i)
+        sum += (path.at(i).T_world_imu.translation() - path.at(i - 1).T_world_imu.translation())
+                   .norm();
+    return sum;
+}
+
+// Distances between the markers of each piece.
+std::vector<double> distances_m(const nlohmann::json& markers) {
+    std::vector<double> distances;
+    for (const auto& from : markers)
+        for (const auto& to : markers) {
+            if (from["piece"] != to["piece"] || from["id"] >= to["id"]) continue;
+            const auto p = from["position_m"].get<std::array<double, 3>>();
+            const auto q = to["position_m"].get<std::array<double, 3>>();
+            distances.push_back(std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]));
+        }
+    return distances;
+}
+
+TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
+    constexpr std::size_t kFirstBlank = 20;  // a cloud of silt for 1.6 seconds
+    constexpr std::size_t kAfterBlank = 36;
+    const fs::path dive = *folder_ / "dive";
+    fs::copy(dive, *folder_ / "clear", fs::copy_options::recursive);
+    for (const char* camera : {"cam0", "cam1"}) {
+        std::vector<fs::path> pictures;
+        for (const auto& entry : fs::directory_iterator(dive / "mav0" / camera / "data"))
+            pictures.push_back(entry.path());
+        std::sort(pictures.begin(), pictures.end());
+        const cv::Mat silt(kHeight_px, kWidth_px, CV_8UC3, cv::Scalar(90, 110, 60));
+        for (std::size_t i = kFirstBlank; i < kAfterBlank; ++i)
+            cv::imwrite(pictures.at(i).string(), silt);
+    }
+    nlohmann::json options = {
+        {"surface", false}, {"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}};
+    const auto stated = reconstruct("pieces_as_stated", options);
+    options["correct_scale"] = true;
+    const auto corrected = reconstruct("pieces_corrected", options);
+    fs::remove_all(dive);
+    fs::rename(*folder_ / "clear", dive);
+
+    ASSERT_EQ(corrected["pieces"].size(), 2U);
+    ASSERT_TRUE(corrected["markers"]["scale_correction"]["applied"]);
+    const double factor = corrected["markers"]["scale_correction"]["factor"];
+    const Trajectory before = ReconstructionFolder(*folder_ / "pieces_as_stated").trajectory();
+    const Trajectory after = ReconstructionFolder(*folder_ / "pieces_corrected").trajectory();
+    const auto ratio = [&](std::size_t first, std::size_t last) {
+        return length_m(after, first, last) / length_m(before, first, last);
+    };
+    EXPECT_NEAR(ratio(0, kFirstBlank), factor, 1e-3);
+    EXPECT_NEAR(ratio(kAfterBlank + 3, after.size()), factor, 1e-3);
+    const auto as_stated = distances_m(stated["markers"]["markers"]);
+    const auto as_corrected = distances_m(corrected["markers"]["markers"]);
+    ASSERT_EQ(as_stated.size(), as_corrected.size());
+    ASSERT_GE(as_stated.size(), 4U);
+    for (std::size_t i = 0; i < as_stated.size(); ++i)
+        EXPECT_NEAR(as_corrected[i] / as_stated[i], factor, 1e-3);
 }
 
 }  // namespace
