@@ -54,7 +54,7 @@ std::string value_text(const nlohmann::json& value) {
 
 std::string unit_text(const nlohmann::json& figure) {
     const auto unit = figure.at("unit").get<std::string>();
-    return unit == "1" ? "" : " " + unit;
+    return unit == "1" || !figure.at("value").is_number() ? "" : " " + unit;
 }
 
 // Lever arm and offset where they were solved.
