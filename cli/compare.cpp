@@ -11,6 +11,7 @@
 #include "cli/jobs_by_server.hpp"
 #include "cli/server_options.hpp"
 #include "cli/text.hpp"
+#include "schemas/error.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -76,16 +77,20 @@ int run_there(const worker::CompareRequest& request,
               const ServerSide& there,
               const Context& context) {
     const worker::CompareOptions& options = request.options;
-    const ServerJob wanted{.subject = request.a.string(),
-                           .kind = "compare",
-                           .options = {{"with", request.b.string()},
-                                       {"cell_m", options.cell_m},
-                                       {"normal_scale_m", options.normal_scale_m},
-                                       {"cylinder_m", options.cylinder_m},
-                                       {"reach_m", options.reach_m},
-                                       {"least_area_m2", options.least_area_m2}},
-                           .wait = there.wait,
-                           .out = request.out};
+    if (request.later_areas)
+        throw Error(ErrorCode::InvalidArgument,
+                    "a server takes areas of the earlier dive alone: download both reconstructions "
+                    "and compare them here for --later-areas");
+    ServerJob wanted{.subject = request.a.string(),
+                     .kind = "compare",
+                     .options = {{"with", request.b.string()},
+                                 {"cell_m", options.cell_m},
+                                 {"normal_scale_m", options.normal_scale_m},
+                                 {"cylinder_m", options.cylinder_m},
+                                 {"reach_m", options.reach_m},
+                                 {"least_area_m2", options.least_area_m2}},
+                     .wait = there.wait,
+                     .out = request.out};
     api::client::RestClient rest(account_of(there.server));
     return run_on_server(rest, wanted, context, [&](const std::string& artifacts) {
         const auto document = rest.get(artifacts + "compare.json");

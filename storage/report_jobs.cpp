@@ -112,6 +112,14 @@ bool takes_newest(const nlohmann::json& options, const std::string& kind) {
     return !options.contains(kind) || std::find(newest.begin(), newest.end(), kind) != newest.end();
 }
 
+// Of a comparison: outlines of the place, when they are asked for.
+void resolve_areas(soci::session& session, const Dive& dive, NewJob& request) {
+    const std::string name(to_string(TruthKind::Areas));
+    const std::string wanted = text_option(request, name);
+    if (wanted.empty()) return;
+    request.options[name] = truth_id(truth_of_dive(session, dive.id), TruthKind::Areas, wanted);
+}
+
 void check_tag(const Dive& dive, const NewJob& request) {
     const std::string tag = text_option(request, "tag");
     if (!tag.empty() && std::find(dive.tags.begin(), dive.tags.end(), tag) == dive.tags.end())
@@ -135,6 +143,7 @@ void resolve_names(soci::session& session, const Dive& dive, NewJob& request) {
     request.options["job"] = job.id;
     request.parents.push_back(job.id);
     if (request.kind == JobKind::Compare) {
+        resolve_areas(session, dive, request);
         const Job other = other_reconstruction(session, dive, request);
         if (other.id == job.id)
             throw Error(ErrorCode::InvalidArgument,

@@ -19,6 +19,7 @@ namespace divemesh::storage {
 //            of a report: id or name of a file of truth of this dive; without it the newest of that
 //            kind that no report has found unreadable (then `newest`, a list, holds the kind), and
 //            kTruthOfDive for what the recording itself brings
+//   areas    of a comparison: id or name of such a file of this dive; without it none
 //   tag      of a report: one of the dive's, whose earlier figures it is held against
 //
 // Throws Error{NotFound} for what the project does not have, Error{InvalidArgument} for what has

@@ -166,6 +166,7 @@ void run_comparison(const AttemptRequest& request) {
     CompareRequest compare{.a = request.reconstructions.at(0),
                            .b = request.reconstructions.at(1),
                            .out = request.out,
+                           .areas = truth_file(request, TruthKind::Areas),
                            .num_threads = request.options.value("num_threads", 0)};
     CompareOptions& options = compare.options;
     for (const auto& [name, value] : {std::pair{"cell_m", &options.cell_m},

@@ -151,6 +151,23 @@ TEST_F(ReportJobsTest, WhereNoTruthIsReadableTheRecordingsOwnServes) {
     EXPECT_EQ(jobs_.inputs(jobs_.get(job.id)).set_aside.size(), 1U);
 }
 
+TEST_F(ReportJobsTest, AComparisonReadsTheOutlinesThatItNamesAndNoOthers) {
+    const Dive before = ready_dive("before");
+    const Dive after = ready_dive("after");
+    reconstructed(before);
+    reconstructed(after);
+    const TruthFile areas = add_truth(before, TruthKind::Areas, "areas.json");
+    add_truth(after, TruthKind::Areas, "later.json");
+    EXPECT_FALSE(compare(before, after.id).options.contains("areas"));
+    const Job job = ask(JobKind::Compare, before, {{"with", after.id}, {"areas", "areas.json"}});
+    EXPECT_EQ(job.options["areas"], areas.id);
+    ASSERT_EQ(jobs_.inputs(job).truth.size(), 1U);
+    EXPECT_EQ(jobs_.inputs(job).truth[0].id, areas.id);
+    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] {
+        ask(JobKind::Compare, before, {{"with", after.id}, {"areas", "later.json"}});
+    }));
+}
+
 TEST_F(ReportJobsTest, AComparisonIsOfTwoReconstructions) {
     const Dive before = ready_dive("before");
     const Dive after = ready_dive("after");
