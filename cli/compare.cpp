@@ -91,6 +91,7 @@ int run_there(const worker::CompareRequest& request,
                                  {"least_area_m2", options.least_area_m2}},
                      .wait = there.wait,
                      .out = request.out};
+    if (request.areas) wanted.truth["areas"] = *request.areas;
     api::client::RestClient rest(account_of(there.server));
     return run_on_server(rest, wanted, context, [&](const std::string& artifacts) {
         const auto document = rest.get(artifacts + "compare.json");
