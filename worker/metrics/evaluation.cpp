@@ -48,9 +48,10 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
 }
 
 void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluation& evaluation) {
+    const KnownPath path{input.trajectory, input.covariances};
     if (!has_truth) {
         evaluation.known_distances =
-            measure_known_distances(input.known_distances, nullptr, input.rig, input.trajectory);
+            measure_known_distances(input.known_distances, nullptr, input.rig, path);
         return;
     }
     std::vector<std::int64_t> timestamps_ns;
@@ -58,7 +59,7 @@ void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluatio
     const SurfaceIndex reference(*input.reference);
     const MarkingInput truth{input.rig, input.ground_truth, timestamps_ns, reference};
     evaluation.known_distances =
-        measure_known_distances(input.known_distances, &truth, input.rig, input.trajectory);
+        measure_known_distances(input.known_distances, &truth, input.rig, path);
 }
 
 }  // namespace

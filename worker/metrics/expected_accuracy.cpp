@@ -13,8 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-// What a careful calibration's baseline and focal length err by, as the covariances have it.
-constexpr double kCalibrationSigma = 0.001;
 constexpr double kContradicts_sigmas = 3.0;
 constexpr double kLargestScaleSigma = 0.1;  // beyond, a check says nothing
 constexpr double kLargeShareOfPath = 0.01;

@@ -72,11 +72,17 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
     return A.ldlt().solve(b);
 }
 
-// One Gauss-Newton step over reprojection, pixels; nothing when the point is behind a camera.
-std::optional<Eigen::Vector3d> reprojection_step(const std::vector<View>& views,
-                                                 const Eigen::Vector3d& point) {
+// Reprojection in pixels, to second order: H = J^T J, gradient J^T r, squares r^T r.
+struct Reprojection {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    double squares_px2 = 0.0;
+};
+
+// Nothing when the point is behind a camera.
+std::optional<Reprojection> reproject(const std::vector<View>& views,
+                                      const Eigen::Vector3d& point) {
+    Reprojection sum;
     for (const View& view : views) {
         const Eigen::Isometry3d T_cam_world = view.T_world_cam.inverse();
         const auto pixel = view.camera.project(T_cam_world * point);
@@ -90,10 +96,73 @@ std::optional<Eigen::Vector3d> reprojection_step(const std::vector<View>& views,
             if (!ahead || !behind) return std::nullopt;
             J.col(axis) = (*ahead - *behind) / (2.0 * kStep_m);
         }
-        H += J.transpose() * J;
-        gradient += J.transpose() * (view.pixel - *pixel);
+        const Eigen::Vector2d r = view.pixel - *pixel;
+        sum.H += J.transpose() * J;
+        sum.gradient += J.transpose() * r;
+        sum.squares_px2 += r.squaredNorm();
     }
-    return H.ldlt().solve(gradient);
+    return sum;
+}
+
+std::optional<Eigen::Vector3d> located(const std::vector<View>& views) {
+    auto point = nearest_to_rays(views);
+    for (int i = 0; point && i < 10; ++i) {
+        const auto at = reproject(views, *point);
+        if (!at) break;
+        const Eigen::Vector3d step = at->H.ldlt().solve(at->gradient);
+        if (!step.allFinite()) break;
+        *point += step;
+        if (step.norm() < 1e-9) break;
+    }
+    return point;
+}
+
+// One end of a length.
+struct End {
+    Eigen::Vector3d p_world;
+    Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();  // what the marks say of themselves
+    double range_m = 0.0;                                  // mean, to the cameras
+    std::int64_t timestamp_ns = 0;                         // mean of the marks
+};
+
+std::optional<End> end_of(const std::vector<Mark>& marks, const Rig& rig, const Trajectory& path) {
+    const std::vector<View> views = views_of(marks, rig, path, kMinKeyframes);
+    const auto point = views.empty() ? std::nullopt : located(views);
+    if (!point) return std::nullopt;
+    End end{.p_world = *point};
+    const auto num_views = static_cast<double>(views.size());
+    if (const auto at = reproject(views, *point))
+        end.scatter_m2 = at->squares_px2 / (2.0 * num_views - 3.0) * at->H.inverse();
+    for (const View& view : views)
+        end.range_m += (view.T_world_cam.translation() - *point).norm() / num_views;
+    for (const Mark& mark : marks)
+        end.timestamp_ns += (mark.timestamp_ns - marks.front().timestamp_ns) / std::ssize(marks);
+    end.timestamp_ns += marks.front().timestamp_ns;
+    return end;
+}
+
+double largest_eigenvalue(const Eigen::Matrix3d& symmetric) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric, Eigen::EigenvaluesOnly)
+        .eigenvalues()
+        .cwiseAbs()
+        .maxCoeff();
+}
+
+// Variances of drift are those of its steps: of two times they differ by what lies between.
+double drift_variance_m2(const End& a, const End& b, const CovarianceTrack& covariances) {
+    const PoseCovariance at_a = covariance_between(covariances, a.timestamp_ns);
+    const PoseCovariance at_b = covariance_between(covariances, b.timestamp_ns);
+    const double range_m = std::max(a.range_m, b.range_m);
+    return largest_eigenvalue(at_b.position_m2 - at_a.position_m2) +
+           range_m * range_m * largest_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
+}
+
+double sigma_of_length_m(const End& a, const End& b, const CovarianceTrack& covariances) {
+    const Eigen::Vector3d way = b.p_world - a.p_world;
+    const Eigen::Vector3d along = way.stableNormalized();
+    return std::sqrt(along.dot((a.scatter_m2 + b.scatter_m2) * along) +
+                     drift_variance_m2(a, b, covariances) +
+                     kCalibrationSigma * kCalibrationSigma * way.squaredNorm());
 }
 
 void summarise(KnownDistanceErrors& errors) {
@@ -143,20 +212,13 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
                                            int min_keyframes) {
     const std::vector<View> views = views_of(marks, rig, trajectory, min_keyframes);
     if (views.empty()) return std::nullopt;
-    auto point = nearest_to_rays(views);
-    for (int i = 0; point && i < 10; ++i) {
-        const auto step = reprojection_step(views, *point);
-        if (!step || !step->allFinite()) break;
-        *point += *step;
-        if (step->norm() < 1e-9) break;
-    }
-    return point;
+    return located(views);
 }
 
 KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
                                             const MarkingInput* truth,
                                             const Rig& rig,
-                                            const Trajectory& trajectory) {
+                                            const KnownPath& path) {
     KnownDistanceErrors errors;
     for (const KnownDistance& known : distances) {
         std::vector<Mark> marks_a = known.marks_a;
@@ -170,9 +232,11 @@ KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& di
         measured.known_m = known.distance_m;
         measured.num_keyframes_a = static_cast<int>(marks_a.size());
         measured.num_keyframes_b = static_cast<int>(marks_b.size());
-        const auto a = triangulate(marks_a, rig, trajectory, kMinKeyframes);
-        const auto b = triangulate(marks_b, rig, trajectory, kMinKeyframes);
-        if (a && b) measured.measured_m = (*a - *b).norm();
+        const auto a = end_of(marks_a, rig, path.trajectory);
+        const auto b = end_of(marks_b, rig, path.trajectory);
+        if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
+        if (a && b && !path.covariances.empty())
+            measured.sigma_m = sigma_of_length_m(*a, *b, path.covariances);
         errors.distances.push_back(measured);
     }
     summarise(errors);
@@ -188,6 +252,11 @@ nlohmann::json to_metrics(const KnownDistanceErrors& errors) {
                                 {"num_keyframes_a", distance.num_keyframes_a},
                                 {"num_keyframes_b", distance.num_keyframes_b}};
         if (distance.measured_m) entry["measured_m"] = *distance.measured_m;
+        if (distance.sigma_m) {
+            const double half_m = 1.96 * *distance.sigma_m;
+            entry["interval95_m"] = {std::max(0.0, *distance.measured_m - half_m),
+                                     *distance.measured_m + half_m};
+        }
         list.push_back(std::move(entry));
     }
     nlohmann::json json = {{"num_distances", errors.distances.size()},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/dive/dive.hpp"
+#include "worker/estimation/pose_covariance.hpp"
 #include "worker/geometry/rig.hpp"
 #include "worker/keyframe.hpp"
 #include "worker/metrics/surface_index.hpp"
@@ -14,10 +15,14 @@
 
 namespace divemesh::worker {
 
+// Of all lengths: baseline and focal length of a careful calibration.
+inline constexpr double kCalibrationSigma = 0.001;
+
 struct MeasuredDistance {
     std::string name;
     double known_m = 0.0;
     std::optional<double> measured_m;  // nothing: an end is marked in too few keyframes
+    std::optional<double> sigma_m;     // of it; nothing: the path's covariance is not known
     int num_keyframes_a = 0;           // that show the end, or frames it is marked in
     int num_keyframes_b = 0;
 };
@@ -31,6 +36,12 @@ struct KnownDistanceErrors {
     double median_abs_error_m = 0.0;
     double rmse_m = 0.0;
     double max_abs_error_m = 0.0;
+};
+
+// A path, and how well it is known.
+struct KnownPath {
+    const Trajectory& trajectory;        // T_world_imu
+    const CovarianceTrack& covariances;  // of it; empty: not known
 };
 
 struct MarkingInput {
@@ -55,11 +66,13 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
 
 // Each known distance as a photogrammetrist would take it: both ends marked, triangulated with our
 // poses, subtracted. Ends that are given as points are marked with the help of `truth`; without it
-// they count as not measured.
+// they count as not measured. The sigma of a length holds the scatter of the marks, what the path
+// drifted between the times at which its two ends were seen (an end turns with the path about where
+// it was seen from), and kCalibrationSigma of the length.
 KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
                                             const MarkingInput* truth,
                                             const Rig& rig,
-                                            const Trajectory& trajectory);
+                                            const KnownPath& path);
 
 nlohmann::json to_metrics(const KnownDistanceErrors& errors);
 

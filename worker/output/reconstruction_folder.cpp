@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "schemas/error.hpp"
+#include "worker/output/covariance_file.hpp"
 #include "worker/output/ply.hpp"
 #include "worker/output/trajectory_file.hpp"
 
@@ -67,6 +68,11 @@ Trajectory ReconstructionFolder::trajectory() const {
 
 Trajectory ReconstructionFolder::causal_trajectory() const {
     return read_trajectory(folder_ / "trajectory_causal.tum").poses;
+}
+
+CovarianceTrack ReconstructionFolder::covariances() const {
+    const auto file = folder_ / "trajectory_covariance.csv";
+    return std::filesystem::exists(file) ? read_covariances(file) : CovarianceTrack();
 }
 
 Mesh ReconstructionFolder::mesh() const { return read_ply(folder_ / "mesh.ply"); }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/estimation/pose_covariance.hpp"
 #include "worker/recording.hpp"
 #include "worker/volume/mesh.hpp"
 
@@ -32,7 +33,8 @@ public:
     bool has_surface() const;                                   // else --set surface=false
     Trajectory trajectory() const;                              // T_world_imu, final
     Trajectory causal_trajectory() const;
-    Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
+    CovarianceTrack covariances() const;  // of trajectory(); empty: not known
+    Mesh mesh() const;                    // mesh.ply, with normals, sigma and observation counts
     std::vector<KeyframePose> keyframes() const;
     nlohmann::json mosaic() const;  // mosaic.json
     // Where the left camera sits on the body; nothing in what older versions wrote.

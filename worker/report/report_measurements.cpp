@@ -181,7 +181,9 @@ void Measuring::measure_distances() {
                             : "give the dive as well");
         return;
     }
-    const Trajectory path = inputs_.reconstruction.trajectory();
+    const Trajectory trajectory = inputs_.reconstruction.trajectory();
+    const CovarianceTrack covariances = inputs_.reconstruction.covariances();
+    const KnownPath path{trajectory, covariances};
     const Rig rig = rig_as_scaled(inputs_.dive->rig(), inputs_.reconstruction.metrics());
     KnownDistanceErrors errors;
     if (has_truth) {

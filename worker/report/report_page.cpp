@@ -70,15 +70,23 @@ std::string regressions(const json& report) {
     return html_grid(grid);
 }
 
+std::string interval_text(const json& figure) {
+    const json interval = figure.value("interval95_m", json());
+    if (!interval.is_array() || interval.size() != 2) return "";
+    return number_text(interval[0], "%.4f") + " to " + number_text(interval[1], "%.4f");
+}
+
 std::string distances(const json& metrics) {
     const json list =
         metrics.value(json::json_pointer("/known_distances/distances"), json::array());
     if (list.empty()) return "";
-    Grid grid = {{"Length", "Known, m", "Measured, m", "Error, mm", "Error, %", "Keyframes"}};
+    Grid grid = {
+        {"Length", "Known, m", "Measured, m", "95 %, m", "Error, mm", "Error, %", "Keyframes"}};
     for (const json& distance : list)
         grid.push_back({distance.value("name", ""),
                         number_text(distance.value("known_m", json()), "%.4f"),
                         number_text(distance.value("measured_m", json()), "%.4f"),
+                        interval_text(distance),
                         number_text(distance.value("error_m", json()), "%+.1f", 1e3),
                         number_text(distance.value("error_percent", json()), "%+.2f"),
                         number_text(distance.value("num_keyframes_a", json()), "%.0f") + " / " +

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace divemesh::worker {
 namespace {
@@ -45,7 +46,7 @@ protected:
                                 const Trajectory& trajectory) const {
         const SurfaceIndex reference(floor_);
         const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
-        return measure_known_distances(known, &truth, rig_, trajectory);
+        return measure_known_distances(known, &truth, rig_, {trajectory, {}});
     }
 
     Rig rig_;
@@ -123,7 +124,9 @@ TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
     KnownDistance marked{
         "bar", {}, {}, bar_.distance_m, marks_of(bar_.a_world), marks_of(bar_.b_world)};
     const auto measured_m = [&] {
-        return measure_known_distances({marked}, nullptr, rig_, truth_).distances[0].measured_m;
+        return measure_known_distances({marked}, nullptr, rig_, {truth_, {}})
+            .distances[0]
+            .measured_m;
     };
     EXPECT_NEAR(measured_m().value(), bar_.distance_m, 1e-7);
 
@@ -135,7 +138,59 @@ TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {
     KnownDistance marked = bar_;
     marked.marks_a.assign(6, {-1, {320.0, 240.0}, std::nullopt});
     marked.marks_b = marked.marks_a;
-    EXPECT_EQ(measure_known_distances({marked}, nullptr, rig_, truth_).num_measured, 0);
+    EXPECT_EQ(measure_known_distances({marked}, nullptr, rig_, {truth_, {}}).num_measured, 0);
+}
+
+// The path drifts between seeing one end and the other: by that much the length is uncertain.
+TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
+    CovarianceTrack known_well(2);
+    known_well[1].timestamp_ns = 1'000'000'000;
+    CovarianceTrack drifting = known_well;
+    drifting[1].position_m2 = Eigen::Vector3d(0.0, 4e-4, 1e-4).asDiagonal();
+    KnownDistance marked = bar_;
+    const SurfaceIndex reference(floor_);
+    const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+    const auto marks_a = mark_point(bar_.a_world, truth), marks_b = mark_point(bar_.b_world, truth);
+    marked.marks_a.assign(marks_a.begin(), marks_a.begin() + 4);  // 0 to 0.3 s
+    marked.marks_b.assign(marks_b.end() - 4, marks_b.end());      // 0.6 to 0.9 s
+    const auto sigma_m = [&](const CovarianceTrack& covariances) {
+        return measure_known_distances({marked}, nullptr, rig_, {truth_, covariances})
+            .distances[0]
+            .sigma_m;
+    };
+    EXPECT_FALSE(sigma_m({}).has_value());
+    EXPECT_NEAR(sigma_m(known_well).value(), 0.001 * bar_.distance_m, 1e-8);
+    // Variances rise by 4e-4 m2 a second, and the ends were seen 0.6 s apart.
+    EXPECT_NEAR(sigma_m(drifting).value(),
+                std::hypot(0.001 * bar_.distance_m, std::sqrt(0.6 * 4e-4)),
+                1e-6);
+}
+
+// Noise of 0.3 px, drawn anew: sigma is what the measured lengths scatter by.
+TEST_F(KnownDistancesTest, SigmaIsTheScatterOfLengthsByNoisyMarks) {
+    const CovarianceTrack known_well(1);
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0.0, 0.3);
+    const SurfaceIndex reference(floor_);
+    const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+    double squares_of_errors = 0.0, variances = 0.0;
+    for (int i = 0; i < 400; ++i) {
+        KnownDistance marked = bar_;
+        marked.marks_a = mark_point(bar_.a_world, truth);
+        marked.marks_b = mark_point(bar_.b_world, truth);
+        for (auto* marks : {&marked.marks_a, &marked.marks_b})
+            for (Mark& mark : *marks) {
+                mark.pixel_left += Eigen::Vector2d(noise(random), noise(random));
+                if (mark.pixel_right)
+                    *mark.pixel_right += Eigen::Vector2d(noise(random), noise(random));
+            }
+        const auto measured =
+            measure_known_distances({marked}, nullptr, rig_, {truth_, known_well}).distances[0];
+        squares_of_errors += std::pow(measured.measured_m.value() - bar_.distance_m, 2);
+        const double by_calibration = 0.001 * bar_.distance_m;
+        variances += std::pow(measured.sigma_m.value(), 2) - by_calibration * by_calibration;
+    }
+    EXPECT_NEAR(std::sqrt(squares_of_errors / variances), 1.0, 0.15);
 }
 
 TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {

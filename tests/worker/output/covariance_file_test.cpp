@@ -7,6 +7,7 @@
 #include <regex>
 #include <sstream>
 
+#include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::worker {
@@ -34,6 +35,41 @@ TEST(CovarianceFileTest, S17EveryCellIsANumber) {
     int num_rows = 0;
     for (; std::getline(file, line); ++num_rows) EXPECT_TRUE(std::regex_match(line, row)) << line;
     EXPECT_EQ(num_rows, 2);
+}
+
+TEST(CovarianceFileTest, ReadsWhatWasWritten) {
+    const TemporaryFolder folder;
+    CovarianceTrack track(2);
+    track[0].timestamp_ns = 1'600'000'000'000'000'000;
+    track[1].timestamp_ns = 1'600'000'000'100'000'000;
+    track[1].position_m2 << 1, 2, 3, 2, 4, 5, 3, 5, 6;
+    track[1].rotation_rad2 = -0.5e-7 * track[1].position_m2;
+    write_covariances(folder / "trajectory_covariance.csv", track);
+    const CovarianceTrack read = read_covariances(folder / "trajectory_covariance.csv");
+    ASSERT_EQ(read.size(), 2U);
+    EXPECT_EQ(read[1].timestamp_ns, track[1].timestamp_ns);
+    EXPECT_TRUE(read[1].position_m2.isApprox(track[1].position_m2, 1e-6));
+    EXPECT_TRUE(read[1].rotation_rad2.isApprox(track[1].rotation_rad2, 1e-6));
+}
+
+TEST(CovarianceFileTest, NamesTheLineThatIsNone) {
+    const TemporaryFolder folder;
+    const auto file = folder / "trajectory_covariance.csv";
+    for (const char* line : {"5,1,2,3",
+                             "5,1,2,3,4,5,6,7,8,9,10,11,12,13",
+                             "x,0,0,0,0,0,0,0,0,0,0,0,0",
+                             "5,0,0,0,0,0,0,0,0,0,0,0,",
+                             "4,0,0,0,0,0,0,0,0,0,0,0,0"}) {
+        std::ofstream(file) << "#timestamp\n4,0,0,0,0,0,0,0,0,0,0,0,0\n" << line << "\n";
+        try {
+            read_covariances(file);
+            FAIL() << "read " << line;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::BadData);
+            EXPECT_NE(std::string(error.what()).find("line 3"), std::string::npos) << error.what();
+        }
+    }
+    EXPECT_THROW(read_covariances(folder / "none.csv"), Error);
 }
 
 }  // namespace
