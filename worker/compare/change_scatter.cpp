@@ -79,8 +79,9 @@ std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
     for (std::size_t i = 0; i < ratios.size(); ++i) {
         const std::size_t num = ratios[i].size();
         ScatterClass one{kRanges_m[i % kRanges_m.size()], i >= kRanges_m.size(), num};
-        one.factor = robust_sigma(ratios[i]);
-        if (num < kFewestCells && i > 0) one.factor = scatter.back().factor;
+        one.factor = num >= kFewestCells ? robust_sigma(ratios[i])
+                     : i > 0             ? scatter.back().factor
+                                         : 1.0;
         scatter.push_back(one);
     }
     for (int row = 0; row < classes.rows; ++row)

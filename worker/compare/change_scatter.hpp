@@ -19,8 +19,8 @@ struct ScatterClass {
 // Multiplies the map's sigma so that it says how far the difference of heights scatters on ground
 // of that kind: heteroscedastic errors, standardised by class (Hugonnet et al. 2022). Most of the
 // ground of a kind is stable, so that the middle and four fifths of its differences tell. A class
-// of fewer than 200 cells takes the factor of the next less steep. `scale_m`: over which heights
-// range. Reads change_m, heights and sigma_m.
+// of fewer than 200 cells takes the factor of the next less steep, the least steep what was stated.
+// `scale_m`: over which heights range. Reads change_m, heights and sigma_m.
 std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
                                            const SurfaceRaster& a,
                                            const SurfaceRaster& b,

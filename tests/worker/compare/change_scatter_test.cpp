@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace divemesh::worker {
@@ -58,6 +59,15 @@ TEST_F(ChangeScatterTest, AFewCellsOfAKindTakeTheFactorOfTheNext) {
     const auto scatter = scale_by_scatter(map_, a_, b_, 0.02);
     EXPECT_LT(scatter[5].num_cells, 200U);
     EXPECT_EQ(scatter[5].factor, scatter[4].factor);
+}
+
+TEST_F(ChangeScatterTest, TooFewCellsToTellLeaveSigmaAsStated) {
+    const cv::Rect compared(55, 50, 10, 10);
+    const cv::Mat change = map_.change_m(compared).clone();
+    map_.change_m = std::numeric_limits<float>::quiet_NaN();
+    change.copyTo(map_.change_m(compared));
+    scale_by_scatter(map_, a_, b_, 0.04);
+    EXPECT_FLOAT_EQ(map_.sigma_m.at<float>(55, 60), 0.002F);
 }
 
 }  // namespace
