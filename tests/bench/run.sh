@@ -8,6 +8,8 @@
 # Uploads instead of reconstructing; --large: a dive of 10 GB too.
 #   tests/bench/run.sh --only bounds [--first-seed N] [--seeds N] [--no-shared] [--keep DIR] [--plot FILE]
 # How often the bounds that reconstructions state about themselves hold.
+#   tests/bench/run.sh --only compare [--vertices N,...] [--refused-vertices N] [--threads N]
+# What comparing two models takes by their size, and how soon two places without common ground are refused.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ ${1:-} == --only && ${2:-} == upload ]]; then
@@ -17,6 +19,16 @@ if [[ ${1:-} == --only && ${2:-} == upload ]]; then
         cmake --build --preset release --target divemesh divemesh_upload_bench
     } >&2
     exec build/release/tests/bench/divemesh_upload_bench --program "$PWD/build/release/divemesh" "$@"
+fi
+if [[ ${1:-} == --only && ${2:-} == compare ]]; then
+    shift 2
+    {
+        cmake --preset release --log-level=WARNING
+        cmake --build --preset release --target divemesh divemesh_compare_bench
+    } >&2
+    maker=$(cat tests/bench/compared_place.* | sha256sum | cut -c1-12)
+    exec build/release/tests/bench/divemesh_compare_bench --program "$PWD/build/release/divemesh" \
+        --cache "build/bench/compare-$maker" "$@"
 fi
 if [[ ${1:-} == --only && ${2:-} == bounds ]]; then
     shift 2

@@ -147,7 +147,7 @@ ChangeMap map_changes(const Surveyed& a,
     for (const bool of_b : {false, true}) {  // one index in memory at a time
         const Surveyed& looking = of_b ? b : a;
         if (!looking.views) continue;
-        const SurfaceIndex index(looking.mesh);
+        const SurfaceIndex index(looking.mesh, true);
         each_cell([&](int row, int column) { mapper.check(row, column, of_b, index); });
     }
     return map;

@@ -24,13 +24,13 @@ double exceeded_with(double probability) {
     return low;
 }
 
-double ground_m2(const ChangeMap& map) {
+double compared_m2(const ChangeMap& map) {
     return cv::countNonZero(map.change_m == map.change_m) * map.grid.cell_m * map.grid.cell_m;
 }
 
 // CV_8U: cells whose change is beyond what any of the ground would show by chance.
-cv::Mat beyond_chance(const ChangeMap& map, double piece_m2) {
-    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2(map) / piece_m2));
+cv::Mat beyond_chance(const ChangeMap& map, double ground_m2, double piece_m2) {
+    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / piece_m2));
     const cv::Mat level = most * (map.sigma_m + map.registration_m);
     return cv::abs(map.change_m) > level;
 }
@@ -97,10 +97,13 @@ struct Found {
 class Gatherer {
 public:
     Gatherer(ChangeMap& map, const PatchOptions& options)
-        : map_(map), options_(options), margin_cells_(options.margin_m / map.grid.cell_m) {}
+        : map_(map),
+          options_(options),
+          margin_cells_(options.margin_m / map.grid.cell_m),
+          ground_m2_(compared_m2(map)) {}
 
     Changes gather() {
-        beyond_chance_ = beyond_chance(map_, options_.core_area_m2);
+        beyond_chance_ = beyond_chance(map_, ground_m2_, options_.core_area_m2);
         for (const CellState state : {CellState::Grown, CellState::Lost}) find(state);
         changes_.number = cv::Mat::zeros(map_.state.size(), CV_32S);
         std::ranges::stable_sort(found_, [&](const Found& p, const Found& q) {
@@ -228,7 +231,7 @@ private:
     // errors too: so many of them hold with 95 % when each is given as many standard deviations as
     // an error exceeds with 0.05 times their share of all (Benjamini and Yekutieli 2005).
     double num_sigma(double area_m2) const {
-        const double num_pieces = std::max(1.0, ground_m2(map_) / std::max(1e-12, area_m2));
+        const double num_pieces = std::max(1.0, ground_m2_ / std::max(1e-12, area_m2));
         const double share = static_cast<double>(found_.size()) / num_pieces;
         return exceeded_with(0.05 * std::min(1.0, share));
     }
@@ -286,6 +289,7 @@ private:
     ChangeMap& map_;
     const PatchOptions& options_;
     double margin_cells_;
+    double ground_m2_;       // that both dives saw
     cv::Mat beyond_chance_;  // CV_8U
     std::vector<Found> found_;
     std::vector<double> noises_;

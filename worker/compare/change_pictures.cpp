@@ -50,11 +50,27 @@ cv::Vec3b cell_color(const ChangeMap& map, int row, int column, const cv::Vec3b&
     return bgr(change_color(static_cast<double>(map.change_m.at<float>(row, column)), full_m));
 }
 
-void outline(cv::Mat& picture, const Changes& changes, const RasterGrid& grid) {
+// The part of the picture that each patch lies in, by number less one.
+std::vector<cv::Rect> windows_of(const Changes& changes) {
+    std::vector<cv::Rect> windows(changes.patches.size());
+    for (int row = 0; row < changes.number.rows; ++row)
+        for (int column = 0; column < changes.number.cols; ++column)
+            if (const int number = changes.number.at<int>(row, column); number > 0)
+                windows[static_cast<std::size_t>(number - 1)] |= cv::Rect(column, row, 1, 1);
+    return windows;
+}
+
+void outline_patches(cv::Mat& picture, const Changes& changes, const RasterGrid& grid) {
+    const std::vector<cv::Rect> windows = windows_of(changes);
     for (const ChangePatch& patch : changes.patches) {
+        const cv::Rect& window = windows[static_cast<std::size_t>(patch.number - 1)];
         std::vector<std::vector<cv::Point>> lines;
-        cv::findContours(
-            changes.number == patch.number, lines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+        if (!window.empty())
+            cv::findContours(changes.number(window) == patch.number,
+                             lines,
+                             cv::RETR_EXTERNAL,
+                             cv::CHAIN_APPROX_NONE,
+                             window.tl());
         const cv::Scalar color = patch.grown ? cv::Scalar(120, 50, 0) : cv::Scalar(20, 0, 110);
         cv::drawContours(picture, lines, -1, color, 1);
         const Eigen::Vector2d at = (patch.box_m.max() - grid.corner_m) / grid.cell_m;
@@ -106,7 +122,7 @@ cv::Mat draw_changes(const Mesh& b, const ChangeMap& map, const Changes& changes
         for (int column = 0; column < picture.cols; ++column)
             picture.at<cv::Vec3b>(row, column) =
                 cell_color(map, row, column, under.at<cv::Vec3b>(row, column), full_m);
-    outline(picture, changes, map.grid);
+    outline_patches(picture, changes, map.grid);
     return picture;
 }
 

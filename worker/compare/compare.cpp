@@ -55,6 +55,8 @@ Mesh surface_of(const ReconstructionFolder& folder) {
                     (folder.path() / "mesh.ply").string() +
                         " has no triangle: the dive saw no surface, there is nothing to compare");
     mesh.normals = unit_normals(mesh);
+    mesh.sigma_local_m = {};  // not asked for
+    mesh.num_observations = {};
     return mesh;
 }
 

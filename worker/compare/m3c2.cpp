@@ -97,10 +97,13 @@ std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
                                          const M3c2Options& options,
                                          int num_threads) {
     std::vector<M3c2Distance> distances(core.points.size());
-    for_each_index(num_threads, (distances.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+    // Neighbours after each other: what is about them is in the cache.
+    const std::vector<std::uint32_t>& order = core.grid.in_order();
+    for_each_index(num_threads, (order.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
         std::vector<Along> points;
-        for (std::size_t i = slice * kSlice; i < std::min(distances.size(), (slice + 1) * kSlice);
-             ++i) {
+        for (std::size_t k = slice * kSlice; k < std::min(order.size(), (slice + 1) * kSlice);
+             ++k) {
+            const std::size_t i = order[k];
             const Eigen::Vector3f& p = core.points[i];
             const Eigen::Vector3f normal = mean_normal(core, i, options.normal_scale_m);
             const Layer of_a = layer_of(a, p, normal, options, points);

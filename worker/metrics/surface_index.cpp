@@ -30,14 +30,15 @@ struct SurfaceIndex::Implementation {
     RTCScene scene = nullptr;
 };
 
-SurfaceIndex::SurfaceIndex(const Mesh& mesh)
+SurfaceIndex::SurfaceIndex(const Mesh& mesh, bool is_compact)
     : implementation_(std::make_unique<Implementation>(Implementation{mesh})) {
     auto& [source, device, scene] = *implementation_;
     device = rtcNewDevice(nullptr);
     if (device == nullptr)
         throw Error(ErrorCode::Unavailable, "Embree does not start on this processor");
     scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(
+        scene, is_compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
     if (!mesh.triangles.empty()) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         void* vertices = rtcSetNewGeometryBuffer(geometry,

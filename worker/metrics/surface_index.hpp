@@ -12,7 +12,8 @@ namespace divemesh::worker {
 // while this lives. Thread-safe after construction.
 class SurfaceIndex {
 public:
-    explicit SurfaceIndex(const Mesh& mesh);
+    // `is_compact`: about half the memory, somewhat slower.
+    explicit SurfaceIndex(const Mesh& mesh, bool is_compact = false);
     ~SurfaceIndex();
     SurfaceIndex(const SurfaceIndex&) = delete;
     SurfaceIndex& operator=(const SurfaceIndex&) = delete;

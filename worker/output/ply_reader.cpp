@@ -298,6 +298,7 @@ void read_polygon(const Property& property, Body& body, const std::string& name,
 }
 
 void read_other(const Element& element, Body& body, const std::string& name, Mesh& mesh) {
+    if (element.name == "face") mesh.triangles.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i)
         for (const Property& property : element.properties) {
             const bool is_polygon =
@@ -336,7 +337,13 @@ Mesh read_ply(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
         throw Error(ErrorCode::NotFound, "cannot open " + file.string() + "; check the path");
-    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    std::error_code unknown;
+    const std::uintmax_t size_bytes = std::filesystem::file_size(file, unknown);
+    std::string bytes;
+    if (!unknown) bytes.reserve(size_bytes);  // growing would take twice as much
+    std::vector<char> piece(1 << 20);
+    while (stream.read(piece.data(), std::ssize(piece)) || stream.gcount() > 0)
+        bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
     return parse_ply(bytes, file.filename().string());
 }
 

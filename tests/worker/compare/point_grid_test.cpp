@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -32,22 +33,54 @@ TEST(PointGrid, FindsTheSameNearestPointAsASearchOfAll) {
     }
 }
 
+TEST(PointGrid, FindsWhatIsManyCubesAway) {
+    const auto points = scattered(60);
+    const PointGrid grid(points, 0.01F);
+    for (const Eigen::Vector3f& p : scattered(200)) {
+        const Eigen::Vector3f place = 1.5F * p + Eigen::Vector3f(0.03F, 0.0F, -0.02F);
+        const auto distance = [&](const Eigen::Vector3f& q) { return (q - place).squaredNorm(); };
+        const auto best = std::ranges::min_element(points, {}, distance);
+        const auto nearest = grid.nearest(place, 0.8F);
+        if (distance(*best) <= 0.8F * 0.8F)
+            EXPECT_EQ(nearest, best - points.begin());
+        else
+            EXPECT_EQ(nearest, std::nullopt);
+    }
+}
+
+TEST(PointGrid, OfPointsThatAreAsNearItFindsTheFirst) {
+    const std::vector<Eigen::Vector3f> points = {
+        {0.3F, 0.0F, 0.0F}, {-0.3F, 0.0F, 0.0F}, {-0.3F, 0.0F, 0.0F}, {0.3F, 0.0F, 0.0F}};
+    for (const float cell_m : {0.01F, 0.1F, 1.0F})
+        EXPECT_EQ(PointGrid(points, cell_m).nearest({0.0F, 0.0F, 0.0F}, 0.5F), 0U) << cell_m;
+}
+
+TEST(PointGrid, FindsNothingAmongNoPoints) {
+    const std::vector<Eigen::Vector3f> none;
+    const PointGrid grid(none, 0.1F);
+    EXPECT_EQ(grid.nearest({0.0F, 0.0F, 0.0F}, 1.0F), std::nullopt);
+    grid.near_segment({0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 1.0F}, 0.1F, [](std::uint32_t) { FAIL(); });
+}
+
 TEST(PointGrid, VisitsEachPointOfACylinderOnce) {
     const auto points = scattered(4000);
-    const PointGrid grid(points, 0.09F);
-    for (const Eigen::Vector3f& way : scattered(50)) {
-        const Eigen::Vector3f normal = way.normalized();
-        std::multiset<std::uint32_t> visited;
-        grid.near_segment(way - 0.4F * normal, way + 0.4F * normal, 0.1F, [&](std::uint32_t i) {
-            visited.insert(i);
-        });
-        for (std::uint32_t i = 0; i < points.size(); ++i) {
-            const Eigen::Vector3f from = points[i] - way;
-            const float along = from.dot(normal);
-            const bool inside = std::abs(along) <= 0.4F && (from - along * normal).norm() <= 0.1F;
-            EXPECT_LE(visited.count(i), 1U);
-            if (inside) {
-                EXPECT_EQ(visited.count(i), 1U);
+    for (const float cell_m : {0.011F, 0.09F}) {
+        const PointGrid grid(points, cell_m);
+        for (const Eigen::Vector3f& way : scattered(50)) {
+            const Eigen::Vector3f normal = way.normalized();
+            std::multiset<std::uint32_t> visited;
+            grid.near_segment(way - 0.4F * normal, way + 0.4F * normal, 0.1F, [&](std::uint32_t i) {
+                visited.insert(i);
+            });
+            for (std::uint32_t i = 0; i < points.size(); ++i) {
+                const Eigen::Vector3f from = points[i] - way;
+                const float along = from.dot(normal);
+                const bool inside =
+                    std::abs(along) <= 0.4F && (from - along * normal).norm() <= 0.1F;
+                EXPECT_LE(visited.count(i), 1U);
+                if (inside) {
+                    EXPECT_EQ(visited.count(i), 1U);
+                }
             }
         }
     }
