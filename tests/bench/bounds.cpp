@@ -6,22 +6,17 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iomanip>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <random>
-#include <sstream>
-#include <stdexcept>
 
 #include "tests/bench/calibration_curve.hpp"
 #include "tests/bench/kept_results.hpp"
 #include "tests/bench/machine.hpp"
-#include "tests/bench/program.hpp"
+#include "tests/bench/simulated_dives.hpp"
 #include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/metrics/known_distances.hpp"
 #include "worker/metrics/surface_index.hpp"
 #include "worker/metrics/trajectory_error.hpp"
 #include "worker/output/reconstruction_folder.hpp"
@@ -48,119 +43,9 @@ struct Options {
 
 struct NamedDive {
     std::string name;
-    fs::path folder;
-    double baseline_error = 0.0;  // to be written into its calibration, relative
+    std::optional<SimulatedDive> simulated;  // none: of the shared data
+    fs::path folder;                         // of that
 };
-
-struct SimulatedDive {
-    std::string scene;
-    int seed = 0;
-    int num_laps = 0;  // 0: an open path
-
-    std::string name() const {
-        return (num_laps > 0 ? "laps" : scene) + "-" + std::to_string(seed);
-    }
-};
-
-// Small pictures of 3 m: a minute of processor time for dive and model, for two laps two.
-fs::path rendered(const SimulatedDive& dive, const Options& options) {
-    const fs::path folder = options.cache / ("bounds-" + dive.name());
-    if (fs::exists(folder)) return folder;
-    const fs::path unfinished = folder.string() + ".part";
-    fs::create_directories(options.cache);
-    fs::remove_all(unfinished);
-    std::vector<std::string> words = {options.program.string(), "simulate", "--scene", dive.scene};
-    for (const auto& [flag, value] : {std::pair<std::string, std::string>{"--length-m", "3"},
-                                      {"--rate", "10"},
-                                      {"--width-px", "400"},
-                                      {"--height-px", "300"}})
-        words.insert(words.end(), {flag, value});
-    words.insert(words.end(), {"--seed", std::to_string(dive.seed), "--out", unfinished.string()});
-    if (dive.scene != "tank") words.insert(words.end(), {"--water", "green"});
-    if (dive.num_laps > 0) words.insert(words.end(), {"--laps", std::to_string(dive.num_laps)});
-    const fs::path log = folder.string() + ".log";
-    if (run_program(words, log) != 0) throw std::runtime_error("not rendered: " + last_lines(log));
-    fs::rename(unfinished, folder);
-    return folder;
-}
-
-// What bounds take a calibration's baseline and focal length to err by, drawn for a dive.
-double baseline_error_of(const SimulatedDive& dive) {
-    constexpr double kCalibrationSigma = 0.001;
-    const std::string name = dive.scene + " " + dive.name();
-    std::seed_seq seeds(name.begin(), name.end());
-    std::mt19937_64 random(seeds);
-    return kCalibrationSigma * std::normal_distribution<double>()(random);
-}
-
-json marks_of(const Eigen::Vector3d& p_world, const worker::MarkingInput& input) {
-    json marks = json::array();
-    for (const worker::Mark& mark : worker::mark_point(p_world, input)) {
-        marks.push_back({{"timestamp_ns", mark.timestamp_ns},
-                         {"left", {mark.pixel_left.x(), mark.pixel_left.y()}}});
-        if (mark.pixel_right)
-            marks.back()["right"] = {mark.pixel_right->x(), mark.pixel_right->y()};
-    }
-    return marks;
-}
-
-// The ends of the known distances, marked in every fifth frame as the true rig saw them.
-json marked_distances(const worker::Dive& dive) {
-    const auto reference = dive.read_reference_mesh();
-    if (!reference) return json::array();
-    std::vector<std::int64_t> timestamps_ns;
-    for (std::size_t i = 0; i < dive.ground_truth().size(); i += 5)
-        timestamps_ns.push_back(dive.ground_truth()[i].timestamp_ns);
-    const worker::SurfaceIndex surface(*reference);
-    const worker::MarkingInput input{dive.rig(), dive.ground_truth(), timestamps_ns, surface};
-    json distances = json::array();
-    for (const worker::KnownDistance& known : dive.known_distances())
-        distances.push_back({{"name", known.name},
-                             {"distance_m", known.distance_m},
-                             {"marks_a", marks_of(known.a_world, input)},
-                             {"marks_b", marks_of(known.b_world, input)}});
-    return distances;
-}
-
-// cam1's place on the body, in the text of its sensor.yaml.
-std::string with_place(const std::string& yaml, const Eigen::Vector3d& place) {
-    const std::size_t begin = yaml.find('[', yaml.find("T_BS")) + 1;
-    const std::size_t end = yaml.find(']', begin);
-    std::istringstream items(yaml.substr(begin, end - begin));
-    std::ostringstream list;
-    list << std::setprecision(15);
-    std::string item;
-    for (int i = 0; std::getline(items, item, ','); ++i) {
-        if (i > 0) list << ", ";
-        if (i < 12 && i % 4 == 3)
-            list << place[i / 4];
-        else
-            list << std::stod(item);
-    }
-    return yaml.substr(0, begin) + list.str() + yaml.substr(end);
-}
-
-// A copy, its pictures as links, whose calibration has a baseline longer by this share: as it is
-// for whoever calibrated a rig.
-fs::path with_baseline_error(const NamedDive& dive, const fs::path& folder) {
-    const fs::path copy = folder / (dive.name + "-dive");
-    fs::remove_all(copy);
-    fs::copy(dive.folder, copy, fs::copy_options::recursive | fs::copy_options::create_hard_links);
-    const TemporaryFolder scratch;
-    const auto exact = worker::Dive::open(dive.folder, scratch.path());
-    const Eigen::Vector3d left = exact->rig().T_imu_cam0.translation();
-    const Eigen::Vector3d right = exact->rig().T_imu_cam1.translation();
-    const fs::path yaml = copy / "mav0" / "cam1" / "sensor.yaml";
-    std::stringstream text;
-    text << std::ifstream(yaml).rdbuf();
-    const std::string altered =
-        with_place(text.str(), left + (1.0 + dive.baseline_error) * (right - left));
-    const fs::path measurements = copy / "measurements.json";
-    for (const fs::path& file : {yaml, measurements}) fs::remove(file);  // not the link's other end
-    std::ofstream(yaml) << altered;
-    std::ofstream(measurements) << json{{"distances", marked_distances(*exact)}}.dump();
-    return copy;
-}
 
 // The level at which each of some vertices would just have been within its bound, and the share of
 // them that is within what 95 % of the surface should be.
@@ -216,27 +101,33 @@ void add_trajectory(const json& metrics, json& samples) {
     }
 }
 
-json measured(const NamedDive& dive, const Options& options, const fs::path& folder) {
-    const fs::path altered =
-        dive.baseline_error == 0.0 ? fs::path() : with_baseline_error(dive, folder);
+// Its truth, and its reconstruction.
+struct Reconstructed {
+    fs::path dive;
+    fs::path model;
+};
+
+Reconstructed reconstructed(const NamedDive& dive, const Options& options, const fs::path& folder) {
     const fs::path out = folder / dive.name;
-    const fs::path log = folder / (dive.name + ".log");
-    const int code = run_program({options.program.string(),
-                                  "reconstruct",
-                                  (altered.empty() ? dive.folder : altered).string(),
-                                  "--out",
-                                  out.string(),
-                                  "--no-texture"},
-                                 log);
-    if (code != 0) throw std::runtime_error(dive.name + ": " + last_lines(log));
-    json result = {
-        {"dive", dive.name}, {"baseline_error", dive.baseline_error}, {"samples", json::object()}};
-    const json metrics = json::parse(std::ifstream(out / "metrics.json"));
+    if (dive.simulated) {
+        const SimulatedDives dives{options.program, options.cache};
+        dives.reconstruct(*dive.simulated, out);
+        return {dives.rendered(*dive.simulated), out};
+    }
+    reconstruct_surface(options.program, dive.folder, out);
+    return {dive.folder, out};
+}
+
+json measured(const NamedDive& dive, const Options& options, const fs::path& folder) {
+    const Reconstructed found = reconstructed(dive, options, folder);
+    json result = {{"dive", dive.name},
+                   {"baseline_error", dive.simulated ? dive.simulated->baseline_error() : 0.0},
+                   {"samples", json::object()}};
+    const json metrics = json::parse(std::ifstream(found.model / "metrics.json"));
     add_trajectory(metrics, result["samples"]);
-    add_surface(dive.folder, out, result);
+    add_surface(found.dive, found.model, result);
     result["expected_accuracy"] = metrics["expected_accuracy"];
-    fs::remove_all(out);
-    if (!altered.empty()) fs::remove_all(altered);
+    if (options.keep.empty()) fs::remove_all(found.model);
     return result;
 }
 
@@ -244,16 +135,10 @@ std::vector<NamedDive> dives_of(const Options& options) {
     std::vector<NamedDive> dives;
     for (const char* shared : {"tank", "barge", "euroc_mh01"})
         if (options.shared && fs::exists(shared_data(shared)))
-            dives.push_back({shared, shared_data(shared)});
-    const char* scenes[] = {"tank", "barge", "reef"};
-    for (const int seed : options.seeds) {
-        std::vector<SimulatedDive> of_seed;
-        for (const char* scene : scenes) of_seed.push_back({scene, seed});
-        of_seed.push_back({scenes[seed % 3], seed, 2});
-        for (const SimulatedDive& dive : of_seed)
-            dives.push_back(
-                {"sim-" + dive.name(), rendered(dive, options), baseline_error_of(dive)});
-    }
+            dives.push_back({shared, std::nullopt, shared_data(shared)});
+    for (const int seed : options.seeds)
+        for (const SimulatedDive& dive : dives_of_seed(seed))
+            dives.push_back({"sim-" + dive.name(), dive, {}});
     return dives;
 }
 
@@ -349,7 +234,8 @@ int main(int argc, char** argv) {
     app.add_option(
         "--keep",
         options.keep,
-        "leave the results in this folder; dives whose result is there are not repeated");
+        "leave results and reconstructions in this folder; dives whose result is there are not "
+        "repeated");
     app.add_option("--plot", options.plot, "SVG of stated against observed");
     CLI11_PARSE(app, argc, argv);
 

@@ -10,6 +10,9 @@
 # How often the bounds that reconstructions state about themselves hold.
 #   tests/bench/run.sh --only compare [--vertices N,...] [--refused-vertices N] [--threads N]
 # What comparing two models takes by their size, and how soon two places without common ground are refused.
+#   tests/bench/run.sh --only reef [--first-seed N] [--seeds N] [--scenes tank,barge,reef] [--each] [--keep DIR]
+# How often the intervals of reef figures hold, over squares of the same dives; with the DIR of the
+# bounds their reconstructions are not made again.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ ${1:-} == --only && ${2:-} == upload ]]; then
@@ -33,6 +36,9 @@ fi
 if [[ ${1:-} == --only && ${2:-} == bounds ]]; then
     shift 2
     bench=divemesh_bounds
+elif [[ ${1:-} == --only && ${2:-} == reef ]]; then
+    shift 2
+    bench=divemesh_reef_squares
 else
     bench=divemesh_bench
 fi

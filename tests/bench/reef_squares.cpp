@@ -1,0 +1,293 @@
+// How often the intervals of reef figures hold the truth, over squares of simulated dives. Prints
+// one JSON.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <stdexcept>
+
+#include "tests/bench/machine.hpp"
+#include "tests/bench/program.hpp"
+#include "tests/bench/simulated_dives.hpp"
+#include "tests/bench/square_truth.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/metrics/trajectory_error.hpp"
+#include "worker/output/ply.hpp"
+#include "worker/output/reconstruction_folder.hpp"
+#include "worker/output/trajectory_file.hpp"
+
+namespace divemesh::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double kSide_m = 0.6;
+constexpr double kLeastKnown = 0.97;  // of a square, by reference.ply
+constexpr double kLeastSeen = 0.9;    // by the reconstruction: less is refused for extremes
+
+struct Options {
+    std::vector<int> seeds;
+    std::vector<std::string> scenes;
+    fs::path program;
+    fs::path cache;  // of rendered dives
+    fs::path keep;   // of reconstructions
+    bool each = false;
+};
+
+const char* const kTruthFile = "mav0/state_groundtruth_estimate0/data.csv";
+
+// One figure of one square.
+struct Sample {
+    std::string square;
+    double measured = 0.0;
+    double low = 0.0;
+    double high = 0.0;
+    double truth = 0.0;
+
+    double error() const { return measured - truth; }
+    bool is_held() const { return low <= truth && truth <= high; }
+    // Of the error in standard deviations of the stated interval.
+    double deviations() const { return error() / ((high - low) / (2.0 * 1.959964)); }
+};
+
+using DiveSamples = std::map<std::string, std::vector<Sample>>;  // by figure
+
+struct KnownSquare {
+    std::string name;
+    Square square;
+    SquareHeights truth;  // where it is known and was seen
+    double share_seen = 0.0;
+    double plane_z_m = 0.0;  // the lowest true height
+};
+
+double top_m(const worker::Mesh& mesh) {
+    float top = -1e9F;
+    for (const Eigen::Vector3f& vertex : mesh.vertices) top = std::max(top, vertex.z());
+    return top + 1.0;
+}
+
+worker::Mesh in_truth_frame(worker::Mesh mesh, const fs::path& model, const fs::path& dive) {
+    const Eigen::Isometry3f T =
+        worker::trajectory_error(worker::ReconstructionFolder(model).trajectory(),
+                                 worker::read_trajectory(dive / kTruthFile).poses)
+            .T_reference_surface.cast<float>();
+    for (Eigen::Vector3f& vertex : mesh.vertices) vertex = T * vertex;
+    return mesh;
+}
+
+// Side by side over all of the reference, those of which the truth is known and nearly all was
+// seen.
+std::vector<KnownSquare> known_squares(const worker::Mesh& reference, const worker::Mesh& model) {
+    const worker::SurfaceIndex truth(reference);
+    const worker::SurfaceIndex seen(model);
+    Eigen::AlignedBox2d box;
+    for (const Eigen::Vector3f& vertex : reference.vertices)
+        box.extend(vertex.head<2>().cast<double>());
+    const double above_m = std::max(top_m(reference), top_m(model));
+    std::vector<KnownSquare> squares;
+    for (double y = box.min().y(); y + kSide_m <= box.max().y(); y += kSide_m)
+        for (double x = box.min().x(); x + kSide_m <= box.max().x(); x += kSide_m) {
+            KnownSquare square{"square " + std::to_string(squares.size()), {{x, y}, kSide_m}, {}};
+            square.truth = heights_of(square.square, truth, above_m);
+            if (square.truth.share_known() < kLeastKnown) continue;
+            const SquareHeights measured = heights_of(square.square, seen, above_m);
+            square.share_seen = measured.share_known();
+            if (square.share_seen < kLeastSeen) continue;
+            square.truth.keep_where_known(measured);
+            square.plane_z_m = true_range(square.truth)->low_m;
+            squares.push_back(std::move(square));
+        }
+    return squares;
+}
+
+json areas_of(const std::vector<KnownSquare>& squares) {
+    json areas = json::array();
+    for (const KnownSquare& square : squares) {
+        const double x = square.square.corner_m.x(), y = square.square.corner_m.y();
+        const double z = square.plane_z_m, side = square.square.side_m;
+        areas.push_back(
+            {{"name", square.name},
+             {"kind", "quadrat"},
+             {"normal", {0, 0, 1}},
+             {"corners",
+              {{x, y, z}, {x + side, y, z}, {x + side, y + side, z}, {x, y + side, z}}}});
+    }
+    return {{"frame", "ground_truth"}, {"areas", areas}};
+}
+
+json measured(const std::vector<KnownSquare>& squares,
+              const fs::path& model,
+              const fs::path& dive,
+              const Options& options) {
+    const TemporaryFolder scratch;
+    std::ofstream(scratch / "areas.json") << areas_of(squares).dump();
+    const fs::path answer = scratch / "figures.json";
+    if (run_program({options.program.string(),
+                     "--json",
+                     "measure",
+                     model.string(),
+                     "--areas",
+                     (scratch / "areas.json").string(),
+                     "--ground-truth",
+                     (dive / kTruthFile).string()},
+                    answer,
+                    true) != 0)
+        throw std::runtime_error("not measured: " + model.string());
+    return json::parse(std::ifstream(answer));
+}
+
+std::optional<double> truth_of(const std::string& figure,
+                               const json& entry,
+                               const KnownSquare& square,
+                               const worker::Mesh& reference) {
+    if (figure == "rugosity") return true_rugosity(square.truth, entry["resolution_m"]);
+    if (figure == "height_range") return true_range(square.truth)->size_m();
+    if (figure == "volume") return true_volume_m3(square.truth, square.plane_z_m);
+    if (figure == "planar_area") return square.square.side_m * square.square.side_m;
+    if (figure == "surface_area" && square.share_seen >= kLeastKnown)
+        return true_surface_area_m2(square.square, reference);
+    return std::nullopt;
+}
+
+std::string label_of(const json& entry) {
+    const std::string figure = entry["figure"];
+    if (figure != "rugosity") return figure;
+    const long resolution_mm = std::lround(1e3 * entry["resolution_m"].get<double>());
+    return figure + " at " + std::to_string(resolution_mm) + " mm";
+}
+
+DiveSamples samples_of(const SimulatedDive& dive, const Options& options) {
+    const SimulatedDives dives{options.program, options.cache};
+    const fs::path model = options.keep / ("sim-" + dive.name());
+    if (!fs::exists(model / "metrics.json")) dives.reconstruct(dive, model);
+    const fs::path folder = dives.rendered(dive);
+    const worker::Mesh reference = worker::read_ply(folder / "reference.ply");
+    const std::vector<KnownSquare> squares = known_squares(
+        reference, in_truth_frame(worker::read_ply(model / "mesh.ply"), model, folder));
+    DiveSamples samples;
+    if (squares.empty()) return samples;
+    const json answer = measured(squares, model, folder, options);
+    for (const json& entry : answer["figures"]) {
+        const auto square = std::find_if(squares.begin(), squares.end(), [&](const auto& known) {
+            return known.name == entry["area"];
+        });
+        if (square == squares.end() || entry.contains("refused")) continue;
+        if (const auto truth = truth_of(entry["figure"], entry, *square, reference))
+            samples[label_of(entry)].push_back(
+                {square->name, entry["value"], entry["low"], entry["high"], *truth});
+    }
+    return samples;
+}
+
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double median_of(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
+// Of the squares of one dive or of many.
+json summary(const std::vector<Sample>& samples) {
+    std::vector<double> errors, widths, held, squares;
+    for (const Sample& sample : samples) {
+        errors.push_back(sample.error() / sample.truth);
+        widths.push_back(0.5 * (sample.high - sample.low) / sample.truth);
+        held.push_back(sample.is_held() ? 1.0 : 0.0);
+        squares.push_back(sample.deviations() * sample.deviations());
+    }
+    return {{"num_squares", samples.size()},
+            {"held", mean_of(held)},
+            {"median_error", median_of(errors)},
+            {"mean_error", mean_of(errors)},
+            {"median_half_width", median_of(widths)},
+            {"error_rms_sigmas", std::sqrt(mean_of(squares))}};
+}
+
+json each_of(const std::vector<Sample>& samples) {
+    json squares = json::array();
+    for (const Sample& sample : samples)
+        squares.push_back({{"square", sample.square},
+                           {"measured", sample.measured},
+                           {"low", sample.low},
+                           {"high", sample.high},
+                           {"truth", sample.truth}});
+    return squares;
+}
+
+struct Gathered {
+    std::vector<Sample> squares;
+    std::vector<double> held_by_dive;  // share of a dive's squares
+    std::vector<double> error_by_dive;
+};
+
+json to_json(const Gathered& gathered) {
+    json result = summary(gathered.squares);
+    result["num_dives"] = gathered.held_by_dive.size();
+    result["held_mean_of_dives"] = mean_of(gathered.held_by_dive);
+    result["median_of_dives_mean_error"] = median_of(gathered.error_by_dive);
+    return result;
+}
+
+json run(const Options& options) {
+    json report = {{"machine", describe_machine()}, {"dives", json::array()}};
+    std::map<std::string, Gathered> by_figure;
+    for (const int seed : options.seeds)
+        for (const SimulatedDive& dive : dives_of_seed(seed)) {
+            if (std::find(options.scenes.begin(), options.scenes.end(), dive.scene) ==
+                options.scenes.end())
+                continue;
+            std::cerr << dive.name() << std::endl;
+            json figures = json::object();
+            for (const auto& [figure, samples] : samples_of(dive, options)) {
+                const json of_dive = summary(samples);
+                Gathered& gathered = by_figure[figure];
+                gathered.squares.insert(gathered.squares.end(), samples.begin(), samples.end());
+                gathered.held_by_dive.push_back(of_dive["held"]);
+                gathered.error_by_dive.push_back(of_dive["mean_error"]);
+                figures[figure] = of_dive;
+                if (options.each) figures[figure]["squares"] = each_of(samples);
+            }
+            report["dives"].push_back({{"dive", dive.name()}, {"figures", figures}});
+        }
+    for (const auto& [figure, gathered] : by_figure) report["figures"][figure] = to_json(gathered);
+    return report;
+}
+
+}  // namespace
+}  // namespace divemesh::bench
+
+int main(int argc, char** argv) {
+    using namespace divemesh;
+    bench::Options options;
+    options.scenes = {"tank", "barge", "reef"};
+    int first_seed = 31, num_seeds = 5;
+    CLI::App app{"How often the intervals of reef figures hold, as one JSON."};
+    app.add_option("--program", options.program, "the divemesh to run")->required();
+    app.add_option("--cache", options.cache, "folder of the rendered dives")
+        ->required()
+        ->take_last();
+    app.add_option("--first-seed", first_seed, "three scenes and a loop each");
+    app.add_option("--seeds", num_seeds, "how many")->check(CLI::Range(1, 1000));
+    app.add_option("--scenes", options.scenes, "of them: tank, barge, reef")->delimiter(',');
+    app.add_option("--keep",
+                   options.keep,
+                   "leave reconstructions in this folder; what is there is measured as it is, "
+                   "whatever program made it");
+    app.add_flag("--each", options.each, "every square's figures too");
+    CLI11_PARSE(app, argc, argv);
+
+    for (int i = 0; i < num_seeds; ++i) options.seeds.push_back(first_seed + i);
+    const TemporaryFolder temporary;
+    if (options.keep.empty()) options.keep = temporary.path();
+    std::filesystem::create_directories(options.keep);
+    std::cout << bench::run(options).dump(2) << "\n";
+}

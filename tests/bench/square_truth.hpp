@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "worker/metrics/surface_index.hpp"
+
+namespace divemesh::bench {
+
+// A level square, sides along x and y, whose heights are looked at from above every 2 mm.
+struct Square {
+    Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();  // the lowest x and y
+    double side_m = 0.6;
+};
+
+// Heights above z = 0, row by row along x from the corner; NaN where there is nothing.
+struct SquareHeights {
+    static constexpr int kPerMetre = 500;
+    int num_nodes = 0;  // along a side
+    std::vector<double> heights_m;
+
+    double at(int column, int row) const { return heights_m[row * num_nodes + column]; }
+    double share_known() const;
+    // Unknown where the other is.
+    void keep_where_known(const SquareHeights& other);
+};
+
+// What is first met on the way down from z = above_m.
+SquareHeights heights_of(const Square& square, const worker::SurfaceIndex& surface, double above_m);
+
+// Figures as docs/measuring.md defines them, written down once more to judge what is measured.
+// Nothing where no height is known.
+
+// Area of the triangles between samples `spacing_m` apart, a multiple of 2 mm, over that seen from
+// above; cells with an unknown corner left out, the mean of both ways to cut a cell.
+std::optional<double> true_rugosity(const SquareHeights& heights, double spacing_m);
+struct HeightRange {
+    double low_m = 0.0;
+    double high_m = 0.0;
+
+    double size_m() const { return high_m - low_m; }
+};
+std::optional<HeightRange> true_range(const SquareHeights& heights);
+// Over the plane z = plane_z_m.
+double true_volume_m3(const SquareHeights& heights, double plane_z_m);
+// Of all sheets within the square.
+double true_surface_area_m2(const Square& square, const worker::Mesh& mesh);
+
+}  // namespace divemesh::bench

@@ -1,0 +1,66 @@
+#include "tests/bench/square_truth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace divemesh::bench {
+namespace {
+
+using worker::Mesh;
+
+// Two triangles over [0, 1] x [0, 1].
+Mesh sheet(const std::array<float, 4>& heights) {
+    Mesh mesh;
+    mesh.vertices = {
+        {0, 0, heights[0]}, {1, 0, heights[1]}, {1, 1, heights[2]}, {0, 1, heights[3]}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+}
+
+const Square kSquare{{0.2, 0.3}, 0.6};
+
+SquareHeights heights_over(const Mesh& mesh) {
+    const worker::SurfaceIndex index(mesh);
+    return heights_of(kSquare, index, 5.0);
+}
+
+TEST(SquareTruthTest, APlaneAtSixtyDegreesHasTwiceTheArea) {
+    const auto rise = static_cast<float>(std::numbers::sqrt3);
+    const Mesh mesh = sheet({0.0F, rise, rise, 0.0F});
+    const SquareHeights heights = heights_over(mesh);
+    EXPECT_EQ(heights.share_known(), 1.0);
+    EXPECT_NEAR(true_rugosity(heights, 0.1).value(), 2.0, 1e-5);
+    EXPECT_NEAR(true_rugosity(heights, 0.25).value(), 2.0, 1e-5);
+    EXPECT_NEAR(true_surface_area_m2(kSquare, mesh), 2.0 * 0.36, 1e-6);
+    EXPECT_NEAR(true_range(heights).value().size_m(), 0.6 * std::numbers::sqrt3, 1e-5);
+    // A wedge from 0.2 to 0.8: its mean height is that in the middle.
+    EXPECT_NEAR(true_volume_m3(heights, 0.0), 0.36 * 0.5 * std::numbers::sqrt3, 1e-5);
+}
+
+TEST(SquareTruthTest, WhatIsAboveHidesWhatIsBelowButAddsItsArea) {
+    Mesh mesh = sheet({0.0F, 0.0F, 0.0F, 0.0F});
+    mesh.vertices.insert(mesh.vertices.end(), {{0, 0, 1}, {0.5, 0, 1}, {0.5, 1, 1}, {0, 1, 1}});
+    mesh.triangles.insert(mesh.triangles.end(), {{4, 5, 6}, {4, 6, 7}});
+    const SquareHeights heights = heights_over(mesh);
+    EXPECT_NEAR(true_range(heights).value().low_m, 0.0, 1e-6);
+    EXPECT_NEAR(true_range(heights).value().high_m, 1.0, 1e-6);
+    EXPECT_NEAR(true_volume_m3(heights, 0.0), 0.5 * 0.36, 2e-3);
+    EXPECT_NEAR(true_surface_area_m2(kSquare, mesh), 1.5 * 0.36, 1e-6);
+}
+
+TEST(SquareTruthTest, UnknownGroundIsLeftOut) {
+    Mesh half = sheet({0.5F, 0.5F, 0.5F, 0.5F});
+    for (Eigen::Vector3f& vertex : half.vertices) vertex.y() *= 0.6F;  // half of the square
+    SquareHeights heights = heights_over(half);
+    EXPECT_NEAR(heights.share_known(), 0.5, 0.002);
+    EXPECT_NEAR(true_rugosity(heights, 0.1).value(), 1.0, 1e-6);
+    EXPECT_NEAR(true_volume_m3(heights, 0.0), 0.5 * 0.5 * 0.36, 1e-3);
+    SquareHeights whole = heights_over(sheet({0.0F, 0.0F, 0.0F, 0.0F}));
+    whole.keep_where_known(heights);
+    EXPECT_NEAR(whole.share_known(), 0.5, 0.002);
+}
+
+}  // namespace
+}  // namespace divemesh::bench
