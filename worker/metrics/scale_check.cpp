@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/estimation/preintegration.hpp"
 #include "worker/metrics/trajectory_pairs.hpp"
 
 namespace divemesh::worker {
@@ -15,16 +16,19 @@ constexpr std::int64_t kLargestGap_ns = 150'000'000;  // of samples or frames in
 constexpr std::ptrdiff_t kWindowsOfOneBias = 60;
 // White noise is shared by windows that overlap by half: twice the correlation of sin^4 and cos^4.
 constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
-constexpr double kWeakPrior = 1e-6;  // keeps gravity and bias apart where the rig never turns
+// Keeps gravity and bias apart where the rig never turns; of gravity about what it is, so that what
+// it pulls is nothing beside the residuals of a short dive.
+constexpr double kWeakPrior = 1e-6;
 constexpr std::int64_t kPressureBin_ns = 500'000'000;
 constexpr std::size_t kLeastBins = 20;
 constexpr double kMostCorrelation = 0.95;
 
 // A window's equation: own = s seen + unknowns, see the header.
 struct Equation {
-    Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();  // integral w R a dt
+    Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();  // integral w (R a + g) dt, g as known
     Eigen::Vector3d seen = Eigen::Vector3d::Zero();         // integral w'' p dt
-    Eigen::Matrix<double, 3, 6> unknowns = Eigen::Matrix<double, 3, 6>::Zero();  // of g and b
+    Eigen::Matrix<double, 3, 6> unknowns =
+        Eigen::Matrix<double, 3, 6>::Zero();  // of g's rest and b
 };
 
 struct Window {
@@ -96,7 +100,8 @@ std::optional<Equation> equation(const std::vector<ImuSample>& imu,
         if (weight_s == 0.0) continue;
         const auto T_world_imu = pose_at(trajectory, sample.timestamp_ns);
         if (!T_world_imu) return std::nullopt;
-        result.accelerated += weight_s * (T_world_imu->linear() * sample.acceleration_imu);
+        result.accelerated += weight_s * (T_world_imu->linear() * sample.acceleration_imu -
+                                          kGravity_m_s2 * Eigen::Vector3d::UnitZ());
         result.unknowns.leftCols<3>() -= weight_s * Eigen::Matrix3d::Identity();
         result.unknowns.rightCols<3>() += weight_s * T_world_imu->linear();
     }

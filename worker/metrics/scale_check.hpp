@@ -20,8 +20,9 @@ struct ScaleCheck {
 //
 //     integral w (R_world_imu (a - b) + g) dt = s integral w'' p_world_imu dt
 //
-// Gravity g and bias b are unknown and the same for a minute, the scale s all along; least squares.
-// Nothing without accelerometer, or where less than five windows are covered without a gap.
+// What gravity g differs by from 9.81 m/s^2 along -z, and bias b are unknown and the same for a
+// minute, the scale s all along; least squares. Nothing without accelerometer, or where less than
+// five windows are covered without a gap.
 std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& imu,
                                                  const Trajectory& trajectory);
 
