@@ -71,6 +71,7 @@ Uncertainty relative_to_first(Adjustment& adjustment,
             kScaleSigma * (state->p_world_imu - states.front().p_world_imu);
         positions.push_back(state->p_world_imu);
     }
+    const double vertical = vertical_scale_sigma(positions, in_world.positions_m2);
     in_world.positions_m2 += by_scale * by_scale.transpose();
     const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
     Uncertainty result;
@@ -84,6 +85,7 @@ Uncertainty relative_to_first(Adjustment& adjustment,
              R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
     }
     result.path = after_alignment(positions, in_world.positions_m2);
+    result.path.vertical_scale_sigma = vertical;
     return result;
 }
 

@@ -1,6 +1,7 @@
 #include "worker/estimation/path_uncertainty.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 namespace divemesh::worker {
@@ -37,6 +38,26 @@ PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
     const double trace = projected.trace();
     if (trace <= 0.0) return {};
     return {trace / static_cast<double>(positions.size()), trace * trace / projected.squaredNorm()};
+}
+
+double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
+                            const Eigen::MatrixXd& covariance_m2) {
+    const Eigen::Index num = std::ssize(positions);
+    Eigen::MatrixX3d level(num, 3);
+    Eigen::VectorXd heights(num);
+    for (Eigen::Index i = 0; i < num; ++i) {
+        const Eigen::Vector3d& p = positions[static_cast<std::size_t>(i)];
+        level.row(i) << p.x(), p.y(), 1.0;
+        heights[i] = p.z();
+    }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixX3d> qr(level);
+    qr.setThreshold(kLeastRotation);
+    const Eigen::VectorXd rest = heights - level * qr.solve(heights);
+    const double squares = rest.squaredNorm();
+    if (squares <= 0.0) return 0.0;
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(3 * num);
+    for (Eigen::Index i = 0; i < num; ++i) along[3 * i + 2] = rest[i];
+    return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) / squares;
 }
 
 PathUncertainty with_frames_between(PathUncertainty keyframes,

@@ -16,8 +16,9 @@ namespace divemesh::worker {
 // a weighted sum of squares of normal numbers, about as E chi^2_h / h with
 // h = tr(N P)^2 / tr(N P N P) degrees of freedom (Satterthwaite 1946).
 struct PathUncertainty {
-    double mean_square_m2 = 0.0;  // E; 0: not known
-    double freedom = 0.0;         // h
+    double mean_square_m2 = 0.0;        // E; 0: not known
+    double freedom = 0.0;               // h
+    double vertical_scale_sigma = 0.0;  // see below; 0: not known
 
     bool is_known() const { return freedom > 0.0; }
 };
@@ -25,6 +26,12 @@ struct PathUncertainty {
 // `covariance_m2`: three rows a position, in the axes of the positions.
 PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
                                 const Eigen::MatrixXd& covariance_m2);
+
+// What the errors do, one standard deviation, to a factor on heights that is measured from outside,
+// as a depth sensor does: with v the heights less the level that fits them best (a tilt is no error
+// of the factor), sqrt(v' P_z v) / v' v. 0 for a path that is level.
+double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
+                            const Eigen::MatrixXd& covariance_m2);
 
 // With what following the keyframes adds at the frames between them: errors of their own, which no
 // alignment takes away.

@@ -18,6 +18,11 @@ constexpr double kLargestScaleSigma = 0.1;  // beyond, a check says nothing
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
 
+// Of standard deviations; without loops there is nothing that residuals could be of.
+double covariance_scale(const LoopStatistics& loops) {
+    return loops.num_accepted > 0 ? std::max(1.0, loops.residual_sigmas) : 1.0;
+}
+
 void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const auto leave_out = [&](const std::string& reason) {
         for (const char* figure : {"trajectory.end_position", "trajectory.ate"})
@@ -29,7 +34,7 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
         return leave_out("the dive fell into " + std::to_string(input.num_pieces) +
                          " pieces; where they lie against each other is not known");
     const LoopStatistics& loops = input.optimise.loops;
-    const double scale = std::max(1.0, loops.residual_sigmas);
+    const double scale = covariance_scale(loops);
     if (loops.num_accepted > 0) {
         expected.loop_residual_m = loops.residual_m;
         expected.covariance_scale = scale;
@@ -107,8 +112,10 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                                            : "the IMU covers too little of the dive without a gap",
                    expected);
         expected.pressure =
-            judged(scale_by_pressure(
-                       recording.pressure(), input.trajectory, shared_sigma_m(input.optimise.path)),
+            judged(scale_by_pressure(recording.pressure(),
+                                     input.trajectory,
+                                     covariance_scale(input.optimise.loops) *
+                                         input.optimise.path.vertical_scale_sigma),
                    "scale.pressure",
                    "the pressure sensor",
                    recording.pressure().empty() ? "the dive has no pressure sensor"

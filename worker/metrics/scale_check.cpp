@@ -209,7 +209,7 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
 
 std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
                                             const Trajectory& trajectory,
-                                            double sigma_poses_m) {
+                                            double sigma_by_poses) {
     const std::vector<DepthBin> bins = depth_bins(pressure, trajectory);
     if (bins.size() < kLeastBins) return std::nullopt;
     Eigen::MatrixXd path(std::ssize(bins), 4);
@@ -227,11 +227,10 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& p
     // A smooth column takes as much of correlated residuals as `times` columns of white ones.
     const double freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
     const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z alone
-    const double variance = (residuals.squaredNorm() / freedom * times +
-                             sigma_poses_m * sigma_poses_m * static_cast<double>(path.rows())) *
-                            inverse;
-    if (variance <= 0.0) return std::nullopt;
-    return ScaleCheck{solution[0], std::sqrt(variance)};
+    const double variance = residuals.squaredNorm() / freedom * times * inverse;
+    const double sigma = std::hypot(std::sqrt(variance), sigma_by_poses);
+    if (sigma <= 0.0) return std::nullopt;
+    return ScaleCheck{solution[0], sigma};
 }
 
 std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distances,

@@ -28,12 +28,13 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
 
 // Depth by pressure against how far up and down the path goes: the slope of depth over -z, half
 // seconds of the dive as the samples; a slope over x and y is free, as the path may be tilted a
-// little. Residuals that follow one another are alike: their correlation is in sigma, and what the
-// poses err by along one axis, `sigma_poses_m`, as if all of it went with the depth. Nothing
+// little. Residuals that follow one another are alike: their correlation is in sigma. What the
+// poses' own errors do to the slope, `sigma_by_poses` (PathUncertainty::vertical_scale_sigma), is
+// added: the slope takes up that part of them, so that the residuals do not show it. Nothing
 // without pressure or with less than ten seconds of it.
 std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
                                             const Trajectory& trajectory,
-                                            double sigma_poses_m);
+                                            double sigma_by_poses);
 
 // How far two places far apart on the path err against each other along a line.
 struct PathError {

@@ -98,6 +98,32 @@ TEST(PathUncertaintyTest, AnErrorAlongOneAxisIsBoundedAsANormalNumber) {
     EXPECT_NEAR(std::sqrt(squared_length_95(along)), 1.96 * 0.2, 0.015 * 1.96 * 0.2);
 }
 
+// The slope of true heights over estimated ones, a tilt beside it.
+double height_factor(const Path& estimate, const Path& truth) {
+    Eigen::MatrixX4d columns(kNumPositions, 4);
+    Eigen::VectorXd heights(kNumPositions);
+    for (int i = 0; i < kNumPositions; ++i) {
+        const Eigen::Vector3d& p = estimate[static_cast<std::size_t>(i)];
+        columns.row(i) << p.z(), p.x(), p.y(), 1.0;
+        heights[i] = truth[static_cast<std::size_t>(i)].z();
+    }
+    return columns.colPivHouseholderQr().solve(heights)[0];
+}
+
+TEST(PathUncertaintyTest, AFactorOfHeightsErrsAsItsSigmaSays) {
+    Path truth = curved_path();
+    for (Eigen::Vector3d& p : truth) p.z() += 0.5 * std::sin(1.5 * p.x());
+    const double sigma = vertical_scale_sigma(truth, random_walk_covariance());
+    std::mt19937 random(3);
+    double squares = 0.0;
+    for (int run = 0; run < kNumRuns; ++run)
+        squares += std::pow(height_factor(walked(truth, random), truth) - 1.0, 2.0);
+    EXPECT_NEAR(sigma, std::sqrt(squares / kNumRuns), 0.06 * sigma);
+    EXPECT_EQ(vertical_scale_sigma(Path(kNumPositions, Eigen::Vector3d::Zero()),
+                                   random_walk_covariance()),
+              0.0);
+}
+
 TEST(PathUncertaintyTest, FramesBetweenKeyframesAddWhatFollowingAdds) {
     CovarianceTrack keyframes(2);
     keyframes[1].timestamp_ns = 100;
