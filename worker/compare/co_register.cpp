@@ -7,6 +7,7 @@
 #include <set>
 
 #include "schemas/error.hpp"
+#include "worker/compare/relief.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -18,6 +19,7 @@ constexpr double kAmbiguous = 0.85;  // of the best one's agreement
 constexpr double kApart_m = 0.3;
 constexpr double kLeastRelief =
     0.003;  // mean square of the normals' lean in the flattest direction
+constexpr double kMostOfRelief = 0.15;  // what surfaces differ by where shape alone places them
 constexpr double kGroundCell_m = 0.05;
 constexpr std::size_t kFitPoints = 20000;
 constexpr double kAfterFeatures_m = 0.12;
@@ -99,7 +101,7 @@ public:
     bool holds(const Registration& fit) const { return reason_against(fit).empty(); }
 
     std::string reason_against(const Registration& fit) const {
-        char text[240] = "";
+        char text[280] = "";
         const double ground_m2 = fit.overlap * ground_b_m2_;
         const double smaller_m2 = std::min(ground_b_m2_, area_m2(ground_a_));
         if (ground_m2 < std::max(kLeastGround_m2, kLeastOverlap * smaller_m2))
@@ -114,6 +116,13 @@ public:
                           "only %.0f %% of the ground they would share lies within %.0f mm",
                           100.0 * fit.agreement,
                           1e3 * fit.tolerance_m);
+        else if (fit.method == "geometry" && fit.difference_m > kMostOfRelief * fit.relief_m)
+            std::snprintf(text,
+                          sizeof text,
+                          "no features of the pictures agree, and by shape alone nothing fits: the "
+                          "surfaces differ by %.0f mm on ground that ranges by %.0f mm",
+                          1e3 * fit.difference_m,
+                          1e3 * fit.relief_m);
         return text;
     }
 
@@ -139,22 +148,28 @@ private:
 
     void judge(Registration& fit) const {
         std::size_t num_over = 0;
-        std::size_t num_on = 0;
+        std::vector<Eigen::Vector3d> on;
+        std::vector<double> off_m;
         for (const Eigen::Vector3f& vertex : few_b_.vertices) {
             const Eigen::Vector3d p = fit.T_a_b * vertex.cast<double>();
             if (!ground_a_.contains(column_of(p))) continue;
             ++num_over;
             const auto nearest = grid_a_.nearest(
                 p.cast<float>(), static_cast<float>(tolerance_m_ + options_.spacing_m));
-            if (nearest && std::abs(a_.normals[*nearest].cast<double>().dot(
-                               p - a_.vertices[*nearest].cast<double>())) < tolerance_m_)
-                ++num_on;
+            if (!nearest) continue;
+            const double off =
+                a_.normals[*nearest].cast<double>().dot(p - a_.vertices[*nearest].cast<double>());
+            if (std::abs(off) >= tolerance_m_) continue;
+            on.push_back(p);
+            off_m.push_back(off);
         }
         fit.tolerance_m = tolerance_m_;
         fit.overlap = static_cast<double>(num_over) /
                       static_cast<double>(std::max<std::size_t>(1, few_b_.vertices.size()));
-        fit.agreement =
-            static_cast<double>(num_on) / static_cast<double>(std::max<std::size_t>(1, num_over));
+        fit.agreement = static_cast<double>(on.size()) /
+                        static_cast<double>(std::max<std::size_t>(1, num_over));
+        fit.difference_m = most_of_sizes(std::move(off_m));
+        fit.relief_m = relief_m(on);
     }
 
     const CoRegisterOptions& options_;

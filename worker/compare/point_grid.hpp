@@ -12,17 +12,20 @@
 
 namespace divemesh::worker {
 
-// Points sorted into cubes, to find those near a place or along a line. Blocks of 8 x 8 x 8 cubes
-// that hold any point are found by where they are, and each says which of its cubes do, so that
-// what is empty costs next to nothing. 4 bytes a point, 4 a cube and about 150 a block. Keeps the
-// points, which may not change while this lives; any number of threads may ask. Throws
-// Error{TooLarge} when a side is more than two million cubes long.
+// Points sorted into cubes, to find those near a place or along a line. 8 x 8 x 8 cubes are a block
+// and 4 x 4 x 4 blocks a region; regions are found by where they are, and each level says which of
+// the next hold points, so that what is empty costs next to nothing. 4 bytes a point, 4 a cube and
+// about 100 a block. Keeps the points, which may not change while this lives; any number of threads
+// may ask. Throws Error{TooLarge} when a side is more than two million cubes long.
 class PointGrid {
 public:
     PointGrid(const std::vector<Eigen::Vector3f>& points, float cell_m);
 
-    // The nearest point not farther than `reach_m`; of equals the one with the lowest index.
-    std::optional<std::uint32_t> nearest(const Eigen::Vector3f& p, float reach_m) const;
+    // The nearest point not farther than `reach_m`; of equals the one with the lowest index. A
+    // point that is thought to be near saves looking farther away than it is.
+    std::optional<std::uint32_t> nearest(const Eigen::Vector3f& p,
+                                         float reach_m,
+                                         std::optional<std::uint32_t> thought = {}) const;
 
     // Calls visit(index) for every point of the cubes that the capsule about from-to touches, and
     // so for some outside of it, each once, always in the same order.
@@ -37,7 +40,8 @@ public:
     const std::vector<std::uint32_t>& in_order() const { return order_; }
 
 private:
-    static constexpr int kSide = 8;  // of a block, in cubes
+    static constexpr int kSide = 8;        // of a block, in cubes
+    static constexpr int kRegionSide = 4;  // in blocks
 
     using Cell = std::array<int, 3>;
     struct Block {
@@ -46,14 +50,16 @@ private:
         std::array<std::uint8_t, 3> layers{};       // bits by index along an axis: with points
         std::uint32_t first = 0;                    // in begin_
     };
-    struct Slot {
+    struct Region {
         std::uint64_t key = kFree;
-        std::uint32_t block = 0;
+        std::uint64_t blocks = 0;  // with points: bits by x, y and z
+        std::uint32_t first = 0;   // in blocks_
     };
     struct Range {
         int first = 0;
         int last = -1;
     };
+    struct Capsule;
     static constexpr std::uint64_t kFree = ~std::uint64_t{0};
 
     int index_of(float place_m, int axis) const {
@@ -72,11 +78,24 @@ private:
 
     void sort_points();
     void put_into_blocks(const std::vector<std::pair<std::uint64_t, std::uint32_t>>& keyed);
-    void make_table(const std::vector<std::uint64_t>& keys);
+    void make_table(const std::vector<Region>& regions);
+    const Region* find_region(const Cell& region) const;
     const Block* find(const Cell& block) const;
-    float squared_distance_to(const Eigen::Vector3f& p, const Cell& first_cube, int side) const;
+    template <int num>
+    std::array<float, num> squared_off(float place_m,
+                                       int axis,
+                                       int first_cube,
+                                       int num_cubes) const;
+    template <typename Visit>
+    void visit_layer(const Capsule& capsule, int layer, const Visit& visit) const;
     template <typename Visit>
     void visit_cell(const Block& block, const Cell& cell, const Visit& visit) const;
+    template <typename Offer>
+    void visit_nearer(const Eigen::Vector3f& p,
+                      const Cell& corner,
+                      const Block& block,
+                      const float& squared_m2,
+                      const Offer& offer) const;
     template <typename Offer>
     void visit_nearer(const Eigen::Vector3f& p,
                       const Cell& at,
@@ -91,7 +110,7 @@ private:
     std::vector<std::uint32_t> order_;  // of the points
     std::vector<std::uint32_t> begin_;  // of each cube's points in it, and its end
     std::vector<Block> blocks_;
-    std::vector<Slot> table_;  // open addressing
+    std::vector<Region> table_;  // open addressing
 };
 
 template <typename Visit>
@@ -104,72 +123,97 @@ void PointGrid::visit_cell(const Block& block, const Cell& cell, const Visit& vi
     for (std::uint32_t i = begin_[cube]; i < begin_[cube + 1]; ++i) visit(order_[i]);
 }
 
+// Layers are across the axis along which the line is longest, rows and columns across the next two.
+struct PointGrid::Capsule {
+    const PointGrid& grid;
+    Eigen::Vector3f from;
+    Eigen::Vector3f to;
+    float radius_m;
+    int main = 0;
+    int side = 1;
+    int other = 2;
+
+    Capsule(const PointGrid& cubes,
+            const Eigen::Vector3f& begin,
+            const Eigen::Vector3f& end,
+            float radius)
+        : grid(cubes), from(begin), to(end), radius_m(radius) {
+        (to - from).cwiseAbs().maxCoeff(&main);
+        side = (main + 1) % 3;
+        other = (main + 2) % 3;
+    }
+
+    Range layers() const {
+        return grid.range_of(std::min(from[main], to[main]) - radius_m,
+                             std::max(from[main], to[main]) + radius_m,
+                             main);
+    }
+    // Along an axis, of what of the line is in some layers and a radius about them.
+    Range beside(int first_layer, int num_layers, int axis) const {
+        const float begin =
+            grid.low_[main] + static_cast<float>(first_layer) * grid.cell_m_ - radius_m;
+        const float end = begin + static_cast<float>(num_layers) * grid.cell_m_ + 2.0F * radius_m;
+        const float p = from[axis] + share_at(begin) * (to[axis] - from[axis]);
+        const float q = from[axis] + share_at(end) * (to[axis] - from[axis]);
+        return grid.range_of(std::min(p, q) - radius_m, std::max(p, q) + radius_m, axis);
+    }
+    Cell place(int layer, int row, int column) const {
+        Cell cell{};
+        cell[static_cast<std::size_t>(main)] = layer;
+        cell[static_cast<std::size_t>(side)] = row;
+        cell[static_cast<std::size_t>(other)] = column;
+        return cell;
+    }
+    // Bits: those of a block's layers that hold points.
+    unsigned layers_with_points(int block) const {
+        const Range rows = beside(kSide * block, kSide, side);
+        const Range columns = beside(kSide * block, kSide, other);
+        unsigned bits = 0;
+        for (int row = rows.first / kSide; row * kSide <= rows.last; ++row)
+            for (int column = columns.first / kSide; column * kSide <= columns.last; ++column)
+                if (const Block* found = grid.find(place(block, row, column)))
+                    bits |= found->layers[static_cast<std::size_t>(main)];
+        return bits;
+    }
+
+private:
+    float share_at(float place_m) const {
+        const float length = to[main] - from[main];
+        return length == 0.0F ? 0.0F : std::clamp((place_m - from[main]) / length, 0.0F, 1.0F);
+    }
+};
+
+template <typename Visit>
+void PointGrid::visit_layer(const Capsule& capsule, int layer, const Visit& visit) const {
+    const Range rows = capsule.beside(layer, 1, capsule.side);
+    const Range columns = capsule.beside(layer, 1, capsule.other);
+    for (int row = rows.first; row <= rows.last; ++row)
+        for (int of_columns = columns.first / kSide; of_columns * kSide <= columns.last;
+             ++of_columns) {
+            const Block* block = find(capsule.place(layer / kSide, row / kSide, of_columns));
+            if (block == nullptr) continue;
+            const int last = std::min(columns.last, kSide * of_columns + kSide - 1);
+            for (int column = std::max(columns.first, kSide * of_columns); column <= last; ++column)
+                visit_cell(*block, capsule.place(layer, row, column), visit);
+        }
+}
+
 template <typename Visit>
 void PointGrid::near_segment(const Eigen::Vector3f& from,
                              const Eigen::Vector3f& to,
                              float radius_m,
                              const Visit& visit) const {
     if (table_.empty()) return;
-    int main = 0;
-    (to - from).cwiseAbs().maxCoeff(&main);
-    const int side = (main + 1) % 3;
-    const int other = (main + 2) % 3;
-    const float length = to[main] - from[main];
-    const auto along = [&](float place) {
-        return length == 0.0F ? 0.0F : std::clamp((place - from[main]) / length, 0.0F, 1.0F);
-    };
-    // What of the line is in some layers and a radius about it, to either side of it.
-    const auto beside = [&](int first_layer, int num_layers, int axis) {
-        const float begin = low_[main] + static_cast<float>(first_layer) * cell_m_ - radius_m;
-        const float end = begin + static_cast<float>(num_layers) * cell_m_ + 2.0F * radius_m;
-        const float p = from[axis] + along(begin) * (to[axis] - from[axis]);
-        const float q = from[axis] + along(end) * (to[axis] - from[axis]);
-        return range_of(std::min(p, q) - radius_m, std::max(p, q) + radius_m, axis);
-    };
-    const auto for_blocks = [](const Range& range, const auto& work) {
-        for (int block = range.first / kSide; block * kSide <= range.last; ++block) work(block);
-    };
-    const Range layers = range_of(
-        std::min(from[main], to[main]) - radius_m, std::max(from[main], to[main]) + radius_m, main);
-    Cell at{};
-    Cell cell{};
-    const auto of = [](Cell& place, int axis) -> int& {
-        return place[static_cast<std::size_t>(axis)];
-    };
-    const auto visit_layer = [&](int layer) {
-        of(cell, main) = layer;
-        const Range rows = beside(layer, 1, side);
-        const Range columns = beside(layer, 1, other);
-        for (of(cell, side) = rows.first; of(cell, side) <= rows.last; ++of(cell, side))
-            for_blocks(columns, [&](int block_of_columns) {
-                of(at, side) = of(cell, side) / kSide;
-                of(at, other) = block_of_columns;
-                const Block* block = find(at);
-                if (block == nullptr) return;
-                const int last = std::min(columns.last, kSide * block_of_columns + kSide - 1);
-                for (of(cell, other) = std::max(columns.first, kSide * block_of_columns);
-                     of(cell, other) <= last;
-                     ++of(cell, other))
-                    visit_cell(*block, cell, visit);
-            });
-    };
-    for_blocks(layers, [&](int block_of_layers) {
-        of(at, main) = block_of_layers;
-        unsigned with_points = 0;
-        for_blocks(beside(kSide * block_of_layers, kSide, side), [&](int block_of_rows) {
-            of(at, side) = block_of_rows;
-            for_blocks(beside(kSide * block_of_layers, kSide, other), [&](int block_of_columns) {
-                of(at, other) = block_of_columns;
-                if (const Block* block = find(at))
-                    with_points |= block->layers[static_cast<std::size_t>(main)];
-            });
-        });
+    const Capsule capsule(*this, from, to, radius_m);
+    const Range layers = capsule.layers();
+    for (int block = layers.first / kSide; block * kSide <= layers.last; ++block) {
+        const unsigned with_points = capsule.layers_with_points(block);
         for (int i = 0; i < kSide; ++i) {
-            const int layer = kSide * block_of_layers + i;
+            const int layer = kSide * block + i;
             if ((with_points >> i & 1U) != 0 && layer >= layers.first && layer <= layers.last)
-                visit_layer(layer);
+                visit_layer(capsule, layer, visit);
         }
-    });
+    }
 }
 
 }  // namespace divemesh::worker

@@ -33,30 +33,37 @@ double sigma_of(const SurfacePoints& surface, std::size_t i) {
     return surface.sigma_m.empty() ? 0.0 : static_cast<double>(surface.sigma_m[i]);
 }
 
+// `nearest_points`: the points of a that were nearest to b's in the round before; those of this
+// one.
 std::vector<Partner> find_partners(const SurfacePoints& a,
                                    const SurfacePoints& b,
                                    const Eigen::Isometry3d& T_a_b,
+                                   const IcpOptions& options,
                                    double reach_m,
-                                   int num_threads) {
+                                   std::vector<std::optional<std::uint32_t>>& nearest_points) {
     std::vector<Partner> partners(b.points.size());
     constexpr std::size_t kSlice = 1024;
-    for_each_index(num_threads, (partners.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
-        for (std::size_t i = slice * kSlice; i < std::min(partners.size(), (slice + 1) * kSlice);
-             ++i) {
-            Partner& partner = partners[i];
-            partner.p = T_a_b * b.points[i].cast<double>();
-            const auto nearest =
-                a.grid.nearest(partner.p.cast<float>(), static_cast<float>(reach_m));
-            if (!nearest) continue;
-            const Eigen::Vector3f normal =
-                (T_a_b.linear() * b.normals[i].cast<double>()).cast<float>();
-            if (a.normals[*nearest].dot(normal) < kSameSide) continue;
-            partner.found = true;
-            partner.normal = a.normals[*nearest].cast<double>();
-            partner.residual_m = partner.normal.dot(partner.p - a.points[*nearest].cast<double>());
-            partner.sigma_m = std::hypot(sigma_of(a, *nearest), sigma_of(b, i));
-        }
-    });
+    for_each_index(
+        options.num_threads, (partners.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+            for (std::size_t i = slice * kSlice;
+                 i < std::min(partners.size(), (slice + 1) * kSlice);
+                 ++i) {
+                Partner& partner = partners[i];
+                partner.p = T_a_b * b.points[i].cast<double>();
+                auto& nearest = nearest_points[i];
+                nearest =
+                    a.grid.nearest(partner.p.cast<float>(), static_cast<float>(reach_m), nearest);
+                if (!nearest) continue;
+                const Eigen::Vector3f normal =
+                    (T_a_b.linear() * b.normals[i].cast<double>()).cast<float>();
+                if (a.normals[*nearest].dot(normal) < kSameSide) continue;
+                partner.found = true;
+                partner.normal = a.normals[*nearest].cast<double>();
+                partner.residual_m =
+                    partner.normal.dot(partner.p - a.points[*nearest].cast<double>());
+                partner.sigma_m = std::hypot(sigma_of(a, *nearest), sigma_of(b, i));
+            }
+        });
     return partners;
 }
 
@@ -174,13 +181,14 @@ double Registration::sigma_m(const Eigen::Vector3d& p, const Eigen::Vector3d& di
 
 std::optional<Registration> register_surfaces(const SurfacePoints& a,
                                               const SurfacePoints& b,
-                                              const Eigen::Isometry3d& T_a_b_guess,
+                                              const Eigen::Isometry3d& T_a_b,
                                               const IcpOptions& options) {
     Registration result;
-    result.T_a_b = T_a_b_guess;
+    result.T_a_b = T_a_b;
     double reach_m = options.largest_step_m;
+    std::vector<std::optional<std::uint32_t>> nearest_points(b.points.size());
     for (int round = 0; round < kMostRounds; ++round) {
-        const auto partners = find_partners(a, b, result.T_a_b, reach_m, options.num_threads);
+        const auto partners = find_partners(a, b, result.T_a_b, options, reach_m, nearest_points);
         const auto num_found = static_cast<std::size_t>(
             std::ranges::count_if(partners, [](const Partner& p) { return p.found; }));
         if (num_found < kFewest) return std::nullopt;

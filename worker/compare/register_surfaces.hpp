@@ -18,6 +18,8 @@ struct Registration {
     double agreement = 0.0;       // share of b's points over a's ground that lie on its surface
     double tolerance_m = 0.0;     // what "on" means
     double overlap = 0.0;         // share of b's points over a's ground
+    double difference_m = 0.0;    // of b's points that lie on a: four fifths are no farther off
+    double relief_m = 0.0;        // of these points, about their plane; likewise
     double residual_rms_m = 0.0;  // of the points that count, along the normal
     double stable_share = 0.0;    // of the overlapping points: counts in the fit
     std::size_t num_patches = 0;  // independent ones, of which the uncertainty comes
@@ -42,7 +44,7 @@ struct IcpOptions {
 // must face the same way. Nothing when too few points find a partner.
 std::optional<Registration> register_surfaces(const SurfacePoints& a,
                                               const SurfacePoints& b,
-                                              const Eigen::Isometry3d& T_a_b_guess,
+                                              const Eigen::Isometry3d& T_a_b,
                                               const IcpOptions& options);
 
 }  // namespace divemesh::worker

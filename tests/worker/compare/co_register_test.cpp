@@ -90,6 +90,30 @@ TEST(CoRegister, RefusesAnotherPlace) {
     }
 }
 
+// Where surfaces are said to be known to centimetres, much of any ground lies within that.
+TEST(CoRegister, RefusesAnotherPlaceAlsoWhereSurfacesAreNotWellKnown) {
+    for (const unsigned place : {22U, 30U, 42U}) {
+        Mesh a = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 1);
+        Mesh b = ground_mesh(rough_ground(place + 1), 1.2, 1.0, kStep_m, kNoise_m, 2);
+        for (Mesh* mesh : {&a, &b}) mesh->sigma_m.assign(mesh->vertices.size(), 0.02F);
+        try {
+            const Registration fit = registered(a, b);
+            ADD_FAILURE() << "laid place " << place + 1 << " over " << place << ", agreement "
+                          << fit.agreement;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::Conflict) << error.what();
+        }
+    }
+}
+
+TEST(CoRegister, FindsLowGroundOfWhichEachSurfaceShowsTheShape) {
+    const auto low = [ground = rough_ground(9)](double x, double y) { return 0.4 * ground(x, y); };
+    const Eigen::Isometry3d T_b_a = pose(1.0, 0.0, {0.5, 0.2, -0.1});
+    const Mesh later = moved(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
+    const Registration fit = registered(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 1), later);
+    EXPECT_LT((fit.T_a_b * T_b_a).translation().norm(), 0.005);
+}
+
 TEST(CoRegister, RefusesGroundWithoutShapeAndWithoutPictures) {
     const HeightOf flat = [](double, double) { return 0.0; };
     const Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);

@@ -1,0 +1,38 @@
+#include "worker/compare/relief.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+
+double most_of_sizes(std::vector<double> values) {
+    if (values.empty()) return 0.0;
+    for (double& value : values) value = std::abs(value);
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(4 * values.size() / 5);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+double relief_m(const std::vector<Eigen::Vector3d>& places) {
+    if (places.size() < 4) return 0.0;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : places) middle += p;
+    middle /= static_cast<double>(places.size());
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d rise = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector3d& p : places) {
+        const Eigen::Vector2d at = (p - middle).head<2>();
+        spread += at * at.transpose();
+        rise += (p.z() - middle.z()) * at;
+    }
+    if (spread.determinant() <= 1e-9 * spread.trace() * spread.trace()) return 0.0;
+    const Eigen::Vector2d slope = spread.ldlt().solve(rise);
+    std::vector<double> heights;
+    heights.reserve(places.size());
+    for (const Eigen::Vector3d& p : places)
+        heights.push_back(p.z() - middle.z() - slope.dot((p - middle).head<2>()));
+    return most_of_sizes(std::move(heights));
+}
+
+}  // namespace divemesh::worker
