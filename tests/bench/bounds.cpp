@@ -101,6 +101,22 @@ void add_trajectory(const json& metrics, json& samples) {
     }
 }
 
+// The half width of an interval of 95 % is 1.96 sigma.
+void add_distances(const json& metrics, json& samples) {
+    const json::json_pointer pointer("/known_distances/distances");
+    if (!metrics.contains(pointer)) return;
+    json levels = json::array();
+    for (const json& distance : metrics[pointer]) {
+        if (!distance.contains("interval95_m")) continue;
+        const double error_m =
+            distance["measured_m"].get<double>() - distance["known_m"].get<double>();
+        const double half_m =
+            distance["interval95_m"][1].get<double>() - distance["measured_m"].get<double>();
+        levels.push_back(level_of_normal(error_m, half_m / 1.959964));
+    }
+    if (!levels.empty()) samples["known distance"] = std::move(levels);
+}
+
 // Its truth, and its reconstruction.
 struct Reconstructed {
     fs::path dive;
@@ -125,6 +141,7 @@ json measured(const NamedDive& dive, const Options& options, const fs::path& fol
                    {"samples", json::object()}};
     const json metrics = json::parse(std::ifstream(found.model / "metrics.json"));
     add_trajectory(metrics, result["samples"]);
+    add_distances(metrics, result["samples"]);
     add_surface(found.dive, found.model, result);
     result["expected_accuracy"] = metrics["expected_accuracy"];
     if (options.keep.empty()) fs::remove_all(found.model);
@@ -154,7 +171,8 @@ void add_samples(const json& result, std::vector<CalibrationCurve>& curves) {
 }
 
 void write_plot(const std::vector<CalibrationCurve>& curves, const fs::path& file) {
-    const char* colors[] = {"#0b6fa4", "#b3541e", "#2e7d4f", "#7b4ba0", "#a08a1e", "#a3231f"};
+    const char* colors[] = {
+        "#0b6fa4", "#b3541e", "#2e7d4f", "#7b4ba0", "#a08a1e", "#a3231f", "#4a5560"};
     worker::Plot plot{"Stated level against observed frequency (number of dives)",
                       "stated",
                       "observed",
@@ -188,6 +206,7 @@ json run(const Options& options, const fs::path& folder) {
                              "scale, accelerometer",
                              "scale, pressure",
                              "scale, known distances",
+                             "known distance",
                              "vertex sigma"})
         curves.emplace_back(kind);
     const KeptResults kept(folder, options.program);
