@@ -100,7 +100,8 @@ void check_report_options(const json& options) {
 }
 
 void check_compare_options(const json& options) {
-    Checks checks = {{"job", check_text}, {"with", check_text}, {"areas", check_text}};
+    Checks checks;
+    for (const char* name : {"job", "with", "areas", "later_areas"}) checks[name] = check_text;
     for (const char* name : {"cell_m", "normal_scale_m", "cylinder_m", "reach_m", "least_area_m2"})
         checks[name] = check_length;
     check(options, checks);

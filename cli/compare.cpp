@@ -77,10 +77,9 @@ int run_there(const worker::CompareRequest& request,
               const ServerSide& there,
               const Context& context) {
     const worker::CompareOptions& options = request.options;
-    if (request.later_areas)
+    if (request.later_areas && !request.areas)
         throw Error(ErrorCode::InvalidArgument,
-                    "a server takes areas of the earlier dive alone: download both reconstructions "
-                    "and compare them here for --later-areas");
+                    "--later-areas without --areas: give those of the earlier dive as well");
     ServerJob wanted{.subject = request.a.string(),
                      .kind = "compare",
                      .options = {{"with", request.b.string()},
@@ -91,7 +90,9 @@ int run_there(const worker::CompareRequest& request,
                                  {"least_area_m2", options.least_area_m2}},
                      .wait = there.wait,
                      .out = request.out};
-    if (request.areas) wanted.truth["areas"] = *request.areas;
+    if (request.areas) wanted.truth["areas"] = {*request.areas, "areas", wanted.subject};
+    if (request.later_areas)
+        wanted.truth["later_areas"] = {*request.later_areas, "areas", request.b.string()};
     api::client::RestClient rest(account_of(there.server));
     return run_on_server(rest, wanted, context, [&](const std::string& artifacts) {
         const auto document = rest.get(artifacts + "compare.json");

@@ -73,22 +73,23 @@ std::string send_truth(client::RestClient& rest,
     return upload.at("truth_id").get<std::string>();
 }
 
-// A reconstruction is of a dive, and is named in the options.
-std::string dive_of(client::RestClient& rest, const std::string& subject, nlohmann::json& options) {
-    if (!subject.starts_with("job_")) return subject;
-    const Job job = rest.get("/api/v1/jobs/" + client::percent_encode(subject)).get<Job>();
-    options["job"] = job.id;
-    return job.dive_id;
+bool is_job(const std::string& subject) { return subject.starts_with("job_"); }
+
+// A reconstruction is of a dive.
+std::string dive_of(client::RestClient& rest, const std::string& subject) {
+    if (!is_job(subject)) return subject;
+    return rest.get("/api/v1/jobs/" + client::percent_encode(subject)).get<Job>().dive_id;
 }
 
 Job make_job(client::RestClient& rest, const ServerJob& wanted) {
-    for (const auto& [kind, file] : wanted.truth)
-        if (!fs::is_regular_file(file))
-            throw Error(ErrorCode::NotFound, "no file " + file.string() + " to send");
+    for (const auto& [option, truth] : wanted.truth)
+        if (!fs::is_regular_file(truth.file))
+            throw Error(ErrorCode::NotFound, "no file " + truth.file.string() + " to send");
     nlohmann::json options = wanted.options;
-    const std::string dive_id = dive_of(rest, wanted.subject, options);
-    for (const auto& [kind, file] : wanted.truth)
-        options[kind] = send_truth(rest, dive_id, kind, file);
+    const std::string dive_id = dive_of(rest, wanted.subject);
+    if (is_job(wanted.subject)) options["job"] = wanted.subject;
+    for (const auto& [option, truth] : wanted.truth)
+        options[option] = send_truth(rest, dive_of(rest, truth.subject), truth.kind, truth.file);
     client::Backoff backoff(kGiveUpAfter, {});
     return rest
         .post_once(

@@ -11,14 +11,21 @@
 
 namespace divemesh::cli {
 
+// A file of truth that a job is to read.
+struct TruthToSend {
+    std::filesystem::path file;
+    std::string kind;
+    std::string subject;  // whose it is: id of a dive, or of a reconstruction of it
+};
+
 // A job that is asked of a server beside reconstructions: an accuracy report or a comparison.
 struct ServerJob {
     std::string subject;  // id of a dive, or of a reconstruction
     std::string kind;
     nlohmann::json options = nlohmann::json::object();
-    std::map<std::string, std::filesystem::path> truth;  // files to be sent first, by their kind
-    bool wait = true;                                    // until it is finished
-    std::filesystem::path out;                           // then fetch the artifacts to here; "": no
+    std::map<std::string, TruthToSend> truth;  // sent first, by the option that names it
+    bool wait = true;                          // until it is finished
+    std::filesystem::path out;                 // then fetch the artifacts to here; "": no
 };
 
 // Whether a command with the option --server means something there, not a folder here.

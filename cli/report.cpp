@@ -174,7 +174,7 @@ int report_there(const ReportOptions& options, const Context& context) {
                                      std::pair{"reference", options.reference},
                                      std::pair{"measurements", options.measurements},
                                      std::pair{"areas", options.areas}})
-        if (!file.empty()) wanted.truth[kind] = file;
+        if (!file.empty()) wanted.truth[kind] = {file, kind, options.subject};
     api::client::RestClient rest(account_of(options.server));
     return run_on_server(rest, wanted, context, [&](const std::string& artifacts) {
         if (!options.junit.empty())

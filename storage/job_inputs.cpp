@@ -38,9 +38,11 @@ void require_there(soci::session& session, const std::string& job_id) {
                "restore it, then retry this job");
 }
 
-TruthFile read_named_truth(soci::session& session, const Job& job, const std::string& id) {
+TruthFile read_named_truth(soci::session& session,
+                           const std::string& dive_id,
+                           const std::string& id) {
     auto file = find_truth(session, id);
-    if (!file || file->dive_id != job.dive_id)
+    if (!file || file->dive_id != dive_id)
         refuse("truth " + id + " was deleted", "upload it again and ask for another report");
     return std::move(*file);
 }
@@ -57,8 +59,12 @@ JobInputs JobStore::inputs(const Job& job) {
         for (const TruthKind kind : kTruthKinds) {
             const auto id = job.options.find(std::string(to_string(kind)));
             if (id != job.options.end() && *id != kTruthOfDive)
-                inputs.truth.push_back(read_named_truth(session, job, id->get<std::string>()));
+                inputs.truth[id.key()] =
+                    read_named_truth(session, job.dive_id, id->get<std::string>());
         }
+        if (const auto id = job.options.find(kLaterAreas); id != job.options.end())
+            inputs.truth[kLaterAreas] = read_named_truth(
+                session, read_job(session, sources.back()).dive_id, id->get<std::string>());
         if (job.kind != JobKind::AccuracyReport) return;
         inputs.set_aside = truth_set_aside(session, job);
         inputs.history = earlier_figures(session,

@@ -13,7 +13,7 @@ namespace divemesh::storage {
 struct JobInputs {
     // Of the reconstruction `job`, then of the one it is compared `with`.
     std::vector<std::vector<Artifact>> reconstructions;
-    std::vector<TruthFile> truth;
+    std::map<std::string, TruthFile> truth;              // by the option that names it
     std::vector<TruthFile> set_aside;                    // newer than those, but unreadable
     std::map<std::string, std::vector<double>> history;  // earlier values of figures, oldest first
 };

@@ -112,12 +112,16 @@ bool takes_newest(const nlohmann::json& options, const std::string& kind) {
     return !options.contains(kind) || std::find(newest.begin(), newest.end(), kind) != newest.end();
 }
 
-// Of a comparison: outlines of the place, when they are asked for.
-void resolve_areas(soci::session& session, const Dive& dive, NewJob& request) {
-    const std::string name(to_string(TruthKind::Areas));
-    const std::string wanted = text_option(request, name);
-    if (wanted.empty()) return;
-    request.options[name] = truth_id(truth_of_dive(session, dive.id), TruthKind::Areas, wanted);
+// Of a comparison: outlines drawn on one of its dives, when they are asked for.
+void resolve_areas(soci::session& session,
+                   const std::string& dive_id,
+                   const std::string& option,
+                   NewJob& request) {
+    const std::string wanted = text_option(request, option);
+    request.options.erase(option);
+    if (!wanted.empty())
+        request.options[option] =
+            truth_id(truth_of_dive(session, dive_id), TruthKind::Areas, wanted);
 }
 
 void check_tag(const Dive& dive, const NewJob& request) {
@@ -143,8 +147,14 @@ void resolve_names(soci::session& session, const Dive& dive, NewJob& request) {
     request.options["job"] = job.id;
     request.parents.push_back(job.id);
     if (request.kind == JobKind::Compare) {
-        resolve_areas(session, dive, request);
+        const std::string areas(to_string(TruthKind::Areas));
+        if (!text_option(request, kLaterAreas).empty() && text_option(request, areas).empty())
+            throw Error(ErrorCode::InvalidArgument,
+                        "option \"later_areas\" without \"areas\": name those of the earlier dive "
+                        "as well");
+        resolve_areas(session, dive.id, areas, request);
         const Job other = other_reconstruction(session, dive, request);
+        resolve_areas(session, other.dive_id, kLaterAreas, request);
         if (other.id == job.id)
             throw Error(ErrorCode::InvalidArgument,
                         "job " + job.id + " would be compared with itself");

@@ -9,6 +9,8 @@
 
 namespace divemesh::storage {
 
+inline constexpr const char* kLaterAreas = "later_areas";
+
 // Looks up what a report or a comparison names and writes the ids into its options, so that they
 // say for ever what it was made of; other kinds are left as they are. The options that are read:
 //
@@ -20,6 +22,8 @@ namespace divemesh::storage {
 //            kind that no report has found unreadable (then `newest`, a list, holds the kind), and
 //            kTruthOfDive for what the recording itself brings
 //   areas    of a comparison: id or name of such a file of this dive; without it none
+//   later_areas
+//            of a comparison that has areas: the same of the dive that it is compared with
 //   tag      of a report: one of the dive's, whose earlier figures it is held against
 //
 // Throws Error{NotFound} for what the project does not have, Error{InvalidArgument} for what has

@@ -115,10 +115,15 @@ Measurement measurement_of(const nlohmann::json& report) {
     return measured;
 }
 
-std::optional<std::filesystem::path> truth_file(const AttemptRequest& request, TruthKind kind) {
-    const auto file = request.truth.find(std::string(to_string(kind)));
+std::optional<std::filesystem::path> truth_file(const AttemptRequest& request,
+                                                std::string_view option) {
+    const auto file = request.truth.find(std::string(option));
     if (file == request.truth.end()) return std::nullopt;
     return file->second;
+}
+
+std::optional<std::filesystem::path> truth_file(const AttemptRequest& request, TruthKind kind) {
+    return truth_file(request, to_string(kind));
 }
 
 std::optional<UnreadableTruth> unreadable_truth(const AttemptRequest& request) {
@@ -167,6 +172,7 @@ void run_comparison(const AttemptRequest& request) {
                            .b = request.reconstructions.at(1),
                            .out = request.out,
                            .areas = truth_file(request, TruthKind::Areas),
+                           .later_areas = truth_file(request, "later_areas"),
                            .num_threads = request.options.value("num_threads", 0)};
     CompareOptions& options = compare.options;
     for (const auto& [name, value] : {std::pair{"cell_m", &options.cell_m},

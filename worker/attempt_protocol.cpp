@@ -71,7 +71,7 @@ void to_json(json& out, const AttemptRequest& request) {
            {"findings", request.findings}};
     for (const auto& folder : request.reconstructions)
         out["reconstructions"].push_back(folder.string());
-    for (const auto& [kind, file] : request.truth) out["truth"][kind] = file.string();
+    for (const auto& [option, file] : request.truth) out["truth"][option] = file.string();
 }
 
 void from_json(const json& in, AttemptRequest& request) {
@@ -85,8 +85,8 @@ void from_json(const json& in, AttemptRequest& request) {
     request.options = in.at("options");
     for (const json& folder : in.at("reconstructions"))
         request.reconstructions.emplace_back(folder.get<std::string>());
-    for (const auto& [kind, file] : in.at("truth").items())
-        request.truth[kind] = file.get<std::string>();
+    for (const auto& [option, file] : in.at("truth").items())
+        request.truth[option] = file.get<std::string>();
     in.at("history").get_to(request.history);
     in.at("findings").get_to(request.findings);
 }

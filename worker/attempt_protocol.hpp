@@ -31,7 +31,7 @@ struct AttemptRequest {
     nlohmann::json options = nlohmann::json::object();
     // Of a report or a comparison.
     std::vector<std::filesystem::path> reconstructions;  // folders: `job`, then `with`
-    std::map<std::string, std::filesystem::path> truth;  // files by their kind
+    std::map<std::string, std::filesystem::path> truth;  // by kind; `later_areas`: of `with`
     std::map<std::string, std::vector<double>> history;  // earlier figures, oldest first
     std::vector<Finding> findings;                       // of what a report is made of
 };

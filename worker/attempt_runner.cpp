@@ -143,12 +143,11 @@ void AttemptRunner::fetch_inputs(AttemptRequest& request) const {
             folder() / ("reconstruction-" + std::to_string(request.reconstructions.size())));
         fetch_reconstruction(artifacts, request.reconstructions.back());
     }
-    for (const TruthFile& file : inputs.truth) {
-        const std::string kind(to_string(file.kind));
-        const auto own_folder = folder() / ("truth-" + kind);
+    for (const auto& [option, file] : inputs.truth) {
+        const auto own_folder = folder() / ("truth-" + option);
         std::filesystem::create_directories(own_folder);
-        request.truth[kind] = own_folder / plain_name(file.name);
-        bring(blobs_, file.blob, request.truth[kind]);
+        request.truth[option] = own_folder / plain_name(file.name);
+        bring(blobs_, file.blob, request.truth[option]);
     }
     for (const TruthFile& file : inputs.set_aside) request.findings.push_back(set_aside(file));
     request.history = inputs.history;

@@ -162,10 +162,33 @@ TEST_F(ReportJobsTest, AComparisonReadsTheOutlinesThatItNamesAndNoOthers) {
     const Job job = ask(JobKind::Compare, before, {{"with", after.id}, {"areas", "areas.json"}});
     EXPECT_EQ(job.options["areas"], areas.id);
     ASSERT_EQ(jobs_.inputs(job).truth.size(), 1U);
-    EXPECT_EQ(jobs_.inputs(job).truth[0].id, areas.id);
+    EXPECT_EQ(jobs_.inputs(job).truth.at("areas").id, areas.id);
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] {
         ask(JobKind::Compare, before, {{"with", after.id}, {"areas", "later.json"}});
     }));
+}
+
+TEST_F(ReportJobsTest, AComparisonReadsOutlinesOfEachOfItsDives) {
+    const Dive before = ready_dive("before");
+    const Dive after = ready_dive("after");
+    reconstructed(before);
+    reconstructed(after);
+    const TruthFile areas = add_truth(before, TruthKind::Areas, "areas.json");
+    const TruthFile later = add_truth(after, TruthKind::Areas, "later.json");
+    const auto compare_by = [&](const std::string& first, const std::string& second) {
+        return ask(JobKind::Compare,
+                   before,
+                   {{"with", after.id}, {"areas", first}, {"later_areas", second}});
+    };
+    const Job job = compare_by("areas.json", "later.json");
+    EXPECT_EQ(job.options["later_areas"], later.id);
+    ASSERT_EQ(jobs_.inputs(job).truth.size(), 2U);
+    EXPECT_EQ(jobs_.inputs(job).truth.at("areas").id, areas.id);
+    EXPECT_EQ(jobs_.inputs(job).truth.at("later_areas").id, later.id);
+    EXPECT_EQ(compare_by(areas.id, later.id).id, job.id) << "the same work is queued once";
+    EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { compare_by("areas.json", "areas.json"); }));
+    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { compare_by("", "later.json"); }));
+    EXPECT_EQ(compare_by("", "").id, compare(before, after.id).id) << "without outlines";
 }
 
 TEST_F(ReportJobsTest, AComparisonIsOfTwoReconstructions) {
