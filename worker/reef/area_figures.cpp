@@ -17,6 +17,13 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 using Kinds = std::vector<FigureKind>;
 
+// Hidden ground lies behind a step, so what bridges it is steeper than the ground that was seen;
+// what merely was not swum over is not, and then counts as that ground does.
+std::optional<double> with_hidden(const std::optional<double>& bridged,
+                                  const std::optional<double>& seen) {
+    return std::max(bridged, seen);
+}
+
 void add_surface_area(Kinds& kinds, const Fineness& fineness) {
     FigureKind kind{"surface_area", "m2", fineness.detail_m};
     kind.method = "triangles of the mesh over the area, every sheet (habtools surface_area)";
@@ -35,7 +42,9 @@ void add_rugosity(Kinds& kinds, double spacing_m) {
         "(habtools rg, method area)";
     kind.lowest = 1.0;
     kind.loses_detail = true;
-    kind.measure = [spacing_m](const Ground& ground) { return rugosity(ground.at(spacing_m)); };
+    kind.measure = [spacing_m](const Ground& ground) {
+        return with_hidden(rugosity(ground.bridged_at(spacing_m)), rugosity(ground.at(spacing_m)));
+    };
     kinds.push_back(kind);
 }
 
@@ -47,7 +56,8 @@ void add_rugosity_by_height_variation(Kinds& kinds, double spacing_m) {
     kind.lowest = 1.0;
     kind.loses_detail = true;
     kind.measure = [spacing_m](const Ground& ground) {
-        return rugosity_by_height_variation(ground.grid, spacing_m);
+        return with_hidden(rugosity_by_height_variation(ground.bridged, spacing_m),
+                           rugosity_by_height_variation(ground.grid, spacing_m));
     };
     kinds.push_back(kind);
 }
@@ -67,13 +77,13 @@ void add_heights(Kinds& kinds) {
     volume.length_power = 3;
     volume.is_from_plane = true;
     volume.measure = [](const Ground& ground) {
-        return std::optional(volume_over_plane(ground.grid));
+        return std::optional(volume_over_plane(ground.bridged));
     };
     kinds.push_back(volume);
 }
 
 std::optional<Eigen::Vector3d> normal_world(const Ground& ground) {
-    const auto normal = mean_normal(ground.grid);
+    const auto normal = mean_normal(ground.bridged);
     if (!normal) return std::nullopt;
     return ground.R_world_plane * *normal;
 }
@@ -107,7 +117,7 @@ void add_terrain(Kinds& kinds, double spacing_m) {
         kind.resolution_m = spacing_m;
         kind.loses_detail = true;
         kind.measure = [=](const Ground& ground) -> std::optional<double> {
-            const auto measured = terrain(ground.at(spacing_m));
+            const auto measured = terrain(ground.bridged_at(spacing_m));
             if (!measured) return std::nullopt;
             return (*measured).*field * factor;
         };
@@ -190,6 +200,10 @@ HeightGrid Ground::near(double spacing_m) const {
 
 HeightGrid Ground::at(double spacing_m) const {
     return every(grid, static_cast<int>(std::lround(spacing_m / grid.shape.spacing_m)));
+}
+
+HeightGrid Ground::bridged_at(double spacing_m) const {
+    return every(bridged, static_cast<int>(std::lround(spacing_m / grid.shape.spacing_m)));
 }
 
 std::vector<FigureKind> area_figures(const MeasureOptions& options,

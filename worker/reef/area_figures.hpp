@@ -17,11 +17,13 @@ namespace divemesh::worker {
 struct Ground {
     const SurfacePatch& patch;
     const std::vector<Eigen::Vector3d>& vertices;  // of the patch, noise added or not
-    HeightGrid grid;                               // the finest
+    HeightGrid grid;                               // the finest; what was seen
+    HeightGrid bridged;                            // with what was not seen in between bridged
     Eigen::Matrix3d R_world_plane = Eigen::Matrix3d::Identity();
 
-    HeightGrid at(double spacing_m) const;    // a multiple of the grid's
-    HeightGrid near(double spacing_m) const;  // no coarser, if the grid lets
+    HeightGrid at(double spacing_m) const;          // a multiple of the grid's
+    HeightGrid bridged_at(double spacing_m) const;  // likewise
+    HeightGrid near(double spacing_m) const;        // no coarser, if the grid lets
 };
 
 struct FigureKind {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace divemesh::worker {
@@ -55,6 +56,12 @@ void fill_in_sigma(SurfacePatch& patch, const MeasureOptions& options) {
         for (double& sigma : *sigmas)
             if (sigma <= 0.0) sigma = typical;
     }
+    patch.sigma_bend_m.clear();
+    for (std::size_t i = 0; i < patch.sigma_m.size(); ++i)
+        patch.sigma_bend_m.push_back(
+            std::sqrt(std::max(0.0,
+                               patch.sigma_m[i] * patch.sigma_m[i] -
+                                   patch.sigma_local_m[i] * patch.sigma_local_m[i])));
 }
 
 }  // namespace divemesh::worker

@@ -23,4 +23,12 @@ std::vector<Simulated> simulate_figures(const std::vector<SurfacePatch>& patches
                                         const MeasureOptions& options,
                                         const Evaluate& evaluate);
 
+// Standard deviation of each figure over surfaces moved by the vertices' sigma_bend, alike over
+// `alike_m`. Empty where no vertex has one.
+std::vector<double> bend_deviations(
+    const std::vector<SurfacePatch>& patches,
+    double alike_m,
+    const MeasureOptions& options,
+    const std::function<std::vector<double>(const Places& vertices)>& evaluate);
+
 }  // namespace divemesh::worker

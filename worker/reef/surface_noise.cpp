@@ -59,12 +59,12 @@ double NoiseField::at(const Eigen::Vector3d& place) const {
 }
 
 std::vector<Eigen::Vector3d> with_noise(const SurfacePatch& patch,
+                                        const std::vector<double>& sigma_m,
                                         const NoiseField& noise,
                                         double scale) {
     std::vector<Eigen::Vector3d> vertices = patch.vertices;
     for (std::size_t i = 0; i < vertices.size(); ++i)
-        vertices[i] +=
-            scale * patch.sigma_local_m[i] * noise.at(patch.vertices[i]) * patch.normals[i];
+        vertices[i] += scale * sigma_m[i] * noise.at(patch.vertices[i]) * patch.normals[i];
     return vertices;
 }
 

@@ -22,8 +22,9 @@ private:
     std::uint64_t seed_;
 };
 
-// The vertices moved along their normals by scale * sigma_local * noise.
+// The vertices moved along their normals by scale * sigma * noise, with a sigma for each.
 std::vector<Eigen::Vector3d> with_noise(const SurfacePatch& patch,
+                                        const std::vector<double>& sigma_m,
                                         const NoiseField& noise,
                                         double scale);
 

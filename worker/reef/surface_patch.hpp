@@ -15,6 +15,7 @@ struct SurfacePatch {
     std::vector<Eigen::Vector3d> normals;  // unit
     std::vector<double> sigma_m;           // along the normal, all of it; 0: unknown
     std::vector<double> sigma_local_m;     // the noise in it, where the mesh tells it apart
+    std::vector<double> sigma_bend_m;      // the rest: what bends lose and poses move
     Triangles triangles;
     std::vector<double> share_within;  // of each triangle's area, the area's outline
 };

@@ -210,7 +210,8 @@ double shown_share(const HeightOf& height, double noise_share) {
     Mesh mesh = sheet(0.66, 0.01, height);
     mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
     SurfacePatch patch = cut_patch(mesh, setting.plane, 0.05);
-    patch.vertices = with_noise(patch, NoiseField(kCorrelationLength_m, 3), noise_share);
+    patch.vertices =
+        with_noise(patch, patch.sigma_local_m, NoiseField(kCorrelationLength_m, 3), noise_share);
     ShownNoise shown(kCorrelationLength_m);
     shown.add(patch, grid_over(setting.plane.outline, 0.005));
     return shown.share();

@@ -108,7 +108,7 @@ TEST(MeasureAreas, FlatGroundHasNoFractalDimensionAndSaysWhy) {
     Mesh noisy = sheet(0.6, 0.01, [](double, double) { return 0.0; });
     noisy.sigma_m.assign(noisy.vertices.size(), 0.003F);
     const SurfacePatch patch = cut_patch(noisy, plane_of(quadrat("q", 0.0, 0.6)), 0.1);
-    const auto moved = with_noise(patch, NoiseField(0.02, 4), 1.0);
+    const auto moved = with_noise(patch, patch.sigma_local_m, NoiseField(0.02, 4), 1.0);
     for (std::size_t i = 0; i < moved.size(); ++i) noisy.vertices[i] = moved[i].cast<float>();
     noisy.triangles.clear();
     for (const auto& [a, b, c] : patch.triangles) noisy.triangles.push_back({a, b, c});

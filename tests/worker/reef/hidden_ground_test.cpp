@@ -1,0 +1,173 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/worker/reef/sheets.hpp"
+#include "worker/reef/area_plane.hpp"
+#include "worker/reef/bridge_gaps.hpp"
+#include "worker/reef/heights.hpp"
+#include "worker/reef/measure_areas.hpp"
+#include "worker/reef/move_steps.hpp"
+#include "worker/reef/surface_patch.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+HeightGrid grid_of(const HeightOf& height, int num, double spacing_m) {
+    HeightGrid grid;
+    grid.shape = {{0.0, 0.0}, spacing_m, num, num};
+    for (int row = 0; row < num; ++row)
+        for (int column = 0; column < num; ++column)
+            grid.heights_m.push_back(height(grid.shape.x_m(column), grid.shape.y_m(row)));
+    return grid;
+}
+
+bool is_in_hole(double x, double y) { return std::hypot(x - 0.32, y - 0.3) < 0.06; }
+
+TEST(BridgeGaps, AHoleInAPlaneIsClosedAlongIt) {
+    const auto plane = [](double x, double y) { return 0.1 + 0.4 * x - 0.2 * y; };
+    const HeightGrid whole = grid_of(plane, 64, 0.01);
+    HeightGrid holed = whole;
+    for (int row = 0; row < 64; ++row)
+        for (int column = 0; column < 64; ++column)
+            if (is_in_hole(whole.shape.x_m(column), whole.shape.y_m(row)))
+                holed.heights_m[whole.shape.index(column, row)] = kUnseen_m;
+    const HeightGrid closed = bridged(holed);
+    for (std::size_t i = 0; i < closed.heights_m.size(); ++i) {
+        EXPECT_NEAR(closed.heights_m[i], whole.heights_m[i], 0.01);  // the plane rises 0.05 over it
+        if (holed.heights_m[i] > kUnseen_m) {
+            EXPECT_EQ(closed.heights_m[i], holed.heights_m[i]);
+        }
+    }
+}
+
+TEST(BridgeGaps, BetweenTwoLevelsLiesBetweenThem) {
+    HeightGrid step = grid_of([](double x, double) { return x < 0.2 ? 0.3 : 0.0; }, 41, 0.01);
+    for (int row = 0; row < 41; ++row)
+        for (int column = 20; column < 26; ++column)
+            step.heights_m[step.shape.index(column, row)] = kUnseen_m;
+    const HeightGrid closed = bridged(step);
+    for (int row = 0; row < 41; ++row)
+        for (int column = 20; column < 26; ++column) {
+            EXPECT_GE(closed.at(column, row), 0.0);
+            EXPECT_LE(closed.at(column, row), 0.3);
+            EXPECT_LE(closed.at(column, row), closed.at(column - 1, row) + 1e-12);
+        }
+}
+
+TEST(BridgeGaps, GroundAtTheFootOfAStepMayGoOnUpToIt) {
+    HeightGrid step = grid_of([](double x, double) { return x < 0.2 ? 0.3 : 0.0; }, 41, 0.01);
+    HeightGrid holed = step;
+    for (int row = 10; row < 30; ++row)
+        for (int column = 20; column < 26; ++column)
+            holed.heights_m[step.shape.index(column, row)] = kUnseen_m;
+    const HeightGrid low = bridged_low(holed);
+    for (std::size_t i = 0; i < low.heights_m.size(); ++i)
+        EXPECT_EQ(low.heights_m[i], step.heights_m[i]);
+}
+
+TEST(BridgeGaps, NothingSeenStaysUnseen) {
+    const HeightGrid dark = grid_of([](double, double) { return kUnseen_m; }, 5, 0.01);
+    EXPECT_EQ(bridged(dark).heights_m, dark.heights_m);
+}
+
+TEST(MoveSteps, ABlockIsWiderOrNarrowerByTheDistance) {
+    const auto block = [](double x, double y) {
+        return x > 0.195 && x < 0.395 && y > 0.195 && y < 0.395 ? 0.5 : 0.0;
+    };
+    const HeightGrid grid = grid_of(block, 60, 0.01);
+    const double volume = volume_over_plane(grid);
+    EXPECT_NEAR(volume, 0.2 * 0.2 * 0.5, 1e-9);
+    // The cone takes one spacing of height for each of way: 0.49 and 0.48 are left of 0.5.
+    const double wider = volume_over_plane(with_steps_moved(grid, 0.02)) - volume;
+    const double corners = std::numbers::pi * 0.02 * 0.02 * 0.485;
+    EXPECT_NEAR(wider, 4 * 0.2 * 0.01 * (0.49 + 0.48) + corners, 0.02 * wider);
+    const double narrower = volume - volume_over_plane(with_steps_moved(grid, -0.02));
+    EXPECT_NEAR(narrower, (4 * 0.2 - 4 * 0.02) * 0.01 * (0.49 + 0.48), 0.02 * narrower);
+}
+
+TEST(MoveSteps, GroundBelowFortyFiveDegreesStays) {
+    const auto slope = [](double x, double y) { return 0.6 * x - 0.3 * y; };
+    const HeightGrid grid = grid_of(slope, 40, 0.01);
+    for (const double outwards_m : {0.03, -0.03})
+        EXPECT_EQ(with_steps_moved(grid, outwards_m).heights_m, grid.heights_m);
+}
+
+// Blocks of 10 cm on flat ground, and the same as a camera sees it from one side: a strip of ground
+// of 3 cm behind each block, and its wall there, are missing.
+Mesh blocks(bool is_seen_from_one_side) {
+    Mesh mesh;
+    const auto floor = [&](double x0, double x1, double y0, double y1) {
+        add_face(mesh, {Eigen::Vector3d(x0, y0, 0.0), {x1, y0, 0.0}, {x1, y1, 0.0}, {x0, y1, 0.0}});
+    };
+    for (int row = 0; row < 5; ++row)
+        for (int column = 0; column < 5; ++column) {
+            const double x = 0.2 * column;
+            const double y = 0.2 * row;
+            floor(x, x + 0.2, y, y + 0.045);
+            floor(x, x + 0.2, y + 0.145, y + 0.2);
+            floor(x, x + 0.045, y + 0.045, y + 0.145);
+            floor(x + (is_seen_from_one_side ? 0.175 : 0.145), x + 0.2, y + 0.045, y + 0.145);
+            add_face(mesh,
+                     {Eigen::Vector3d(x + 0.045, y + 0.045, 0.1),
+                      {x + 0.145, y + 0.045, 0.1},
+                      {x + 0.145, y + 0.145, 0.1},
+                      {x + 0.045, y + 0.145, 0.1}});
+        }
+    return mesh;
+}
+
+json measured(const Mesh& mesh) {
+    return measure_areas(mesh, {AreaFrame::World, {quadrat("q", 0.0, 1.0)}}, {});
+}
+
+TEST(HiddenGround, BehindBlocksIsPartOfTheFiguresOfAnArea) {
+    const json truth = measured(blocks(false));
+    const json seen = measured(blocks(true));
+    EXPECT_NEAR(seen["areas"][1]["coverage"].get<double>(), 0.925, 0.02);
+    for (const char* figure : {"rugosity", "volume"}) {
+        const double resolution_m = std::string(figure) == "rugosity" ? 0.02 : 0.0;
+        const double exact = figure_of(truth, "q", figure, resolution_m)["value"];
+        const json entry = figure_of(seen, "q", figure, resolution_m);
+        EXPECT_NEAR(entry["value"].get<double>(), exact, 0.25 * exact) << figure;
+        EXPECT_LE(entry["low"].get<double>(), exact) << figure;
+        EXPECT_GE(entry["high"].get<double>(), exact) << figure;
+    }
+}
+
+TEST(HiddenGround, FlatGroundThatWasNotSwumOverChangesNothing) {
+    const auto waves = [](double x, double) { return 0.02 * std::sin(40.0 * x); };
+    const Mesh whole = sheet(1.0, 0.01, waves);
+    Mesh holed = whole;
+    holed.triangles.clear();
+    for (const auto& triangle : whole.triangles) {
+        const Eigen::Vector3f& corner = whole.vertices[triangle[0]];
+        if (std::abs(corner.x() - 0.5F) > 0.15F || std::abs(corner.y() - 0.5F) > 0.15F)
+            holed.triangles.push_back(triangle);
+    }
+    const double exact = figure_of(measured(whole), "q", "rugosity", 0.02)["value"];
+    const double found = figure_of(measured(holed), "q", "rugosity", 0.02)["value"];
+    EXPECT_NEAR(found - 1.0, exact - 1.0, 0.05 * (exact - 1.0));
+}
+
+TEST(HiddenGround, AChainRunsStraightOverIt) {
+    Mesh mesh = blocks(true);
+    Area line;
+    line.name = "t";
+    line.kind = AreaKind::Transect;
+    line.points = {{0.0, 0.1, 0.0}, {1.0, 0.1, 0.0}};
+    const json chain =
+        figure_of(measure_areas(mesh, {AreaFrame::World, {line}}, {}), "t", "chain_rugosity", 0.01);
+    // Up 0.1 within one link, down 0.1 over what is hidden, 3 to 4 cm, five times over a metre.
+    const double up = std::hypot(0.1, 0.01) - 0.01;
+    const double down = std::hypot(0.1, 0.035) - 0.035;
+    EXPECT_NEAR(chain["value"].get<double>(), 1.0 + 5 * (up + down), 0.02);
+    EXPECT_LE(chain["low"].get<double>(), 1.0 + 10 * up);  // the blocks' own
+    EXPECT_GE(chain["high"].get<double>(), 1.0 + 10 * up);
+}
+
+}  // namespace
+}  // namespace divemesh::worker
