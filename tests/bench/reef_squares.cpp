@@ -30,7 +30,7 @@ using nlohmann::json;
 
 constexpr double kSide_m = 0.6;
 constexpr double kLeastKnown = 0.97;  // of a square, by reference.ply
-constexpr double kLeastSeen = 0.9;    // by the reconstruction: less is refused for extremes
+constexpr double kLeastSeen = 0.7;    // by the reconstruction
 
 struct Options {
     std::vector<int> seeds;
@@ -62,7 +62,7 @@ using DiveSamples = std::map<std::string, std::vector<Sample>>;  // by figure
 struct KnownSquare {
     std::string name;
     Square square;
-    SquareHeights truth;  // where it is known and was seen
+    SquareHeights truth;  // of what was not seen as well
     double share_seen = 0.0;
     double plane_z_m = 0.0;  // the lowest true height
 };
@@ -82,8 +82,7 @@ worker::Mesh in_truth_frame(worker::Mesh mesh, const fs::path& model, const fs::
     return mesh;
 }
 
-// Side by side over all of the reference, those of which the truth is known and nearly all was
-// seen.
+// Side by side over all of the reference, those of which the truth is known and most was seen.
 std::vector<KnownSquare> known_squares(const worker::Mesh& reference, const worker::Mesh& model) {
     const worker::SurfaceIndex truth(reference);
     const worker::SurfaceIndex seen(model);
@@ -100,7 +99,6 @@ std::vector<KnownSquare> known_squares(const worker::Mesh& reference, const work
             const SquareHeights measured = heights_of(square.square, seen, above_m);
             square.share_seen = measured.share_known();
             if (square.share_seen < kLeastSeen) continue;
-            square.truth.keep_where_known(measured);
             square.plane_z_m = true_range(square.truth)->low_m;
             squares.push_back(std::move(square));
         }
@@ -150,6 +148,7 @@ std::optional<double> truth_of(const std::string& figure,
     if (figure == "rugosity") return true_rugosity(square.truth, entry["resolution_m"]);
     if (figure == "height_range") return true_range(square.truth)->size_m();
     if (figure == "volume") return true_volume_m3(square.truth, square.plane_z_m);
+    if (figure == "slope") return true_slope_deg(square.truth);
     if (figure == "planar_area") return square.square.side_m * square.square.side_m;
     if (figure == "surface_area" && square.share_seen >= kLeastKnown)
         return true_surface_area_m2(square.square, reference);

@@ -1,8 +1,9 @@
 #include "tests/bench/square_truth.hpp"
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace divemesh::bench {
 namespace {
@@ -42,11 +43,6 @@ double SquareHeights::share_known() const {
     const auto num = std::count_if(
         heights_m.begin(), heights_m.end(), [](double height) { return !std::isnan(height); });
     return static_cast<double>(num) / static_cast<double>(heights_m.size());
-}
-
-void SquareHeights::keep_where_known(const SquareHeights& other) {
-    for (std::size_t i = 0; i < heights_m.size(); ++i)
-        if (std::isnan(other.heights_m[i])) heights_m[i] = std::nan("");
 }
 
 SquareHeights heights_of(const Square& square,
@@ -98,7 +94,7 @@ std::optional<HeightRange> true_range(const SquareHeights& heights) {
 }
 
 double true_volume_m3(const SquareHeights& heights, double plane_z_m) {
-    double sum_m = 0.0;
+    double sum_m = 0.0, num = 0.0;
     const int last = heights.num_nodes - 1;
     for (int row = 0; row <= last; ++row)
         for (int column = 0; column <= last; ++column) {
@@ -106,8 +102,28 @@ double true_volume_m3(const SquareHeights& heights, double plane_z_m) {
             if (std::isnan(height)) continue;
             const double share = (row % last == 0 ? 0.5 : 1.0) * (column % last == 0 ? 0.5 : 1.0);
             sum_m += share * (height - plane_z_m);
+            num += share;
         }
-    return sum_m / (SquareHeights::kPerMetre * SquareHeights::kPerMetre);
+    const double side_m = static_cast<double>(last) / SquareHeights::kPerMetre;
+    return sum_m / num * side_m * side_m;
+}
+
+double true_slope_deg(const SquareHeights& heights) {
+    std::vector<Eigen::Vector3d> points;
+    for (int row = 0; row < heights.num_nodes; ++row)
+        for (int column = 0; column < heights.num_nodes; ++column)
+            if (const double height = heights.at(column, row); !std::isnan(height))
+                points.emplace_back(static_cast<double>(column) / SquareHeights::kPerMetre,
+                                    static_cast<double>(row) / SquareHeights::kPerMetre,
+                                    height);
+    Eigen::MatrixX3d places(points.size(), 3);
+    Eigen::VectorXd tops(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        places.row(static_cast<Eigen::Index>(i)) << points[i].x(), points[i].y(), 1.0;
+        tops[static_cast<Eigen::Index>(i)] = points[i].z();
+    }
+    const Eigen::Vector3d plane = places.colPivHouseholderQr().solve(tops);
+    return std::atan(plane.head<2>().norm()) * 180.0 / std::numbers::pi;
 }
 
 double true_surface_area_m2(const Square& square, const worker::Mesh& mesh) {

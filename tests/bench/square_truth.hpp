@@ -22,8 +22,6 @@ struct SquareHeights {
 
     double at(int column, int row) const { return heights_m[row * num_nodes + column]; }
     double share_known() const;
-    // Unknown where the other is.
-    void keep_where_known(const SquareHeights& other);
 };
 
 // What is first met on the way down from z = above_m.
@@ -42,8 +40,10 @@ struct HeightRange {
     double size_m() const { return high_m - low_m; }
 };
 std::optional<HeightRange> true_range(const SquareHeights& heights);
-// Over the plane z = plane_z_m.
+// Over the plane z = plane_z_m; what is not known counts as the mean of what is.
 double true_volume_m3(const SquareHeights& heights, double plane_z_m);
+// Of the plane that fits the heights, to the horizontal.
+double true_slope_deg(const SquareHeights& heights);
 // Of all sheets within the square.
 double true_surface_area_m2(const Square& square, const worker::Mesh& mesh);
 

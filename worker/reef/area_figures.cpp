@@ -29,8 +29,10 @@ void add_surface_area(Kinds& kinds, const Fineness& fineness) {
     kind.method = "triangles of the mesh over the area, every sheet (habtools surface_area)";
     kind.lowest = 0.0;
     kind.length_power = 2;
-    kind.measure = [](const Ground& ground) {
-        return std::optional(surface_area_m2(ground.patch, ground.vertices));
+    kind.loses_detail = true;
+    kind.measure = [](const Ground& ground) {  // blurred as the highest surface is
+        return std::optional(surface_area_m2(ground.patch, ground.vertices) -
+                             ground.lost_to_blur_m2);
     };
     kinds.push_back(kind);
 }

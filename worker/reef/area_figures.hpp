@@ -19,6 +19,7 @@ struct Ground {
     const std::vector<Eigen::Vector3d>& vertices;  // of the patch, noise added or not
     HeightGrid grid;                               // the finest; what was seen
     HeightGrid bridged;                            // with what was not seen in between bridged
+    double lost_to_blur_m2 = 0.0;                  // of the area of `grid`
     Eigen::Matrix3d R_world_plane = Eigen::Matrix3d::Identity();
 
     HeightGrid at(double spacing_m) const;          // a multiple of the grid's

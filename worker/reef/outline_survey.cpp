@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/reef/rugosity.hpp"
 #include "worker/reef/shown_noise.hpp"
 
 namespace divemesh::worker {
@@ -55,10 +56,12 @@ Ground OutlineSurvey::ground(const std::vector<Eigen::Vector3d>& vertices,
     ground.R_world_plane = plane.T_plane_world.linear().transpose();
     // What was seen beside the outline helps to bridge within it.
     if (has_hidden) ground.bridged = of_area(*this, bridge(heights));
+    const double sharp_m2 = num_blurs > 0 ? grid_area(ground.grid).surface_m2 : 0.0;
     for (int i = 0; i < num_blurs; ++i) {
         ground.grid = blurred(ground.grid, *fineness.detail_m);
         if (has_hidden) ground.bridged = blurred(ground.bridged, *fineness.detail_m);
     }
+    if (num_blurs > 0) ground.lost_to_blur_m2 = sharp_m2 - grid_area(ground.grid).surface_m2;
     if (!has_hidden) ground.bridged = ground.grid;
     return ground;
 }
