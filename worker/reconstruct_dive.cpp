@@ -20,9 +20,7 @@
 #include "worker/markers/survey_markers.hpp"
 #include "worker/markers/world_scale.hpp"
 #include "worker/metrics/evaluation.hpp"
-#include "worker/metrics/metrics_document.hpp"
 #include "worker/metrics/simplification_error.hpp"
-#include "worker/metrics/surface_samples.hpp"
 #include "worker/mosaic/keyframe_pictures.hpp"
 #include "worker/mosaic/mosaic.hpp"
 #include "worker/output/atomic_file.hpp"
@@ -33,6 +31,7 @@
 #include "worker/output/reconstruction_folder.hpp"
 #include "worker/output/trajectory_file.hpp"
 #include "worker/reconstruct.hpp"
+#include "worker/reconstruction_figures.hpp"
 #include "worker/report/report.hpp"
 #include "worker/stage_cache.hpp"
 #include "worker/stage_files.hpp"
@@ -122,10 +121,7 @@ private:
                         const ProgressCallback& progress) const;
     nlohmann::json evaluate();
     void write_exports() const;
-    Evaluation compare_with_truth() const;
-    nlohmann::json metrics(const Evaluation& evaluation) const;
-    ExpectedAccuracy expected(const Evaluation& evaluation) const;
-    std::optional<MeshFigures> mesh_figures() const;
+    Reconstruction reconstruction() const;
     MarkerWorld marker_world() const {
         return {
             optimised_.rig, optimised_.keyframes, optimised_.trajectory, optimised_.covariances};
@@ -400,10 +396,10 @@ void DiveRun::write_pictures(const std::filesystem::path& folder,
 nlohmann::json DiveRun::evaluate() {
     const Stopwatch watch;
     begin("evaluate", 0.07);
-    const Evaluation evaluation = compare_with_truth();
+    const Evaluation evaluation = compare_with_truth(reconstruction());
     stage_done(watch, "evaluate", false);
 
-    const auto document = metrics(evaluation);
+    const auto document = metrics_of(reconstruction(), evaluation);
     write_file(request_.out / "metrics.json", document.dump(2) + "\n");
     write_file(request_.out / "report.html",
                report_html({.metrics = document,
@@ -424,71 +420,20 @@ void DiveRun::write_exports() const {
     export_reconstruction(made, formats, position, request_.out);
 }
 
-Evaluation DiveRun::compare_with_truth() const {
-    return evaluate_reconstruction({.rig = scale_ ? scale_->applied(dive_->rig()) : dive_->rig(),
-                                    .trajectory = optimised_.trajectory,
-                                    .causal = track_.causal,
-                                    .covariances = optimised_.covariances,
-                                    .keyframes = optimised_.keyframes,
-                                    .mesh = request_.options.surface ? &surface_.mesh : nullptr,
-                                    .ground_truth = dive_->ground_truth(),
-                                    .known_distances = dive_->known_distances(),
-                                    .reference = dive_->read_reference_mesh(),
-                                    .num_threads = request_.options.num_threads});
-}
-
-nlohmann::json DiveRun::metrics(const Evaluation& evaluation) const {
-    return metrics_document({.version = DIVEMESH_VERSION,
-                             .preset = request_.preset,
-                             .options = request_.options,
-                             .dive_name = dive_->info().name,
-                             .position = dive_->info().position,
-                             .content_sha256 = dive_->content_sha256(),
-                             .duration_s = dive_->duration_s(),
-                             .rig = dive_->rig(),
-                             .gravity = check_gravity(dive_->imu(), optimised_.trajectory),
-                             .refined = optimised_.calibration,
-                             .end_covariance_m2 = optimised_.covariances.empty()
-                                                      ? std::optional<Eigen::Matrix3d>()
-                                                      : optimised_.covariances.back().position_m2,
-                             .track = track_.statistics,
-                             .optimise = optimised_.statistics,
-                             .num_keyframes = std::ssize(optimised_.keyframes),
-                             .num_landmarks = num_landmarks_,
-                             .path_length_m = path_length_m(optimised_.trajectory),
-                             .pieces = pieces_of(optimised_.trajectory, optimised_.keyframes),
-                             .mesh = mesh_figures(),
-                             .markers = markers_,
-                             .stages = stage_times_,
-                             .evaluation = evaluation,
-                             .expected = expected(evaluation),
-                             .findings = dive_->findings()});
-}
-
-ExpectedAccuracy DiveRun::expected(const Evaluation& evaluation) const {
-    const auto& known = evaluation.known_distances;
-    return expected_accuracy(
-        {.recording = *dive_,
-         .trajectory = optimised_.trajectory,
-         .num_pieces = pieces_of(optimised_.trajectory, optimised_.keyframes).size(),
-         .covariances = optimised_.covariances,
-         .track = track_.statistics,
-         .optimise = optimised_.statistics,
-         .known_distances = known ? &*known : nullptr,
-         .mesh = request_.options.surface ? &surface_.mesh : nullptr});
-}
-
-std::optional<MeshFigures> DiveRun::mesh_figures() const {
-    if (!request_.options.surface) return std::nullopt;
-    const Mesh& mesh = surface_.mesh;
-    return MeshFigures{.num_vertices = std::ssize(mesh.vertices),
-                       .num_triangles = std::ssize(mesh.triangles),
-                       .area_m2 = surface_area_m2(mesh),
-                       .borders = borders_,
-                       .simplification = surface_.simplification,
-                       .voxel_m = voxel_m_,
-                       .cloud = cloud_,
-                       .volume_memory_bytes = volume_memory_bytes_};
+Reconstruction DiveRun::reconstruction() const {
+    return {.request = request_,
+            .dive = *dive_,
+            .track = track_,
+            .num_landmarks = num_landmarks_,
+            .optimised = optimised_,
+            .surface = surface_,
+            .borders = borders_,
+            .cloud = cloud_,
+            .voxel_m = voxel_m_,
+            .volume_memory_bytes = volume_memory_bytes_,
+            .scale = scale_,
+            .markers = markers_,
+            .stages = stage_times_};
 }
 
 }  // namespace
