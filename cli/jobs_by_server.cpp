@@ -50,7 +50,7 @@ std::string send_truth(client::RestClient& rest,
     client::FileSource source(file);
     const std::string sha256 =
         client::hash_archive(source, show_bytes(bar, "hash", source.size_bytes())).archive_sha256;
-    if (const auto known = find_truth(rest, dive_id, kind, sha256); !known.empty()) return known;
+    if (auto known = find_truth(rest, dive_id, kind, sha256); !known.empty()) return known;
     client::TusObserver observer;
     observer.on_progress = show_bytes(bar, "upload " + kind, source.size_bytes());
     observer.on_wait = say_waiting(bar);

@@ -399,7 +399,7 @@ nlohmann::json DiveRun::evaluate() {
     const Evaluation evaluation = compare_with_truth(reconstruction());
     stage_done(watch, "evaluate", false);
 
-    const auto document = metrics_of(reconstruction(), evaluation);
+    auto document = metrics_of(reconstruction(), evaluation);
     write_file(request_.out / "metrics.json", document.dump(2) + "\n");
     write_file(request_.out / "report.html",
                report_html({.metrics = document,

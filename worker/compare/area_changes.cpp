@@ -118,32 +118,32 @@ private:
     cv::Mat ground_;
 };
 
-json area_json(const Area& area, const char* dive, double area_m2, double coverage) {
-    json entry = {{"name", area.name},
-                  {"dive", dive},
-                  {"kind", to_string(area.kind)},
+json area_json(const ComparedOutline& outline, double area_m2, double coverage) {
+    json entry = {{"name", outline.area.name},
+                  {"mark", outline.mark},
+                  {"dive", outline.dive},
+                  {"kind", to_string(outline.area.kind)},
                   {"area_m2", area_m2},
                   {"coverage", coverage}};
-    if (!area.label.empty()) entry["label"] = area.label;
+    if (!outline.area.label.empty()) entry["label"] = outline.area.label;
     return entry;
 }
 
 // What all outlines of a label cover, of both years.
 using LabelCells = std::map<std::string, cv::Mat>;
 
-void measure_set(const AreaSet& set,
-                 const char* dive,
-                 const AreaMeasurer& measurer,
-                 const RasterGrid& grid,
-                 LabelCells& labels,
-                 json& result) {
-    for (const Area& area : set.areas) {
-        if (area.kind == AreaKind::Transect) continue;
-        const Polygon outline = outline_from_above(area);
-        const OutlinedCells within = cells_within(outline, grid);
-        const double coverage = share_on(within, area_m2(outline), measurer.ground(), grid.cell_m);
-        result["areas"].push_back(area_json(area, dive, area_m2(outline), coverage));
-        json whose = {{"area", area.name}, {"dive", dive}};
+void measure_outlines(const std::vector<ComparedOutline>& outlines,
+                      const AreaMeasurer& measurer,
+                      const RasterGrid& grid,
+                      LabelCells& labels,
+                      json& result) {
+    for (const ComparedOutline& outline : outlines) {
+        const Area& area = outline.area;
+        const double of_outline_m2 = area_m2(outline.outline);
+        const OutlinedCells within = cells_within(outline.outline, grid);
+        const double coverage = share_on(within, of_outline_m2, measurer.ground(), grid.cell_m);
+        result["areas"].push_back(area_json(outline, of_outline_m2, coverage));
+        json whose = {{"area", area.name}, {"dive", outline.dive}};
         if (!area.label.empty()) {
             whose["label"] = area.label;
             cv::Mat& cells =
@@ -195,6 +195,20 @@ ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
     return areas;
 }
 
+std::vector<ComparedOutline> outlines_of(const ComparedAreas& areas) {
+    std::vector<ComparedOutline> outlines;
+    const auto add = [&](const AreaSet& set, const char* dive, const char* letter) {
+        int number = 0;
+        for (const Area& area : set.areas)
+            if (area.kind != AreaKind::Transect)
+                outlines.push_back(
+                    {area, dive, letter + std::to_string(++number), outline_from_above(area)});
+    };
+    add(areas.earlier, "earlier", "A");
+    if (areas.later) add(*areas.later, "later", "B");
+    return outlines;
+}
+
 json area_changes(const ComparedAreas& areas,
                   const ChangeMap& map,
                   const Changes& changes,
@@ -202,8 +216,7 @@ json area_changes(const ComparedAreas& areas,
     const AreaMeasurer measurer(map, changes);
     LabelCells labels;
     json result = {{"areas", json::array()}, {"figures", json::array()}};
-    measure_set(areas.earlier, "earlier", measurer, map.grid, labels, result);
-    if (areas.later) measure_set(*areas.later, "later", measurer, map.grid, labels, result);
+    measure_outlines(outlines_of(areas), measurer, map.grid, labels, result);
     cv::Mat surveyed = in_quadrats(areas.earlier, map.grid, measurer.ground());
     if (areas.later) surveyed = in_quadrats(*areas.later, map.grid, surveyed);
     const double surveyed_m2 = cv::countNonZero(surveyed) * map.grid.cell_m * map.grid.cell_m;

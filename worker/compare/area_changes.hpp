@@ -3,9 +3,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "worker/compare/change_patches.hpp"
 #include "worker/reef/area_set.hpp"
+#include "worker/reef/polygon.hpp"
 
 namespace divemesh::worker {
 
@@ -20,7 +23,18 @@ struct ComparedAreas {
 ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
                                   const std::optional<std::filesystem::path>& later);
 
-// {"areas": [{name, dive: "earlier" | "later", kind, label?, area_m2, coverage, same_as?}],
+// A quadrat or a polygon as seen from above.
+struct ComparedOutline {
+    const Area& area;
+    const char* dive;  // "earlier" or "later": that it was drawn on
+    std::string mark;  // in pictures and tables: A1, A2 ... of the earlier, B1 ... of the later
+    Polygon outline;
+};
+
+// All of them, those of the earlier dive first. They refer to `areas`.
+std::vector<ComparedOutline> outlines_of(const ComparedAreas& areas);
+
+// {"areas": [{name, mark, dive: "earlier" | "later", kind, label?, area_m2, coverage, same_as?}],
 //  "surveyed_m2", "figures": [{figure, area?, dive?, label?, unit, earlier?, later?, change,
 //  method}
 //                           | {figure, area?, dive?, label?, unit, refused}]}
@@ -29,7 +43,7 @@ ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
 // both dives saw in it); per label the same of all its outlines together, and `count`,
 // `population_density`, `cover`, `colony_area_median` and `colony_diameter_median` with their
 // change, over the ground that both dives saw: of the quadrats without a label of either file,
-// else all of it. The figures of outlines come first, three each, in the order of "areas".
+// else all of it.
 nlohmann::json area_changes(const ComparedAreas& areas,
                             const ChangeMap& map,
                             const Changes& changes,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 #include "worker/compare/change_scatter.hpp"
 #include "worker/parallel.hpp"

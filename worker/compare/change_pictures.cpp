@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/compare/changed_mesh.hpp"
+#include "worker/compare/outlined_cells.hpp"
 #include "worker/output/atomic_file.hpp"
 
 namespace divemesh::worker {
@@ -60,6 +61,55 @@ std::vector<cv::Rect> windows_of(const Changes& changes) {
     return windows;
 }
 
+int line_px(const cv::Mat& picture) {
+    const double longest = std::max(picture.rows, picture.cols);
+    return std::max(1, static_cast<int>(std::lround(longest / kShownSide_px)));
+}
+
+void write_mark(cv::Mat& picture,
+                const std::string& mark,
+                const Eigen::Vector2d& corner,
+                double size,
+                const cv::Scalar& color) {
+    const int width = line_px(picture);
+    cv::putText(
+        picture,
+        mark,
+        {static_cast<int>(corner.x()) + 4 * width, static_cast<int>(corner.y()) + 4 * width},
+        cv::FONT_HERSHEY_SIMPLEX,
+        size * width,
+        color,
+        width,
+        cv::LINE_AA);
+}
+
+void draw_outlines(cv::Mat& picture,
+                   const std::vector<ComparedOutline>& outlines,
+                   const RasterGrid& grid) {
+    constexpr int kShift = 4;  // bits of a pixel
+    const int width = line_px(picture);
+    for (const ComparedOutline& one : outlines) {
+        const bool is_earlier = one.mark.starts_with('A');
+        const cv::Scalar color = is_earlier ? cv::Scalar(40, 120, 0) : cv::Scalar(150, 30, 130);
+        std::vector<cv::Point> corners;
+        Eigen::AlignedBox2d box;
+        for (const Eigen::Vector2d& p : in_cells(one.outline, grid)) {
+            const Eigen::Vector2d pixel = p.array() - 0.5;
+            box.extend(pixel);
+            corners.emplace_back(static_cast<int>(std::lround(std::ldexp(pixel.x(), kShift))),
+                                 static_cast<int>(std::lround(std::ldexp(pixel.y(), kShift))));
+        }
+        cv::polylines(picture, corners, true, color, width, cv::LINE_AA, kShift);
+        // Those of one colony beside each other.
+        write_mark(picture,
+                   one.mark,
+                   {is_earlier ? box.min().x() - 8.0 * width : box.center().x(),
+                    std::min(box.max().y() + 8.0 * width, picture.rows - 8.0 * width)},
+                   0.4,
+                   color);
+    }
+}
+
 void outline_patches(cv::Mat& picture, const Changes& changes, const RasterGrid& grid) {
     const std::vector<cv::Rect> windows = windows_of(changes);
     for (const ChangePatch& patch : changes.patches) {
@@ -72,16 +122,9 @@ void outline_patches(cv::Mat& picture, const Changes& changes, const RasterGrid&
                              cv::CHAIN_APPROX_NONE,
                              window.tl());
         const cv::Scalar color = patch.grown ? cv::Scalar(120, 50, 0) : cv::Scalar(20, 0, 110);
-        cv::drawContours(picture, lines, -1, color, 1);
+        cv::drawContours(picture, lines, -1, color, line_px(picture));
         const Eigen::Vector2d at = (patch.box_m.max() - grid.corner_m) / grid.cell_m;
-        cv::putText(picture,
-                    std::to_string(patch.number),
-                    {static_cast<int>(at.x()) + 4, static_cast<int>(-at.y()) + 4},
-                    cv::FONT_HERSHEY_SIMPLEX,
-                    0.55,
-                    color,
-                    1,
-                    cv::LINE_AA);
+        write_mark(picture, std::to_string(patch.number), {at.x(), -at.y()}, 0.55, color);
     }
 }
 
@@ -115,13 +158,18 @@ cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid) {
     return picture;
 }
 
-cv::Mat draw_changes(const Mesh& b, const ChangeMap& map, const Changes& changes, double full_m) {
+cv::Mat draw_changes(const Mesh& b,
+                     const ChangeMap& map,
+                     const Changes& changes,
+                     const std::vector<ComparedOutline>& outlines,
+                     double full_m) {
     const cv::Mat under = draw_surface(b, map.grid);
     cv::Mat picture(under.size(), CV_8UC3);
     for (int row = 0; row < picture.rows; ++row)
         for (int column = 0; column < picture.cols; ++column)
             picture.at<cv::Vec3b>(row, column) =
                 cell_color(map, row, column, under.at<cv::Vec3b>(row, column), full_m);
+    draw_outlines(picture, outlines, map.grid);
     outline_patches(picture, changes, map.grid);
     return picture;
 }
@@ -145,6 +193,7 @@ std::string encode_jpeg(const cv::Mat& picture, int longest_side_px) {
 void write_difference(const std::filesystem::path& folder,
                       const cv::Mat& picture,
                       const ChangeMap& map,
+                      bool has_outlines,
                       double full_m) {
     cv::Mat heights(map.state.size(), CV_16U, cv::Scalar::all(0));
     for (int row = 0; row < heights.rows; ++row)
@@ -154,7 +203,7 @@ void write_difference(const std::filesystem::path& folder,
             heights.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
                 std::clamp(kZeroHeight + std::round(change / kHeightStep_m), 1.0, 65535.0));
         }
-    const nlohmann::json description = {
+    nlohmann::json description = {
         {"frame", "world of the earlier dive (m, z up); columns run along +x, rows along -y"},
         {"width_px", picture.cols},
         {"height_px", picture.rows},
@@ -175,6 +224,9 @@ void write_difference(const std::filesystem::path& folder,
            "height of the later surface over the earlier one, m = (value - 32768) * step_m; value "
            "0: not compared"},
           {"step_m", kHeightStep_m}}}};
+    if (has_outlines)
+        description["colors"]["outlines"] =
+            "green: of the earlier dive, A1, A2 ...; violet: of the later, B1 ...";
     write_file(folder / "mosaic_difference.png", encode_png(picture));
     write_file(folder / "change_height.png", encode_png(heights));
     write_file(folder / "mosaic_difference.json", description.dump(2) + "\n");

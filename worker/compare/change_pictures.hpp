@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
-#include "worker/compare/change_patches.hpp"
+#include "worker/compare/area_changes.hpp"
 
 namespace divemesh::worker {
 
@@ -13,8 +13,15 @@ namespace divemesh::worker {
 double full_change_m(const ChangeMap& map);
 
 // From above, BGR: b in faint grey, changed cells red (lost) to blue (grown), patches outlined and
-// numbered; ground of one dive alone is paler, hidden ground hatched, the rest white.
-cv::Mat draw_changes(const Mesh& b, const ChangeMap& map, const Changes& changes, double full_m);
+// numbered; ground of one dive alone is paler, hidden ground hatched, the rest white. Outlines with
+// their marks in green (earlier dive) and violet (later). Lines and letters are such that they can
+// be seen when the picture is shown `kShownSide_px` long.
+inline constexpr int kShownSide_px = 1100;
+cv::Mat draw_changes(const Mesh& b,
+                     const ChangeMap& map,
+                     const Changes& changes,
+                     const std::vector<ComparedOutline>& outlines,
+                     double full_m);
 
 // A surface from above on the map's grid, in its own colours.
 cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid);
@@ -24,6 +31,7 @@ cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid);
 void write_difference(const std::filesystem::path& folder,
                       const cv::Mat& picture,
                       const ChangeMap& map,
+                      bool has_outlines,
                       double full_m);
 
 std::string encode_png(const cv::Mat& picture);

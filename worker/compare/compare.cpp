@@ -190,11 +190,12 @@ void write_results(const std::filesystem::path& folder,
                    const std::vector<M3c2Distance>& distances,
                    const ChangeMap& map,
                    const Changes& changes,
+                   const std::vector<ComparedOutline>& outlines,
                    const nlohmann::json& document) {
     std::filesystem::create_directories(folder);
     const double full_m = full_change_m(map);
-    const cv::Mat difference = draw_changes(pair.b, map, changes, full_m);
-    write_difference(folder, difference, map, full_m);
+    const cv::Mat difference = draw_changes(pair.b, map, changes, outlines, full_m);
+    write_difference(folder, difference, map, !outlines.empty(), full_m);
     write_changed_mesh(folder / "changed_mesh.ply", pair.b, distances, full_m);
     write_file(folder / "report.html",
                compare_report({document,
@@ -232,7 +233,7 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
                                        const ProgressCallback& report) {
     check(request);
     const auto stage = [&](const char* name, double begin, double end) {
-        const ProgressShare share{name, begin, end, report};
+        ProgressShare share{name, begin, end, report};
         share.at(0.0);
         return share;
     };
@@ -273,7 +274,13 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
                                                 changes,
                                                 views_a && views_b});
     if (areas) document["areas"] = area_changes(*areas, map, changes, request.seed);
-    write_results(request.out, pair, distances.of_b, map, changes, document);
+    write_results(request.out,
+                  pair,
+                  distances.of_b,
+                  map,
+                  changes,
+                  areas ? outlines_of(*areas) : std::vector<ComparedOutline>(),
+                  document);
     return document;
 }
 

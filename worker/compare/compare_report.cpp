@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "schemas/base64.hpp"
 #include "worker/compare/change_pictures.hpp"
@@ -13,8 +14,6 @@ namespace divemesh::worker {
 namespace {
 
 using nlohmann::json;
-
-constexpr int kPictureSide_px = 1100;
 
 constexpr char kStyle[] = R"(
 .grown{color:#2166ac}.lost{color:#b2182b}
@@ -50,7 +49,7 @@ std::string picture(const std::string& title, const std::string& data) {
 }
 
 std::string jpeg(const cv::Mat& image) {
-    return "jpeg;base64," + encode_base64(encode_jpeg(image, kPictureSide_px));
+    return "jpeg;base64," + encode_base64(encode_jpeg(image, kShownSide_px));
 }
 
 std::string totals(const json& document) {
@@ -172,8 +171,20 @@ std::string label_changes(const json& figures) {
     return rows.size() < 2 ? "" : "<h2>Labels</h2>" + html_grid(rows);
 }
 
+// Of each outline, by dive and name: its figures by theirs.
+using OutlineFigures = std::map<std::pair<std::string, std::string>, std::map<std::string, json>>;
+
+OutlineFigures by_outline(const json& figures) {
+    OutlineFigures found;
+    for (const json& figure : figures)
+        if (figure.contains("area"))
+            found[{figure.at("dive"), figure.at("area")}][figure.at("figure")] = figure;
+    return found;
+}
+
 std::string outline_changes(const json& areas) {
-    std::vector<std::vector<std::string>> rows = {{"outline",
+    std::vector<std::vector<std::string>> rows = {{"",
+                                                   "outline",
                                                    "of the dive",
                                                    "label",
                                                    "same as",
@@ -182,21 +193,30 @@ std::string outline_changes(const json& areas) {
                                                    "grown, l (95 %)",
                                                    "lost, l (95 %)",
                                                    "net, l (95 %)"}};
-    auto figure = areas.at("figures").begin();  // three of each outline come first
+    const OutlineFigures figures = by_outline(areas.at("figures"));
     for (const json& area : areas.at("areas")) {
         std::vector<std::string> row = {
+            area.at("mark"),
             area.at("name"),
             area.at("dive"),
             area.value("label", std::string()),
             area.value("same_as", std::string()),
             number(1e4 * area.at("area_m2").get<double>(), 0),
             number(100.0 * area.at("coverage").get<double>(), 0) + " %"};
-        for (int i = 0; i < 3; ++i, ++figure)
-            row.push_back(figure->contains("refused") ? "refused"
-                                                      : estimate_text(*figure, "change", 1e3));
+        const auto& of_outline = figures.at({area.at("dive"), area.at("name")});
+        for (const char* name : {"grown_volume", "lost_volume", "net_volume"}) {
+            const json& figure = of_outline.at(name);
+            row.push_back(figure.contains("refused") ? "refused"
+                                                     : estimate_text(figure, "change", 1e3));
+        }
         rows.push_back(std::move(row));
     }
     return rows.size() < 2 ? "" : "<h2>Outlines</h2>" + html_grid(rows);
+}
+
+std::string outline_colors(const json& document) {
+    if (!document.contains("areas")) return "";
+    return " Green: outlines of the earlier dive; violet: of the later.";
 }
 
 std::string areas(const json& document) {
@@ -247,10 +267,10 @@ std::string compare_report(const CompareReportInput& input) {
            " lost</span><span>0</span><span>" + full +
            " grown</span></div><p class=\"sub\">Grey: the later dive, no change. Pale: seen by one "
            "dive alone. Orange lines: one dive did not look where the other has its "
-           "surface.</p><div class=\"row\">" +
-           totals(document) + ground(document) + "</div><h2>Patches</h2>" + patches(document) +
-           areas(document) + "<div class=\"row\">" +
-           picture("Earlier dive", jpeg(input.surface_a)) +
+           "surface." +
+           outline_colors(document) + "</p><div class=\"row\">" + totals(document) +
+           ground(document) + "</div><h2>Patches</h2>" + patches(document) + areas(document) +
+           "<div class=\"row\">" + picture("Earlier dive", jpeg(input.surface_a)) +
            picture("Later dive", jpeg(input.surface_b)) + "</div><div class=\"row\">" +
            registration(document) + svg_plot(noise_plot(document)) + "</div></body></html>\n";
 }

@@ -9,14 +9,6 @@
 namespace divemesh::worker {
 namespace {
 
-Polygon in_cells(const Polygon& outline, const RasterGrid& grid) {
-    Polygon corners;
-    for (const Eigen::Vector2d& p : outline)
-        corners.emplace_back((p.x() - grid.corner_m.x()) / grid.cell_m,
-                             (grid.corner_m.y() - p.y()) / grid.cell_m);
-    return corners;
-}
-
 // Of the map, a cell farther out than needed.
 cv::Rect window_about(const Polygon& corners, const RasterGrid& grid) {
     Eigen::AlignedBox2d box;
@@ -52,6 +44,14 @@ Polygon outline_from_above(const Area& area) {
     Polygon outline;
     for (const Eigen::Vector3d& point : area.points) outline.emplace_back(point.head<2>());
     return outline;
+}
+
+Polygon in_cells(const Polygon& outline, const RasterGrid& grid) {
+    Polygon corners;
+    for (const Eigen::Vector2d& p : outline)
+        corners.emplace_back((p.x() - grid.corner_m.x()) / grid.cell_m,
+                             (grid.corner_m.y() - p.y()) / grid.cell_m);
+    return corners;
 }
 
 int OutlinedCells::num_on(const cv::Mat& map) const {

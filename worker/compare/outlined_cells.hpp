@@ -12,6 +12,9 @@ namespace divemesh::worker {
 // Error{BadData} that names the area when from above it has no area or its sides cross.
 Polygon outline_from_above(const Area& area);
 
+// In cells of the map: x along columns, y along rows, whole at the cells' sides.
+Polygon in_cells(const Polygon& outline, const RasterGrid& grid);
+
 // Cells of a map whose middle lies within an outline.
 struct OutlinedCells {
     cv::Rect window;  // of the map, empty when the outline lies beside it

@@ -123,7 +123,7 @@ Fit linearise(const std::vector<Partner>& partners,
 // Directions that the surface leaves open (a plane's turn about its normal) are left as they are.
 Vector6d solve(const Fit& fit) {
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
-    const Vector6d values = solver.eigenvalues();
+    const Vector6d& values = solver.eigenvalues();
     Vector6d inverse;
     for (int i = 0; i < 6; ++i) inverse[i] = values[i] > 1e-9 * values[5] ? 1.0 / values[i] : 0.0;
     return -(solver.eigenvectors() *

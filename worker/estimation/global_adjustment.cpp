@@ -61,6 +61,7 @@ Uncertainty relative_to_first(Adjustment& adjustment,
     for (std::size_t k = 0; k + 1 < states.size(); k += stride) chosen.push_back(k);
     chosen.push_back(states.size() - 1);
     std::vector<BodyState*> of;
+    of.reserve(chosen.size());
     for (const std::size_t k : chosen) of.push_back(&states[k]);
     JointCovariance in_world = adjustment.covariances(of);
     if (in_world.states.empty()) return {};
