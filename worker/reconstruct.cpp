@@ -5,7 +5,9 @@
 
 #include "worker/background.hpp"
 #include "worker/estimation/calibration_refinement.hpp"
+#include "worker/estimation/expected_path_error.hpp"
 #include "worker/estimation/follow_keyframes.hpp"
+#include "worker/estimation/frame_covariances.hpp"
 #include "worker/estimation/frame_features.hpp"
 #include "worker/estimation/global_adjustment.hpp"
 #include "worker/estimation/imu_aligner.hpp"

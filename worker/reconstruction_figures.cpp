@@ -1,6 +1,7 @@
 #include "worker/reconstruction_figures.hpp"
 
 #include "worker/metrics/metrics_document.hpp"
+#include "worker/metrics/path_length.hpp"
 #include "worker/metrics/surface_samples.hpp"
 
 namespace divemesh::worker {

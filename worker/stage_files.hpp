@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "worker/reconstruct.hpp"
+#include "worker/optimised_track.hpp"
+#include "worker/surface.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

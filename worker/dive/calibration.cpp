@@ -7,6 +7,7 @@
 
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/text.hpp"
+#include "worker/geometry/projection.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -125,7 +126,7 @@ private:
                     (0.5 + 0.5 * std::clamp(1.5 * std::cos(angle), -1.0, 1.0)) * camera_.width_px,
                     (0.5 + 0.5 * std::clamp(1.5 * std::sin(angle), -1.0, 1.0)) * camera_.height_px);
                 const Eigen::Vector2d pixel = centre + share * (border - centre);
-                const auto back = camera_.project(camera_.unproject(pixel));
+                const auto back = project(camera_, unproject(camera_, pixel));
                 if (!back || !((*back - pixel).norm() < 0.5)) return true;
             }
             return false;

@@ -9,6 +9,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "worker/dive/text.hpp"
+#include "worker/geometry/projection.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -108,8 +109,8 @@ struct StereoPoint {
 
 StereoPoint triangulate(const Rig& rig, const cv::Point2f& left, const cv::Point2f& right) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
-    const Eigen::Vector3d ray0 = rig.cam0.unproject({left.x, left.y});
-    const Eigen::Vector3d ray1 = T_cam0_cam1.linear() * rig.cam1.unproject({right.x, right.y});
+    const Eigen::Vector3d ray0 = unproject(rig.cam0, {left.x, left.y});
+    const Eigen::Vector3d ray1 = T_cam0_cam1.linear() * unproject(rig.cam1, {right.x, right.y});
     const Eigen::Vector3d baseline = T_cam0_cam1.translation();
     // Depth z of ray0 from z * ray0 x ray1 = baseline x ray1.
     const Eigen::Vector3d a = ray0.cross(ray1);
@@ -165,7 +166,7 @@ private:
             stereo_.push_back(point);
             stereo_swapped_.push_back(triangulate(swapped_rig_, corners[i], right[i]));
             if (point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
-            const Eigen::Vector3d ray = contents_.rig.cam0.unproject({later[i].x, later[i].y});
+            const Eigen::Vector3d ray = unproject(contents_.rig.cam0, {later[i].x, later[i].y});
             points.emplace_back(point.p_cam0.x(), point.p_cam0.y(), point.p_cam0.z());
             rays.emplace_back(ray.x(), ray.y());
         }

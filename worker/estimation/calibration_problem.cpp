@@ -149,7 +149,7 @@ std::array<RectifiedLens, 2> CalibrationProblem::lenses() const {
     auto lenses = rectified_lenses(recording_.rig());
     const auto change = split(unknowns_.lenses);
     for (std::size_t side = 0; side < 2; ++side)
-        lenses[side].camera = change[side].applied(lenses[side].camera);
+        lenses[side].camera = changed_camera(lenses[side].camera, change[side]);
     return lenses;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "worker/estimation/adjustment.hpp"
+#include "worker/estimation/expected_path_error.hpp"
 #include "worker/estimation/inertial_factors.hpp"
 #include "worker/steps/feature.hpp"
 

@@ -5,8 +5,9 @@
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/path_uncertainty.hpp"
 #include "worker/estimation/pose_covariance.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/landmark.hpp"
 #include "worker/observer.hpp"
-#include "worker/reconstruct.hpp"
 
 namespace divemesh::worker {
 

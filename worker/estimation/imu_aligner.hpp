@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/estimation/imu_alignment.hpp"
+#include "worker/estimation/estimate_alignment.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/steps/register_points.hpp"

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "schemas/reconstruction_options.hpp"
+#include "worker/estimation/estimate_alignment.hpp"
 #include "worker/estimation/gyroscope_integral.hpp"
-#include "worker/estimation/imu_alignment.hpp"
 #include "worker/estimation/preintegration.hpp"
 #include "worker/recording.hpp"
-#include "worker/steps/predict_orientation.hpp"
+#include "worker/steps/known_rotation.hpp"
 
 namespace divemesh::worker {
 

@@ -8,7 +8,7 @@
 #include "worker/estimation/keyframe_rule.hpp"
 #include "worker/estimation/motion.hpp"
 #include "worker/estimation/window.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

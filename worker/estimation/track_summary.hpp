@@ -4,9 +4,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "worker/reconstruct.hpp"
 #include "worker/steps/predict_orientation.hpp"
 #include "worker/steps/register_points.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

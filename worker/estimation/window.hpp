@@ -11,7 +11,8 @@
 #include "worker/estimation/inertial_factors.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/marginalisation.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/landmark.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
 

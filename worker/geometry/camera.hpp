@@ -1,8 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
-#include <optional>
 
 namespace divemesh::worker {
 
@@ -19,13 +17,6 @@ struct Camera {
     double cy_px = 0.0;
     Distortion distortion = Distortion::RadialTangential;
     std::array<double, 4> distortion_coefficients = {0.0, 0.0, 0.0, 0.0};
-
-    // Point in the camera frame (m, z forward) to pixel; nothing when it is not in front of it.
-    // The pixel may lie outside the image.
-    std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_cam) const;
-    // Pixel to the ray through it, z = 1.
-    Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;
-    bool contains(const Eigen::Vector2d& pixel) const;
 };
 
 }  // namespace divemesh::worker

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "worker/geometry/projection.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -18,21 +20,21 @@ Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
     return axes;
 }
 
-Eigen::Vector2d project(const Camera& camera, const Eigen::Vector3d& ray_cam) {
-    return camera.project(ray_cam).value_or(Eigen::Vector2d(-1.0, -1.0));
+Eigen::Vector2d pixel_of(const Camera& camera, const Eigen::Vector3d& ray_cam) {
+    return project(camera, ray_cam).value_or(Eigen::Vector2d(-1.0, -1.0));
 }
 
 }  // namespace
 
 Eigen::Vector2d RectifiedLens::recorded_px(const RectifiedRig& rig,
                                            const Eigen::Vector2d& rectified_px) const {
-    return project(camera,
-                   R_camera_rectified * rig.point_cam(rectified_px.x(), rectified_px.y(), 1.0));
+    return pixel_of(camera,
+                    R_camera_rectified * rig.point_cam(rectified_px.x(), rectified_px.y(), 1.0));
 }
 
 Eigen::Vector2d RectifiedLens::rectified_px(const RectifiedRig& rig,
                                             const Eigen::Vector2d& recorded_px) const {
-    Eigen::Vector3d ray = R_camera_rectified.transpose() * camera.unproject(recorded_px);
+    Eigen::Vector3d ray = R_camera_rectified.transpose() * unproject(camera, recorded_px);
     ray.z() = std::max(ray.z(), 1e-3);
     return rig.pixel(ray);
 }
@@ -44,14 +46,14 @@ std::array<RectifiedLens, 2> rectified_lenses(const Rig& rig) {
              {rig.cam1, T_cam0_cam1.linear().transpose() * R_cam0_rectified}}};
 }
 
-Camera LensChange::applied(const Camera& camera) const {
+Camera changed_camera(const Camera& camera, const LensChange& change) {
     Camera result = camera;
-    result.fx_px *= 1.0 + values[0];
-    result.fy_px *= 1.0 + values[0];
-    result.cx_px += values[1];
-    result.cy_px += values[2];
-    result.distortion_coefficients[0] += values[3];
-    result.distortion_coefficients[1] += values[4];
+    result.fx_px *= 1.0 + change.values[0];
+    result.fy_px *= 1.0 + change.values[0];
+    result.cx_px += change.values[1];
+    result.cy_px += change.values[2];
+    result.distortion_coefficients[0] += change.values[3];
+    result.distortion_coefficients[1] += change.values[4];
     return result;
 }
 
@@ -75,9 +77,9 @@ Eigen::Matrix<double, 2, LensChange::kSize> shift_of_change(const RectifiedRig& 
         const double step = i == 1 || i == 2 ? 0.1 : 1e-4;
         above.values[i] = step;
         below.values[i] = -step;
-        recorded_by_change.col(i) =
-            (project(above.applied(lens.camera), ray) - project(below.applied(lens.camera), ray)) /
-            (2.0 * step);
+        recorded_by_change.col(i) = (pixel_of(changed_camera(lens.camera, above), ray) -
+                                     pixel_of(changed_camera(lens.camera, below), ray)) /
+                                    (2.0 * step);
     }
     return recorded_by_rectified.inverse() * recorded_by_change;
 }

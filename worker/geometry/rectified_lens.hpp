@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "worker/geometry/lens_change.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/geometry/rig.hpp"
 
@@ -21,16 +22,8 @@ struct RectifiedLens {
 // Half of the rotation between the cameras each, then the row axis along the baseline (Bouguet).
 std::array<RectifiedLens, 2> rectified_lenses(const Rig& rig);  // left, right
 
-// How a calibration errs, of one camera: relative focal length (both axes), principal point (px)
-// and the first two coefficients of the distortion.
-struct LensChange {
-    static constexpr int kSize = 5;
-    using Vector = Eigen::Matrix<double, kSize, 1>;
-
-    Vector values = Vector::Zero();  // focal length, cx, cy, k1, k2
-
-    Camera applied(const Camera& camera) const;
-};
+// The camera with its calibration changed by this.
+Camera changed_camera(const Camera& camera, const LensChange& change);
 
 // d(u, v)/d(change): how far the picture of a ray moves, in the rectified picture as it was made,
 // when the camera is not what rectification took it for. Linear in the change.

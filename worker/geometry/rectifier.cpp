@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/geometry/projection.hpp"
 #include "worker/geometry/rectified_lens.hpp"
 
 namespace divemesh::worker {
@@ -20,7 +21,7 @@ struct Extent {
 
 void narrow(Extent& extent, const Camera& camera, const Eigen::Matrix3d& R_rectified_camera) {
     const auto ray = [&](double u, double v) {
-        const Eigen::Vector3d r = R_rectified_camera * camera.unproject({u, v});
+        const Eigen::Vector3d r = R_rectified_camera * unproject(camera, {u, v});
         return Eigen::Vector2d(r.head<2>() / std::max(r.z(), 1e-3));
     };
     constexpr int kSteps = 32;

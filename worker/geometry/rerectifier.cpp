@@ -10,7 +10,7 @@ namespace {
 std::array<RectifiedLens, 2> changed(std::array<RectifiedLens, 2> lenses,
                                      const std::array<LensChange, 2>& change) {
     for (std::size_t side = 0; side < 2; ++side)
-        lenses[side].camera = change[side].applied(lenses[side].camera);
+        lenses[side].camera = changed_camera(lenses[side].camera, change[side]);
     return lenses;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "worker/markers/april_tag.hpp"
+#include "worker/markers/tag_layout.hpp"
 
 namespace divemesh::worker {
 namespace {

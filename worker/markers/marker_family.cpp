@@ -1,14 +1,9 @@
 #include "worker/markers/marker_family.hpp"
 
-#include <apriltag/common/image_u8.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h11.h>
-#include <apriltag/tagStandard41h12.h>
 #include <string>
 
 #include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
-#include "worker/markers/april_tag.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -28,33 +23,14 @@ MarkerFamily marker_family_from_string(std::string_view text) {
     return enum_from_text<MarkerFamily>(kFamilyTexts, full, "marker family");
 }
 
-AprilTagFamily make_april_tag_family(MarkerFamily family) {
+// As the family's authors count them: whoever reads markers.json needs no library of tags.
+int num_ids(MarkerFamily family) {
     switch (family) {
-        case MarkerFamily::Tag36h11: return {tag36h11_create(), tag36h11_destroy};
-        case MarkerFamily::Tag25h9: return {tag25h9_create(), tag25h9_destroy};
-        case MarkerFamily::TagStandard41h12:
-            return {tagStandard41h12_create(), tagStandard41h12_destroy};
+        case MarkerFamily::Tag36h11: return 587;
+        case MarkerFamily::Tag25h9: return 35;
+        case MarkerFamily::TagStandard41h12: return 2115;
     }
     throw Error(ErrorCode::InvalidArgument, "unknown marker family");
-}
-
-TagLayout tag_layout(MarkerFamily family) {
-    const AprilTagFamily tags = make_april_tag_family(family);
-    return {.total_cells = tags->total_width,
-            .size_cells = tags->width_at_border,
-            .white_within = tags->reversed_border,
-            .num_ids = static_cast<int>(tags->ncodes)};
-}
-
-cv::Mat tag_picture(MarkerFamily family, int id) {
-    const AprilTagFamily tags = make_april_tag_family(family);
-    if (id < 0 || id >= static_cast<int>(tags->ncodes))
-        throw Error(ErrorCode::InvalidArgument,
-                    std::string(to_string(family)) + " has no tag " + std::to_string(id) +
-                        ": its ids are 0 to " + std::to_string(tags->ncodes - 1));
-    const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> drawn(
-        apriltag_to_image(tags.get(), static_cast<std::uint32_t>(id)), image_u8_destroy);
-    return cv::Mat(drawn->height, drawn->width, CV_8UC1, drawn->buf, drawn->stride).clone();
 }
 
 }  // namespace divemesh::worker

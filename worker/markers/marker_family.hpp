@@ -1,6 +1,5 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <string_view>
 
 namespace divemesh::worker {
@@ -13,17 +12,6 @@ std::string_view to_string(MarkerFamily family);  // tag36h11, tag25h9, tagStand
 // Also without "tag". Throws Error{InvalidArgument} that lists the families.
 MarkerFamily marker_family_from_string(std::string_view text);
 
-// How a tag is laid out: a square of `total_cells` cells, in the middle of which lies the square
-// whose edge is the tag's size. Its edge is where black meets white: black within, or white within.
-struct TagLayout {
-    int total_cells = 0;
-    int size_cells = 0;
-    bool white_within = false;
-    int num_ids = 0;
-};
-TagLayout tag_layout(MarkerFamily family);
-
-// One pixel a cell, CV_8UC1, 0 and 255. Throws Error{InvalidArgument} for an id that there is not.
-cv::Mat tag_picture(MarkerFamily family, int id);
+int num_ids(MarkerFamily family);  // ids are 0 to num_ids - 1
 
 }  // namespace divemesh::worker

@@ -101,7 +101,7 @@ private:
         } catch (const Error&) {
             add(Place().field("family"), "must be one of: tag36h11, tag25h9, tagStandard41h12");
         }
-        num_ids_ = tag_layout(plan_.family).num_ids;
+        num_ids_ = num_ids(plan_.family);
     }
 
     void read_sizes(const json& document) {

@@ -6,7 +6,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "worker/metrics/metrics_document.hpp"
+#include "worker/estimation/expected_path_error.hpp"
+#include "worker/metrics/path_length.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/estimation/covariance_between.hpp"
+#include "worker/geometry/projection.hpp"
 #include "worker/metrics/summary.hpp"
 #include "worker/metrics/trajectory_pairs.hpp"
 
@@ -20,10 +22,10 @@ struct View {
 };
 
 std::optional<Eigen::Vector2d> project_inside(const Camera& camera, const Eigen::Vector3d& p_cam) {
-    const auto pixel = camera.project(p_cam);
-    if (!pixel || !camera.contains(*pixel)) return std::nullopt;
+    const auto pixel = project(camera, p_cam);
+    if (!pixel || !contains(camera, *pixel)) return std::nullopt;
     // Far outside the lens's field the distortion polynomial folds back into the picture.
-    const Eigen::Vector3d ray = camera.unproject(*pixel);
+    const Eigen::Vector3d ray = unproject(camera, *pixel);
     if ((ray.head<2>() - p_cam.head<2>() / p_cam.z()).norm() > 1e-3) return std::nullopt;
     return pixel;
 }
@@ -60,7 +62,7 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
     for (const View& view : views) {
         const Eigen::Vector3d ray =
-            (view.T_world_cam.linear() * view.camera.unproject(view.pixel)).normalized();
+            (view.T_world_cam.linear() * unproject(view.camera, view.pixel)).normalized();
         const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
         A += across;
         b += across * view.T_world_cam.translation();
@@ -85,14 +87,14 @@ std::optional<Reprojection> reproject(const std::vector<View>& views,
     Reprojection sum;
     for (const View& view : views) {
         const Eigen::Isometry3d T_cam_world = view.T_world_cam.inverse();
-        const auto pixel = view.camera.project(T_cam_world * point);
+        const auto pixel = project(view.camera, T_cam_world * point);
         if (!pixel) return std::nullopt;
         Eigen::Matrix<double, 2, 3> J;
         constexpr double kStep_m = 1e-6;
         for (int axis = 0; axis < 3; ++axis) {
             const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
-            const auto ahead = view.camera.project(T_cam_world * (point + step));
-            const auto behind = view.camera.project(T_cam_world * (point - step));
+            const auto ahead = project(view.camera, T_cam_world * (point + step));
+            const auto behind = project(view.camera, T_cam_world * (point - step));
             if (!ahead || !behind) return std::nullopt;
             J.col(axis) = (*ahead - *behind) / (2.0 * kStep_m);
         }

@@ -71,7 +71,7 @@ json estimate(double value, double sigma) { return {{"value", value}, {"sigma", 
 
 // A camera as refined: stated values with what was found to be missing.
 json lens(const Camera& stated, const LensChange& change, const LensChange::Vector& sigmas) {
-    const Camera camera = change.applied(stated);
+    const Camera camera = changed_camera(stated, change);
     return {{"fx_px", estimate(camera.fx_px, sigmas[0] * stated.fx_px)},
             {"fy_px", estimate(camera.fy_px, sigmas[0] * stated.fy_px)},
             {"cx_px", estimate(camera.cx_px, sigmas[1])},
@@ -320,16 +320,6 @@ StageTime Stopwatch::stop(std::string stage) const {
             clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_};
 }
 
-double path_length_m(const Trajectory& trajectory) {
-    double length = 0.0;
-    for (std::size_t i = 1; i < trajectory.size(); ++i)
-        length +=
-            (trajectory[i].T_world_imu.translation() - trajectory[i - 1].T_world_imu.translation())
-                .norm();
-    return length;
-}
-
-// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
 std::int64_t peak_memory_bytes() {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);) {

@@ -15,8 +15,9 @@
 #include "worker/metrics/expected_accuracy.hpp"
 #include "worker/metrics/imu_check.hpp"
 #include "worker/metrics/pieces.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/optimised_track.hpp"
 #include "worker/stage_files.hpp"
+#include "worker/track.hpp"
 #include "worker/volume/mesh_borders.hpp"
 #include "worker/volume/simplify_mesh.hpp"
 
@@ -80,7 +81,6 @@ struct MetricsInput {
 // metrics.json, as schemas/metrics.schema.json describes it. What is not known is left out.
 nlohmann::json metrics_document(const MetricsInput& input);
 
-double path_length_m(const Trajectory& trajectory);
 std::int64_t peak_memory_bytes();  // of this process so far
 
 }  // namespace divemesh::worker

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "schemas/error.hpp"
+#include "worker/geometry/projection.hpp"
+#include "worker/markers/tag_layout.hpp"
 #include "worker/simulator/hashed_random.hpp"
 #include "worker/simulator/ray_caster.hpp"
 
@@ -142,7 +144,7 @@ void lay_along(const SimulateOptions& options,
                 kSides[(round + static_cast<std::size_t>(step / 2)) % std::size(kSides)];
             layer.try_at(
                 motion.at(t_s).T_world_imu * rig.T_imu_cam0,
-                rig.cam0.unproject({side * rig.cam0.width_px, height * rig.cam0.height_px}));
+                unproject(rig.cam0, {side * rig.cam0.width_px, height * rig.cam0.height_px}));
         }
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/geometry/projection.hpp"
 #include "worker/simulator/hashed_random.hpp"
 
 namespace divemesh::worker {
@@ -53,7 +54,7 @@ void MarineSnow::draw(const Camera& camera,
         const Eigen::Vector3d p_cam = T_cam_world.linear() * near;
         const double range_m = p_cam.norm();
         if (p_cam.z() < kNearest_m || range_m > kReach_m) continue;
-        const auto pixel = camera.project(p_cam);
+        const auto pixel = project(camera, p_cam);
         if (!pixel) continue;
         const double sharp_px = camera.fx_px * particle.radius_m / p_cam.z();
         const double blur_px =

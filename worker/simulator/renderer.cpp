@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tbb/parallel_for.h>
 
+#include "worker/geometry/projection.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -67,8 +69,8 @@ Renderer::Rays Renderer::rays_of(const Camera& camera) {
             const std::size_t pixel = static_cast<std::size_t>(v) * camera.width_px + u;
             for (std::size_t i = 0; i < kSubpixels.size(); ++i)
                 rays.samples[pixel][i] =
-                    camera.unproject({u + kSubpixels[i][0], v + kSubpixels[i][1]}).cast<float>();
-            rays.centers[pixel] = camera.unproject(Eigen::Vector2d(u, v)).cast<float>();
+                    unproject(camera, {u + kSubpixels[i][0], v + kSubpixels[i][1]}).cast<float>();
+            rays.centers[pixel] = unproject(camera, Eigen::Vector2d(u, v)).cast<float>();
         }
     });
     return rays;
@@ -89,7 +91,7 @@ Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_im
     for (const Fish& fish : options_.fish) {
         Fish::Shape shape = fish.at(t_s);
         const Eigen::Vector3d p_cam = T_world_cam.inverse() * shape.center_world.cast<double>();
-        const auto pixel = camera.project(p_cam);
+        const auto pixel = project(camera, p_cam);
         if (!pixel || p_cam.z() < 2.0 * shape.radius_m || p_cam.z() > 6.0) continue;
         const int reach = 2 + static_cast<int>(1.5 * camera.fx_px * shape.radius_m /
                                                (p_cam.z() - shape.radius_m));

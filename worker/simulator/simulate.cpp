@@ -50,7 +50,7 @@ void check(const SimulateOptions& options) {
     check_range("width_px", options.width_px, 32, 4096);
     check_range("height_px", options.height_px, 32, 4096);
     check_range("jpeg_quality", options.jpeg_quality, 10, 100);
-    check_range("markers", options.num_markers, 0, tag_layout(options.marker_family).num_ids);
+    check_range("markers", options.num_markers, 0, num_ids(options.marker_family));
     check_range("marker_size_m", options.marker_size_m, 0.02, 1.0);
     check_range("num_threads", options.num_threads, 0, 1024);
     if (options.out.empty())

@@ -4,16 +4,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "worker/recording.hpp"
+#include "worker/steps/known_rotation.hpp"
 #include "worker/steps/register_points.hpp"
 
 namespace divemesh::worker {
-
-// How far an orientation that the inertial unit gives is to be trusted.
-struct KnownRotation {
-    Eigen::Quaterniond q;
-    double sigma_rad = 0.0;
-};
 
 struct MotionGuess {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();

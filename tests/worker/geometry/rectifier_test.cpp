@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/geometry/projection.hpp"
 #include "worker/geometry/rotation_vector.hpp"
 
 namespace divemesh::worker {
@@ -40,7 +41,7 @@ Rig converging_rig() {
 // A picture with one soft dot where the camera sees the point.
 cv::Mat dot(const Camera& camera, const Eigen::Vector3d& p_cam) {
     cv::Mat image(camera.height_px, camera.width_px, CV_8U, cv::Scalar(0));
-    const Eigen::Vector2d at = *camera.project(p_cam);
+    const Eigen::Vector2d at = *project(camera, p_cam);
     for (int v = 0; v < image.rows; ++v)
         for (int u = 0; u < image.cols; ++u)
             image.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "worker/geometry/projection.hpp"
 #include "worker/geometry/rectifier.hpp"
 
 namespace divemesh::worker {
@@ -29,9 +30,9 @@ Eigen::Vector3d measured_px(const RectifiedRig& rectified, const Eigen::Vector3d
     const auto real = rectified_lenses(rig_with(kTrue));
     const Eigen::Vector3d p_right = p_cam - Eigen::Vector3d(rectified.baseline_m, 0.0, 0.0);
     const Eigen::Vector2d left = stated[0].rectified_px(
-        rectified, *real[0].camera.project(real[0].R_camera_rectified * p_cam));
+        rectified, *project(real[0].camera, real[0].R_camera_rectified * p_cam));
     const Eigen::Vector2d right = stated[1].rectified_px(
-        rectified, *real[1].camera.project(real[1].R_camera_rectified * p_right));
+        rectified, *project(real[1].camera, real[1].R_camera_rectified * p_right));
     return {left.x(), left.y(), left.x() - right.x()};
 }
 
@@ -116,7 +117,7 @@ TEST(ShiftOfChangeTest, IsWhereTheChangedLensShowsARay) {
     LensChange change;
     change.values << 1e-4, 0.03, -0.02, 1e-4, -2e-4;
     RectifiedLens changed = lenses[0];
-    changed.camera = change.applied(changed.camera);
+    changed.camera = changed_camera(changed.camera, change);
 
     const Eigen::Vector2d shown =
         lenses[0].rectified_px(rectified, changed.recorded_px(rectified, pixel));

@@ -7,6 +7,7 @@
 
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/markers/marker_plan.hpp"
+#include "worker/markers/tag_layout.hpp"
 
 namespace divemesh::worker {
 

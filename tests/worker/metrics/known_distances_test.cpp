@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "worker/geometry/projection.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -113,9 +115,9 @@ TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
         std::vector<Mark> marks;
         for (const StampedPose& pose : truth_) {
             const auto left =
-                rig_.cam0.project((pose.T_world_imu * rig_.T_imu_cam0).inverse() * p_world);
+                project(rig_.cam0, (pose.T_world_imu * rig_.T_imu_cam0).inverse() * p_world);
             const auto right =
-                rig_.cam1.project((pose.T_world_imu * rig_.T_imu_cam1).inverse() * p_world);
+                project(rig_.cam1, (pose.T_world_imu * rig_.T_imu_cam1).inverse() * p_world);
             marks.push_back({pose.timestamp_ns, left.value(), right});
         }
         for (std::size_t i = 0; i < marks.size(); i += 2) marks[i].pixel_right.reset();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
+#include "worker/geometry/projection.hpp"
 #include "worker/simulator/draw_rig.hpp"
 
 namespace divemesh::worker {
@@ -64,7 +65,7 @@ void expect_analytic_depth(double box_height_m) {
         for (int v = 0; v < kHeight_px; ++v)
             for (int u = 0; u < kWidth_px; ++u) {
                 const Eigen::Vector3d direction =
-                    T_world_cam.linear() * camera.unproject(Eigen::Vector2d(u, v));
+                    T_world_cam.linear() * unproject(camera, Eigen::Vector2d(u, v));
                 const double expected =
                     analytic_t(T_world_cam.translation(), direction, box_height_m);
                 if (std::abs(rendering.depth.at<float>(v, u) - expected) > 1e-4) ++num_wrong;
@@ -97,8 +98,8 @@ TEST(RendererTest, FishIsWhereItSwimsInBothCameras) {
                 T_world_imu * (index == 0 ? rig.T_imu_cam0 : rig.T_imu_cam1);
             for (const Fish& fish : school) {
                 const Eigen::Vector3d p_world = fish.at(t_s).center_world.cast<double>();
-                const auto pixel = camera.project(T_world_cam.inverse() * p_world);
-                if (!pixel || !camera.contains(*pixel) || p_world.z() < 0.1) continue;
+                const auto pixel = project(camera, T_world_cam.inverse() * p_world);
+                if (!pixel || !contains(camera, *pixel) || p_world.z() < 0.1) continue;
                 if ((T_world_cam.inverse() * p_world).z() < 0.5) continue;
                 ++num_seen;
                 EXPECT_EQ(

@@ -14,6 +14,7 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/geometry/projection.hpp"
 #include "worker/output/ply.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
@@ -111,8 +112,8 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
         int num_all = 0;
         for (const Eigen::Vector3f& vertex : reference.vertices) {
             const Eigen::Vector3d p_cam = T_cam_world * vertex.cast<double>();
-            const auto pixel = camera.project(p_cam);
-            if (!pixel || !camera.contains(*pixel)) continue;
+            const auto pixel = project(camera, p_cam);
+            if (!pixel || !contains(camera, *pixel)) continue;
             const cv::Rect around = cv::Rect(static_cast<int>(std::lround(pixel->x())) - 1,
                                              static_cast<int>(std::lround(pixel->y())) - 1,
                                              3,

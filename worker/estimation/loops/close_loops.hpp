@@ -5,7 +5,9 @@
 #include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/geometry/rectified_rig.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/landmark.hpp"
+#include "worker/loop_statistics.hpp"
 
 namespace divemesh::worker {
 

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "worker/estimation/inertial_prior.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/landmark.hpp"
 
 namespace divemesh::worker {
 

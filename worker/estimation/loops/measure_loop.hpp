@@ -8,8 +8,9 @@
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/estimation/loops/observe_again.hpp"
 #include "worker/estimation/loops/stored_views.hpp"
+#include "worker/keyframe.hpp"
 #include "worker/keyframe_store.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/landmark.hpp"
 
 namespace divemesh::worker {
 

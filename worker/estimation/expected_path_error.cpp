@@ -1,8 +1,10 @@
-#include "worker/estimation/path_uncertainty.hpp"
+#include "worker/estimation/expected_path_error.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "worker/estimation/covariance_between.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/estimation/path_uncertainty.hpp"
+#include "worker/estimation/expected_path_error.hpp"
 
 #include <gtest/gtest.h>
 

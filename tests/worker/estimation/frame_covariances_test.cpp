@@ -1,4 +1,4 @@
-#include "worker/estimation/pose_covariance.hpp"
+#include "worker/estimation/frame_covariances.hpp"
 
 #include <gtest/gtest.h>
 

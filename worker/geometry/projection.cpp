@@ -1,4 +1,4 @@
-#include "worker/geometry/camera.hpp"
+#include "worker/geometry/projection.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -27,27 +27,29 @@ Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& n) {
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p_cam) const {
+std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& p_cam) {
     if (p_cam.z() <= 1e-6) return std::nullopt;
-    const Eigen::Vector2d d = distort(*this, p_cam.head<2>() / p_cam.z());
-    return Eigen::Vector2d(fx_px * d.x() + cx_px, fy_px * d.y() + cy_px);
+    const Eigen::Vector2d d = distort(camera, p_cam.head<2>() / p_cam.z());
+    return Eigen::Vector2d(camera.fx_px * d.x() + camera.cx_px,
+                           camera.fy_px * d.y() + camera.cy_px);
 }
 
-Eigen::Vector3d Camera::unproject(const Eigen::Vector2d& pixel) const {
-    const Eigen::Vector2d d((pixel.x() - cx_px) / fx_px, (pixel.y() - cy_px) / fy_px);
+Eigen::Vector3d unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
+                            (pixel.y() - camera.cy_px) / camera.fy_px);
     // Fixed-point start, then Newton with a numeric Jacobian: converges wherever the model is
     // invertible.
     Eigen::Vector2d n = d;
     for (int i = 0; i < 20; ++i) {
-        const Eigen::Vector2d error = distort(*this, n) - d;
+        const Eigen::Vector2d error = distort(camera, n) - d;
         if (error.squaredNorm() < 1e-24) break;
         constexpr double kStep = 1e-6;
         Eigen::Matrix2d J;
-        J.col(0) = (distort(*this, n + Eigen::Vector2d(kStep, 0.0)) -
-                    distort(*this, n - Eigen::Vector2d(kStep, 0.0))) /
+        J.col(0) = (distort(camera, n + Eigen::Vector2d(kStep, 0.0)) -
+                    distort(camera, n - Eigen::Vector2d(kStep, 0.0))) /
                    (2.0 * kStep);
-        J.col(1) = (distort(*this, n + Eigen::Vector2d(0.0, kStep)) -
-                    distort(*this, n - Eigen::Vector2d(0.0, kStep))) /
+        J.col(1) = (distort(camera, n + Eigen::Vector2d(0.0, kStep)) -
+                    distort(camera, n - Eigen::Vector2d(0.0, kStep))) /
                    (2.0 * kStep);
         if (std::abs(J.determinant()) < 1e-9) break;
         n -= J.inverse() * error;
@@ -55,9 +57,9 @@ Eigen::Vector3d Camera::unproject(const Eigen::Vector2d& pixel) const {
     return {n.x(), n.y(), 1.0};
 }
 
-bool Camera::contains(const Eigen::Vector2d& pixel) const {
-    return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width_px - 0.5 &&
-           pixel.y() < height_px - 0.5;
+bool contains(const Camera& camera, const Eigen::Vector2d& pixel) {
+    return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < camera.width_px - 0.5 &&
+           pixel.y() < camera.height_px - 0.5;
 }
 
 }  // namespace divemesh::worker

@@ -1,4 +1,4 @@
-#include "worker/estimation/imu_alignment.hpp"
+#include "worker/estimation/estimate_alignment.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace divemesh::worker {
+
+// A feature as a keyframe saw it, in the rectified pair.
+struct LandmarkObservation {
+    std::int32_t keyframe = 0;  // index into Track::keyframes
+    float u_px = 0.0F;
+    float v_px = 0.0F;
+    float disparity_px = 0.0F;  // <= 0: seen by the left camera alone
+};
+
+struct Landmark {
+    Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+    std::vector<LandmarkObservation> observations;
+};
+
+}  // namespace divemesh::worker
