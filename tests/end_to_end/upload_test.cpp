@@ -80,7 +80,8 @@ TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
     expect_one_ready_dive();
 }
 
-TEST_F(UploadTest, U22ADiveThatWasDeletedIsSentAnewAndNotCalledVerified) {
+// U22
+TEST_F(UploadTest, ADiveThatWasDeletedIsSentAnewAndNotCalledVerified) {
     service.start_server(0);
     const Outcome first =
         service.run({"upload", small_dive().string(), "--no-job", "--json"}, 120s);
@@ -121,7 +122,8 @@ TEST_F(UploadTest, WorksWithAStockTusClientInTwoSittings) {
     EXPECT_EQ(node.stdout_text(), service.dives().at(0).at("id").get<std::string>() + "\n");
 }
 
-TEST_F(UploadTest, U22ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
+// U22
+TEST_F(UploadTest, ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
     service.start_server(0);
     FlakyProxy proxy(port_of(service.address()),
                      {.cut = Cut::Stall, .cut_after_bytes = 300'000, .num_cuts = 3});
@@ -152,7 +154,8 @@ INSTANTIATE_TEST_SUITE_P(Builds,
                          testing::Values(TusBuild{"node", 1'200'000}, TusBuild{"browser", 700'000}),
                          [](const auto& build) { return build.param.name; });
 
-TEST_P(TusClientTest, U14AStockOneArrivesOverEveryKindOfBadLink) {
+// U14
+TEST_P(TusClientTest, AStockOneArrivesOverEveryKindOfBadLink) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/jsdom"))
         GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";

@@ -65,7 +65,7 @@ RawResponse ask(const TestServer& server, const api::Route& route, const std::st
 }
 
 // S26
-TEST(AccessTest, S26EveryRouteOfTheApiWantsATokenThatItKnows) {
+TEST(AccessTest, EveryRouteOfTheApiWantsATokenThatItKnows) {
     TestServer server;
     for (const api::Route& route : api::routes()) {
         for (const std::string token : {"", "dm_wrong", "x"}) {
@@ -81,7 +81,8 @@ TEST(AccessTest, S26EveryRouteOfTheApiWantsATokenThatItKnows) {
     }
 }
 
-TEST(AccessTest, S24EveryRouteWantsItsScopeAndNoOther) {
+// S24
+TEST(AccessTest, EveryRouteWantsItsScopeAndNoOther) {
     TestServer server;
     for (const auto known : kScopes) {
         const std::string scope(known);
@@ -153,7 +154,8 @@ TEST(AccessTest, WhatBelongsToAnotherProjectLooksAsIfItWereNotThere) {
     EXPECT_EQ(upload_offset(server.port(), mine, upload), 0);
 }
 
-TEST(AccessTest, A8ARevokedTokenOpensNothingAnyMore) {
+// A8
+TEST(AccessTest, ARevokedTokenOpensNothingAnyMore) {
     TestServer server;
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "laptop"}, {"scopes", {"dives:read"}}});
@@ -169,7 +171,7 @@ TEST(AccessTest, A8ARevokedTokenOpensNothingAnyMore) {
 }
 
 // S24
-TEST(AccessTest, S24ATokenInAnAddressIsRefused) {
+TEST(AccessTest, ATokenInAnAddressIsRefused) {
     TestServer server;
     for (const char* name : {"token", "access_token"}) {
         const auto target = "/api/v1/dives?" + std::string(name) + "=" + server.admin();

@@ -72,7 +72,8 @@ TEST_F(CrashTest, WhatACallHasReturnedSurvivesTheKillOfItsProcess) {
     for (const std::string& id : ids) EXPECT_EQ(stores.jobs_.get(id).state, JobState::Queued);
 }
 
-TEST_F(CrashTest, Q2ProcessesThatClaimAtOnceNeverGetTheSameJob) {
+// Q2
+TEST_F(CrashTest, ProcessesThatClaimAtOnceNeverGetTheSameJob) {
     const Children children = make_children(4, [](Stores& stores) {
         while (const auto claim = stores.jobs_.claim("worker", Stores::kLong))
             if (!stores.jobs_.succeed(claim->lease, {})) _exit(3);
