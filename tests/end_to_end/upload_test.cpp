@@ -144,15 +144,13 @@ TEST_F(UploadTest, ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
     EXPECT_EQ(service.dives().at(0).at("state"), "checking");
 }
 
-struct TusBuild {
-    std::string name;
-    std::int64_t cut_after_bytes;  // the browser's has a connection for every piece of a mebibyte
-};
-class TusClientTest : public UploadTest, public testing::WithParamInterface<TusBuild> {};
+// Node from 19 on keeps a connection for all requests; Node 18 and the browser's build open one for
+// each. The link is cut by its own count of bytes, so each of them is cut as often.
+class TusClientTest : public UploadTest, public testing::WithParamInterface<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Builds,
                          TusClientTest,
-                         testing::Values(TusBuild{"node", 1'200'000}, TusBuild{"browser", 700'000}),
-                         [](const auto& build) { return build.param.name; });
+                         testing::Values("node", "browser"),
+                         [](const auto& build) { return build.param; });
 
 // U14
 TEST_P(TusClientTest, AStockOneArrivesOverEveryKindOfBadLink) {
@@ -165,19 +163,18 @@ TEST_P(TusClientTest, AStockOneArrivesOverEveryKindOfBadLink) {
         const fs::path file = service / ("dive" + std::to_string(number) + ".tar");
         const std::string content(3'000'000, static_cast<char>('a' + number));
         std::ofstream(file, std::ios::binary) << content;
-        FlakyProxy proxy(
-            port_of(service.address()),
-            {.cut = cut, .cut_after_bytes = GetParam().cut_after_bytes, .num_cuts = 4});
+        FlakyProxy proxy(port_of(service.address()),
+                         {.cut = cut, .cut_after_bytes = 600'000, .num_cuts = 4});
         Process node({"/usr/bin/env",
                       "node",
                       (scripts / "tus_bad_link.mjs").string(),
                       file.string(),
                       "http://127.0.0.1:" + std::to_string(proxy.port()) + "/api/v1/uploads",
-                      GetParam().name},
+                      GetParam()},
                      service / ".",
                      {{"DIVEMESH_TOKEN", service.token()}});
         EXPECT_EQ(node.wait(120s), 0) << number << ": " << node.stderr_text();
-        EXPECT_GE(proxy.num_cuts(), 2) << number;
+        EXPECT_EQ(proxy.num_cuts(), 4) << number;
         ASSERT_EQ(service.dives().size(), static_cast<std::size_t>(number) + 1);
         const auto dive = service.dives().back();
         EXPECT_EQ(node.stdout_text(), dive.at("id").get<std::string>() + "\n");
