@@ -84,7 +84,9 @@ TEST_F(CrashTest, ProcessesThatClaimAtOnceNeverGetTheSameJob) {
 
     run_at_once(children);
 
-    for (const Job& job : stores.jobs_.list({.kind = JobKind::Reconstruct}, {}).items) {
+    const auto jobs = stores.jobs_.list({.kind = JobKind::Reconstruct}, {}).items;
+    ASSERT_EQ(jobs.size(), 24U);
+    for (const Job& job : jobs) {
         EXPECT_EQ(job.state, JobState::Succeeded);
         EXPECT_EQ(stores.jobs_.attempts(job.id).size(), 1u);
     }

@@ -344,7 +344,9 @@ TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     EXPECT_EQ(attempts[0].state, AttemptState::LeaseLost);
     EXPECT_EQ(attempts[1].state, AttemptState::Succeeded);
     EXPECT_EQ(num_blobs_of_jobs(), 2u);
-    for (const Artifact& artifact : jobs_.artifacts(job.id)) {
+    const auto artifacts = jobs_.artifacts(job.id);
+    ASSERT_FALSE(artifacts.empty());
+    for (const Artifact& artifact : artifacts) {
         EXPECT_THAT(artifact.blob, HasSubstr("attempt-2"));
         EXPECT_TRUE(blobs_->exists(artifact.blob));
     }
