@@ -1,7 +1,7 @@
 #!/bin/bash
 # Installs what builds, tests and runs divemesh on Debian 12 (deploy/packages.txt; with `--full` what
 # deploy/test.sh --full needs as well: deploy/packages-full.txt). Does nothing when all of it is there.
-# Never removes a package: stops and says which ones are in the way.
+# Never removes a package: stops and says which ones are in the way. Says which Node it found.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -25,8 +25,16 @@ done < <(cat "${lists[@]}")
 command -v node >/dev/null || missing+=(nodejs)
 command -v npm >/dev/null || missing+=(npm)
 
+# The tests run with whichever Node is found first: Debian's is 18, other people's differ from it.
+say_node() {
+    local node
+    node=$(command -v node)
+    echo "install: Node $("$node" --version) at $node, npm $(npm --version)"
+}
+
 if ((${#missing[@]} == 0)); then
     echo "install: every package is there"
+    say_node
     exit 0
 fi
 
@@ -55,3 +63,4 @@ if removed=$(grep '^Remv ' <<<"$plan"); then
     exit 1
 fi
 "${as_root[@]}" apt-get "${arguments[@]}"
+say_node

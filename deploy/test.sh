@@ -1,7 +1,8 @@
 #!/bin/bash
 # Installs, builds and passes all tests: with sanitizers, and optimised those for which that matters.
 # `--full` adds what takes longer: all of them optimised, thread sanitizer, linter, every dive of the
-# shared data, the demo.
+# shared data, the demo, and the demo and these tests in a fresh Debian 12.
+# A test that is skipped without a reason on tests/allowed_skips.txt fails it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -23,7 +24,29 @@ step() {
     "$@"
     timings+=("$(printf '%6d s  %s' $((SECONDS - start)) "$name")")
 }
-trap 'printf "%s\n" "${timings[@]}" "$(printf "%6d s  in all" "$SECONDS")"' EXIT
+results=$PWD/build/test-results
+rm -rf "$results"
+# run_tests NAME ARGUMENTS...: ctest, its results in NAME.xml.
+run_tests() {
+    local name=$1
+    shift
+    ctest --output-junit "$results/$name.xml" "$@"
+}
+print_slowest_tests() {
+    local file
+    for file in "$results"/*.xml; do
+        sed -nE 's|.*<testcase name="([^"]*)".* time="([^"]*)".*|\2 '"$(basename "$file" .xml)"' \1|p' "$file"
+    done | sort -gr | awk 'NR <= 10 { printf "%8.1f s  %s, %s\n", $1, $3, $2 }'
+}
+report() {
+    if [[ -d $results ]]; then
+        echo "=== the ten slowest tests"
+        print_slowest_tests
+    fi
+    echo "=== steps"
+    printf '%s\n' "${timings[@]}" "$(printf '%6d s  in all' "$SECONDS")"
+}
+trap report EXIT
 
 check_format() { git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror; }
 install_npm_packages() { npm ci --prefix tests/end_to_end/js --no-audit --no-fund --loglevel=error; }
@@ -39,6 +62,9 @@ lint_contract() {
 }
 # The linter reads no precompiled headers, and without them no file may miss an include.
 build_plainly() { cmake --preset release -B build/plain -DDIVEMESH_PRECOMPILE=OFF --log-level=WARNING >/dev/null && cmake --build build/plain; }
+can_make_clean_root() {
+    command -v mmdebstrap >/dev/null && { ((EUID != 0)) || unshare --mount --pid --fork true; }
+}
 lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang-tidy -p build/plain --quiet; }
 
 if $full; then
@@ -50,27 +76,34 @@ step "install validators and clients (npm)" install_npm_packages
 step "format" check_format
 step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests fuzzers
-step "unit tests, sanitizers" ctest --preset debug -j "$(nproc)"
-step "fuzzers, 60 s for all of them" ctest --test-dir build/debug -L fuzz -V
-step "tests, release" ctest --preset release -L 'release|long|slow' -j "$(nproc)"
+step "unit tests, sanitizers" run_tests debug --preset debug -j "$(nproc)"
+step "fuzzers, 60 s for all of them" run_tests debug-fuzz --test-dir build/debug -L fuzz -V
+step "tests, release" run_tests release --preset release -L 'release|long|slow' -j "$(nproc)"
+step "skipped tests" tests/check_skips.sh "$results"/*.xml
 
 if $full; then
-    step "long unit tests, sanitizers" ctest --test-dir build/debug -L long --output-on-failure
+    step "long unit tests, sanitizers" run_tests debug-long --test-dir build/debug -L long --output-on-failure
     step "build all, release" build release
-    step "all tests, release" ctest --preset release
+    step "all tests, release" run_tests release-all --preset release
     step "build, fuzzers that follow what they cover" build fuzz
-    step "these fuzzers, 60 s for all of them" ctest --preset fuzz -V
+    step "these fuzzers, 60 s for all of them" run_tests fuzz --preset fuzz -V
     step "build, server tests, address and undefined-behaviour sanitizers" build debug-server
-    step "server tests, address and undefined-behaviour sanitizers" ctest --preset debug-server -j "$(nproc)"
+    step "server tests, address and undefined-behaviour sanitizers" run_tests debug-server --preset debug-server -j "$(nproc)"
     step "build, thread sanitizer" build tsan --target unit_tests
-    step "unit tests, thread sanitizer" ctest --preset tsan
+    step "unit tests, thread sanitizer" run_tests tsan --preset tsan
     step "build, server tests, thread sanitizer" build tsan-server
-    step "server tests, thread sanitizer" ctest --preset tsan-server -j "$(nproc)"
+    step "server tests, thread sanitizer" run_tests tsan-server --preset tsan-server -j "$(nproc)"
     step "build, release, without precompiled headers" build_plainly
     step "linter" lint
     step "10,000 jobs, 8 workers, 100 kills" build/release/tests/bench/divemesh_queue_storm
     step "the contract by spectral" lint_contract
     step "every dive of the shared data" tests/bench/run.sh
     step "uploads, with a dive of 10 GB over a link that breaks" tests/bench/run.sh --only upload --large --repeat 3
+    step "skipped tests, of all runs" tests/check_skips.sh "$results"/*.xml
     step "demo" deploy/demo.sh
+    if can_make_clean_root; then
+        step "demo and tests in a fresh Debian 12" deploy/clean_root.sh
+    else
+        echo "=== left out: a fresh Debian 12 (no mmdebstrap, or this machine lets us mount nothing)"
+    fi
 fi

@@ -12,10 +12,11 @@ class session;
 
 namespace divemesh::storage {
 
-// The database behind all stores: SQLite (WAL, synchronous=FULL) at `sqlite:///path/catalog.db`.
-// The engine shows nowhere else: a second one is a second implementation of this class's few
-// private differences, and the stores' SQL and tests stay as they are. Thread-safe: a pool of
-// connections, one per call under way.
+// The database behind all stores: SQLite (WAL, synchronous=FULL) at `sqlite:///path/catalog.db`, on
+// a disk of this machine. It is the only engine there is. How it connects, locks and reports errors
+// is in storage/sqlite_engine; the migrations are in its dialect (STRICT, RAISE, json_each), and so
+// is a statement here and there (last_insert_rowid): a second engine has to change these too.
+// Thread-safe: a pool of connections, one per call under way.
 class Catalog {
 public:
     using Work = std::function<void(soci::session&)>;

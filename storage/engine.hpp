@@ -10,7 +10,7 @@
 
 namespace divemesh::storage {
 
-// Where databases differ, and nothing else: the stores' SQL is the same for all.
+// What a database does in its own way beside SQL. The migrations are SQLite's alone.
 class Engine {
 public:
     virtual ~Engine() = default;

@@ -66,16 +66,15 @@ struct FlakyProxy::Implementation {
         const auto piece_bytes = static_cast<std::size_t>(bad_link.bytes_per_s / kPiecesPerSecond);
         std::vector<char> buffer(piece_bytes > 0 ? std::min(piece_bytes, kPieceBytes)
                                                  : kPieceBytes);
-        std::int64_t seen = 0;
         asio::steady_timer pause(io);
         for (;;) {
             const auto [error, n] =
                 co_await link->client.async_read_some(asio::buffer(buffer), kAwaitErrors);
             if (link->is_cut) co_return;
             if (error) break;
-            seen += static_cast<std::int64_t>(n);
+            num_bytes_since_cut += static_cast<std::int64_t>(n);
             num_bytes += static_cast<std::int64_t>(n);
-            if (seen > bad_link.cut_after_bytes && num_cuts < bad_link.num_cuts) {
+            if (num_bytes_since_cut > bad_link.cut_after_bytes && num_cuts < bad_link.num_cuts) {
                 cut(*link);
                 co_return;
             }
@@ -108,6 +107,7 @@ struct FlakyProxy::Implementation {
 
     void cut(Link& link) {
         ++num_cuts;
+        num_bytes_since_cut = 0;
         link.is_cut = true;
         if (bad_link.cut != Cut::Stall) reset(link.client);
         if (bad_link.cut == Cut::Reset) reset(link.server);
@@ -118,6 +118,7 @@ struct FlakyProxy::Implementation {
     tcp::endpoint target;
     tcp::acceptor acceptor;
     std::vector<std::shared_ptr<Link>> links;
+    std::int64_t num_bytes_since_cut = 0;
     std::atomic<int> num_cuts = 0;
     std::atomic<int> num_connections = 0;
     std::atomic<std::int64_t> num_bytes = 0;

@@ -5,7 +5,7 @@
 
 namespace divemesh {
 
-// What a bad link does to a connection when `cut_after_bytes` of the client's have passed.
+// What a bad link does to the connection on which the client's last of `cut_after_bytes` came.
 enum class Cut {
     Reset,     // both sides are reset
     HalfOpen,  // the client is reset, the server hears nothing any more: wifi that was left
@@ -14,9 +14,11 @@ enum class Cut {
 
 struct BadLink {
     Cut cut = Cut::Reset;
-    std::int64_t cut_after_bytes = std::int64_t{10} << 20;  // on each connection
-    int num_cuts = 1000;                                    // then it is a good link
-    double bytes_per_s = 0.0;                               // 0: as fast as it goes
+    // Counted from the cut before over all connections, for a client that opens one for each
+    // request is to be cut as well.
+    std::int64_t cut_after_bytes = std::int64_t{10} << 20;
+    int num_cuts = 1000;       // then it is a good link
+    double bytes_per_s = 0.0;  // 0: as fast as it goes
 };
 
 // A TCP proxy on a port of loopback of its own that behaves as a bad link to `target_port`.

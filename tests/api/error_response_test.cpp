@@ -48,7 +48,8 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
     }
 }
 
-TEST(ErrorResponseTest, A7SaysWhenToComeBackWhereThatHelps) {
+// A7
+TEST(ErrorResponseTest, SaysWhenToComeBackWhereThatHelps) {
     const auto wait_of = [](ErrorCode code) {
         const auto response = response_to(std::make_exception_ptr(Error(code, "why")));
         std::string wait;
@@ -65,7 +66,7 @@ TEST(ErrorResponseTest, A7SaysWhenToComeBackWhereThatHelps) {
 }
 
 // S27
-TEST(ErrorResponseTest, S27ShowsNothingOfAnErrorThatIsNotOurs) {
+TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
     const auto response =
         response_to(std::make_exception_ptr(std::runtime_error("/secret/catalog.db: SELECT")));
     EXPECT_EQ(static_cast<int>(response.status), 500);
@@ -74,7 +75,7 @@ TEST(ErrorResponseTest, S27ShowsNothingOfAnErrorThatIsNotOurs) {
 }
 
 // S29
-TEST(ErrorResponseTest, S29ShowsHostileBytesAsJson) {
+TEST(ErrorResponseTest, ShowsHostileBytesAsJson) {
     const auto response = response_to(
         std::make_exception_ptr(Error(ErrorCode::NotFound, "no dive \xff\"\r\n<script>")));
     EXPECT_NE(body_of(response)["detail"].get<std::string>().find("no dive"), std::string::npos);

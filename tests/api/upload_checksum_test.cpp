@@ -14,8 +14,8 @@ bool matches(const std::string& header, std::string_view bytes, std::size_t piec
     return checksum.matches();
 }
 
-// FIPS 180-4 examples ("abc"), tus 1.0's example ("hello world"), RFC 3720 B.4 (32 zeros).
-TEST(UploadChecksumTest, U11AgreesWithThePublishedDigests) {
+// FIPS 180-4 examples ("abc"), tus 1.0's example ("hello world"), RFC 3720 B.4 (32 zeros) (U11).
+TEST(UploadChecksumTest, AgreesWithThePublishedDigests) {
     const std::tuple<const char*, std::string> known[] = {
         {"sha1 qZk+NkcGgWq6PiVxeFDCbJzQ2J0=", "abc"},
         {"sha256 ungWv48Bz+pBQUDeXa4iI7ADYaOWF3qctBD/YfIAFa0=", "abc"},
@@ -30,7 +30,8 @@ TEST(UploadChecksumTest, U11AgreesWithThePublishedDigests) {
     EXPECT_FALSE(matches("sha1 qZk+NkcGgWq6PiVxeFDCbJzQ2J0=", "abd", 3));
 }
 
-TEST(UploadChecksumTest, S14RefusesOtherAlgorithmsAndLengths) {
+// S14
+TEST(UploadChecksumTest, RefusesOtherAlgorithmsAndLengths) {
     for (const char* header : {"",
                                "sha1",
                                "sha1 ",

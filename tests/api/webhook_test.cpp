@@ -9,8 +9,8 @@ namespace {
 
 namespace ip = boost::asio::ip;
 
-// The example of the Standard Webhooks specification's reference libraries.
-TEST(WebhookTest, S32SignsAsTheSpecificationsExample) {
+// The example of the Standard Webhooks specification's reference libraries (S32).
+TEST(WebhookTest, SignsAsTheSpecificationsExample) {
     EXPECT_EQ(webhook_signature("whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw",
                                 "msg_p5jXN8AQM9LWM0D4loKWxJek",
                                 1614265330,
@@ -20,7 +20,7 @@ TEST(WebhookTest, S32SignsAsTheSpecificationsExample) {
 }
 
 // S31
-TEST(WebhookTest, S31ReadsPlainAddressesAlone) {
+TEST(WebhookTest, ReadsPlainAddressesAlone) {
     const auto target = parse_webhook_url("https://hooks.example.org/a/b?c=d");
     EXPECT_TRUE(target.tls);
     EXPECT_EQ(target.host, "hooks.example.org");
@@ -59,7 +59,7 @@ TEST(WebhookTest, S31ReadsPlainAddressesAlone) {
 }
 
 // S31
-TEST(WebhookTest, S31KnowsWhichAddressesAreNotPublic) {
+TEST(WebhookTest, KnowsWhichAddressesAreNotPublic) {
     for (const char* address : {"127.0.0.1",
                                 "127.255.255.254",
                                 "0.0.0.0",

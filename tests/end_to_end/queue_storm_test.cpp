@@ -7,7 +7,8 @@
 namespace divemesh {
 namespace {
 
-TEST(QueueStormTest, Q14KillsOfWorkersAndServerLoseNoJobAndDoNoneTwice) {
+// Q14
+TEST(QueueStormTest, KillsOfWorkersAndServerLoseNoJobAndDoNoneTwice) {
     const StormReport report = run_queue_storm({.program = DIVEMESH_PROGRAM,
                                                 .fake_worker = FAKE_WORKER,
                                                 .num_jobs = 300,

@@ -53,7 +53,8 @@ TEST_F(ReconstructionTest, TurnsAnUploadedDiveIntoAMeasuredMesh) {
     EXPECT_NE(outcome.err.find("trajectory error, RMSE"), std::string::npos) << outcome.err;
 }
 
-TEST_F(ReconstructionTest, Q9DoesNotTrackAgainForAnotherVoxelSize) {
+// Q9
+TEST_F(ReconstructionTest, DoesNotTrackAgainForAnotherVoxelSize) {
     service.start_server(1);
     upload();
     const auto first = service.wait_for_reconstruction("succeeded", 180s);

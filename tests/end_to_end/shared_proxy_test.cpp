@@ -104,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(Modes,
                              return mode.param == "half-open" ? "half_open" : mode.param;
                          });
 
-TEST_P(SharedProxyTest, U22OurUploaderArrives) {
+// U22
+TEST_P(SharedProxyTest, OurUploaderArrives) {
     Process proxy = start_proxy();
     const Outcome outcome = service_.run({"upload",
                                           file_.string(),
@@ -119,7 +120,8 @@ TEST_P(SharedProxyTest, U22OurUploaderArrives) {
     expect_arrived(proxy);
 }
 
-TEST_P(SharedProxyTest, U14AStockTusClientArrives) {
+// U14
+TEST_P(SharedProxyTest, AStockTusClientArrives) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/tus-js-client"))
         GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";

@@ -80,7 +80,8 @@ TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
     expect_one_ready_dive();
 }
 
-TEST_F(UploadTest, U22ADiveThatWasDeletedIsSentAnewAndNotCalledVerified) {
+// U22
+TEST_F(UploadTest, ADiveThatWasDeletedIsSentAnewAndNotCalledVerified) {
     service.start_server(0);
     const Outcome first =
         service.run({"upload", small_dive().string(), "--no-job", "--json"}, 120s);
@@ -121,7 +122,8 @@ TEST_F(UploadTest, WorksWithAStockTusClientInTwoSittings) {
     EXPECT_EQ(node.stdout_text(), service.dives().at(0).at("id").get<std::string>() + "\n");
 }
 
-TEST_F(UploadTest, U22ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
+// U22
+TEST_F(UploadTest, ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
     service.start_server(0);
     FlakyProxy proxy(port_of(service.address()),
                      {.cut = Cut::Stall, .cut_after_bytes = 300'000, .num_cuts = 3});
@@ -142,17 +144,16 @@ TEST_F(UploadTest, U22ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
     EXPECT_EQ(service.dives().at(0).at("state"), "checking");
 }
 
-struct TusBuild {
-    std::string name;
-    std::int64_t cut_after_bytes;  // the browser's has a connection for every piece of a mebibyte
-};
-class TusClientTest : public UploadTest, public testing::WithParamInterface<TusBuild> {};
+// Node from 19 on keeps a connection for all requests; Node 18 and the browser's build open one for
+// each. The link is cut by its own count of bytes, so each of them is cut as often.
+class TusClientTest : public UploadTest, public testing::WithParamInterface<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Builds,
                          TusClientTest,
-                         testing::Values(TusBuild{"node", 1'200'000}, TusBuild{"browser", 700'000}),
-                         [](const auto& build) { return build.param.name; });
+                         testing::Values("node", "browser"),
+                         [](const auto& build) { return build.param; });
 
-TEST_P(TusClientTest, U14AStockOneArrivesOverEveryKindOfBadLink) {
+// U14
+TEST_P(TusClientTest, AStockOneArrivesOverEveryKindOfBadLink) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/jsdom"))
         GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
@@ -162,19 +163,18 @@ TEST_P(TusClientTest, U14AStockOneArrivesOverEveryKindOfBadLink) {
         const fs::path file = service / ("dive" + std::to_string(number) + ".tar");
         const std::string content(3'000'000, static_cast<char>('a' + number));
         std::ofstream(file, std::ios::binary) << content;
-        FlakyProxy proxy(
-            port_of(service.address()),
-            {.cut = cut, .cut_after_bytes = GetParam().cut_after_bytes, .num_cuts = 4});
+        FlakyProxy proxy(port_of(service.address()),
+                         {.cut = cut, .cut_after_bytes = 600'000, .num_cuts = 4});
         Process node({"/usr/bin/env",
                       "node",
                       (scripts / "tus_bad_link.mjs").string(),
                       file.string(),
                       "http://127.0.0.1:" + std::to_string(proxy.port()) + "/api/v1/uploads",
-                      GetParam().name},
+                      GetParam()},
                      service / ".",
                      {{"DIVEMESH_TOKEN", service.token()}});
         EXPECT_EQ(node.wait(120s), 0) << number << ": " << node.stderr_text();
-        EXPECT_GE(proxy.num_cuts(), 2) << number;
+        EXPECT_EQ(proxy.num_cuts(), 4) << number;
         ASSERT_EQ(service.dives().size(), static_cast<std::size_t>(number) + 1);
         const auto dive = service.dives().back();
         EXPECT_EQ(node.stdout_text(), dive.at("id").get<std::string>() + "\n");

@@ -17,8 +17,8 @@ protected:
     Service service;
 };
 
-// S32: foreign code finds our signatures good.
-TEST_F(WebhookTest, A12MessagesPassTheLibraryOfStandardWebhooks) {
+// S32: foreign code finds our signatures good (A12).
+TEST_F(WebhookTest, MessagesPassTheLibraryOfStandardWebhooks) {
     WebhookReceiver receiver(service, 0, {"upload", "dive"});
     const Outcome upload = service.run({"upload", small_dive().string(), "--no-job"}, 60s);
     ASSERT_EQ(upload.exit_code, 0) << upload.err;

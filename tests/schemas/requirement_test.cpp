@@ -113,7 +113,9 @@ TEST(Figures, EveryNumberOfADocumentHasUnitMethodAndAlignment) {
 TEST(Figures, WhatAParentMeasuresGivesItsPartsTheirUnit) {
     const nlohmann::json metrics = {
         {"calibration", {{"refined", {{"time_offset_s", {{"value", 0.01}, {"sigma", 1e-4}}}}}}}};
-    for (const Figure& figure : figures_of(metrics)) EXPECT_EQ(figure.unit, "s") << figure.name;
+    const auto figures = figures_of(metrics);
+    ASSERT_EQ(figures.size(), 2U);
+    for (const Figure& figure : figures) EXPECT_EQ(figure.unit, "s") << figure.name;
 }
 
 TEST(Figures, EntriesOfOneNameStayApart) {

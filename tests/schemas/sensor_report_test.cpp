@@ -80,7 +80,8 @@ struct BadReport {
     json value;
 };
 
-TEST(SensorReportTest, S34RefusesWhatTheSchemaRefusesAndSaysWhereItIs) {
+// S34
+TEST(SensorReportTest, RefusesWhatTheSchemaRefusesAndSaysWhereItIs) {
     const std::string status = "/messages/1/status/";
     const std::vector<BadReport> bad = {
         {"/boot_id", ""},

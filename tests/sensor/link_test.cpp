@@ -134,11 +134,13 @@ TEST_F(LinkTest, DoesNotShowOldOnesAsNewOnceTheNewestIsThere) {
     server_.cut();
     ring_.append(preview(10));
     ASSERT_TRUE(wait_until_empty());
+    int num_statuses = 0;
     for (const Heard& heard : server_.heard()) {
-        if (heard.kind == "status") {
-            EXPECT_EQ(heard.is_historical, heard.sequence == 0);
-        }
+        if (heard.kind != "status") continue;
+        ++num_statuses;
+        EXPECT_EQ(heard.is_historical, heard.sequence == 0);
     }
+    EXPECT_EQ(num_statuses, 2);
 }
 
 TEST_F(LinkTest, KeepsNoMoreThanTheProtocolAllowsUnanswered) {

@@ -180,6 +180,7 @@ bool changes_something(const api::Route& route) {
 
 TEST_F(AuditTest, EveryRouteThatChangesSomethingLeavesAnEvent) {
     const auto change_of = changes();
+    std::size_t num_changes = 0;
     for (const api::Route& route : api::routes()) {
         if (!changes_something(route)) continue;
         const std::string method(api::http::to_string(route.method));
@@ -195,7 +196,9 @@ TEST_F(AuditTest, EveryRouteThatChangesSomethingLeavesAnEvent) {
         EXPECT_TRUE(is_its(all.back())) << change->first;
         EXPECT_EQ(std::count_if(all.begin(), all.end(), is_its), 1) << change->first;
         EXPECT_EQ(all.back().data["method"], method) << change->first;
+        ++num_changes;
     }
+    EXPECT_EQ(num_changes, change_of.size()) << "an example is of no route";
 }
 
 TEST_F(AuditTest, AnUploadInManyPiecesLeavesItsCreationAndItsCompletion) {

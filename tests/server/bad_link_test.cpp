@@ -43,19 +43,23 @@ protected:
     client::TusSettings settings;
 };
 
-TEST_F(BadLinkTest, U5AConnectionThatIsResetIsGoneOnWith) {
+// U5
+TEST_F(BadLinkTest, AConnectionThatIsResetIsGoneOnWith) {
     expect_intact_through({.cut = Cut::Reset, .cut_after_bytes = 1'300'000}, 4);
 }
 
-TEST_F(BadLinkTest, U14AConnectionThatIsHalfOpenIsTakenOver) {
+// U14
+TEST_F(BadLinkTest, AConnectionThatIsHalfOpenIsTakenOver) {
     expect_intact_through({.cut = Cut::HalfOpen, .cut_after_bytes = 1'300'000}, 4);
 }
 
-TEST_F(BadLinkTest, U22ALinkThatFallsSilentIsLeft) {
+// U22
+TEST_F(BadLinkTest, ALinkThatFallsSilentIsLeft) {
     expect_intact_through({.cut = Cut::Stall, .cut_after_bytes = 1'300'000, .num_cuts = 3}, 3);
 }
 
-TEST_F(BadLinkTest, U13U22PartsBesideEachOtherSurviveTheSame) {
+// U13, U22
+TEST_F(BadLinkTest, PartsBesideEachOtherSurviveTheSame) {
     settings.num_parts = 3;
     for (const Cut cut : {Cut::Reset, Cut::HalfOpen}) {
         FlakyProxy proxy(server.port(), {.cut = cut, .cut_after_bytes = 700'000});
@@ -67,13 +71,15 @@ TEST_F(BadLinkTest, U13U22PartsBesideEachOtherSurviveTheSame) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(BadLinkTest, U13U22AJoinWhoseAnswerWasLostIsNotDoneTwice) {
+// U13, U22
+TEST_F(BadLinkTest, AJoinWhoseAnswerWasLostIsNotDoneTwice) {
     settings.num_parts = 2;
     const auto first = upload(server.port());
     EXPECT_EQ(upload(server.port()), first) << "the state says that the parts were joined";
 }
 
-TEST_F(BadLinkTest, U22PartsThatTheServerForgotAreSentAnew) {
+// U22
+TEST_F(BadLinkTest, PartsThatTheServerForgotAreSentAnew) {
     settings.num_parts = 2;
     const auto first = upload(server.port());
     terminate(first);
@@ -82,7 +88,8 @@ TEST_F(BadLinkTest, U22PartsThatTheServerForgotAreSentAnew) {
     EXPECT_EQ(head(second).header("upload-offset"), "6000000");
 }
 
-TEST_F(BadLinkTest, U22ARefusalOfOnePartEndsThemAll) {
+// U22
+TEST_F(BadLinkTest, ARefusalOfOnePartEndsThemAll) {
     settings.num_parts = 3;
     settings.give_up_after = 0s;
     BytesInMemory source(whole);

@@ -31,14 +31,16 @@ RawResponse open_socket(TestServer& server, const Headers& more) {
     return client.receive().value_or(RawResponse{});
 }
 
-TEST(BrowserTest, A13S25NoOtherOriginIsLetInByDefault) {
+// A13, S25
+TEST(BrowserTest, NoOtherOriginIsLetInByDefault) {
     TestServer server;
     EXPECT_EQ(preflight(server, kLab, "/api/v1/dives").status, 405);
     const auto response = server.request("GET", "/healthz/live", "", {{"Origin", kLab}});
     EXPECT_EQ(response.header("access-control-allow-origin"), "");
 }
 
-TEST(BrowserTest, S25OnlyOriginsOnTheListAreLetIn) {
+// S25
+TEST(BrowserTest, OnlyOriginsOnTheListAreLetIn) {
     TestServer server(lab_may());
     const auto allowed = preflight(server, kLab, "/api/v1/dives");
     EXPECT_EQ(allowed.status, 204);
@@ -60,8 +62,8 @@ TEST(BrowserTest, S25OnlyOriginsOnTheListAreLetIn) {
     EXPECT_EQ(preflight(server, kLab, "/api/v1/uploads").status, 204);
 }
 
-// S23: a page elsewhere cannot open the event stream with what it got hold of.
-TEST(BrowserTest, S23S25AStreamIsForOurOwnPagesAndThoseOnTheList) {
+// S23: a page elsewhere cannot open the event stream with what it got hold of (S25).
+TEST(BrowserTest, AStreamIsForOurOwnPagesAndThoseOnTheList) {
     TestServer server(lab_may());
     EXPECT_EQ(open_socket(server, {}).status, 101);
     EXPECT_EQ(open_socket(server, {{"Origin", "http://127.0.0.1"}}).status, 101);
@@ -70,7 +72,8 @@ TEST(BrowserTest, S23S25AStreamIsForOurOwnPagesAndThoseOnTheList) {
     EXPECT_EQ(open_socket(server, {{"Origin", "null"}}).status, 403);
 }
 
-TEST(BrowserTest, A9ATraceIsCarriedOnUnlessItIsMalformed) {
+// A9
+TEST(BrowserTest, ATraceIsCarriedOnUnlessItIsMalformed) {
     TestServer server;
     const auto echoed = [&](const std::string& trace) {
         return server.request("GET", "/healthz/live", "", {{"traceparent", trace}})
@@ -83,8 +86,8 @@ TEST(BrowserTest, A9ATraceIsCarriedOnUnlessItIsMalformed) {
     EXPECT_EQ(echoed(good + "0"), "");
 }
 
-// S24
-TEST(BrowserTest, A7WhoKeepsGuessingTokensIsToldToWait) {
+// S24, A7
+TEST(BrowserTest, WhoKeepsGuessingTokensIsToldToWait) {
     server::ServerConfig config;
     config.max_failed_logins_per_s = 0.02;  // two at once
     TestServer server(config);
@@ -96,7 +99,8 @@ TEST(BrowserTest, A7WhoKeepsGuessingTokensIsToldToWait) {
     EXPECT_EQ(server.request("GET", "/api/v1/dives", server.admin()).status, 200);
 }
 
-TEST(BrowserTest, A7ATokenThatAsksTooOftenIsToldToWait) {
+// A7
+TEST(BrowserTest, ATokenThatAsksTooOftenIsToldToWait) {
     server::ServerConfig config;
     config.max_requests_per_s = 0.5;  // one at once
     TestServer server(config);

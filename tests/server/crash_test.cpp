@@ -97,7 +97,8 @@ protected:
     std::string path_;
 };
 
-TEST_F(CrashTest, U20AClientThatGoesOnGetsItsDive) {
+// U20
+TEST_F(CrashTest, AClientThatGoesOnGetsItsDive) {
     const int num_points = kill_everywhere([&](const ServerProcess& server, bool) {
         const auto offset = upload_offset(server.port(), token_, path_);
         ASSERT_GE(offset, 0);
@@ -115,7 +116,8 @@ TEST_F(CrashTest, U20AClientThatGoesOnGetsItsDive) {
     EXPECT_GT(num_points, 30);
 }
 
-TEST_F(CrashTest, U20BytesThatAllCameBecomeTheirDiveThoughNobodyAsks) {
+// U20
+TEST_F(CrashTest, BytesThatAllCameBecomeTheirDiveThoughNobodyAsks) {
     int num_whole = 0;
     kill_everywhere([&](const ServerProcess& server, bool is_whole) {
         if (!is_whole) return;

@@ -25,7 +25,8 @@ protected:
     const std::string dive = "/api/v1/dives/" + id;
 };
 
-TEST_F(DiveRemovalTest, A4NeedsToKnowWhatItDeletes) {
+// A4
+TEST_F(DiveRemovalTest, NeedsToKnowWhatItDeletes) {
     const std::string etag = get(dive).header("etag");
     EXPECT_EQ(server.request("DELETE", dive, server.admin()).status, 428);
     EXPECT_EQ(remove("\"other\"").status, 412);

@@ -67,7 +67,7 @@ TEST_F(DownloadTest, SaysHowLongTheFileIsWhenTheRangeLiesOutside) {
 }
 
 // S22
-TEST_F(DownloadTest, S22AnswersSeveralRangesWithTheWhole) {
+TEST_F(DownloadTest, AnswersSeveralRangesWithTheWhole) {
     std::string many = "bytes=0-0";
     for (int i = 0; i < 1000; ++i) many += ",5-6";
     for (const std::string& ranges : {many,
@@ -81,7 +81,8 @@ TEST_F(DownloadTest, S22AnswersSeveralRangesWithTheWhole) {
     }
 }
 
-TEST_F(DownloadTest, S22ResumesOnlyTheSameFile) {
+// S22
+TEST_F(DownloadTest, ResumesOnlyTheSameFile) {
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", etag}}).status, 206);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "\"other\""}}).status, 200);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "W/" + etag}}).status, 200);
@@ -98,7 +99,8 @@ TEST_F(DownloadTest, GoesOnOnlyWithTheFileThatTheClientMeans) {
     EXPECT_EQ(get({{"If-Match", "W/" + etag}}).status, 412);
 }
 
-TEST_F(DownloadTest, A5SendsNothingThatTheClientHas) {
+// A5
+TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
     const auto response = get({{"If-None-Match", "\"other\", " + etag}});
     EXPECT_EQ(response.status, 304);
     EXPECT_TRUE(response.body.empty());
@@ -200,8 +202,8 @@ TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
         EXPECT_EQ(server.request("GET", artifacts + name, server.admin()).status, 404) << name;
 }
 
-// S9, S20
-TEST(DownloadNamesTest, A13S20HandsPagesOverAsFilesInASandbox) {
+// S9, S20, A13
+TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
     TestServer server;
     const auto response =
         server.request("GET",
@@ -212,8 +214,9 @@ TEST(DownloadNamesTest, A13S20HandsPagesOverAsFilesInASandbox) {
     EXPECT_TRUE(response.header("content-security-policy").starts_with("sandbox"));
 }
 
-// Nothing that a worker names becomes a page of ours: what a browser would run is a file or bytes.
-TEST(DownloadNamesTest, S9NoNameIsServedAsAPage) {
+// S9: Nothing that a worker names becomes a page of ours: what a browser would run is a file or
+// bytes.
+TEST(DownloadNamesTest, NoNameIsServedAsAPage) {
     TestServer server;
     for (const char* name : {"report.html",
                              "REPORT.HTML",
@@ -240,8 +243,8 @@ TEST(DownloadNamesTest, S9NoNameIsServedAsAPage) {
     }
 }
 
-// The name of an upload is for people: it decides no type, and a dive hands out nothing by it.
-TEST(DownloadNamesTest, S9ANameThatAClientChoseDecidesNoType) {
+// The name of an upload is for people: it decides no type, and a dive hands out nothing by it (S9).
+TEST(DownloadNamesTest, ANameThatAClientChoseDecidesNoType) {
     TestServer server;
     const auto path =
         create_upload(server.port(), server.admin(), 5, "commit,filename " + base64("evil.html"));

@@ -92,7 +92,8 @@ TEST(EventsTest, TellsOnlyOfTheTokensProject) {
     EXPECT_EQ(event.subject, mine);
 }
 
-TEST(EventsTest, A15S23ASlowReaderDelaysNobodyAndLosesNothing) {
+// A15, S23
+TEST(EventsTest, ASlowReaderDelaysNobodyAndLosesNothing) {
     server::ServerConfig config;
     config.timeouts.web_socket = 300s;  // the slow one answers no ping while it does not read
     TestServer server(config);
@@ -136,8 +137,8 @@ TEST(EventsTest, DropsAClientThatGivesNoSignOfLife) {
     EXPECT_LT(std::chrono::steady_clock::now() - began, 15s);
 }
 
-// Pings go out at half of the time that a client may be silent.
-TEST(EventsTest, T5AWatcherThatAnswersPingsStaysThoughNothingHappens) {
+// Pings go out at half of the time that a client may be silent (T5).
+TEST(EventsTest, AWatcherThatAnswersPingsStaysThoughNothingHappens) {
     EXPECT_EQ(server::Timeouts{}.web_socket, 30s);
     server::ServerConfig config;
     config.timeouts.web_socket = 500ms;
@@ -150,7 +151,7 @@ TEST(EventsTest, T5AWatcherThatAnswersPingsStaysThoughNothingHappens) {
 }
 
 // S24
-TEST(EventsTest, S24AStreamEndsWhenItsTokenIsRevoked) {
+TEST(EventsTest, AStreamEndsWhenItsTokenIsRevoked) {
     TestServer server;
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "x"}, {"scopes", {"dives:read"}}});
@@ -176,7 +177,7 @@ TEST(EventsTest, AOneShotTokenOpensAStream) {
 }
 
 // S23
-TEST(EventsTest, S23SurvivesWhatAHostileClientSends) {
+TEST(EventsTest, SurvivesWhatAHostileClientSends) {
     TestServer server;
     const auto frame = [](unsigned char first, std::string_view payload) {
         std::string bytes = {static_cast<char>(first), static_cast<char>(0x80 | payload.size())};

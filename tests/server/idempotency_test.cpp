@@ -48,13 +48,15 @@ TEST_F(IdempotencyTest, ARepeatedRequestIsAnsweredAgainAndNotDoneAgain) {
     EXPECT_EQ(num_audits(), 1);  // what is not done again is not noted again
 }
 
-TEST_F(IdempotencyTest, S30AKeyIsNoExcuseForAnotherBody) {
+// S30
+TEST_F(IdempotencyTest, AKeyIsNoExcuseForAnotherBody) {
     EXPECT_EQ(ask("key", {{"preset", "fast"}}).status, 201);
     EXPECT_EQ(ask("key", {{"preset", "paper"}}).status, 422);
     EXPECT_EQ(num_jobs(), 1U);
 }
 
-TEST_F(IdempotencyTest, S30AKeyBelongsToTheTokenThatUsedIt) {
+// S30
+TEST_F(IdempotencyTest, AKeyBelongsToTheTokenThatUsedIt) {
     const auto first = ask("key", {{"preset", "fast"}});
     const auto stranger = server.make_token("elsewhere", {"dives:read", "jobs:write"});
     EXPECT_EQ(ask("key", {{"preset", "fast"}}, stranger).status, 404);
@@ -62,7 +64,8 @@ TEST_F(IdempotencyTest, S30AKeyBelongsToTheTokenThatUsedIt) {
     EXPECT_EQ(ask("key", {{"preset", "paper"}}, colleague).status, 201);
 }
 
-TEST_F(IdempotencyTest, S30HugeAndUnprintableKeysAreRefused) {
+// S30
+TEST_F(IdempotencyTest, HugeAndUnprintableKeysAreRefused) {
     for (const std::string& key : {std::string(),
                                    std::string("\"\""),
                                    std::string(256, 'k'),
@@ -72,8 +75,8 @@ TEST_F(IdempotencyTest, S30HugeAndUnprintableKeysAreRefused) {
     EXPECT_EQ(num_jobs(), 0U);
 }
 
-// The catalog is busy with another writer: the first request waits for it.
-TEST_F(IdempotencyTest, A6ASecondRequestWhileTheFirstIsUnderWayIsToldToWait) {
+// The catalog is busy with another writer: the first request waits for it (A6).
+TEST_F(IdempotencyTest, ASecondRequestWhileTheFirstIsUnderWayIsToldToWait) {
     ask("first", {{"preset", "fast"}});  // the token's use is noted
     RawResponse first;
     RawResponse second;
@@ -99,7 +102,8 @@ TEST_F(IdempotencyTest, A6ASecondRequestWhileTheFirstIsUnderWayIsToldToWait) {
     EXPECT_EQ(num_jobs(), 2U);
 }
 
-TEST_F(IdempotencyTest, A6WhatChangesIsRepeatedLikewise) {
+// A6
+TEST_F(IdempotencyTest, WhatChangesIsRepeatedLikewise) {
     const std::string job = ask("job", {{"preset", "fast"}}).header("location");
     const auto cancel = [&] {
         return server.request("POST", job + "/cancel", token, {{"Idempotency-Key", "cancel"}});
@@ -113,7 +117,8 @@ TEST_F(IdempotencyTest, A6WhatChangesIsRepeatedLikewise) {
     EXPECT_EQ(server.request("GET", job, token).json()["state"], "queued");
 }
 
-TEST_F(IdempotencyTest, A6AnAnswerWithASecretIsNotKept) {
+// A6
+TEST_F(IdempotencyTest, AnAnswerWithASecretIsNotKept) {
     const auto make = [&](const std::string& path, const nlohmann::json& body) {
         return server.request("POST",
                               path,
@@ -128,7 +133,8 @@ TEST_F(IdempotencyTest, A6AnAnswerWithASecretIsNotKept) {
     EXPECT_EQ(server.post_json("/api/v1/tokens", server.admin(), wanted).status, 201);
 }
 
-TEST_F(IdempotencyTest, A6ARefusalIsNotKept) {
+// A6
+TEST_F(IdempotencyTest, ARefusalIsNotKept) {
     const auto path = create_upload(server.port(), token, 300'000);
     const auto commit = [&] {
         const auto id = path.substr(path.rfind('/') + 1);

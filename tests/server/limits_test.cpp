@@ -17,7 +17,8 @@ std::string status_line(RawClient& client) {
     return text.substr(0, text.find("\r\n"));
 }
 
-TEST(LimitsTest, A15RefusesAHeaderThatIsTooLarge) {
+// A15
+TEST(LimitsTest, RefusesAHeaderThatIsTooLarge) {
     TestServer server;
     RawClient client(server.port());
     client.send("GET /healthz/live HTTP/1.1\r\nX: " + std::string(40'000, 'x') + "\r\n\r\n");
@@ -35,7 +36,8 @@ TEST(LimitsTest, RefusesABodyThatIsTooLargeBeforeItIsSent) {
     EXPECT_EQ(client.receive()->status, 413);
 }
 
-TEST(LimitsTest, A15RefusesAnEndlessChunkedBody) {
+// A15
+TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
     TestServer server;
     RawClient client(server.port());
     client.send(request_head("POST",
@@ -52,7 +54,7 @@ TEST(LimitsTest, A15RefusesAnEndlessChunkedBody) {
 }
 
 // S21
-TEST(LimitsTest, S21RefusesWhatIsNotHttpOrMeansTwoThings) {
+TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
     TestServer server;
     for (const char* bytes :
          {"nonsense\r\n\r\n",
@@ -78,7 +80,7 @@ TEST(LimitsTest, S21RefusesWhatIsNotHttpOrMeansTwoThings) {
 }
 
 // S22
-TEST(LimitsTest, S22LeavesAClientThatNeverFinishesItsHeader) {
+TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
     server::ServerConfig config;
     config.timeouts.header = 300ms;
     TestServer server(config);
@@ -88,7 +90,7 @@ TEST(LimitsTest, S22LeavesAClientThatNeverFinishesItsHeader) {
 }
 
 // S22
-TEST(LimitsTest, S22LeavesAClientThatTakesNoAnswer) {
+TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
     server::ServerConfig config;
     config.timeouts.write = 300ms;
     TestServer server(config);
@@ -106,7 +108,7 @@ TEST(LimitsTest, S22LeavesAClientThatTakesNoAnswer) {
 }
 
 // S28: what a proxy would say is believed of nobody.
-TEST(LimitsTest, S28HeadersOfProxiesChangeNothing) {
+TEST(LimitsTest, HeadersOfProxiesChangeNothing) {
     server::ServerConfig config;
     config.max_failed_logins_per_s = 0.01;  // one at once
     TestServer server(config);
@@ -135,7 +137,8 @@ TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(client.receive()->status, 200);
 }
 
-TEST(LimitsTest, S22TakesNoMoreConnectionsThanItMay) {
+// S22
+TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
     server::ServerConfig config;
     config.max_connections = 2;
     TestServer server(config);
@@ -153,7 +156,8 @@ TEST(LimitsTest, S22TakesNoMoreConnectionsThanItMay) {
     EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
 }
 
-TEST(LimitsTest, A11StopsThoughClientsAreIdleOrInTheMidst) {
+// A11
+TEST(LimitsTest, StopsThoughClientsAreIdleOrInTheMidst) {
     server::ServerConfig config;
     config.timeouts.stop = 2s;
     TestServer server(config);

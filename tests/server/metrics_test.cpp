@@ -30,7 +30,8 @@ std::map<std::string, double> parse(const std::string& text) {
     return values;
 }
 
-TEST(MetricsTest, A10CountWhatHappened) {
+// A10
+TEST(MetricsTest, CountWhatHappened) {
     TestServer server;
     const std::string token = server.make_token("default", {"metrics:read"});
     server.make_job("default", "mesh.glb", "glTF");
@@ -162,7 +163,7 @@ TEST(MetricsTest, TheDashboardAsksForNothingThatThereIsNot) {
 }
 
 // S26
-TEST(MetricsTest, S26AreForWhoMayReadThem) {
+TEST(MetricsTest, AreForWhoMayReadThem) {
     TestServer server;
     EXPECT_EQ(server.request("GET", "/metrics", "").status, 401);
     const std::string reader = server.make_token("default", {"dives:read"});

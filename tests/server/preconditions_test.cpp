@@ -32,7 +32,8 @@ protected:
         server.post_json(dive + "/jobs", server.admin(), {{"preset", "fast"}}).header("location");
 };
 
-TEST_F(PreconditionsTest, A4ALateChangeOfAJobUndoesNoOtherOne) {
+// A4
+TEST_F(PreconditionsTest, ALateChangeOfAJobUndoesNoOtherOne) {
     const std::string read = tag_of(job);
     EXPECT_EQ(ask("PATCH", job, read, {{"priority", 5}}), 200);
     EXPECT_EQ(ask("PATCH", job, read, {{"priority", 1}}), 412);
@@ -41,7 +42,8 @@ TEST_F(PreconditionsTest, A4ALateChangeOfAJobUndoesNoOtherOne) {
     EXPECT_EQ(ask("PATCH", job, "*", {{"priority", 2}}), 200);
 }
 
-TEST_F(PreconditionsTest, A4AJobIsCancelledAndRetriedAsItWasRead) {
+// A4
+TEST_F(PreconditionsTest, AJobIsCancelledAndRetriedAsItWasRead) {
     EXPECT_EQ(ask("POST", job + "/cancel", "\"other\""), 412);
     const std::string queued = tag_of(job);
     EXPECT_EQ(ask("POST", job + "/cancel", queued), 200);
@@ -50,7 +52,8 @@ TEST_F(PreconditionsTest, A4AJobIsCancelledAndRetriedAsItWasRead) {
     EXPECT_EQ(ask("POST", job + "/retry", tag_of(job)), 200);
 }
 
-TEST_F(PreconditionsTest, A4AQueueIsChangedAsItWasRead) {
+// A4
+TEST_F(PreconditionsTest, AQueueIsChangedAsItWasRead) {
     const std::string lab = "/api/v1/queue?project=lab";
     const std::string read = tag_of(lab);
     EXPECT_EQ(ask("PATCH", "/api/v1/queue", read, {{"project", "lab"}, {"max_running", 2}}), 200);
@@ -60,7 +63,8 @@ TEST_F(PreconditionsTest, A4AQueueIsChangedAsItWasRead) {
     EXPECT_EQ(ask("POST", "/api/v1/queue/redrive", tag_of(lab), {{"project", "lab"}}), 200);
 }
 
-TEST_F(PreconditionsTest, A4AWorkerIsDrainedAsItWasRead) {
+// A4
+TEST_F(PreconditionsTest, AWorkerIsDrainedAsItWasRead) {
     storage::WorkerStore(server.catalog()).report("boat", 2);
     const std::string boat = "/api/v1/workers/boat";
     const std::string read = tag_of(boat);
@@ -70,14 +74,16 @@ TEST_F(PreconditionsTest, A4AWorkerIsDrainedAsItWasRead) {
     EXPECT_EQ(server.request("GET", "/api/v1/workers/nobody", server.admin()).status, 404);
 }
 
-TEST_F(PreconditionsTest, A4ADiveIsRestoredAsItWasRead) {
+// A4
+TEST_F(PreconditionsTest, ADiveIsRestoredAsItWasRead) {
     const std::string before = tag_of(dive);
     EXPECT_EQ(ask("DELETE", dive, before), 200);
     EXPECT_EQ(ask("POST", dive + "/restore", before), 412);
     EXPECT_EQ(ask("POST", dive + "/restore", tag_of(dive)), 200);
 }
 
-TEST_F(PreconditionsTest, A4WhatHasNoTagIsChangedForAnyTagOrNone) {
+// A4
+TEST_F(PreconditionsTest, WhatHasNoTagIsChangedForAnyTagOrNone) {
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "n"}, {"scopes", {"dives:read"}}});
     const std::string token = "/api/v1/tokens/" + made.json()["id"].get<std::string>();

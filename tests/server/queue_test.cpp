@@ -46,7 +46,8 @@ protected:
     int num_jobs = 0;
 };
 
-TEST_F(QueueTest, Q11TellsAQueuedJobWhereItStands) {
+// Q11
+TEST_F(QueueTest, TellsAQueuedJobWhereItStands) {
     ask();
     const std::string second = ask();
 
@@ -87,7 +88,8 @@ TEST_F(QueueTest, HoldsAJobBehindItsParents) {
     EXPECT_EQ(post(jobs_of_dive, {{"parents", "job_none"}}).status, 400);
 }
 
-TEST(DiskGuardTest, A14NoJobIsPutBackWhileTheDiskIsNearlyFull) {
+// A14
+TEST(DiskGuardTest, NoJobIsPutBackWhileTheDiskIsNearlyFull) {
     server::ServerConfig config;
     config.min_free_bytes = std::int64_t{1} << 60;
     TestServer server(config);
@@ -163,7 +165,8 @@ TEST_F(QueueTest, PausesAndLimitsByTheAdministratorAlone) {
     EXPECT_EQ(patch("/api/v1/queue", {{"paused", "yes"}}).status, 400);
 }
 
-TEST_F(QueueTest, Q12RedrivesTheDeadOfAProject) {
+// Q12
+TEST_F(QueueTest, RedrivesTheDeadOfAProject) {
     const std::string job = ask();
     storage::JobStore jobs(server.catalog(), {.first = std::chrono::milliseconds(0)});
     for (int i = 0; i < 3; ++i)

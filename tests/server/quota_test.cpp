@@ -90,7 +90,7 @@ TEST_F(ByteQuotaTest, AStreamWithoutLengthEndsAtIt) {
 }
 
 // S11: what is named twice is laid down twice.
-TEST_F(ByteQuotaTest, S11PartsCountOnceAndTheirRepetitionsToo) {
+TEST_F(ByteQuotaTest, PartsCountOnceAndTheirRepetitionsToo) {
     const auto part = make_part(std::string(400, 'x'));
     expect_out_of_quota(create({{"Upload-Concat", final_of({part, part, part})}}));
     EXPECT_EQ(create({{"Upload-Concat", final_of({part, part})}}).status, 201);

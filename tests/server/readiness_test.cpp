@@ -28,7 +28,8 @@ std::string detail_of(const RawResponse& response) {
     return response.json().value("detail", "");
 }
 
-TEST(ReadinessTest, A10NotReadyWithACatalogOfAnotherVersion) {
+// A10
+TEST(ReadinessTest, NotReadyWithACatalogOfAnotherVersion) {
     TestServer server;
     const auto set_version = [&](int more) {
         server.catalog().transaction([&](soci::session& session) {
@@ -42,7 +43,8 @@ TEST(ReadinessTest, A10NotReadyWithACatalogOfAnotherVersion) {
     ready(server, 200);
 }
 
-TEST(ReadinessTest, A10NotReadyWithoutAPlaceForBlobs) {
+// A10
+TEST(ReadinessTest, NotReadyWithoutAPlaceForBlobs) {
     const TestServer server;
     ready(server, 200);
     const auto uploads = server.data() / "blobs" / "staged" / "uploads";
@@ -56,7 +58,8 @@ TEST(ReadinessTest, A10NotReadyWithoutAPlaceForBlobs) {
     ready(server, 200);
 }
 
-TEST(ReadinessTest, A10NotReadyOnAFullDisk) {
+// A10
+TEST(ReadinessTest, NotReadyOnAFullDisk) {
     server::ServerConfig config;
     config.min_free_bytes = std::int64_t{1} << 60;
     const TestServer server(config);

@@ -19,7 +19,8 @@ protected:
     const std::string token = server.admin();
 };
 
-TEST_F(RestTest, A3PagesThroughAListByItsLinks) {
+// A3
+TEST_F(RestTest, PagesThroughAListByItsLinks) {
     for (int i = 0; i < 5; ++i) server.make_dive("default", sha256_hex(std::to_string(i)));
     std::vector<std::string> seen;
     std::string target = "/api/v1/dives?limit=2&state=ready";
@@ -47,7 +48,7 @@ TEST_F(RestTest, FindsADiveByItsHash) {
 }
 
 // S29
-TEST_F(RestTest, S29RefusesListsThatMakeNoSense) {
+TEST_F(RestTest, RefusesListsThatMakeNoSense) {
     for (const char* query : {"limit=0",
                               "limit=201",
                               "limit=x",
@@ -62,7 +63,8 @@ TEST_F(RestTest, S29RefusesListsThatMakeNoSense) {
     EXPECT_EQ(get("/api/v1/jobs?kind=none").status, 400);
 }
 
-TEST_F(RestTest, A3ShortListsArePagedToo) {
+// A3
+TEST_F(RestTest, ShortListsArePagedToo) {
     for (int i = 0; i < 4; ++i) server.make_token("default", {"dives:read"});
     const std::string list = "/api/v1/tokens";
     const auto all = get(list).json()["items"];
@@ -112,7 +114,8 @@ TEST_F(RestTest, RefusesJobsThatCannotBeDone) {
     EXPECT_EQ(post(jobs, nlohmann::json::array()), 400);
 }
 
-TEST_F(RestTest, A2RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
+// A2
+TEST_F(RestTest, RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
     const auto send = [&](const std::string& type, std::string_view body) {
         return server.request("POST", "/api/v1/dives", token, {{"Content-Type", type}}, body)
             .status;
@@ -127,7 +130,8 @@ TEST_F(RestTest, A2RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
     EXPECT_EQ(send("application/json", R"({"upload_id":5})"), 400);
 }
 
-TEST_F(RestTest, A2TellsAllThatIsWrongAtOnceAndWhere) {
+// A2
+TEST_F(RestTest, TellsAllThatIsWrongAtOnceAndWhere) {
     const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
     const auto places = [](const RawResponse& response) {
         std::set<std::string> found;
@@ -163,14 +167,16 @@ TEST_F(RestTest, TellsTheLogAndTheArtifactsOfAJob) {
     EXPECT_FALSE(artifacts[0].contains("blob"));
 }
 
-TEST_F(RestTest, A4SendsNoResourceThatHasNotChanged) {
+// A4
+TEST_F(RestTest, SendsNoResourceThatHasNotChanged) {
     const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
     const std::string etag = get(dive).header("etag");
     ASSERT_FALSE(etag.empty());
     EXPECT_EQ(server.request("GET", dive, token, {{"If-None-Match", etag}}).status, 304);
 }
 
-TEST_F(RestTest, A1AnswersHealthAndItsOwnContractToAnybody) {
+// A1
+TEST_F(RestTest, AnswersHealthAndItsOwnContractToAnybody) {
     EXPECT_EQ(server.request("GET", "/healthz/live", "").json()["status"], "live");
     EXPECT_EQ(server.request("GET", "/healthz/ready", "").json()["status"], "ready");
     EXPECT_EQ(server.request("GET", "/openapi.json", "").json()["openapi"], "3.1.0");
@@ -184,7 +190,7 @@ TEST_F(RestTest, NamesTheMethodsOfAnAddress) {
 }
 
 // S29
-TEST_F(RestTest, S29RepeatsTheRequestsIdUnlessItIsHostile) {
+TEST_F(RestTest, RepeatsTheRequestsIdUnlessItIsHostile) {
     const auto id_of = [&](const std::string& sent) {
         return server.request("GET", "/healthz/live", "", {{"X-Request-Id", sent}})
             .header("x-request-id");

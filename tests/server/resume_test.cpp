@@ -32,7 +32,8 @@ std::int64_t offset_reaches(int port,
     return offset;
 }
 
-TEST(ResumeTest, U5EverythingThatCameBeforeACutIsKept) {
+// U5
+TEST(ResumeTest, EverythingThatCameBeforeACutIsKept) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
     const std::string bytes = random_bytes(1'000'000);
@@ -56,7 +57,8 @@ TEST(ResumeTest, U5EverythingThatCameBeforeACutIsKept) {
     EXPECT_EQ(dive.json()["archive_sha256"], sha256_hex(bytes));
 }
 
-TEST(ResumeTest, U14ANewRequestEndsAnOlderOneThatHangs) {
+// U14
+TEST(ResumeTest, ANewRequestEndsAnOlderOneThatHangs) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
     RawClient half_open(server.port());
@@ -75,8 +77,8 @@ TEST(ResumeTest, U14ANewRequestEndsAnOlderOneThatHangs) {
 }
 
 // The answer to the last byte is lost: the client learns of its dive by asking for the offset,
-// however close behind that byte it asks.
-TEST(ResumeTest, U14WhoLostTheLastAnswerIsToldTheDiveByHead) {
+// however close behind that byte it asks (U14).
+TEST(ResumeTest, WhoLostTheLastAnswerIsToldTheDiveByHead) {
     TestServer server;
     const auto bytes = random_bytes(300'000);
     int num_whole = 0;
@@ -101,7 +103,8 @@ TEST(ResumeTest, U14WhoLostTheLastAnswerIsToldTheDiveByHead) {
     EXPECT_GT(num_whole, 0);
 }
 
-TEST(ResumeTest, U12S12ATerminationEndsAnUploadThatIsUnderWay) {
+// U12, S12
+TEST(ResumeTest, ATerminationEndsAnUploadThatIsUnderWay) {
     TestServer server;
     const auto path = create_upload(server.port(), server.admin(), 1'000'000);
     RawClient sending(server.port());
@@ -112,7 +115,8 @@ TEST(ResumeTest, U12S12ATerminationEndsAnUploadThatIsUnderWay) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), -1);
 }
 
-TEST(ResumeTest, U15ASilentClientIsLeftAndItsBytesAreKept) {
+// U15
+TEST(ResumeTest, ASilentClientIsLeftAndItsBytesAreKept) {
     server::ServerConfig config;
     config.timeouts.body = 300ms;
     TestServer server(config);
@@ -125,7 +129,8 @@ TEST(ResumeTest, U15ASilentClientIsLeftAndItsBytesAreKept) {
     EXPECT_EQ(upload_offset(server.port(), server.admin(), path), 10);
 }
 
-TEST(ResumeTest, U15AClientThatDribblesIsLeftAndItsBytesAreKept) {
+// U15
+TEST(ResumeTest, AClientThatDribblesIsLeftAndItsBytesAreKept) {
     server::ServerConfig config;
     config.min_upload_bytes_per_s = 1'000;
     config.timeouts.rate = 500ms;
@@ -143,7 +148,8 @@ TEST(ResumeTest, U15AClientThatDribblesIsLeftAndItsBytesAreKept) {
     EXPECT_LE(kept, 40);
 }
 
-TEST(ResumeTest, U15AClientAtTheLowestRateIsWaitedFor) {
+// U15
+TEST(ResumeTest, AClientAtTheLowestRateIsWaitedFor) {
     server::ServerConfig config;
     config.min_upload_bytes_per_s = 1'000;
     config.timeouts.rate = 300ms;
@@ -158,7 +164,8 @@ TEST(ResumeTest, U15AClientAtTheLowestRateIsWaitedFor) {
     EXPECT_EQ(client.receive()->status, 204);
 }
 
-TEST(ResumeTest, U5AStoppedServerKeepsWhatCame) {
+// U5
+TEST(ResumeTest, AStoppedServerKeepsWhatCame) {
     const TemporaryFolder data;
     auto first = std::make_unique<ServerProcess>(data.path());
     const std::string token = read_token(data.path());
@@ -172,7 +179,8 @@ TEST(ResumeTest, U5AStoppedServerKeepsWhatCame) {
     EXPECT_EQ(upload_offset(second.port(), token, path), 123'456);
 }
 
-TEST(ResumeTest, U5AKilledServerGoesOnWhereTheBytesEnd) {
+// U5
+TEST(ResumeTest, AKilledServerGoesOnWhereTheBytesEnd) {
     const TemporaryFolder data;
     const std::string bytes = random_bytes(3'000'000);
     std::string path;
@@ -211,7 +219,8 @@ TEST(ResumeTest, U5AKilledServerGoesOnWhereTheBytesEnd) {
     EXPECT_EQ(dives["items"][0]["archive_sha256"], sha256_hex(bytes));
 }
 
-TEST(ResumeTest, U11AServerKilledWithinACheckedChunkKeepsNoneOfIt) {
+// U11
+TEST(ResumeTest, AServerKilledWithinACheckedChunkKeepsNoneOfIt) {
     const TemporaryFolder data;
     std::string path;
     std::string token;
@@ -233,7 +242,8 @@ TEST(ResumeTest, U11AServerKilledWithinACheckedChunkKeepsNoneOfIt) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 1'000);
 }
 
-TEST(ResumeTest, U13AServerKilledWhileItJoinsPartsGoesOn) {
+// U13
+TEST(ResumeTest, AServerKilledWhileItJoinsPartsGoesOn) {
     const TemporaryFolder data;
     const std::string bytes = random_bytes(8'000'000);
     std::string token;

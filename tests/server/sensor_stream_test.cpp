@@ -11,7 +11,8 @@ using nlohmann::json;
 
 class SensorStreamTest : public SensorFixture {};
 
-TEST_F(SensorStreamTest, T1WhatIsSentIsAnsweredOnceItIsDurable) {
+// T1
+TEST_F(SensorStreamTest, WhatIsSentIsAnsweredOnceItIsDurable) {
     WebSocketClient sensor = stream();
     EXPECT_GT(sensor.next_json()["welcome"]["time_ms"], std::int64_t{1'700'000'000'000});
     sensor.say(hello(0, json::array()));
@@ -41,7 +42,7 @@ TEST_F(SensorStreamTest, ManyAtOnceAreWrittenTogetherAndAllAnswered) {
 }
 
 // S34: three seconds of a device that says a thousand things a second, all in one.
-TEST_F(SensorStreamTest, S34AFloodIsTakenAndKeepsNobodyElseWaiting) {
+TEST_F(SensorStreamTest, AFloodIsTakenAndKeepsNobodyElseWaiting) {
     constexpr int kMany = 3'000;
     const std::string other = sensor_token("other");
     WebSocketClient sensor = stream();
@@ -60,7 +61,8 @@ TEST_F(SensorStreamTest, S34AFloodIsTakenAndKeepsNobodyElseWaiting) {
     EXPECT_EQ(get("/api/v1/sensors/aqua")["status"]["num_frames"], kMany - 1);
 }
 
-TEST_F(SensorStreamTest, T4APreviewIsShownWithItsAge) {
+// T4
+TEST_F(SensorStreamTest, APreviewIsShownWithItsAge) {
     WebSocketClient sensor = stream();
     sensor.next_json();
     const std::string picture = jpeg();
@@ -114,7 +116,7 @@ TEST_F(SensorStreamTest, TheNewestPicturesAreKept) {
 }
 
 // S34: the stream goes on after each of them.
-TEST_F(SensorStreamTest, S34WhatIsNoFrameIsRefusedByItsNumber) {
+TEST_F(SensorStreamTest, WhatIsNoFrameIsRefusedByItsNumber) {
     WebSocketClient sensor = stream();
     sensor.next_json();
     const std::string whole = jpeg();
@@ -162,7 +164,8 @@ TEST_F(SensorStreamTest, AFrameThatIsTooLongEndsTheStream) {
     EXPECT_EQ(sensor.close_code(), 1009U);
 }
 
-TEST_F(SensorStreamTest, S34ATokenSpeaksForItsSensorAlone) {
+// S34
+TEST_F(SensorStreamTest, ATokenSpeaksForItsSensorAlone) {
     const std::string other = sensor_token("other");
     for (const std::string& token :
          {other, server_.make_token("default", {"dives:read"}), std::string("dm_wrong")})
@@ -171,7 +174,8 @@ TEST_F(SensorStreamTest, S34ATokenSpeaksForItsSensorAlone) {
     EXPECT_EQ(server_.request("GET", "/api/v1/sensors/aqua/stream", token_).status, 426);
 }
 
-TEST_F(SensorStreamTest, T6TheNewestStreamTakesTheSensorsPlace) {
+// T6
+TEST_F(SensorStreamTest, TheNewestStreamTakesTheSensorsPlace) {
     WebSocketClient first = stream();
     first.next_json();
     WebSocketClient second = stream();

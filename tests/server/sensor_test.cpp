@@ -13,7 +13,8 @@ using nlohmann::json;
 
 class SensorTest : public SensorFixture {};
 
-TEST_F(SensorTest, T1T2AStatusIsAcknowledgedAndShown) {
+// T1, T2
+TEST_F(SensorTest, AStatusIsAcknowledgedAndShown) {
     const RawResponse answer = push(token_, report(0, {{"battery", 0.8}, {"depth_m", 0.4}}));
     ASSERT_EQ(answer.status, 200) << answer.body;
     EXPECT_EQ(answer.json()["acknowledged"], 0);
@@ -34,7 +35,8 @@ TEST_F(SensorTest, T1T2AStatusIsAcknowledgedAndShown) {
     EXPECT_EQ(history["fields"]["leak"]["largest"], json::array({nullptr}));
 }
 
-TEST_F(SensorTest, S34ATokenPushesForItsSensorAndDoesNothingElse) {
+// S34
+TEST_F(SensorTest, ATokenPushesForItsSensorAndDoesNothingElse) {
     EXPECT_EQ(push(token_, report(0, json::object()), "other").status, 404);
     EXPECT_EQ(push(server_.make_token("default", {"dives:write"}), report(0, {})).status, 403);
     EXPECT_EQ(push("", report(0, {})).status, 401);
@@ -43,7 +45,8 @@ TEST_F(SensorTest, S34ATokenPushesForItsSensorAndDoesNothingElse) {
     EXPECT_EQ(server_.request("GET", "/api/v1/sensors/aqua", server_.admin()).status, 404);
 }
 
-TEST_F(SensorTest, S13OfAnotherProjectASensorIsNotThere) {
+// S13
+TEST_F(SensorTest, OfAnotherProjectASensorIsNotThere) {
     push(token_, report(0, json::object()));
     const std::string north = server_.make_token("north", {"dives:read"});
     EXPECT_EQ(server_.request("GET", "/api/v1/sensors", north).json()["items"].size(), 0U);
@@ -54,7 +57,8 @@ TEST_F(SensorTest, S13OfAnotherProjectASensorIsNotThere) {
     EXPECT_EQ(get("/api/v1/sensors/aqua")["acknowledged"], 0);
 }
 
-TEST_F(SensorTest, S34WhatIsNoReportIsRefusedWithItsPlaces) {
+// S34
+TEST_F(SensorTest, WhatIsNoReportIsRefusedWithItsPlaces) {
     const RawResponse wrong = push(token_, report(0, {{"battery", 7}, {"leak", "yes"}}));
     ASSERT_EQ(wrong.status, 400);
     EXPECT_EQ(wrong.json()["errors"].size(), 2U);

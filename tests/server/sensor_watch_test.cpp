@@ -28,7 +28,8 @@ protected:
     }
 };
 
-TEST_F(SensorWatchTest, T5ASnapshotAndThenWhatHasChanged) {
+// T5
+TEST_F(SensorWatchTest, ASnapshotAndThenWhatHasChanged) {
     push(token_, report(0, {{"battery", 0.8}, {"depth_m", 0.4}}));
     WebSocketClient watcher = watch("aqua");
     const json snapshot = next_news(watcher);
@@ -52,7 +53,8 @@ TEST_F(SensorWatchTest, WhatIsNullIsLeftOut) {
     EXPECT_EQ(next_news(watcher)["data"]["status"], (json{{"vendor", {{"rpm", 3}}}}));
 }
 
-TEST_F(SensorWatchTest, T5TwoFramesASecondAtMostAndTheNewestOne) {
+// T5
+TEST_F(SensorWatchTest, TwoFramesASecondAtMostAndTheNewestOne) {
     push(token_, report(0, {{"num_frames", 0}}));
     WebSocketClient watcher = watch("aqua");
     json shown = next_news(watcher)["data"];

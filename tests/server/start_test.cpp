@@ -136,7 +136,8 @@ std::string owe_dive(const ServerConfig& config,
     return upload.id;
 }
 
-TEST(StartTest, S12MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHaveThem) {
+// S12
+TEST(StartTest, MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHaveThem) {
     const TemporaryFolder data;
     const auto config = config_at(data, "127.0.0.1:0");
     std::string wrong;
@@ -171,7 +172,7 @@ TEST(StartTest, S12MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHave
 }
 
 // U20
-TEST(StartTest, U20ADiveThatThereWasNoRoomForIsMadeOnceThereIs) {
+TEST(StartTest, ADiveThatThereWasNoRoomForIsMadeOnceThereIs) {
     const TemporaryFolder data;
     auto config = config_at(data, "127.0.0.1:0");
     config.max_project_dives = 1;

@@ -129,7 +129,8 @@ TEST_F(TlsClientTest, UploadsAndWatches) {
     EXPECT_TRUE(events.next(std::chrono::seconds(10)).has_value());
 }
 
-TEST_F(TlsClientTest, A5DownloadsOverTls) {
+// A5
+TEST_F(TlsClientTest, DownloadsOverTls) {
     const std::string bytes = random_bytes(5'000'000);
     const std::string job = server.make_job("default", "mesh.glb", bytes);
     Artifact artifact;

@@ -70,7 +70,7 @@ TEST_F(TokenTest, AOneShotTokenOpensItsPathOnce) {
 }
 
 // S24
-TEST_F(TokenTest, S24OfManyWhoRaceForAOneShotTokenOneGetsIn) {
+TEST_F(TokenTest, OfManyWhoRaceForAOneShotTokenOneGetsIn) {
     const std::string secret = one_shot(artifact, reader);
     std::atomic<int> let_in = 0;
     {
@@ -112,8 +112,8 @@ TEST_F(TokenTest, AOneShotTokenIsTooOldAfterAWhile) {
     EXPECT_LE(storage::kOneShotLifetime, 30s);
 }
 
-// S23, S24
-TEST_F(TokenTest, A9S24NoSecretReachesTheLog) {
+// S23, S24, A9
+TEST_F(TokenTest, NoSecretReachesTheLog) {
     std::ostringstream log;
     const auto before = spdlog::default_logger();
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(

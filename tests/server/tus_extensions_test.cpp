@@ -16,7 +16,8 @@ std::string sha1_base64(std::string_view bytes) {
 
 std::string id_of(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-TEST_F(TusTest, U9ALengthThatIsToldLaterIsToldOnce) {
+// U9
+TEST_F(TusTest, ALengthThatIsToldLaterIsToldOnce) {
     const auto made = create({{"Upload-Defer-Length", "1"}, {"Upload-Metadata", "commit"}});
     ASSERT_EQ(made.status, 201) << made.body;
     const auto path = made.header("location");
@@ -33,14 +34,16 @@ TEST_F(TusTest, U9ALengthThatIsToldLaterIsToldOnce) {
     EXPECT_EQ(archive_of(last.header("divemesh-dive")), bytes);
 }
 
-TEST_F(TusTest, U9ARefusedRequestDoesNotFixTheLength) {
+// U9
+TEST_F(TusTest, ARefusedRequestDoesNotFixTheLength) {
     const auto path = create({{"Upload-Defer-Length", "1"}}).header("location");
     EXPECT_EQ(patch(path, 0, bytes, {{"Upload-Length", "100"}}).status, 413);
     EXPECT_EQ(head(path).header("upload-defer-length"), "1");
     EXPECT_EQ(patch(path, 0, bytes, {{"Upload-Length", "300000"}}).status, 204);
 }
 
-TEST_F(TusTest, U13APartIsKeptAsLongAsAJoinNeedsIt) {
+// U13
+TEST_F(TusTest, APartIsKeptAsLongAsAJoinNeedsIt) {
     const auto part = make_part(bytes);
     storage::UploadStore uploads(server.catalog());
     Upload whole;  // entered, and its bytes are still to be copied
@@ -53,7 +56,8 @@ TEST_F(TusTest, U13APartIsKeptAsLongAsAJoinNeedsIt) {
     EXPECT_EQ(terminate(part).status, 204);
 }
 
-TEST_F(TusTest, U9AnUploadMayEndWhereItIsWhenItsLengthIsTold) {
+// U9
+TEST_F(TusTest, AnUploadMayEndWhereItIsWhenItsLengthIsTold) {
     const auto path = create({{"Upload-Defer-Length", "1"}}).header("location");
     patch(path, 0, bytes);
     const auto told = patch(path, 300'000, "", {{"Upload-Length", "300000"}});
@@ -83,7 +87,8 @@ protected:
     }
 };
 
-TEST_F(TokenLimitTest, U15OneTokenCannotTakeAllThatItsProjectMayHaveOpen) {
+// U15
+TEST_F(TokenLimitTest, OneTokenCannotTakeAllThatItsProjectMayHaveOpen) {
     const auto laptop = server.make_token("default", {"dives:write"});
     const auto tablet = server.make_token("default", {"dives:write"});
     const auto begin = [&](const std::string& whose) {
@@ -100,7 +105,8 @@ TEST_F(TokenLimitTest, U15OneTokenCannotTakeAllThatItsProjectMayHaveOpen) {
     EXPECT_EQ(begin(laptop).status, 429) << "that was not one of its own";
 }
 
-TEST_F(SmallServerTest, S11AStreamWithoutLengthIsBounded) {
+// S11
+TEST_F(SmallServerTest, AStreamWithoutLengthIsBounded) {
     const auto path = create({{"Upload-Defer-Length", "1"}}).header("location");
     EXPECT_EQ(patch(path, 0, std::string(1001, 'x')).status, 413);
     EXPECT_EQ(head(path).header("upload-offset"), "0");
@@ -114,7 +120,8 @@ TEST_F(SmallServerTest, S11AStreamWithoutLengthIsBounded) {
     EXPECT_EQ(patch(path, 1000, "", {{"Upload-Length", "1001"}}).status, 413);
 }
 
-TEST_F(SmallServerTest, S11TheSamePartAThousandTimesIsTooLarge) {
+// S11
+TEST_F(SmallServerTest, TheSamePartAThousandTimesIsTooLarge) {
     const auto part = make_part(std::string(400, 'x'));
     EXPECT_EQ(create({{"Upload-Concat", final_of({part, part, part})}}).status, 413);
     EXPECT_EQ(create({{"Upload-Concat", final_of(std::vector(200, part))}}).status, 413);
@@ -123,7 +130,8 @@ TEST_F(SmallServerTest, S11TheSamePartAThousandTimesIsTooLarge) {
     EXPECT_EQ(create({{"Upload-Concat", final_of({part, part})}}).status, 201);
 }
 
-TEST_F(SmallServerTest, U15S11ManyUploadsThatAreNeverSentAreRefused) {
+// U15, S11
+TEST_F(SmallServerTest, ManyUploadsThatAreNeverSentAreRefused) {
     std::string first;
     for (int i = 0; i < 5; ++i) first = create_upload(server.port(), token, 10);
     const auto refused = create({{"Upload-Length", "10"}});
@@ -150,7 +158,8 @@ protected:
     }
 };
 
-TEST_F(ExpiryTest, U10AnUploadWithoutBytesExpiresAndItsBytesGo) {
+// U10
+TEST_F(ExpiryTest, AnUploadWithoutBytesExpiresAndItsBytesGo) {
     const auto made = create({{"Upload-Length", "1000"}});
     EXPECT_TRUE(made.header("upload-expires").ends_with(" GMT")) << made.header("upload-expires");
     const auto path = made.header("location");
@@ -163,7 +172,8 @@ TEST_F(ExpiryTest, U10AnUploadWithoutBytesExpiresAndItsBytesGo) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(ExpiryTest, U10BytesMoveTheExpiryAndADiveNeverExpires) {
+// U10
+TEST_F(ExpiryTest, BytesMoveTheExpiryAndADiveNeverExpires) {
     const auto path = create_upload(server.port(), token, 300'000, "commit");
     const auto expires = [&] {
         return server.request("GET", path, token).json()["expires_at_ms"].get<std::int64_t>();
@@ -177,7 +187,8 @@ TEST_F(ExpiryTest, U10BytesMoveTheExpiryAndADiveNeverExpires) {
     EXPECT_EQ(expires(), 0);
 }
 
-TEST_F(ExpiryTest, U10S12TheSweeperLeavesAnUploadThatIsBeingSent) {
+// U10, S12
+TEST_F(ExpiryTest, TheSweeperLeavesAnUploadThatIsBeingSent) {
     const auto path = create_upload(server.port(), token, 1000);
     const auto other = create_upload(server.port(), token, 1000);
     RawClient sending(server.port());
@@ -192,7 +203,8 @@ TEST_F(ExpiryTest, U10S12TheSweeperLeavesAnUploadThatIsBeingSent) {
     EXPECT_EQ(answer->header("upload-offset"), "1000");
 }
 
-TEST_F(TusTest, U11ARightChecksumIsTakenByEveryAlgorithm) {
+// U11
+TEST_F(TusTest, ARightChecksumIsTakenByEveryAlgorithm) {
     const std::string text = "123456789";
     const std::string checksums[] = {"sha1 98O8HYCOBHMq32eZZczDTKeuNEE=",
                                      "sha256 FeKw08M4keuw8e9gnsQZQgwg4yDOlMZfvIwzEkSOsiU=",
@@ -208,7 +220,8 @@ TEST_F(TusTest, U11ARightChecksumIsTakenByEveryAlgorithm) {
     EXPECT_EQ(head(path).header("upload-offset"), "27");
 }
 
-TEST_F(TusTest, U11AWrongChecksumLeavesTheUploadAsItWas) {
+// U11
+TEST_F(TusTest, AWrongChecksumLeavesTheUploadAsItWas) {
     const auto path = create_upload(server.port(), token, 300'000, "commit");
     ASSERT_EQ(patch(path, 0, bytes.substr(0, 1000)).status, 204);
     const std::string middle = bytes.substr(1000, 200'000);
@@ -226,7 +239,8 @@ TEST_F(TusTest, U11AWrongChecksumLeavesTheUploadAsItWas) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(TusTest, U11OfAChunkThatIsCutNothingIsKept) {
+// U11
+TEST_F(TusTest, OfAChunkThatIsCutNothingIsKept) {
     const auto path = create_upload(server.port(), token, 1000);
     {
         RawClient client(server.port());
@@ -241,7 +255,8 @@ TEST_F(TusTest, U11OfAChunkThatIsCutNothingIsKept) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(TusTest, S14ChecksumsThatAreNoneAreRefused) {
+// S14
+TEST_F(TusTest, ChecksumsThatAreNoneAreRefused) {
     const auto path = create_upload(server.port(), token, 1000);
     const std::string right = sha1_base64("hello");
     for (const std::string& checksum : {std::string("md5 XUFAKrxLKna5cZ2REBfFkg=="),
@@ -262,7 +277,8 @@ TEST_F(TusTest, S14ChecksumsThatAreNoneAreRefused) {
               400);
 }
 
-TEST_F(TusTest, U13PartsMakeOneUploadThatBecomesADive) {
+// U13
+TEST_F(TusTest, PartsMakeOneUploadThatBecomesADive) {
     const std::vector<std::string> parts = {make_part(bytes.substr(0, 100'000)),
                                             make_part(""),
                                             make_part(bytes.substr(100'000, 1)),
@@ -283,7 +299,8 @@ TEST_F(TusTest, U13PartsMakeOneUploadThatBecomesADive) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(TusTest, U13AskedAgainForTheSamePartsTheAnswerIsTheSame) {
+// U13
+TEST_F(TusTest, AskedAgainForTheSamePartsTheAnswerIsTheSame) {
     const auto part = make_part(bytes);
     const Headers wanted = {{"Upload-Concat", final_of({part, part})}};
     const auto first = create(wanted);
@@ -296,7 +313,8 @@ TEST_F(TusTest, U13AskedAgainForTheSamePartsTheAnswerIsTheSame) {
     EXPECT_EQ(archive_of(dive.json()["id"]), bytes + bytes);
 }
 
-TEST_F(TusTest, U13APartIsNoDiveAndAFinalUploadTakesNoBytes) {
+// U13
+TEST_F(TusTest, APartIsNoDiveAndAFinalUploadTakesNoBytes) {
     const auto part = make_part(bytes);
     EXPECT_EQ(server.post_json("/api/v1/dives", token, {{"upload_id", id_of(part)}}).status, 409);
     EXPECT_EQ(create({{"Upload-Concat", final_of({part})}, {"Upload-Length", "300000"}}).status,
@@ -314,7 +332,8 @@ TEST_F(TusTest, U13APartIsNoDiveAndAFinalUploadTakesNoBytes) {
     EXPECT_EQ(owed.header("divemesh-dive"), "");
 }
 
-TEST_F(TusTest, U13RefusesPartsThatAreNone) {
+// U13
+TEST_F(TusTest, RefusesPartsThatAreNone) {
     const auto whole = create_upload(server.port(), token, 0);
     const auto unfinished =
         create({{"Upload-Length", "5"}, {"Upload-Concat", "partial"}}).header("location");
@@ -336,7 +355,8 @@ TEST_F(TusTest, U13RefusesPartsThatAreNone) {
     EXPECT_EQ(create({{"Upload-Concat", final_of({part})}}).status, 410);
 }
 
-TEST_F(TusTest, U13S13AnotherProjectsPartIsNotSeen) {
+// U13, S13
+TEST_F(TusTest, AnotherProjectsPartIsNotSeen) {
     const auto part = make_part(bytes);
     const auto stranger = server.make_token("elsewhere", {"dives:write", "dives:read"});
     const auto stolen = RawClient(server.port())

@@ -4,7 +4,8 @@
 namespace divemesh {
 namespace {
 
-TEST_F(TusTest, U2SaysWhatItSpeaksWithoutTokenOrVersion) {
+// U2
+TEST_F(TusTest, SaysWhatItSpeaksWithoutTokenOrVersion) {
     for (const char* target : {"/api/v1/uploads", "/api/v1/uploads/any"}) {
         const auto response = server.request("OPTIONS", target, "");
         EXPECT_EQ(response.status, 204);
@@ -18,7 +19,8 @@ TEST_F(TusTest, U2SaysWhatItSpeaksWithoutTokenOrVersion) {
     }
 }
 
-TEST_F(TusTest, U1ProcessesNothingWithoutItsVersion) {
+// U1
+TEST_F(TusTest, ProcessesNothingWithoutItsVersion) {
     const auto path = create_upload(server.port(), token, 10);
     for (const auto& [method, target] :
          {std::pair<std::string, std::string>{"POST", "/api/v1/uploads"},
@@ -38,7 +40,8 @@ TEST_F(TusTest, U1ProcessesNothingWithoutItsVersion) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
 }
 
-TEST_F(TusTest, U3KeepsMetadataByteForByteAndAnswersWhereToGoOn) {
+// U3
+TEST_F(TusTest, KeepsMetadataByteForByteAndAnswersWhereToGoOn) {
     const std::string metadata =
         "filename " + base64("wreck.zip") + ",other,dive " + base64(std::string(64, 'a'));
     const auto path = create_upload(server.port(), token, 1000, metadata);
@@ -75,7 +78,8 @@ TEST_F(TusTest, AnUploadInPiecesBecomesADiveOfTheSameBytes) {
     EXPECT_EQ(jobs.size(), 2U);
 }
 
-TEST_F(TusTest, U8TakesTheFirstBytesWithTheCreation) {
+// U8
+TEST_F(TusTest, TakesTheFirstBytesWithTheCreation) {
     const auto part =
         create({{"Upload-Length", "300000"}, {"Content-Type", "application/offset+octet-stream"}},
                std::string_view(bytes).substr(0, 1000));
@@ -89,7 +93,8 @@ TEST_F(TusTest, U8TakesTheFirstBytesWithTheCreation) {
     EXPECT_EQ(archive_of(whole.header("divemesh-dive")), bytes);
 }
 
-TEST_F(TusTest, U4RefusesAWrongOffsetAndChangesNothing) {
+// U4
+TEST_F(TusTest, RefusesAWrongOffsetAndChangesNothing) {
     const auto path = create_upload(server.port(), token, 1000);
     patch(path, 0, std::string(100, 'x'));
     for (const std::int64_t offset : {0, 99, 101, 1000}) {
@@ -100,7 +105,8 @@ TEST_F(TusTest, U4RefusesAWrongOffsetAndChangesNothing) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 100);
 }
 
-TEST_F(TusTest, U4RefusesOffsetsAndLengthsThatAreNoNumbers) {
+// U4
+TEST_F(TusTest, RefusesOffsetsAndLengthsThatAreNoNumbers) {
     const auto path = create_upload(server.port(), token, 1000);
     for (const char* offset : {"", "-1", "x", "1.5", "99999999999999999999"}) {
         Headers headers = tus_headers(token, {{"Content-Type", "application/offset+octet-stream"}});
@@ -115,7 +121,8 @@ TEST_F(TusTest, U4RefusesOffsetsAndLengthsThatAreNoNumbers) {
     EXPECT_EQ(create({{"Upload-Length", "9223372036854775807"}}).status, 413);
 }
 
-TEST_F(TusTest, U4RefusesAnotherContentType) {
+// U4
+TEST_F(TusTest, RefusesAnotherContentType) {
     const auto path = create_upload(server.port(), token, 1000);
     for (const char* type : {"application/octet-stream", "text/plain", ""}) {
         Headers headers = tus_headers(token, {{"Upload-Offset", "0"}, {"Content-Type", type}});
@@ -127,7 +134,8 @@ TEST_F(TusTest, U4RefusesAnotherContentType) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
 }
 
-TEST_F(TusTest, U4StoresNothingPastTheLength) {
+// U4
+TEST_F(TusTest, StoresNothingPastTheLength) {
     const auto path = create_upload(server.port(), token, 100);
     EXPECT_EQ(patch(path, 0, std::string(101, 'x')).status, 413);
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
@@ -140,7 +148,8 @@ TEST_F(TusTest, U4StoresNothingPastTheLength) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 100);
 }
 
-TEST_F(TusTest, U7TakesChunkedBodies) {
+// U7
+TEST_F(TusTest, TakesChunkedBodies) {
     const auto path = create_upload(server.port(), token, 10);
     RawClient client(server.port());
     Headers headers = patch_headers(token, 0);
@@ -152,7 +161,8 @@ TEST_F(TusTest, U7TakesChunkedBodies) {
     EXPECT_EQ(response->header("upload-offset"), "7");
 }
 
-TEST_F(TusTest, U7SaysGoOnBeforeTheBodyAndNoBeforeItIsSent) {
+// U7
+TEST_F(TusTest, SaysGoOnBeforeTheBodyAndNoBeforeItIsSent) {
     const auto path = create_upload(server.port(), token, 10);
     RawClient willing(server.port());
     Headers headers = patch_headers(token, 0);
@@ -168,7 +178,8 @@ TEST_F(TusTest, U7SaysGoOnBeforeTheBodyAndNoBeforeItIsSent) {
     EXPECT_TRUE(refused.read_available().starts_with("HTTP/1.1 409"));
 }
 
-TEST_F(TusTest, U16ALastRequestThatIsRepeatedDoesNoHarm) {
+// U16
+TEST_F(TusTest, ALastRequestThatIsRepeatedDoesNoHarm) {
     const auto path = create_upload(server.port(), token, 300'000, "commit");
     const auto first = patch(path, 0, bytes);
     const auto again = patch(path, 300'000, "");
@@ -178,7 +189,8 @@ TEST_F(TusTest, U16ALastRequestThatIsRepeatedDoesNoHarm) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 300'000);
 }
 
-TEST_F(TusTest, S6RefusesAnArchiveThatIsNotWhatWasStated) {
+// S6
+TEST_F(TusTest, RefusesAnArchiveThatIsNotWhatWasStated) {
     const std::string wrong = base64(std::string(64, '0'));
     const auto path = create_upload(server.port(), token, 300'000, "commit,sha256 " + wrong);
     EXPECT_EQ(patch(path, 0, bytes).status, 422);
@@ -188,7 +200,8 @@ TEST_F(TusTest, S6RefusesAnArchiveThatIsNotWhatWasStated) {
     EXPECT_EQ(server.request("GET", "/api/v1/dives", token).json()["items"].size(), 0U);
 }
 
-TEST_F(TusTest, U12ForgetsATerminatedUploadAndItsBytes) {
+// U12
+TEST_F(TusTest, ForgetsATerminatedUploadAndItsBytes) {
     const auto path = create_upload(server.port(), token, 300'000);
     patch(path, 0, bytes.substr(0, 1000));
     EXPECT_EQ(terminate(path).status, 204);
@@ -200,7 +213,8 @@ TEST_F(TusTest, U12ForgetsATerminatedUploadAndItsBytes) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(TusTest, U6TakesAnotherMethodByHeader) {
+// U6
+TEST_F(TusTest, TakesAnotherMethodByHeader) {
     const auto path = create_upload(server.port(), token, 10);
     Headers headers = patch_headers(token, 0);
     headers.emplace_back("X-HTTP-Method-Override", "PATCH");
@@ -240,7 +254,8 @@ TEST_F(TusTest, MakesADiveOfAFinishedUploadAndAnswersTheSameWhenAskedAgain) {
     EXPECT_EQ(archive_of(made.json()["id"]), bytes);
 }
 
-TEST_F(TusTest, A14RefusesAnUploadThatTheDiskCannotHold) {
+// A14
+TEST_F(TusTest, RefusesAnUploadThatTheDiskCannotHold) {
     EXPECT_EQ(create({{"Upload-Length", "4000000000000"}}).status, 507);
 }
 
@@ -266,7 +281,8 @@ TEST_F(TusTest, AnUploadWhoseDiveWasDeletedIsNoDiveAnyMore) {
     EXPECT_EQ(server.request("GET", "/api/v1/jobs?state=queued", token).json()["items"].size(), 0U);
 }
 
-TEST_F(TusTest, S24AnUploadersPresetNeedsTheScopeOfWhoCommits) {
+// S24
+TEST_F(TusTest, AnUploadersPresetNeedsTheScopeOfWhoCommits) {
     const auto path = create_upload(server.port(), token, 300'000, "job c3RhbmRhcmQ=");
     storage::UploadStore uploads(server.catalog());
     const auto id = path.substr(path.rfind('/') + 1);

@@ -18,7 +18,8 @@ std::vector<std::string> files_in(const std::filesystem::path& folder) {
     return names;
 }
 
-TEST_F(TusTest, S1IdsThatArePathsLeadNowhere) {
+// S1
+TEST_F(TusTest, IdsThatArePathsLeadNowhere) {
     const auto path = create_upload(server.port(), token, 10);
     const auto before = files_in(server.data());
     const std::string id = path.substr(path.rfind('/') + 1);
@@ -49,7 +50,8 @@ TEST_F(TusTest, S1IdsThatArePathsLeadNowhere) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
 }
 
-TEST_F(TusTest, S2AClientCannotChooseAnId) {
+// S2
+TEST_F(TusTest, AClientCannotChooseAnId) {
     const auto headers =
         tus_headers(token, {{"Upload-Length", "10"}, {"Upload-Id", "mine"}, {"Slug", "../mine"}});
     EXPECT_EQ(RawClient(server.port()).request("POST", "/api/v1/uploads/mine", headers).status,
@@ -59,7 +61,8 @@ TEST_F(TusTest, S2AClientCannotChooseAnId) {
     EXPECT_EQ(server.request("GET", "/api/v1/uploads/mine", token).status, 404);
 }
 
-TEST_F(TusTest, S7MetadataGetsIntoNoOtherHeaderAndNoPath) {
+// S7
+TEST_F(TusTest, MetadataGetsIntoNoOtherHeaderAndNoPath) {
     const std::string hostile = "a\r\nSet-Cookie: x=1\r\n\r\n\"../../\xe2\x80\xaegpj.exe";
     const auto path =
         create_upload(server.port(), token, 300'000, "commit,filename " + base64(hostile));
@@ -75,7 +78,8 @@ TEST_F(TusTest, S7MetadataGetsIntoNoOtherHeaderAndNoPath) {
     EXPECT_EQ(raw.receive()->status, 400);
 }
 
-TEST_F(TusTest, S8MetadataThatNamesServerFilesMeansNothing) {
+// S8
+TEST_F(TusTest, MetadataThatNamesServerFilesMeansNothing) {
     const std::string secret = base64((server.data() / "admin.token").string());
     const auto path = create_upload(
         server.port(),
@@ -87,7 +91,8 @@ TEST_F(TusTest, S8MetadataThatNamesServerFilesMeansNothing) {
     EXPECT_TRUE(std::filesystem::exists(server.data() / "admin.token"));
 }
 
-TEST_F(TusTest, S10MultipartIsNoUpload) {
+// S10
+TEST_F(TusTest, MultipartIsNoUpload) {
     std::string body;
     for (int i = 0; i < 10'000; ++i) body += "--x\r\nContent-Disposition: form-data\r\n\r\n\r\n";
     const Headers headers = {{"Content-Type", "multipart/form-data; boundary=x"}};
@@ -101,7 +106,8 @@ TEST_F(TusTest, S10MultipartIsNoUpload) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
 }
 
-TEST_F(TusTest, S11LengthsBeyondEveryBoundAreRefused) {
+// S11
+TEST_F(TusTest, LengthsBeyondEveryBoundAreRefused) {
     for (const char* length : {"9223372036854775807", "4398046511105"})
         EXPECT_EQ(create({{"Upload-Length", length}}).status, 413) << length;
     for (const char* length : {"9223372036854775808", "18446744073709551616", "-1", "1e3", "0x10"})
@@ -113,8 +119,8 @@ TEST_F(TusTest, S11LengthsBeyondEveryBoundAreRefused) {
 }
 
 // Eight clients send the same upload from the same offset at once: one wins each time, the others
-// are told so, and the bytes are those of whoever won.
-TEST_F(TusTest, S12ManyWhoSendTheSameBytesAtOnceDoNoHarm) {
+// are told so, and the bytes are those of whoever won (S12).
+TEST_F(TusTest, ManyWhoSendTheSameBytesAtOnceDoNoHarm) {
     const auto path = create_upload(server.port(), token, 300'000, "commit");
     std::vector<std::thread> clients;
     std::atomic<int> num_broken = 0;
@@ -137,7 +143,8 @@ TEST_F(TusTest, S12ManyWhoSendTheSameBytesAtOnceDoNoHarm) {
     EXPECT_EQ(archive_of(told.header("divemesh-dive")), bytes);
 }
 
-TEST_F(TusTest, S12TerminationWhileBytesComeLeavesNothing) {
+// S12
+TEST_F(TusTest, TerminationWhileBytesComeLeavesNothing) {
     for (int i = 0; i < 5; ++i) {
         const auto path = create_upload(server.port(), token, 300'000);
         RawClient sending(server.port());
@@ -149,7 +156,8 @@ TEST_F(TusTest, S12TerminationWhileBytesComeLeavesNothing) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-TEST_F(TusTest, S12ATokenThatWasRevokedMeanwhileMakesNoDive) {
+// S12
+TEST_F(TusTest, ATokenThatWasRevokedMeanwhileMakesNoDive) {
     const auto made =
         server.post_json("/api/v1/tokens", token, {{"name", "laptop"}, {"scopes", {"dives:write"}}})
             .json();
@@ -170,7 +178,8 @@ TEST_F(TusTest, S12ATokenThatWasRevokedMeanwhileMakesNoDive) {
     EXPECT_EQ(server.request("GET", "/api/v1/dives", token).json()["items"].size(), 0U);
 }
 
-TEST_F(TusTest, S13AnotherProjectsUploadIsNotThere) {
+// S13
+TEST_F(TusTest, AnotherProjectsUploadIsNotThere) {
     const auto path = create_upload(server.port(), token, 300'000);
     patch(path, 0, bytes.substr(0, 1000));
     const auto stranger = server.make_token("elsewhere", {"dives:write", "dives:read"});
@@ -189,7 +198,8 @@ TEST_F(TusTest, S13AnotherProjectsUploadIsNotThere) {
               401);
 }
 
-TEST_F(TusTest, U8TheAddressDoesNotDependOnWhatAProxyIsSaidToBe) {
+// U8
+TEST_F(TusTest, TheAddressDoesNotDependOnWhatAProxyIsSaidToBe) {
     const auto made = create({{"Upload-Length", "10"},
                               {"X-Forwarded-Host", "evil.example"},
                               {"X-Forwarded-Proto", "https"},

@@ -72,7 +72,8 @@ TEST_F(CrashTest, WhatACallHasReturnedSurvivesTheKillOfItsProcess) {
     for (const std::string& id : ids) EXPECT_EQ(stores.jobs_.get(id).state, JobState::Queued);
 }
 
-TEST_F(CrashTest, Q2ProcessesThatClaimAtOnceNeverGetTheSameJob) {
+// Q2
+TEST_F(CrashTest, ProcessesThatClaimAtOnceNeverGetTheSameJob) {
     const Children children = make_children(4, [](Stores& stores) {
         while (const auto claim = stores.jobs_.claim("worker", Stores::kLong))
             if (!stores.jobs_.succeed(claim->lease, {})) _exit(3);
@@ -83,7 +84,9 @@ TEST_F(CrashTest, Q2ProcessesThatClaimAtOnceNeverGetTheSameJob) {
 
     run_at_once(children);
 
-    for (const Job& job : stores.jobs_.list({.kind = JobKind::Reconstruct}, {}).items) {
+    const auto jobs = stores.jobs_.list({.kind = JobKind::Reconstruct}, {}).items;
+    ASSERT_EQ(jobs.size(), 24U);
+    for (const Job& job : jobs) {
         EXPECT_EQ(job.state, JobState::Succeeded);
         EXPECT_EQ(stores.jobs_.attempts(job.id).size(), 1u);
     }

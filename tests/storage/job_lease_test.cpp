@@ -17,7 +17,8 @@ const Artifact kMesh{.name = "mesh.glb",
 
 TEST_F(JobLeaseTest, ClaimsNothingFromAnEmptyQueue) { EXPECT_FALSE(jobs_.claim("worker", kLong)); }
 
-TEST_F(JobLeaseTest, Q3ClaimHandsOutJobDiveAndLease) {
+// Q3
+TEST_F(JobLeaseTest, ClaimHandsOutJobDiveAndLease) {
     const Dive dive = ready_dive();
     const Job job = enqueue(dive);
 
@@ -32,7 +33,8 @@ TEST_F(JobLeaseTest, Q3ClaimHandsOutJobDiveAndLease) {
     EXPECT_FALSE(jobs_.claim("another", kLong));
 }
 
-TEST_F(JobLeaseTest, Q11ClaimsByPriorityThenAgeAndIntakeBeforeAllOthers) {
+// Q11
+TEST_F(JobLeaseTest, ClaimsByPriorityThenAgeAndIntakeBeforeAllOthers) {
     const Dive dive = ready_dive();
     const Job first = enqueue(dive);
     const Job second = enqueue(dive);
@@ -60,7 +62,8 @@ TEST_F(JobLeaseTest, JobsOfOneMillisecondAreClaimedInTheOrderTheyCame) {
     EXPECT_EQ(claimed, queued);
 }
 
-TEST_F(JobLeaseTest, Q4ArtifactsBecomeVisibleWithTheSuccess) {
+// Q4
+TEST_F(JobLeaseTest, ArtifactsBecomeVisibleWithTheSuccess) {
     const Job job = enqueue(ready_dive());
     const Lease lease = claim().lease;
     EXPECT_TRUE(jobs_.artifacts(job.id).empty());
@@ -87,7 +90,8 @@ TEST_F(JobLeaseTest, NothingOfAPublishThatBreaksHalfWayIsVisible) {
     EXPECT_EQ(jobs_.get(job.id).state, JobState::Running);
 }
 
-TEST_F(JobLeaseTest, Q4AStaleLeaseChangesNothing) {
+// Q4
+TEST_F(JobLeaseTest, AStaleLeaseChangesNothing) {
     const auto [stale, winner] = overtaken_worker();
     const auto newest = events_.newest_sequence();
 
@@ -116,7 +120,8 @@ TEST_F(JobLeaseTest, TheRightAttemptWithAGuessedLeaseIdChangesNothing) {
     EXPECT_FALSE(jobs_.fail(lease, {ErrorCode::BadData, "not mine"}));
 }
 
-TEST_F(JobLeaseTest, Q5AnExpiredLeaseGivesTheJobToTheNextWorkerAtOnce) {
+// Q5
+TEST_F(JobLeaseTest, AnExpiredLeaseGivesTheJobToTheNextWorkerAtOnce) {
     const auto [stale, winner] = overtaken_worker();
 
     EXPECT_EQ(winner.job_id, stale.job_id);
@@ -140,7 +145,8 @@ TEST_F(JobLeaseTest, AJobThatKeepsLosingItsWorkersIsGivenUp) {
     EXPECT_THAT(jobs_.get(job.id).failure.message, testing::HasSubstr("lease"));
 }
 
-TEST_F(JobLeaseTest, Q3RenewingKeepsALeaseFromExpiring) {
+// Q3
+TEST_F(JobLeaseTest, RenewingKeepsALeaseFromExpiring) {
     enqueue(ready_dive());
     const Lease lease = claim(std::chrono::milliseconds(0)).lease;
 
@@ -149,7 +155,8 @@ TEST_F(JobLeaseTest, Q3RenewingKeepsALeaseFromExpiring) {
     EXPECT_EQ(jobs_.requeue_expired(), 0);
 }
 
-TEST_F(JobLeaseTest, Q6BadDataFailsAtOnce) {
+// Q6
+TEST_F(JobLeaseTest, BadDataFailsAtOnce) {
     const Dive dive = ready_dive();
     for (const ErrorCode code : {ErrorCode::BadData,
                                  ErrorCode::InvalidArgument,
@@ -164,7 +171,8 @@ TEST_F(JobLeaseTest, Q6BadDataFailsAtOnce) {
     }
 }
 
-TEST_F(JobLeaseTest, Q6OtherFailuresAreTriedAgainUntilTheAttemptsAreUsedUp) {
+// Q6
+TEST_F(JobLeaseTest, OtherFailuresAreTriedAgainUntilTheAttemptsAreUsedUp) {
     const Job job = enqueue(ready_dive(), 2);
 
     jobs_.fail(claim().lease, {ErrorCode::OutOfSpace, "disk full"});
@@ -188,7 +196,8 @@ TEST_F(JobLeaseTest, PausesGrowAndDifferBetweenJobs) {
     EXPECT_FALSE(patient.claim("worker", kLong));
 }
 
-TEST_F(JobLeaseTest, Q6AnAttemptGivenBackIsNotCounted) {
+// Q6
+TEST_F(JobLeaseTest, AnAttemptGivenBackIsNotCounted) {
     const Job job = enqueue(ready_dive(), 1);
 
     EXPECT_TRUE(jobs_.release(claim().lease));
@@ -239,7 +248,8 @@ TEST_F(JobLeaseTest, ProgressIsKeptAndOnlyItsNewestEvent) {
     EXPECT_THAT(event_types(job.id), ElementsAre("job.state", "job.state", "job.progress"));
 }
 
-TEST_F(JobLeaseTest, Q1EveryChangeOfStateHasItsEventInOrder) {
+// Q1
+TEST_F(JobLeaseTest, EveryChangeOfStateHasItsEventInOrder) {
     const Job job = enqueue(ready_dive());
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});
     jobs_.succeed(claim().lease, {});

@@ -297,7 +297,8 @@ protected:
     std::map<std::string, Lease> leases_;  // the newest of each job
 };
 
-TEST_P(JobModelTest, Q1RandomCallsLeadWhereTheModelIs) {
+// Q1
+TEST_P(JobModelTest, RandomCallsLeadWhereTheModelIs) {
     for (int i = 0; i < 250; ++i) {
         step();
         if (i % 5 == 0) expect_equal();

@@ -72,8 +72,8 @@ TEST_F(JobStoreTest, FailsHeldJobsWhenTheIntakeTheyWaitForIsGivenUp) {
 }
 
 // The server may die after the job and before the answer is kept: what comes again is not done
-// again, even when the job has long ended.
-TEST_F(JobStoreTest, A6ARequestThatComesAgainFindsItsJobWhateverBecameOfIt) {
+// again, even when the job has long ended (A6).
+TEST_F(JobStoreTest, ARequestThatComesAgainFindsItsJobWhateverBecameOfIt) {
     const Dive dive = ready_dive();
     const NewJob request{.dive_id = dive.id, .request_key = "first"};
     const Job job = jobs_.enqueue(request).job;
@@ -113,7 +113,8 @@ TEST_F(JobStoreTest, RefusesWhatItCannotKeep) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { jobs_.cancel("' OR 1=1 --"); }));
 }
 
-TEST_F(JobStoreTest, Q8CancelsAQueuedJobAtOnce) {
+// Q8
+TEST_F(JobStoreTest, CancelsAQueuedJobAtOnce) {
     const Job job = enqueue(ready_dive());
 
     EXPECT_EQ(jobs_.cancel(job.id).state, JobState::Cancelled);
@@ -139,7 +140,8 @@ TEST_F(JobStoreTest, CancelOfARunningJobReachesItsWorkerWithTheNextRenewal) {
     EXPECT_EQ(jobs_.attempts(job.id).at(0).state, AttemptState::Cancelled);
 }
 
-TEST_F(JobStoreTest, Q8ACancelledJobIsNotTriedAgainWhenItsWorkerIsLost) {
+// Q8
+TEST_F(JobStoreTest, ACancelledJobIsNotTriedAgainWhenItsWorkerIsLost) {
     const Job job = enqueue(ready_dive());
     claim(kOver);
     jobs_.cancel(job.id);

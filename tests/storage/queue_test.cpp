@@ -67,7 +67,8 @@ TEST_F(QueueTest, AJobIsMovedForwardByItsPriority) {
                             [&] { jobs_.change(late.id, {.priority = 1000}); }));
 }
 
-TEST_F(QueueTest, Q10TheSameWorkIsQueuedOnce) {
+// Q10
+TEST_F(QueueTest, TheSameWorkIsQueuedOnce) {
     const Dive dive = ready_dive();
     const NewJob work{.dive_id = dive.id, .preset = "fast", .options = {{"voxel_m", 0.02}}};
     const EnqueuedJob first = jobs_.enqueue(work);
@@ -85,7 +86,8 @@ TEST_F(QueueTest, Q10TheSameWorkIsQueuedOnce) {
     EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { jobs_.retry(first.job.id); }));
 }
 
-TEST_F(QueueTest, Q10TheDatabaseItselfRefusesTheSameWorkTwice) {
+// Q10
+TEST_F(QueueTest, TheDatabaseItselfRefusesTheSameWorkTwice) {
     const Dive dive = ready_dive();
     enqueue(dive);
     enqueue(dive);
@@ -119,7 +121,8 @@ TEST_F(QueueTest, APausedProjectLetsTheOthersPass) {
     EXPECT_FALSE(queues_.get("club").paused);
 }
 
-TEST_F(QueueTest, Q11AProjectRunsNoMoreJobsAtATimeThanItMay) {
+// Q11
+TEST_F(QueueTest, AProjectRunsNoMoreJobsAtATimeThanItMay) {
     const Dive wreck = ready_dive_of("lab", "wreck");
     const Dive reef = ready_dive_of("club", "reef");
     for (int i = 0; i < 3; ++i) enqueue(wreck);
@@ -189,7 +192,8 @@ TEST_F(QueueTest, WorkersComeAndGo) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { workers_.set_draining("", true); }));
 }
 
-TEST_F(QueueTest, Q11SaysWhereAJobStandsAndWhenItStarts) {
+// Q11
+TEST_F(QueueTest, SaysWhereAJobStandsAndWhenItStarts) {
     const Dive dive = ready_dive_of("lab", "wreck");  // 100 frames
     set_speed(0.5);
     workers_.report("worker", 2);
@@ -248,7 +252,8 @@ TEST_F(QueueTest, LearnsHowLongJobsTake) {
     EXPECT_EQ(forecast_.of(enqueue(dive), catalog_)->takes_s, 250.0);
 }
 
-TEST_F(QueueTest, Q12DeadLettersAreListedAndDriven) {
+// Q12
+TEST_F(QueueTest, DeadLettersAreListedAndDriven) {
     const Dive dive = ready_dive();
     std::vector<std::string> dead;
     for (int i = 0; i < 3; ++i) {
@@ -279,7 +284,8 @@ TEST_F(QueueTest, NothingIsDrivenOfADiveThatWasDeleted) {
     EXPECT_EQ(jobs_.redrive("", 10).size(), 1u);
 }
 
-TEST_F(QueueTest, Q12KeepsTheLogOfEveryAttempt) {
+// Q12
+TEST_F(QueueTest, KeepsTheLogOfEveryAttempt) {
     const Job job = enqueue(ready_dive());
     for (const char* text : {"first\n", "second\n"}) {
         const Lease lease = claim().lease;

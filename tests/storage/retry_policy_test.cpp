@@ -25,7 +25,8 @@ protected:
     }
 };
 
-TEST_F(RetryPolicyTest, Q6AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
+// Q6
+TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     const Job job = enqueue(ready_dive(), 10);
 
     jobs_.fail(claim().lease, {ErrorCode::OutOfMemory, "killed"});
@@ -41,7 +42,8 @@ TEST_F(RetryPolicyTest, Q6AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) 
     EXPECT_FALSE(jobs_.retry(job.id).lowered);
 }
 
-TEST_F(RetryPolicyTest, Q6WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
+// Q6
+TEST_F(RetryPolicyTest, WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
     const Job job = enqueue(ready_dive(), 2);
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});
 
@@ -90,7 +92,8 @@ TEST_F(RetryPolicyTest, EveryFailureSaysWhatToDo) {
     EXPECT_EQ(jobs_.retry(job.id).failure.remedy, "");
 }
 
-TEST_F(RetryPolicyTest, Q7AJobThatTakesItsWorkersDownAtOnceIsDeadAfterThree) {
+// Q7
+TEST_F(RetryPolicyTest, AJobThatTakesItsWorkersDownAtOnceIsDeadAfterThree) {
     const Job job = enqueue(ready_dive(), 20);
 
     for (int i = 0; i < 3; ++i) {

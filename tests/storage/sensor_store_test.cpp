@@ -94,7 +94,8 @@ TEST_F(SensorStoreTest, ShowsTheNewestStatusOfNowAndHowOldItIs) {
     EXPECT_THROW(sensors_.get("nobody"), Error);
 }
 
-TEST_F(SensorStoreTest, S34AMessageThatComesAgainChangesNothing) {
+// S34
+TEST_F(SensorStoreTest, AMessageThatComesAgainChangesNothing) {
     send("a", {status(0, 1000, {{"battery", 0.8}})});
     const Sensor before = sensors_.get("aqua");
     const SensorAnswer again = send("a", {status(0, 9000, {{"battery", 0.1}})});
@@ -201,7 +202,8 @@ TEST_F(SensorStoreTest, AFigureThatTremblesAboutItsLimitIsToldOnce) {
     EXPECT_THAT(sensors_.get("aqua").alarms, IsEmpty());
 }
 
-TEST_F(SensorStoreTest, T7SilenceMeansWhatThePlanSays) {
+// T7
+TEST_F(SensorStoreTest, SilenceMeansWhatThePlanSays) {
     send("a", {status(0, 1000)});
     pass(20'000);
     EXPECT_EQ(sensors_.get("aqua").state, SensorState::Idle) << "no dive was announced";

@@ -126,7 +126,8 @@ TEST_F(UploadStoreTest, CountsWhatIsNeitherEndedNorADive) {
     EXPECT_NO_THROW(open_in_p(2));
 }
 
-TEST_F(UploadStoreTest, U15OneTokenHasOnlySoManyOpen) {
+// U15
+TEST_F(UploadStoreTest, OneTokenHasOnlySoManyOpen) {
     const UploadLimits limits{.max_open_of_project = 4, .max_open_of_token = 2};
     const auto create = [&](const std::string& token) {
         return uploads_.create({.project = "p", .token_id = token, .length_bytes = 10}, limits);
@@ -142,8 +143,8 @@ TEST_F(UploadStoreTest, U15OneTokenHasOnlySoManyOpen) {
     EXPECT_EQ(uploads_.list_open().size(), 4u);
 }
 
-// Between the look at its parts and its own entry another final upload may have taken them.
-TEST_F(UploadStoreTest, S11FinalUploadsOfTheSamePartsAtOnceCountEach) {
+// Between the look at its parts and its own entry another final upload may have taken them (S11).
+TEST_F(UploadStoreTest, FinalUploadsOfTheSamePartsAtOnceCountEach) {
     const UploadLimits limits{.max_bytes_of_project = 250};
     std::vector<std::string> parts;
     for (int i = 0; i < 2; ++i) {

@@ -26,11 +26,12 @@ TEST(UploadStateTest, AFileThatCannotBeReadIsNoState) {
     const TemporaryFolder folder;
     const UploadState state(folder.path(), "http://a", "hash");
     state.save({"/api/v1/uploads/u", {}, false});
-    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
-        for (const char* text : {"", "{", "[]", "{\"upload\": 3}", "{\"parts\": {}}"}) {
-            std::ofstream(entry.path()) << text;
-            EXPECT_EQ(state.load(), RememberedUpload{}) << text;
-        }
+    const std::filesystem::directory_iterator entry(folder.path());
+    ASSERT_NE(entry, std::filesystem::directory_iterator()) << "it is kept elsewhere";
+    for (const char* text : {"", "{", "[]", "{\"upload\": 3}", "{\"parts\": {}}"}) {
+        std::ofstream(entry->path()) << text;
+        EXPECT_EQ(state.load(), RememberedUpload{}) << text;
+    }
 }
 
 }  // namespace

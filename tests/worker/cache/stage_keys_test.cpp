@@ -49,6 +49,7 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
     const ReconstructionOptions options = preset_options("standard");
     const auto texture = stage_keys("1.0", "dive", options).texture;
     const nlohmann::json values = options_to_json(options);
+    int num_options = 0;
     for (const auto& [name, value] : values.items()) {
         if (name == "num_threads" || name == "fusion_memory_bytes") continue;
         if (name == "exports") continue;  // made of artifacts, after all stages
@@ -66,7 +67,9 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
             other[name] = name == "simplify" ? 0.5 : 0.123;
         EXPECT_NE(stage_keys("1.0", "dive", make_options("standard", other)).texture, texture)
             << name;
+        ++num_options;
     }
+    EXPECT_GT(num_options, 20);
 }
 
 TEST(StageKeysTest, MarkersChangeTheMapWhereItIsScaledByThem) {

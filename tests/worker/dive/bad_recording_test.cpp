@@ -72,7 +72,8 @@ TEST_F(BadRecordingTest, ACalibrationThatIsNoYamlIsRefusedWithItsLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-TEST_F(BadRecordingTest, S18YamlAliasesAndDepthAreRefused) {
+// S18
+TEST_F(BadRecordingTest, YamlAliasesAndDepthAreRefused) {
     tiny_.write(kCam0Yaml, "a: &a [x, x]\nb: [*a, *a]\n");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:1"));
 
@@ -80,13 +81,14 @@ TEST_F(BadRecordingTest, S18YamlAliasesAndDepthAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-// Which of the two was meant nobody knows.
-TEST_F(BadRecordingTest, S18ACalibrationThatStatesSomethingTwiceIsRefused) {
+// Which of the two was meant nobody knows (S18).
+TEST_F(BadRecordingTest, ACalibrationThatStatesSomethingTwiceIsRefused) {
     tiny_.replace(kCam0Yaml, "intrinsics:", "intrinsics: [51.0, 51.0, 32.0, 24.0]\nintrinsics:");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-TEST_F(BadRecordingTest, S18HugeNumbersInACalibrationAreRefused) {
+// S18
+TEST_F(BadRecordingTest, HugeNumbersInACalibrationAreRefused) {
     tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[1e999, 50.0");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:9"));
 }
@@ -148,7 +150,8 @@ TEST_F(BadRecordingTest, InvertedExtrinsicsAreSaid) {
                 HasFinding(Severity::Error, "extrinsics_inverted", "T_BS looks inverted"));
 }
 
-TEST_F(BadRecordingTest, S17RepeatedAndBackwardStampsAreToldWithTheirLine) {
+// S17
+TEST_F(BadRecordingTest, RepeatedAndBackwardStampsAreToldWithTheirLine) {
     const std::string third = std::to_string(TinyDive::kFirst_ns + 200'000'000LL);
     const std::string second = std::to_string(TinyDive::kFirst_ns + 100'000'000LL);
     tiny_.replace(kCam0Rows, third + "," + third, second + "," + third);
@@ -201,7 +204,8 @@ TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "cam0_timestamp_unit", kCam0Rows));
 }
 
-TEST_F(BadRecordingTest, S17NanInTheImuIsToldWithItsLine) {
+// S17
+TEST_F(BadRecordingTest, NanInTheImuIsToldWithItsLine) {
     tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", "0.01,nan,0.03,0.1");
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "imu_not_finite", "imu0/data.csv:2"));
 
@@ -209,7 +213,8 @@ TEST_F(BadRecordingTest, S17NanInTheImuIsToldWithItsLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_not_finite", "imu0/data.csv:1"));
 }
 
-TEST_F(BadRecordingTest, S17NumbersBeyondAllMeasureAreToldWithTheirLine) {
+// S17
+TEST_F(BadRecordingTest, NumbersBeyondAllMeasureAreToldWithTheirLine) {
     for (const char* absurd : {"1e308", "-1e308", "2e9"}) {
         const std::string rows = tiny_.read(kImuRows);
         tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", std::string("0.01,") + absurd + ",0.03,0.1");
@@ -221,7 +226,8 @@ TEST_F(BadRecordingTest, S17NumbersBeyondAllMeasureAreToldWithTheirLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_row_malformed", "imu0/data.csv:1"));
 }
 
-TEST_F(BadRecordingTest, S17StampsBelowZeroOrBeyondAllNumbersAreTold) {
+// S17
+TEST_F(BadRecordingTest, StampsBelowZeroOrBeyondAllNumbersAreTold) {
     for (const char* stamp : {"-1600000000000000000", "99999999999999999999", "1.6e18", "0x10"}) {
         std::string rows = tiny_.read(kImuRows);
         const auto line = rows.find('\n', rows.find('\n') + 1) + 1;  // no heading
@@ -233,7 +239,8 @@ TEST_F(BadRecordingTest, S17StampsBelowZeroOrBeyondAllNumbersAreTold) {
     }
 }
 
-TEST_F(BadRecordingTest, S17ACellThatASpreadsheetWouldRunIsNoNumber) {
+// S17
+TEST_F(BadRecordingTest, ACellThatASpreadsheetWouldRunIsNoNumber) {
     for (const char* cell : {"=cmd|' /C calc'!A0", "(1)", "+1+1", "-1+1", "=1"}) {
         const std::string rows = tiny_.read(kImuRows);
         tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", std::string("0.01,") + cell + ",0.03,0.1");
@@ -248,7 +255,8 @@ TEST_F(BadRecordingTest, S17ACellThatASpreadsheetWouldRunIsNoNumber) {
     }
 }
 
-TEST_F(BadRecordingTest, S17LinesWithNulAndLinesWithoutEndAreMalformedRows) {
+// S17
+TEST_F(BadRecordingTest, LinesWithNulAndLinesWithoutEndAreMalformedRows) {
     const std::string rows = tiny_.read(kImuRows);
     const std::string nul("1600000001000000000,0,0\0,0,0,0,9.8\n", 35);
     tiny_.write(kImuRows, rows + nul);
@@ -264,8 +272,8 @@ TEST_F(BadRecordingTest, S17LinesWithNulAndLinesWithoutEndAreMalformedRows) {
 }
 
 // One path in two rows, or in two writings of it: each row is what it says, none stands for
-// another.
-TEST_F(BadRecordingTest, S6NamesThatDifferByCaseAreTwoFiles) {
+// another (S6).
+TEST_F(BadRecordingTest, NamesThatDifferByCaseAreTwoFiles) {
     tiny_.write("DIVE.JSON", R"({"name": "Impostor"})");
     EXPECT_EQ(report().name, "Tiny");
 
@@ -314,7 +322,8 @@ TEST_F(BadRecordingTest, PicturesOfAnotherSizeThanTheCalibrationAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "image_size", picture(0)));
 }
 
-TEST_F(BadRecordingTest, S16ATruncatedPngIsSkippedCountedAndNamed) {
+// S16
+TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
     const std::string bytes = tiny_.read(picture(2));
     tiny_.write(picture(2), bytes.substr(0, bytes.size() / 2));
 
@@ -326,7 +335,8 @@ TEST_F(BadRecordingTest, S16ATruncatedPngIsSkippedCountedAndNamed) {
     for (const Finding& finding : spoiled) EXPECT_NE(finding.remedy, "") << finding.code;
 }
 
-TEST_F(BadRecordingTest, S15AHugeHeaderIsRefusedWithoutDecoding) {
+// S15
+TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
     std::string bytes = tiny_.read(picture(1));
     const std::string huge("\x00\x00\xc3\x50", 4);  // 50000
     bytes.replace(16, 8, huge + huge);
@@ -335,7 +345,8 @@ TEST_F(BadRecordingTest, S15AHugeHeaderIsRefusedWithoutDecoding) {
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_too_large", "50000x50000"));
 }
 
-TEST_F(BadRecordingTest, S16SixteenBitsAreReducedAndTold) {
+// S16
+TEST_F(BadRecordingTest, SixteenBitsAreReducedAndTold) {
     tiny_.write(picture(1), png_of_size(64, 48, CV_16UC1));
 
     const auto spoiled = findings();
@@ -357,7 +368,8 @@ TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "dive_empty", kCam0Rows));
 }
 
-TEST_F(BadRecordingTest, S6APictureThatIsNotThereIsSkippedAndNamed) {
+// S6
+TEST_F(BadRecordingTest, APictureThatIsNotThereIsSkippedAndNamed) {
     tiny_.remove(picture(3));
 
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", picture(3)));

@@ -88,7 +88,8 @@ TEST(FolderTest, Mav0ItselfMayBeTheRoot) {
     EXPECT_EQ(mav0->content_sha256(), whole->content_sha256());
 }
 
-TEST(FolderTest, S4ALinkOutOfTheDiveIsNotFollowed) {
+// S4
+TEST(FolderTest, ALinkOutOfTheDiveIsNotFollowed) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
     const std::string picture = "mav0/cam0/data/" + TinyDive::picture_name(1);

@@ -62,7 +62,8 @@ TEST(FrameListTest, CommentsLineEndsAndBlanksOfOtherSystemsAreRead) {
     EXPECT_TRUE(log.all().empty());
 }
 
-TEST(FrameListTest, S6AFileNameThatLeavesTheFolderIsRefused) {
+// S6
+TEST(FrameListTest, AFileNameThatLeavesTheFolderIsRefused) {
     FindingLog log;
 
     parse_camera_rows("1000000000,../../../etc/passwd\n", "cam0", log);

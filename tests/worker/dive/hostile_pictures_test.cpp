@@ -71,7 +71,8 @@ double largest_difference(const cv::Mat& a, const cv::Mat& b) {
     return a.size() == b.size() ? cv::norm(a, b, cv::NORM_INF) : 256.0;
 }
 
-TEST(HostilePicturesTest, S16TenThousandScansAreRefusedBeforeTheyAreDecoded) {
+// S16
+TEST(HostilePicturesTest, TenThousandScansAreRefusedBeforeTheyAreDecoded) {
     const std::string good = jpeg(true);
     EXPECT_EQ(refusal(good), "");
     const auto scan = good.rfind("\xff\xda");
@@ -82,7 +83,8 @@ TEST(HostilePicturesTest, S16TenThousandScansAreRefusedBeforeTheyAreDecoded) {
     EXPECT_NE(refusal(hostile + "\xff\xd9").find("scans"), std::string::npos);
 }
 
-TEST(HostilePicturesTest, S16FourColoursAreRefused) {
+// S16
+TEST(HostilePicturesTest, FourColoursAreRefused) {
     std::string cmyk = jpeg(false);
     const auto frame = cmyk.find("\xff\xc0");
     ASSERT_NE(frame, std::string::npos);
@@ -90,15 +92,16 @@ TEST(HostilePicturesTest, S16FourColoursAreRefused) {
     EXPECT_NE(refusal(cmyk).find("4 channels"), std::string::npos);
 }
 
-TEST(HostilePicturesTest, S16AJpegThatEndsEarlyIsRefused) {
+// S16
+TEST(HostilePicturesTest, AJpegThatEndsEarlyIsRefused) {
     const std::string good = jpeg(false);
     for (std::size_t size = 0; size < good.size() - 2; size += 7)
         EXPECT_NE(refusal(good.substr(0, size)), "") << size << " of " << good.size();
 }
 
 // What is no picture behind a good header decodes to something of the size that it says, or not at
-// all.
-TEST(HostilePicturesTest, S16GarbageBehindAGoodHeaderHurtsNobody) {
+// all (S16).
+TEST(HostilePicturesTest, GarbageBehindAGoodHeaderHurtsNobody) {
     const std::string good = jpeg(false);
     const auto scan = good.find("\xff\xda") + 14;
     std::mt19937 random(1);
@@ -114,7 +117,8 @@ TEST(HostilePicturesTest, S16GarbageBehindAGoodHeaderHurtsNobody) {
     }
 }
 
-TEST(HostilePicturesTest, S16AnExifBombChangesNothing) {
+// S16
+TEST(HostilePicturesTest, AnExifBombChangesNothing) {
     const std::string good = jpeg(false);
     const std::string turned("\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 12);      // orientation 6
     const std::string huge("\x87\x69\0\x04\xff\xff\xff\xff\0\0\0\x08", 12);  // 4 G numbers, here
@@ -127,8 +131,9 @@ TEST(HostilePicturesTest, S16AnExifBombChangesNothing) {
         EXPECT_EQ(largest_difference(decoded(with_exif(good, tiff)), decoded(good)), 0.0);
 }
 
-// Where somebody dived is in the recording, for whoever may have that; not in what is shown of it.
-TEST(HostilePicturesTest, S16APositionInAPictureDoesNotGetIntoTheThumbnail) {
+// S16: Where somebody dived is in the recording, for whoever may have that; not in what is shown of
+// it.
+TEST(HostilePicturesTest, APositionInAPictureDoesNotGetIntoTheThumbnail) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
     const std::string position = "48.8583701N,2.2944813E";

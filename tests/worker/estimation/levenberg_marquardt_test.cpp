@@ -72,6 +72,7 @@ TEST(LevenbergMarquardtTest, EndsWhereCeresEnds) {
         for (int i = 0; i < 4; ++i) adjustment.solve_dive(30, ignore_progress, {});
     });
 
+    ASSERT_FALSE(own.states.empty());
     for (std::size_t k = 0; k < own.states.size(); ++k) {
         EXPECT_THAT(own.states[k].T_world_imu(),
                     synthetic::IsPoseWithin(theirs.states[k].T_world_imu(), 1e-3, 1e-5));

@@ -42,7 +42,8 @@ char* const* arguments() {
     return list;
 }
 
-TEST(ForbidProcessesTest, Q13ForkingAndExecutingFail) {
+// Q13
+TEST(ForbidProcessesTest, ForkingAndExecutingFail) {
     EXPECT_EQ(error_after([] { return fork(); }), EPERM);
 #if defined(__x86_64__)
     EXPECT_EQ(error_after([] { return syscall(SYS_vfork); }), EPERM);
@@ -73,7 +74,8 @@ TEST(ForbidProcessesTest, ThreadsGoOnWorking) {
               7);
 }
 
-TEST(ForbidProcessesTest, Q13ThreadsThatRanBeforeAreHeldToIt) {
+// Q13
+TEST(ForbidProcessesTest, ThreadsThatRanBeforeAreHeldToIt) {
     EXPECT_EQ(exit_code_of([] {
                   std::atomic<bool> forbidden = false;
                   int error = 0;

@@ -239,7 +239,8 @@ TEST_F(JobRunnerTest, AReportWhoseTruthWasDeletedFailsAtOnceAndSaysSo) {
     EXPECT_THAT(failed.failure.message, HasSubstr("upload it again"));
 }
 
-TEST_F(JobRunnerTest, A14BeginsNothingOnADiskThatIsNearlyFull) {
+// A14
+TEST_F(JobRunnerTest, BeginsNothingOnADiskThatIsNearlyFull) {
     const Job job = make_job("ok");
     {
         Process worker = start_worker("600000", "1000000000", "1000000000", "4000000000000000000");
@@ -253,7 +254,8 @@ TEST_F(JobRunnerTest, A14BeginsNothingOnADiskThatIsNearlyFull) {
     EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
 }
 
-TEST_F(JobRunnerTest, S19AnAttemptThatTalksWithoutEndHoldsUpNobody) {
+// S19
+TEST_F(JobRunnerTest, AnAttemptThatTalksWithoutEndHoldsUpNobody) {
     const Job job = make_job("talk");
     Process worker = start_worker();
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
@@ -262,8 +264,8 @@ TEST_F(JobRunnerTest, S19AnAttemptThatTalksWithoutEndHoldsUpNobody) {
     EXPECT_LT(storage::EventStore(catalog_).newest_sequence(), 200);
 }
 
-// What a recording is called is in the message of its failure.
-TEST_F(JobRunnerTest, A9S29LogsOneLineForEachEventWhateverAMessageHolds) {
+// What a recording is called is in the message of its failure (A9, S29).
+TEST_F(JobRunnerTest, LogsOneLineForEachEventWhateverAMessageHolds) {
     const Job job = make_job("hostile");
     Process worker = start_worker();
     ASSERT_TRUE(reaches(job, JobState::Failed)) << worker.stderr_text();
@@ -302,7 +304,8 @@ TEST_F(JobRunnerTest, TakesADiveThroughIntakeAndReconstruction) {
     EXPECT_TRUE(fs::is_empty(folder_ / "work"));
 }
 
-TEST_F(JobRunnerTest, Q5AJobOfAKilledWorkerRunsAgain) {
+// Q5
+TEST_F(JobRunnerTest, AJobOfAKilledWorkerRunsAgain) {
     const Job job = make_job(wait_once());
     Process victim = start_worker();
     const pid_t child = child_of_marker();
@@ -321,7 +324,8 @@ TEST_F(JobRunnerTest, Q5AJobOfAKilledWorkerRunsAgain) {
     EXPECT_TRUE(fs::is_empty(folder_ / "work")) << "the killed worker's scratch is still there";
 }
 
-TEST_F(JobRunnerTest, Q4AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
+// Q4
+TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     const Job job = make_job(wait_once());
     Process frozen = start_worker();
     const pid_t child = child_of_marker();
@@ -340,13 +344,16 @@ TEST_F(JobRunnerTest, Q4AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     EXPECT_EQ(attempts[0].state, AttemptState::LeaseLost);
     EXPECT_EQ(attempts[1].state, AttemptState::Succeeded);
     EXPECT_EQ(num_blobs_of_jobs(), 2u);
-    for (const Artifact& artifact : jobs_.artifacts(job.id)) {
+    const auto artifacts = jobs_.artifacts(job.id);
+    ASSERT_FALSE(artifacts.empty());
+    for (const Artifact& artifact : artifacts) {
         EXPECT_THAT(artifact.blob, HasSubstr("attempt-2"));
         EXPECT_TRUE(blobs_->exists(artifact.blob));
     }
 }
 
-TEST_F(JobRunnerTest, Q8ARunningJobIsCancelled) {
+// Q8
+TEST_F(JobRunnerTest, ARunningJobIsCancelled) {
     const Job job = make_job(wait_once());
     Process worker = start_worker();
     const pid_t child = child_of_marker();
@@ -359,7 +366,8 @@ TEST_F(JobRunnerTest, Q8ARunningJobIsCancelled) {
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
 
-TEST_F(JobRunnerTest, Q8AChildThatDoesNotListenIsKilled) {
+// Q8
+TEST_F(JobRunnerTest, AChildThatDoesNotListenIsKilled) {
     const Job job = make_job("deaf " + marker_.string());
     Process worker = start_worker();
     const pid_t child = child_of_marker();
@@ -370,7 +378,8 @@ TEST_F(JobRunnerTest, Q8AChildThatDoesNotListenIsKilled) {
     EXPECT_TRUE(is_gone(child));
 }
 
-TEST_F(JobRunnerTest, Q5AnAttemptPastItsDeadlineIsEnded) {
+// Q5
+TEST_F(JobRunnerTest, AnAttemptPastItsDeadlineIsEnded) {
     const Job job = make_job("deaf " + marker_.string(), 1);
     Process worker = start_worker("500");
 
@@ -432,7 +441,8 @@ TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
 
-TEST_F(JobRunnerTest, S19AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
+// S19
+TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     const Job killed = make_job("killed", 10);
     const Job greedy = make_job("greedy " + marker_.string(), 10);
     Process worker = start_worker();
@@ -445,7 +455,8 @@ TEST_F(JobRunnerTest, S19AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second on one thread
 }
 
-TEST_F(JobRunnerTest, Q13S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
+// Q13, S19
+TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     const Job job = make_job("fill", 1);
     Process worker = start_worker("600000", "1000000000", "4194304");
 
@@ -453,7 +464,8 @@ TEST_F(JobRunnerTest, Q13S19AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
 }
 
-TEST_F(JobRunnerTest, Q13S19AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
+// Q13, S19
+TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
@@ -492,7 +504,8 @@ TEST_F(JobRunnerTest, TheStagesOfAnAttemptAreTold) {
     EXPECT_EQ(stages[1].name, "publish");
 }
 
-TEST_F(JobRunnerTest, Q11AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
+// Q11
+TEST_F(JobRunnerTest, AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
     const Job first = make_job(wait_once());
     Process worker = start_worker();
     child_of_marker();
@@ -514,7 +527,8 @@ TEST_F(JobRunnerTest, Q11AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) 
     EXPECT_TRUE(workers.list().empty());
 }
 
-TEST_F(JobRunnerTest, Q14TwoWorkersShareTheJobsAndEachRunsOnce) {
+// Q14
+TEST_F(JobRunnerTest, TwoWorkersShareTheJobsAndEachRunsOnce) {
     std::vector<Job> made;
     for (int i = 0; i < 6; ++i) made.push_back(make_job("ok " + std::to_string(i)));
     Process first = start_worker();

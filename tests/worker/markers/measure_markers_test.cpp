@@ -227,6 +227,7 @@ TEST(MeasureBarsTest, ABarThatIsWrongIsToldAndTheScaleIsOfTheOthers) {
 
     const auto figures = measure_markers(swim.views(0.1), plan, swim.world());
 
+    ASSERT_EQ(figures.bars.size(), plan.scale_bars.size());
     for (std::size_t i = 0; i < figures.bars.size(); ++i)
         EXPECT_EQ(figures.bars[i].consistent, i != 2) << i;
     EXPECT_NEAR(figures.scale->factor, 1.0, 2e-3);

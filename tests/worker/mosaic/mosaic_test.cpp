@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -57,6 +58,7 @@ TEST(Mosaic, PixelsFindTheirPlaceInTheWorld) {
 
 TEST(Mosaic, NoPixelBetweenNeighbouringTrianglesStaysEmpty) {
     const Mosaic mosaic = render_mosaic(floor_with_plate(), pixels_of(0.013));
+    ASSERT_GT(std::min(mosaic.color.rows, mosaic.color.cols), 20);
     for (int row = 1; row < mosaic.color.rows - 2; ++row)
         for (int column = 1; column < mosaic.color.cols - 2; ++column)
             ASSERT_EQ(mosaic.color.at<cv::Vec4b>(row, column)[3], 255) << row << " " << column;

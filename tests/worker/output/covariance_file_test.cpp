@@ -14,8 +14,8 @@ namespace divemesh::worker {
 namespace {
 
 // A spreadsheet takes a cell for a formula that begins with = + - @ or a tab: but for the heading,
-// which is ours, every cell of the only table that we write is a number.
-TEST(CovarianceFileTest, S17EveryCellIsANumber) {
+// which is ours, every cell of the only table that we write is a number (S17).
+TEST(CovarianceFileTest, EveryCellIsANumber) {
     const TemporaryFolder folder;
     CovarianceTrack track(2);
     track[0].timestamp_ns = 1'600'000'000'000'000'000;

@@ -35,6 +35,7 @@ TEST_F(PlyTest, WrittenNormalsAreUnitLengthEvenWhereTheMeshHasNone) {
     written.normals.clear();
     write_ply(file("mesh.ply"), written);
     const Mesh mesh = read_ply(file("mesh.ply"));
+    ASSERT_EQ(mesh.normals.size(), 4U);
     for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
         EXPECT_NEAR(mesh.normals[i].norm(), 1.0F, 1e-6F);
         EXPECT_GT(mesh.normals[i].dot(mesh.vertices[i] - Eigen::Vector3f::Constant(0.25F)), 0.0F);

@@ -61,12 +61,15 @@ protected:
         return names;
     }
     void expect_same_files(const std::string& one, const std::string& other) {
+        int num_compared = 0;
         for (const auto& entry : fs::recursive_directory_iterator(folder_ / one)) {
             const auto name = entry.path().lexically_relative(folder_ / one);
             if (!entry.is_regular_file() || name == "metrics.json" || name == "report.html")
                 continue;  // these say how long it took
             EXPECT_EQ(content(entry.path()), content(folder_ / other / name)) << name;
+            ++num_compared;
         }
+        EXPECT_GT(num_compared, 3);
     }
 
     TemporaryFolder folder_;

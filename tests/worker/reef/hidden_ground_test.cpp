@@ -36,6 +36,7 @@ TEST(BridgeGaps, AHoleInAPlaneIsClosedAlongIt) {
             if (is_in_hole(whole.shape.x_m(column), whole.shape.y_m(row)))
                 holed.heights_m[whole.shape.index(column, row)] = kUnseen_m;
     const HeightGrid closed = bridged(holed);
+    ASSERT_EQ(closed.heights_m.size(), whole.heights_m.size());
     for (std::size_t i = 0; i < closed.heights_m.size(); ++i) {
         EXPECT_NEAR(closed.heights_m[i], whole.heights_m[i], 0.01);  // the plane rises 0.05 over it
         if (holed.heights_m[i] > kUnseen_m) {
@@ -64,9 +65,7 @@ TEST(BridgeGaps, GroundAtTheFootOfAStepMayGoOnUpToIt) {
     for (int row = 10; row < 30; ++row)
         for (int column = 20; column < 26; ++column)
             holed.heights_m[step.shape.index(column, row)] = kUnseen_m;
-    const HeightGrid low = bridged_low(holed);
-    for (std::size_t i = 0; i < low.heights_m.size(); ++i)
-        EXPECT_EQ(low.heights_m[i], step.heights_m[i]);
+    EXPECT_EQ(bridged_low(holed).heights_m, step.heights_m);
 }
 
 TEST(BridgeGaps, NothingSeenStaysUnseen) {

@@ -81,6 +81,7 @@ TEST(InertialSensorsTest, OrientationIsWrongByAThirdToHalfADegree) {
 TEST(InertialSensorsTest, DepthIsCountedDownwardsFromTheSurface) {
     const auto motion = DiverMotion::open_path({}, 1.0, 5);
     const auto samples = simulate_pressure(motion, 2.0, 9.0, false, 5);
+    ASSERT_FALSE(samples.empty());
     for (const PressureSample& sample : samples) {
         const double t_s = static_cast<double>(sample.timestamp_ns - kFirstFrame_ns) * 1e-9;
         EXPECT_NEAR(sample.depth_m, 9.0 - motion.at(t_s).T_world_imu.translation().z(), 1e-6);

@@ -115,6 +115,7 @@ TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
     Laps laps(0.004);
     const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
     adjust_poses({laps.loop(0, 60)}, drift, laps.keyframes, laps.landmarks);
+    ASSERT_FALSE(laps.landmarks.empty());
     for (const Landmark& landmark : laps.landmarks) {
         const auto anchor = static_cast<std::size_t>(landmark.observations.front().keyframe);
         const Eigen::Vector3d p_cam =
