@@ -293,16 +293,17 @@ std::string resolve_figure(std::string_view text) {
     }
     if (found.empty())
         throw Error(ErrorCode::InvalidArgument,
-                    std::string("no figure is called '")
+                    std::string("there is no metric '")
                         .append(text.substr(0, 120))
                         .append("'; similar: " + similar_names(text)));
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return depth_of(a) < depth_of(b);
     });
     if (found.size() > 1 && depth_of(found[0]) == depth_of(found[1]))
-        throw Error(ErrorCode::InvalidArgument,
-                    std::string("'").append(text).append("' could be " + list_text(found) +
-                                                         "; write more of the name"));
+        throw Error(
+            ErrorCode::InvalidArgument,
+            std::string("'").append(text).append("' is ambiguous, it could be " + list_text(found) +
+                                                 ": write more of the name"));
     return found.front();
 }
 
