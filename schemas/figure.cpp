@@ -34,9 +34,9 @@ constexpr std::pair<std::string_view, std::string_view> kAlignments[] = {
     {"trajectory.*.ate_", "SE(3) over positions (Umeyama 1991), scale 1"},
     {"trajectory.*.rotation_rmse", "SE(3) over positions (Umeyama 1991), scale 1"},
     {"trajectory.*.sim3_", "Sim(3) over positions (Umeyama 1991); diagnostic"},
-    {"trajectory.*.end_drift", "first poses laid on another"},
+    {"trajectory.*.end_drift", "first poses aligned with each other"},
     {"trajectory.*.", "none: relative"},
-    {"trajectory.covariance.check", "first poses laid on another"},
+    {"trajectory.covariance.check", "first poses aligned with each other"},
     {"surface.", "SE(3) over positions and orientations of the path, scale 1; no ICP"},
     {"truth.", "SE(3) over positions, scale 1"}};
 // clang-format on
