@@ -25,7 +25,8 @@ std::string bearer_secret(const Request& request) {
     constexpr std::string_view kScheme = "Bearer ";
     const std::string header = request.header("authorization");
     if (!boost::beast::iequals(header.substr(0, kScheme.size()), kScheme))
-        throw Error(ErrorCode::Unauthorized, "give a token: Authorization: Bearer dm_...");
+        throw Error(ErrorCode::Unauthorized,
+                    "there is no token: send Authorization: Bearer dm_...");
     return header.substr(kScheme.size());
 }
 
@@ -34,7 +35,7 @@ void refuse_token_in_address(const Request& request) {
         if (request.query.contains(name))
             throw Error(
                 ErrorCode::InvalidArgument,
-                "a token does not belong into an address: send it as Authorization: Bearer");
+                "a token must not be part of the address: send it as Authorization: Bearer");
 }
 
 Awaitable<Token> redeem(Request request, Services services) {
@@ -44,8 +45,9 @@ Awaitable<Token> redeem(Request request, Services services) {
     };
     auto token = co_await in_pool(services.pool, std::move(work));
     if (!token)
-        throw Error(ErrorCode::Unauthorized,
-                    "this one-shot token was used, is too old or is for another path");
+        throw Error(
+            ErrorCode::Unauthorized,
+            "this one-shot token was used, has expired or is for another path: create a new one");
     co_return std::move(*token);
 }
 
@@ -56,7 +58,8 @@ Awaitable<Token> find_token(std::string secret, Services services) {
     };
     auto token = co_await at_once(services, std::move(find));
     if (!token)
-        throw Error(ErrorCode::Unauthorized, "this token is not known, was revoked or has ended");
+        throw Error(ErrorCode::Unauthorized,
+                    "this token is unknown, revoked or expired: use a valid one");
     services.tokens.put(*token);
     co_return std::move(*token);
 }
@@ -69,14 +72,15 @@ Awaitable<Token> authenticate(Request request, Services services, bool takes_one
     if (!request.query.contains(kOneShot))
         co_return co_await find_token(bearer_secret(request), services);
     if (!takes_one_shot || request.method != verb::get)
-        throw Error(ErrorCode::InvalidArgument,
-                    "a one-shot token opens GET of files and event streams alone");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "a one-shot token is only for GET of files and event streams: send another token");
     co_return co_await redeem(std::move(request), services);
 }
 
 void require_scope(const Token& token, const std::string& scope) {
     if (!token.allows(scope))
-        throw Error(ErrorCode::Forbidden, "this token lacks the scope " + scope);
+        throw Error(ErrorCode::Forbidden, "this token does not have the scope " + scope);
 }
 
 std::string visible_project(const Token& token) {

@@ -23,7 +23,7 @@ Upload read_part(const Services& services, const Upload& whole, const std::strin
     storage::require_open(part);
     if (!part.is_partial())
         throw Error(ErrorCode::InvalidArgument,
-                    "upload " + id + " is no part: it was made without Upload-Concat: partial");
+                    "upload " + id + " is not a part: create it with Upload-Concat: partial");
     if (!part.complete())
         throw Error(ErrorCode::Conflict, "upload " + id + " is not complete: send the rest first");
     return part;
@@ -94,7 +94,7 @@ Upload enter_final(const Services& services, storage::Catalog& catalog, Upload w
         length += *read_part(services, wanted, id).length_bytes;
         if (length > most)
             throw Error(ErrorCode::TooLarge,
-                        "the parts have more than " + std::to_string(most) + " bytes together");
+                        "the parts together have more than " + std::to_string(most) + " bytes");
     }
     wanted.length_bytes = length;
     return enter_upload(services, catalog, wanted, part_ids);
@@ -108,7 +108,7 @@ Awaitable<Upload> concatenate(Services services,
     for (bool more = true; more;) {
         if (*stop || services.stopping)
             throw Error(ErrorCode::Conflict,
-                        "a newer request took this upload over, or the server stops");
+                        "a newer request took over this upload, or the server is stopping");
         auto copy = [concatenation] { return concatenation->copy_some(); };
         more = co_await in_pool(services.pool, std::move(copy));
     }

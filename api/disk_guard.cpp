@@ -12,7 +12,7 @@ constexpr std::size_t kWatchEvery = std::size_t{1} << 20;
 void require_room(const Services& services) {
     if (services.blobs.free_bytes() < services.limits.min_free_bytes)
         throw Error(ErrorCode::OutOfSpace,
-                    "the server's disk is nearly full: delete dives or ask its administrator");
+                    "the server's disk is nearly full: delete dives or ask the administrator");
 }
 
 void RoomWatch::wrote(const Services& services, std::size_t num_bytes) {
@@ -21,8 +21,8 @@ void RoomWatch::wrote(const Services& services, std::size_t num_bytes) {
     num_unwatched_ = 0;
     if (services.blobs.free_bytes() < services.limits.min_free_bytes)
         throw Error(ErrorCode::OutOfSpace,
-                    "the server's disk is nearly full: what came is kept, go on when there is "
-                    "room again");
+                    "the server's disk is nearly full, the bytes received are kept: resume when "
+                    "there is space again");
 }
 
 }  // namespace divemesh::api

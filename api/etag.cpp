@@ -42,7 +42,8 @@ void require_listed(std::string_view list, std::string_view etag) {
 void require_match(const Request& request, std::string_view body) {
     if (!request.has_header("if-match"))
         throw Error(ErrorCode::PreconditionRequired,
-                    "read it first and send its ETag as If-Match, or If-Match: *");
+                    "there is no If-Match: read it first and send its ETag as If-Match, or send "
+                    "If-Match: *");
     require_listed(request.header("if-match"), etag_of(body));
 }
 

@@ -25,7 +25,7 @@ std::string key_of(const Request& request) {
     });
     if (key.empty() || key.size() > kMaxKeyBytes || !plain)
         throw Error(ErrorCode::InvalidArgument,
-                    "Idempotency-Key has to be 1 to 255 printable ASCII characters");
+                    "Idempotency-Key must be 1 to 255 printable ASCII characters");
     return key;
 }
 
@@ -94,14 +94,16 @@ Awaitable<Response> answer_once(Request request, Services services, const Route&
         co_return co_await route.handler(std::move(request), services);
     if (route.kind == RouteKind::Secret)
         throw Error(ErrorCode::InvalidArgument,
-                    "the answer shows a secret, which is not kept to be shown again: ask without "
-                    "Idempotency-Key, and list what there is when the answer was lost");
+                    "the answer contains a secret, which is not stored: send no Idempotency-Key, "
+                    "and if the answer is lost, list what exists");
     const std::string key = key_of(request);
     const std::string fingerprint = fingerprint_of(request);
     const auto turn = services.keys.enter(request.token.id + "\n" + key);
     if (!turn) {
-        Response wait = problem_response(
-            request, http::status::conflict, "a request with this Idempotency-Key is under way");
+        Response wait =
+            problem_response(request,
+                             http::status::conflict,
+                             "a request with this Idempotency-Key is in progress: try again later");
         wait.set("Retry-After", "2");
         co_return wait;
     }
@@ -111,7 +113,7 @@ Awaitable<Response> answer_once(Request request, Services services, const Route&
     const auto known = co_await in_pool(services.pool, std::move(find));
     if (known && known->fingerprint != fingerprint)
         throw Error(ErrorCode::BadData,
-                    "this Idempotency-Key was used for another request: take a new one");
+                    "this Idempotency-Key was used for another request: use a new one");
     if (known) co_return replayed(*known);
     const Response response = co_await route.handler(request, services);
     if (http::to_status_class(response.status) == http::status_class::successful) {

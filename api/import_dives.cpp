@@ -31,7 +31,7 @@ void log_import(nlohmann::json line) {
 }
 
 void throw_if_stopping(const Services& services) {
-    if (services.stopping) throw Error(ErrorCode::Cancelled, "the server stops");
+    if (services.stopping) throw Error(ErrorCode::Cancelled, "the server is stopping");
 }
 
 bool is_archive(const std::string& name) {
@@ -51,7 +51,7 @@ void require_single_name(const fs::path& file) {
     if (lstat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink != 1)
         throw Error(ErrorCode::InvalidArgument,
                     file.filename().string() +
-                        " is a link or has a second name: copy it here as a file of its own");
+                        " is a symbolic or hard link: replace it by a copy of the file");
 }
 
 void require_single_names(const fs::path& folder) {
@@ -88,8 +88,9 @@ public:
             source_ = std::make_unique<client::FileSource>(path);
             hashes_ = client::hash_archive(*source_, watch);
         } else {
-            throw Error(ErrorCode::InvalidArgument,
-                        "it is neither an archive (zip, tar, tar.gz, tar.zst) nor a dive's folder");
+            throw Error(
+                ErrorCode::InvalidArgument,
+                "it is neither an archive (zip, tar, tar.gz, tar.zst) nor the folder of a dive");
         }
     }
 

@@ -25,7 +25,7 @@ using Checks = std::map<std::string, Check>;
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::InvalidArgument, why); }
 
 const std::string& text_of(const json& value) {
-    if (!value.is_string()) refuse("it has to be a text");
+    if (!value.is_string()) refuse("it must be a text");
     const auto& text = value.get_ref<const std::string&>();
     if (text.empty() || text.size() > kMaxTextBytes) refuse("it is empty or too long");
     return text;
@@ -34,20 +34,20 @@ const std::string& text_of(const json& value) {
 void check_text(const json& value) { text_of(value); }
 
 void check_flag(const json& value) {
-    if (!value.is_boolean()) refuse("it has to be true or false");
+    if (!value.is_boolean()) refuse("it must be true or false");
 }
 
 void check_length(const json& value) {
     if (!value.is_number() || !(value.get<double>() >= 0.0 && value.get<double>() <= 1000.0))
-        refuse("it has to be a number of 0 to 1000");
+        refuse("it must be a number from 0 to 1000");
 }
 
 void check_requirements(const json& value) {
     if (!value.is_array() || value.size() > kMaxRequirements)
-        refuse("it has to be a list of at most " + std::to_string(kMaxRequirements) +
-               " requirements, as \"drift_percent<=0.5\"");
+        refuse("it must be a list of at most " + std::to_string(kMaxRequirements) +
+               " requirements like \"drift_percent<=0.5\"");
     for (const json& item : value) {
-        if (!item.is_string()) refuse("a requirement has to be a text");
+        if (!item.is_string()) refuse("a requirement must be a text");
         parse_requirement(item.get_ref<const std::string&>());
     }
 }
@@ -63,7 +63,7 @@ void check_time_offset(const json& value) {
 }
 
 void check(const json& options, const Checks& checks) {
-    if (!options.is_object()) throw InvalidInput({{"the options are an object", "", ""}});
+    if (!options.is_object()) throw InvalidInput({{"the options must be an object", "", ""}});
     std::vector<Fault> faults;
     for (const auto& [name, value] : options.items()) {
         const auto known = checks.find(name);

@@ -62,8 +62,9 @@ Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag s
     auto begin = [services, upload] { return std::make_shared<ArchiveHash>(services, upload); };
     const auto hash = co_await in_pool(services.pool, std::move(begin));
     for (bool more = true; more;) {
-        if (*stopped) throw Error(ErrorCode::Conflict, "a newer request took this upload over");
-        if (services.stopping) throw Error(ErrorCode::Unavailable, "the server stops: ask again");
+        if (*stopped) throw Error(ErrorCode::Conflict, "a newer request took over this upload");
+        if (services.stopping)
+            throw Error(ErrorCode::Unavailable, "the server is stopping: try again");
         auto some = [hash] { return hash->hash_some(); };
         more = co_await in_pool(services.pool, std::move(some));
     }
@@ -78,14 +79,15 @@ void require_whole(const Upload& upload, const UploadPlan& plan, const std::stri
                         " bytes: send the rest first");
     if (upload.is_partial())
         throw Error(ErrorCode::Conflict,
-                    "upload " + upload.id + " is a part: make the final upload of it first");
+                    "upload " + upload.id + " is a part: create the final upload first");
     if (upload.length_bytes == 0)
-        throw Error(ErrorCode::BadData, "upload " + upload.id + " is empty: it holds nothing");
+        throw Error(ErrorCode::BadData,
+                    "upload " + upload.id + " is empty: send the recording first");
     const bool is_bound = !upload.dive_id.empty();
     if (!is_bound && !plan.archive_sha256.empty() && plan.archive_sha256 != sha256)
         throw Error(ErrorCode::BadData,
                     "the archive's sha256 is " + sha256 + ", not " + plan.archive_sha256 +
-                        " as stated: delete the upload and send it anew");
+                        " as stated: delete the upload and send it again");
 }
 
 MadeDive make_dive(const Services& services,

@@ -60,7 +60,7 @@ void append_stages(std::string& text, const std::vector<storage::StageSeconds>& 
     begin(text,
           "divemesh_stage_seconds",
           "histogram",
-          "of a job, in whatever attempt; not from the cache");
+          "seconds spent in stages of jobs, over all attempts, without stages from the cache");
     for (const auto& stage : stages)
         append_histogram(text,
                          "divemesh_stage_seconds",
@@ -68,7 +68,7 @@ void append_stages(std::string& text, const std::vector<storage::StageSeconds>& 
                          storage::kStageBounds_s,
                          stage.num_runs,
                          stage.total_s);
-    begin(text, "divemesh_stages_cached_total", "counter", "stages that the cache had");
+    begin(text, "divemesh_stages_cached_total", "counter", "stages taken from the cache");
     for (const auto& stage : stages)
         append(text,
                "divemesh_stages_cached_total",
@@ -125,19 +125,20 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
                        "divemesh_http_requests_total",
                        labels_of(all, i) + ",status=\"" + std::to_string(c) + "xx\"",
                        static_cast<double>(routes_[i].by_class[c]));
-    begin(text, "divemesh_http_request_seconds", "histogram", "from the header to the answer");
+    begin(text,
+          "divemesh_http_request_seconds",
+          "histogram",
+          "seconds from the request's header to the answer");
     for (std::size_t i = 0; i < routes_.size(); ++i)
         if (routes_[i].seconds.count() > 0)
             routes_[i].seconds.append(text, "divemesh_http_request_seconds", labels_of(all, i));
-    begin(text,
-          "divemesh_upload_bytes",
-          "histogram",
-          "of uploads that became whole, parts among them");
+    begin(
+        text, "divemesh_upload_bytes", "histogram", "bytes of completed uploads, including parts");
     uploaded_bytes.append(text, "divemesh_upload_bytes", "");
     begin(text,
           "divemesh_upload_resumed_bytes",
           "histogram",
-          "that were there when a client asked where to go on");
+          "bytes that a resuming client did not have to send again");
     resumed_bytes.append(text, "divemesh_upload_resumed_bytes", "");
     append_stages(text, stored.stages);
     const struct {
@@ -147,23 +148,23 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
         std::int64_t value;
     } singles[] = {
         // clang-format off
-        {"divemesh_http_received_bytes_total", "counter", "of requests' bodies", received_bytes},
-        {"divemesh_http_sent_bytes_total", "counter", "of answers' bodies", sent_bytes},
-        {"divemesh_connections", "gauge", "open now", connections},
-        {"divemesh_connections_refused_total", "counter", "there were too many", refused_connections},
-        {"divemesh_event_streams", "gauge", "open now", watchers},
-        {"divemesh_events_told_total", "counter", "frames to event streams", told_events},
-        {"divemesh_event_streams_dropped_total", "counter", "clients that did not read or fell silent", dropped_watchers},
-        {"divemesh_sensor_streams", "gauge", "open now", sensor_streams},
-        {"divemesh_sensor_messages_total", "counter", "of sensors, new and durable", sensor_messages},
-        {"divemesh_sensor_frames_refused_total", "counter", "of sensors' streams", refused_frames},
-        {"divemesh_webhook_failures_total", "counter", "attempts to deliver that failed", webhook_failures},
-        {"divemesh_webhook_deliveries_waiting", "gauge", "in the outbox", stored.deliveries_waiting},
-        {"divemesh_uploads_open", "gauge", "not complete", stored.uploads_open},
-        {"divemesh_uploads_open_bytes", "gauge", "received of uploads that are not complete", stored.uploads_open_bytes},
-        {"divemesh_archive_bytes", "gauge", "of all dives", stored.archive_bytes},
-        {"divemesh_artifact_bytes", "gauge", "of all artifacts", stored.artifact_bytes},
-        {"divemesh_disk_free_bytes", "gauge", "where the blobs are", free_bytes},
+        {"divemesh_http_received_bytes_total", "counter", "bytes of request bodies", received_bytes},
+        {"divemesh_http_sent_bytes_total", "counter", "bytes of answer bodies", sent_bytes},
+        {"divemesh_connections", "gauge", "open connections", connections},
+        {"divemesh_connections_refused_total", "counter", "connections refused because there were too many", refused_connections},
+        {"divemesh_event_streams", "gauge", "open event streams", watchers},
+        {"divemesh_events_told_total", "counter", "frames sent to event streams", told_events},
+        {"divemesh_event_streams_dropped_total", "counter", "event streams closed because the client did not read or answer", dropped_watchers},
+        {"divemesh_sensor_streams", "gauge", "open streams of sensors", sensor_streams},
+        {"divemesh_sensor_messages_total", "counter", "new messages of sensors, stored durably", sensor_messages},
+        {"divemesh_sensor_frames_refused_total", "counter", "refused frames on streams of sensors", refused_frames},
+        {"divemesh_webhook_failures_total", "counter", "failed attempts to deliver a webhook", webhook_failures},
+        {"divemesh_webhook_deliveries_waiting", "gauge", "webhook deliveries in the outbox", stored.deliveries_waiting},
+        {"divemesh_uploads_open", "gauge", "incomplete uploads", stored.uploads_open},
+        {"divemesh_uploads_open_bytes", "gauge", "bytes received of incomplete uploads", stored.uploads_open_bytes},
+        {"divemesh_archive_bytes", "gauge", "bytes of the archives of all dives", stored.archive_bytes},
+        {"divemesh_artifact_bytes", "gauge", "bytes of all artifacts", stored.artifact_bytes},
+        {"divemesh_disk_free_bytes", "gauge", "free bytes on the disk of the blobs", free_bytes},
         // clang-format on
     };
     for (const auto& single : singles)
@@ -171,18 +172,21 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
     append_one(text,
                "divemesh_queue_oldest_seconds",
                "gauge",
-               "age of the oldest job that could run",
+               "seconds that the oldest job that could run has waited",
                1e-3 * static_cast<double>(stored.oldest_queued_ms));
     append_one(text,
                "divemesh_lease_oldest_seconds",
                "gauge",
-               "since the lease that has gone longest without renewal should have ended; negative: "
-               "all are good",
+               "seconds since the lease that is most overdue should have ended; negative: no lease "
+               "is overdue",
                1e-3 * static_cast<double>(stored.lease_overdue_ms));
-    append_counts(text, "divemesh_jobs", "by state", stored.jobs);
-    append_counts(text, "divemesh_dives", "by state", stored.dives);
-    append_counts(text, "divemesh_attempts", "by how they ended", stored.attempts);
-    append_counts(text, "divemesh_attempts_milliseconds", "spent in attempts", stored.attempt_ms);
+    append_counts(text, "divemesh_jobs", "jobs by state", stored.jobs);
+    append_counts(text, "divemesh_dives", "dives by state", stored.dives);
+    append_counts(text, "divemesh_attempts", "attempts by their outcome", stored.attempts);
+    append_counts(text,
+                  "divemesh_attempts_milliseconds",
+                  "milliseconds spent in attempts",
+                  stored.attempt_ms);
     return text;
 }
 

@@ -16,7 +16,8 @@ Upload enter_upload(const Services& services,
     const std::int64_t wanted = upload.length_bytes.value_or(0);
     if (wanted > room)
         throw Error(ErrorCode::OutOfSpace,
-                    "the server's disk has no room for " + std::to_string(wanted) + " bytes");
+                    "the server's disk has no space for " + std::to_string(wanted) +
+                        " bytes: delete dives or ask the administrator");
     if (!plan_of(upload.metadata).truth) require_dive_of_quota(services, upload.project);
     const storage::UploadLimits most{.max_bytes_of_project = limits.max_project_bytes,
                                      .max_open_of_project = limits.max_open_uploads,

@@ -25,7 +25,8 @@ void require_begun_by_right(const Services& services,
     if (upload.token_id.empty()) return;  // an import, or a server that asks nobody
     const auto token = storage::TokenStore(services.catalog).get_valid(upload.token_id);
     if (!token)
-        throw Error(ErrorCode::Unauthorized, "the token that began this upload is no longer valid");
+        throw Error(ErrorCode::Unauthorized,
+                    "the token that started this upload is no longer valid");
     require_scope(*token, "dives:write");
     if (!plan.preset.empty()) require_scope(*token, "jobs:write");
 }

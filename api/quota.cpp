@@ -20,7 +20,7 @@ void require_dive_of_quota(const Services& services, const std::string& project)
         storage::require_dive_of_quota(session,
                                        project,
                                        services.limits.max_project_dives,
-                                       "delete some, or ask the server's administrator");
+                                       "delete some, or ask the administrator");
     });
 }
 

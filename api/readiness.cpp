@@ -21,7 +21,7 @@ void probe_blobs(storage::BlobStore& blobs) {
     const auto written = staged->flush();
     blobs.remove_staged(key);
     if (written != std::ssize(kProbe))
-        throw Error(ErrorCode::Unavailable, "what was written is not there");
+        throw Error(ErrorCode::Unavailable, "the data written cannot be read back");
 }
 
 // "" or what went wrong.
@@ -51,8 +51,10 @@ Readiness::Result Readiness::look(storage::Catalog& catalog,
             result.free_bytes = blobs.free_bytes();
             if (result.free_bytes < min_free_bytes)
                 throw Error(ErrorCode::OutOfSpace,
-                            std::to_string(result.free_bytes >> 20) + " MiB are free of the " +
-                                std::to_string(min_free_bytes >> 20) + " that are kept: make room");
+                            std::to_string(result.free_bytes >> 20) +
+                                " MiB are free, less than the " +
+                                std::to_string(min_free_bytes >> 20) +
+                                " MiB to keep free: free some space");
         });
     last_ = result;
     next_look_ = std::chrono::steady_clock::now() + 1s;

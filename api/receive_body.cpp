@@ -97,15 +97,18 @@ void throw_unless_whole(Ending ending) {
         case Ending::Whole: return;
         case Ending::TooLong:
             throw Error(ErrorCode::TooLarge,
-                        "the body went past Upload-Length: the rest is not kept");
+                        "the body exceeds Upload-Length: the excess is not kept");
         case Ending::TooSlow:
             throw Error(ErrorCode::Unavailable,
-                        "the body comes too slowly to be waited for: HEAD tells what did");
+                        "the body arrives too slowly: ask with HEAD how much was received and send "
+                        "the rest");
         case Ending::Stopped:
             throw Error(ErrorCode::Conflict,
-                        "a newer request took this upload over, or the server stops");
+                        "a newer request took over this upload, or the server is stopping");
         case Ending::Lost:
-            throw Error(ErrorCode::Unavailable, "the body did not arrive: HEAD tells what did");
+            throw Error(ErrorCode::Unavailable,
+                        "the body did not arrive completely: ask with HEAD how much was received "
+                        "and send the rest");
     }
 }
 

@@ -54,7 +54,7 @@ void ReportQueue::enqueue(storage::IncomingReport report, Done done) {
     if (waiting_.size() >= kMostWaiting || waiting_bytes_ + num_bytes > kMostWaitingBytes)
         return done(std::make_exception_ptr(
                         Error(ErrorCode::Unavailable,
-                              "more reports of sensors come than can be written: try again")),
+                              "more sensor reports arrive than can be written: try again later")),
                     {});
     waiting_bytes_ += num_bytes;
     waiting_.push_back({std::move(report), std::move(done), num_bytes});

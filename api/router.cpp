@@ -86,18 +86,22 @@ Awaitable<std::string> read_body(std::shared_ptr<BodyStream> stream) {
         if (body.size() > kMaxBodyBytes) throw too_large;
         if (read.state == BodyRead::State::End) co_return body;
         if (read.state != BodyRead::State::More)
-            throw Error(ErrorCode::Unavailable, "the body did not arrive");
+            throw Error(ErrorCode::Unavailable,
+                        "the body did not arrive completely: send the request again");
     }
 }
 
 Response no_route(const Request& request, const RouteMatch& match) {
     if (match.methods.empty())
-        return problem_response(request, http::status::not_found, "nothing is at this address");
+        return problem_response(
+            request, http::status::not_found, "there is no such address: see the API description");
     std::string allowed;
     for (const verb method : match.methods)
         allowed += (allowed.empty() ? "" : ", ") + std::string(http::to_string(method));
-    Response response = problem_response(
-        request, http::status::method_not_allowed, "this address answers " + allowed);
+    Response response =
+        problem_response(request,
+                         http::status::method_not_allowed,
+                         "the method is not allowed: this address takes " + allowed);
     response.set("Allow", allowed);
     return response;
 }
@@ -121,7 +125,7 @@ void split_target(Request& request) {
     request.query = std::move(query);
     request.method = effective_method(request);
     if (request.header("host").find(',') != std::string::npos)  // RFC 9112, 3.2
-        throw Error(ErrorCode::InvalidArgument, "a request has one Host");
+        throw Error(ErrorCode::InvalidArgument, "a request must have exactly one Host header");
 }
 
 // What is answered without a handler: preflights, and addresses and origins that are not served.
@@ -131,7 +135,9 @@ std::optional<Response> answer_at_the_door(const Request& request,
     if (auto preflight = answer_preflight(request, match.methods, limits)) return preflight;
     if (match.route == nullptr) return no_route(request, match);
     if (match.route->kind == RouteKind::WebSocket && !is_allowed_origin(request, limits))
-        throw Error(ErrorCode::Forbidden, "pages of this origin may not listen here");
+        throw Error(ErrorCode::Forbidden,
+                    "pages of this origin are not allowed to connect: start the server with "
+                    "--allow-origin to allow it");
     return std::nullopt;
 }
 

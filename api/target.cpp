@@ -12,7 +12,7 @@ std::string unescaped(std::string_view text) {
     auto plain = percent_decode(text);
     if (!plain)
         throw Error(ErrorCode::InvalidArgument,
-                    "a % in the address is not followed by two hex digits of a character");
+                    "a % in the address must be followed by two hex digits of a character");
     return std::move(*plain);
 }
 
@@ -27,7 +27,8 @@ std::map<std::string, std::string, std::less<>> parse_query(std::string_view tex
         std::string value =
             equals == std::string_view::npos ? "" : unescaped(pair.substr(equals + 1));
         if (!query.emplace(name, std::move(value)).second)
-            throw Error(ErrorCode::InvalidArgument, "the address has \"" + name + "\" twice");
+            throw Error(ErrorCode::InvalidArgument,
+                        "the address has \"" + name + "\" twice: give it once");
     }
     return query;
 }
@@ -54,7 +55,7 @@ std::optional<std::string> percent_decode(std::string_view text) {
 
 Target parse_target(std::string_view target) {
     if (!target.starts_with('/'))
-        throw Error(ErrorCode::InvalidArgument, "the address has to begin with /");
+        throw Error(ErrorCode::InvalidArgument, "the address must begin with /");
     const auto question = target.find('?');
     Target result{std::string(target.substr(0, question)), {}};
     if (question != std::string_view::npos) result.query = parse_query(target.substr(question + 1));

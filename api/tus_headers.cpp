@@ -18,21 +18,21 @@ constexpr std::string_view kUploads = "/api/v1/uploads/";
 std::optional<std::int64_t> announced_length(const Request& request, std::int64_t max_bytes) {
     if (request.has_header("upload-defer-length")) {
         if (request.has_header("upload-length"))
-            refuse("send Upload-Length or Upload-Defer-Length, not both");
-        if (request.header("upload-defer-length") != "1") refuse("Upload-Defer-Length has to be 1");
+            refuse("send either Upload-Length or Upload-Defer-Length, not both");
+        if (request.header("upload-defer-length") != "1") refuse("Upload-Defer-Length must be 1");
         return std::nullopt;
     }
     const std::int64_t length = count_header(request, "upload-length");
     if (length > max_bytes)
         throw Error(ErrorCode::TooLarge,
-                    "an upload has at most " + std::to_string(max_bytes) + " bytes");
+                    "an upload may have at most " + std::to_string(max_bytes) + " bytes");
     return length;
 }
 
 std::string announced_concat(const Request& request) {
     const std::string concat = request.header("upload-concat");
     if (request.has_header("upload-concat") && concat != "partial" && !concat.starts_with("final;"))
-        refuse("Upload-Concat has to be partial, or final; and the addresses of the parts");
+        refuse("Upload-Concat must be partial, or final; followed by the addresses of the parts");
     return concat;
 }
 
@@ -42,7 +42,7 @@ std::string part_id(std::string_view url) {
                         ? std::nullopt
                         : percent_decode(url.substr(start + kUploads.size()));
     if (!id || id->empty() || id->find_first_of("/?#") != std::string::npos)
-        refuse("Upload-Concat names what is no upload of this server");
+        refuse("Upload-Concat contains an address that is not an upload of this server");
     return *id;
 }
 
@@ -50,15 +50,17 @@ std::string part_id(std::string_view url) {
 
 std::optional<Response> wrong_version(const Request& request) {
     if (request.header("tus-resumable") == "1.0.0") return std::nullopt;
-    Response response = problem_response(
-        request, http::status::precondition_failed, "send Tus-Resumable: 1.0.0 with the request");
+    Response response =
+        problem_response(request,
+                         http::status::precondition_failed,
+                         "there is no Tus-Resumable: send Tus-Resumable: 1.0.0 with the request");
     response.set("Tus-Version", "1.0.0");
     return response;
 }
 
 std::int64_t count_header(const Request& request, const std::string& name) {
     const auto value = parse_count(request.header(name));
-    if (!value) refuse(name + " has to be a number of bytes");
+    if (!value) refuse(name + " must be a number of bytes");
     return *value;
 }
 
@@ -66,15 +68,19 @@ bool brings_bytes(const Request& request) {
     if (request.header("content-type") != kBytesType) return false;
     const std::string coding = request.header("content-encoding");
     if (!coding.empty() && !boost::beast::iequals(coding, "identity"))
-        throw Error(ErrorCode::Unsupported, "send the bytes as they are, without Content-Encoding");
+        throw Error(ErrorCode::Unsupported,
+                    "Content-Encoding is not supported: send the bytes without it");
     if (request.has_header("trailer"))
-        throw Error(ErrorCode::Unsupported, "trailers are not read: send Upload-Checksum in front");
+        throw Error(ErrorCode::Unsupported,
+                    "trailers are not read: send Upload-Checksum as a header");
     return true;
 }
 
 void require_bytes(const Request& request) {
     if (!brings_bytes(request))
-        throw Error(ErrorCode::Unsupported, "send Content-Type: " + std::string(kBytesType));
+        throw Error(
+            ErrorCode::Unsupported,
+            "the body has another content type: send Content-Type: " + std::string(kBytesType));
 }
 
 Upload announced_upload(const Request& request, const ServiceLimits& limits) {
@@ -103,7 +109,7 @@ std::vector<std::string> parts_of(const Upload& final_upload) {
         if (end > 0) ids.push_back(part_id(rest.substr(0, end)));
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
-    if (ids.empty()) refuse("Upload-Concat names no part");
+    if (ids.empty()) refuse("Upload-Concat names no part: give the addresses of the parts");
     return ids;
 }
 

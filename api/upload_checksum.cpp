@@ -19,8 +19,9 @@ const EVP_MD* digest_named(std::string_view name) {
     if (name == "sha1") return EVP_sha1();
     if (name == "sha256") return EVP_sha256();
     if (name == "crc32c") return nullptr;
-    throw Error(ErrorCode::InvalidArgument,
-                "Upload-Checksum can be made by " + std::string(kChecksumAlgorithms) + " alone");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        "Upload-Checksum has an unknown algorithm: use one of " + std::string(kChecksumAlgorithms));
 }
 
 void check(int openssl_result) {
@@ -44,7 +45,7 @@ UploadChecksum::UploadChecksum(std::string_view header) : state_(std::make_uniqu
         state_->expected = decode_base64(header.substr(space + 1)).value_or("");
     if (state_->expected.size() != size)
         throw Error(ErrorCode::InvalidArgument,
-                    "Upload-Checksum has to be the algorithm, a space and " + std::to_string(size) +
+                    "Upload-Checksum must be the algorithm, a space and " + std::to_string(size) +
                         " bytes in base64");
     if (digest == nullptr) return;
     state_->digest.reset(EVP_MD_CTX_new());

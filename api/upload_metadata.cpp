@@ -52,7 +52,7 @@ std::map<std::string, std::string> parse_upload_metadata(std::string_view header
             refuse("a key is not printable ASCII");
         const auto value = trimmed(pair.substr(key.size()));
         if (!metadata.emplace(key, value.empty() ? "" : from_base64(value)).second)
-            refuse("the key \"" + key + "\" is there twice");
+            refuse("the key \"" + key + "\" occurs twice");
     }
     return metadata;
 }
@@ -61,7 +61,7 @@ void check_sha256(const std::string& text, const std::string& what) {
     const bool hex = text.size() == 64 && std::all_of(text.begin(), text.end(), [](char c) {
                          return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
                      });
-    if (!hex) throw Error(ErrorCode::InvalidArgument, what + " has to be 64 lower-case hex digits");
+    if (!hex) throw Error(ErrorCode::InvalidArgument, what + " must be 64 lower-case hex digits");
 }
 
 UploadPlan plan_of(std::string_view header) {
@@ -79,8 +79,8 @@ UploadPlan plan_of(std::string_view header) {
     plan.truth = truth_kind_from_string(value("truth"));
     plan.dive_id = value("dive_id");
     plan.commit = true;
-    if (plan.dive_id.empty()) refuse("truth needs dive_id, the dive that it is of");
-    if (metadata.contains("job")) refuse("truth is not reconstructed: leave out job");
+    if (plan.dive_id.empty()) refuse("truth needs dive_id: give the id of its dive");
+    if (metadata.contains("job")) refuse("a truth file is not reconstructed: leave out job");
     return plan;
 }
 

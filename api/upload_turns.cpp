@@ -75,7 +75,8 @@ asio::awaitable<std::shared_ptr<UploadTurns::Holder>> UploadTurns::wait(
         older->waiting.push_back(timer);
         co_await timer->async_wait(asio::as_tuple(asio::use_awaitable));
         if (std::chrono::steady_clock::now() >= end)
-            throw Error(ErrorCode::Locked, "another request still works on this upload: try again");
+            throw Error(ErrorCode::Locked,
+                        "another request is still writing to this upload: try again");
     }
     auto holder = std::make_shared<Holder>(Holder{state_, upload_id, std::move(stop), {}});
     state_->holders.emplace(std::move(upload_id), holder);

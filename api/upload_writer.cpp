@@ -19,7 +19,8 @@ UploadWriter::UploadWriter(Services services, Upload upload)
     : services_(services), upload_(std::move(upload)) {
     staged_ = services_.blobs.open_staged(upload_.blob);
     if (staged_->size_bytes() < upload_.offset_bytes)
-        throw std::runtime_error("upload " + upload_.id + " has lost bytes: the catalog knows " +
+        throw std::runtime_error("upload " + upload_.id +
+                                 " has lost bytes: the catalog has recorded " +
                                  std::to_string(upload_.offset_bytes) + ", the disk has " +
                                  std::to_string(staged_->size_bytes()));
     advance();

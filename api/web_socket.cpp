@@ -10,7 +10,7 @@ std::optional<Response> web_socket_refusal(const Request& request) {
     if (boost::beast::iequals(request.header("upgrade"), "websocket")) return std::nullopt;
     Response response = problem_response(request,
                                          http::status::upgrade_required,
-                                         "this address speaks over a WebSocket: ask for one");
+                                         "this address is a WebSocket: send an upgrade request");
     response.set("Upgrade", "websocket");
     return response;
 }

@@ -90,16 +90,16 @@ bool is_in(const ip::address& address, const Block& block) {
 WebhookTarget parse_webhook_url(const std::string& url) {
     if (url.size() > kMaxUrlBytes) refuse("is longer than 2048 bytes");
     if (std::any_of(url.begin(), url.end(), [](char c) { return c <= ' ' || c > '~'; }))
-        refuse("has a blank or another character that does not belong there");
+        refuse("contains a space or another character that is not allowed");
     WebhookTarget target;
     target.tls = url.starts_with("https://");
-    if (!target.tls && !url.starts_with("http://")) refuse("begins with another scheme");
+    if (!target.tls && !url.starts_with("http://")) refuse("has another scheme");
     const std::string rest = url.substr(url.find("://") + 3);
     const std::string authority = rest.substr(0, rest.find_first_of("/?#\\"));
     target.path = rest.substr(authority.size());
     if (target.path.empty()) target.path += '/';
     if (!target.path.starts_with('/') || target.path.find_first_of("#\\") != std::string::npos)
-        refuse("has something else than a path after its host");
+        refuse("has something other than a path after its host");
     if (authority.find('@') != std::string::npos) refuse("has a user name");
     const bool v6 = authority.starts_with('[');
     const auto host_end = v6 ? authority.find(']') : authority.find(':');
@@ -108,12 +108,12 @@ WebhookTarget parse_webhook_url(const std::string& url) {
         host_end == std::string::npos ? "" : authority.substr(host_end + (v6 ? 1 : 0));
     if (v6 ? !is_address(target.host) || host_end == std::string::npos
            : !is_name(target.host) && !is_address(target.host))
-        refuse("has no proper host");
+        refuse("has no valid host");
     const auto number = port.empty() ? std::optional<std::int64_t>(target.tls ? 443 : 80)
                                      : parse_count(std::string_view(port).substr(1));
     if ((!port.empty() && port.front() != ':') || !number || *number > 65535 ||
         (*number != 80 && *number != 443 && *number < 1024))
-        refuse("has a port that is neither 80, 443 nor one from 1024");
+        refuse("has a port below 1024 that is neither 80 nor 443");
     target.port = std::to_string(*number);
     return target;
 }
@@ -129,7 +129,7 @@ AllowedNetworks::AllowedNetworks(const std::vector<std::string>& networks) {
                               : parse_count(std::string_view(text).substr(slash + 1));
         if (failure || !bits || *bits > longest)
             throw Error(ErrorCode::InvalidArgument,
-                        "\"" + text + "\" is no network: give 10.1.0.0/16 or 127.0.0.1");
+                        "\"" + text + "\" is not a network: give e.g. 10.1.0.0/16 or 127.0.0.1");
         networks_.push_back({bytes_of(address), static_cast<int>(*bits)});
     }
 }

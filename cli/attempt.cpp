@@ -7,10 +7,10 @@
 namespace divemesh::cli {
 
 void add_attempt(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("attempt", "one attempt at a job: the child of a worker");
+    auto* command = app.add_subcommand("attempt", "run one attempt at a job (started by a worker)");
     command->group("");  // not for people
     auto request = std::make_shared<std::filesystem::path>();
-    command->add_option("request", *request, "what to do")->required();
+    command->add_option("request", *request, "the request, as JSON")->required();
     command->callback([request, &context] {
         context.command = [request] { return worker::run_attempt(*request); };
     });

@@ -29,7 +29,8 @@ void say(const storage::BackupSummary& summary, const Context& context) {
     std::cerr << "catalog and " << summary.num_blobs << " blobs, "
               << bytes_text(static_cast<double>(summary.num_bytes)) << '\n';
     if (summary.num_missing > 0)
-        std::cerr << summary.num_missing << " blobs were removed for good before\n";
+        std::cerr << summary.num_missing
+                  << " blobs are missing: they were permanently removed earlier\n";
 }
 
 int back_up(const BackupOptions& options, const Context& context) {
@@ -56,7 +57,7 @@ void add(CLI::App& app,
     auto* command = app.add_subcommand(name, help);
     auto options = std::make_shared<BackupOptions>();
     add_data_options(*command, options->data);
-    command->add_option("file", options->file, "the backup: one tar")->required();
+    command->add_option("file", options->file, "backup file (tar)")->required();
     command->callback([options, &context, run] {
         context.command = [options, &context, run] { return run(*options, context); };
     });
@@ -65,11 +66,15 @@ void add(CLI::App& app,
 }  // namespace
 
 void add_backup(CLI::App& app, Context& context) {
-    add(app, context, "backup", "copy catalog and blobs into one file, while all goes on", back_up);
+    add(app,
+        context,
+        "backup",
+        "copy catalog and blobs into one file while the server runs",
+        back_up);
 }
 
 void add_restore(CLI::App& app, Context& context) {
-    add(app, context, "restore", "make an empty data folder what it was at a backup", restore);
+    add(app, context, "restore", "restore a backup into an empty data folder", restore);
 }
 
 }  // namespace divemesh::cli

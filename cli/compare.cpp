@@ -34,8 +34,8 @@ std::string summary(const nlohmann::json& document) {
     char text[400];
     std::snprintf(text,
                   sizeof text,
-                  "laid over each other by %s: %.0f %% of the ground agrees, residual %.1f mm\n"
-                  "seen by both: %.2f m2; by one alone: %.2f m2; level of detection: %.1f mm\n",
+                  "aligned by %s: %.0f %% of the ground agrees, residual %.1f mm\n"
+                  "seen by both: %.2f m2; by only one: %.2f m2; level of detection: %.1f mm\n",
                   fit.at("method").get<std::string>().c_str(),
                   100.0 * fit.at("agreement").get<double>(),
                   1e3 * fit.at("residual_rms_m").get<double>(),
@@ -78,8 +78,9 @@ int run_there(const worker::CompareRequest& request,
               const Context& context) {
     const worker::CompareOptions& options = request.options;
     if (request.later_areas && !request.areas)
-        throw Error(ErrorCode::InvalidArgument,
-                    "--later-areas without --areas: give those of the earlier dive as well");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "--later-areas was given without --areas: give the areas of the earlier dive too");
     ServerJob wanted{.subject = request.a.string(),
                      .kind = "compare",
                      .options = {{"with", request.b.string()},
@@ -104,24 +105,24 @@ int run_there(const worker::CompareRequest& request,
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("compare", "what changed between two dives of one place");
+    auto* command = app.add_subcommand("compare", "compare two dives of one place");
     auto request = std::make_shared<worker::CompareRequest>();
     auto& options = request->options;
     auto there = std::make_shared<ServerSide>();
     add_server_options(*command, there->server);
     // clang-format off
-    command->add_option("a", request->a, "folder of the earlier reconstruction; with --server the id of its dive or job")->required();
-    command->add_option("b", request->b, "folder of the later one, or its id")->required();
-    command->add_option("--out", request->out, "folder of the results, made when missing")->required();
-    command->add_option("--areas", request->areas, "JSON: polygons and quadrats, as of `measure`, on the earlier model");
-    command->add_option("--later-areas", request->later_areas, "the same, on the later one: gives the change per label");
-    command->add_option("--cell-m", options.cell_m, "of the maps; 0: from the meshes")->capture_default_str();
-    command->add_option("--cylinder-m", options.cylinder_m, "M3C2: diameter to average over; 0: 4 cells")->capture_default_str();
-    command->add_option("--normal-scale-m", options.normal_scale_m, "M3C2: to take directions over; 0: 8 cells")->capture_default_str();
-    command->add_option("--reach-m", options.reach_m, "M3C2: how far to look along them")->capture_default_str();
-    command->add_option("--least-area-m2", options.least_area_m2, "of a patch; 0: from the cylinder")->capture_default_str();
-    command->add_option("--threads", request->num_threads, "0: all cores; never changes a byte")->capture_default_str();
-    command->add_flag("--wait,!--no-wait", there->wait, "on a server: until it is done (default)");
+    command->add_option("a", request->a, "folder of the earlier reconstruction; with --server, id of its dive or job")->required();
+    command->add_option("b", request->b, "folder of the later reconstruction, or its id")->required();
+    command->add_option("--out", request->out, "output folder, created if missing")->required();
+    command->add_option("--areas", request->areas, "JSON with polygons and quadrats on the earlier model, as for `measure`");
+    command->add_option("--later-areas", request->later_areas, "the same on the later model, for the change per label");
+    command->add_option("--cell-m", options.cell_m, "cell size of the maps, m; 0: from the meshes")->capture_default_str();
+    command->add_option("--cylinder-m", options.cylinder_m, "M3C2: diameter of the cylinder; 0: 4 cells")->capture_default_str();
+    command->add_option("--normal-scale-m", options.normal_scale_m, "M3C2: scale of the normals; 0: 8 cells")->capture_default_str();
+    command->add_option("--reach-m", options.reach_m, "M3C2: max distance along the normal")->capture_default_str();
+    command->add_option("--least-area-m2", options.least_area_m2, "min area of a patch; 0: from the cylinder")->capture_default_str();
+    command->add_option("--threads", request->num_threads, "0: all cores; the result does not depend on it")->capture_default_str();
+    command->add_flag("--wait,!--no-wait", there->wait, "with --server: wait until it is done (default)");
     // clang-format on
     command->callback([request, there, command, &context] {
         const bool is_there = is_on_server(*command, request->a);

@@ -10,7 +10,8 @@ namespace fs = std::filesystem;
 // The folder exists and has an absolute name: children of ours run elsewhere.
 fs::path data_folder(const DataOptions& options, const std::string& instead) {
     if (options.data.empty())
-        throw Error(ErrorCode::InvalidArgument, "give --data DIR or " + instead + " URL");
+        throw Error(ErrorCode::InvalidArgument,
+                    "no data folder: give --data DIR or " + instead + " URL");
     fs::create_directories(options.data);
     return fs::canonical(options.data);
 }
@@ -18,9 +19,11 @@ fs::path data_folder(const DataOptions& options, const std::string& instead) {
 }  // namespace
 
 void add_data_options(CLI::App& command, DataOptions& options) {
-    command.add_option("--data", options.data, "folder that keeps everything, made when missing");
-    command.add_option("--catalog", options.catalog, "database: sqlite:///path/catalog.db");
-    command.add_option("--blobs", options.blobs, "archives and artifacts: file:///path");
+    command.add_option(
+        "--data", options.data, "data folder, created if missing; holds catalog and blobs");
+    command.add_option(
+        "--catalog", options.catalog, "URL of the database: sqlite:///path/catalog.db");
+    command.add_option("--blobs", options.blobs, "URL of archives and artifacts: file:///path");
 }
 
 std::string catalog_url(const DataOptions& options) {

@@ -53,7 +53,7 @@ std::string truth_text(const TruthFile& file) {
     return std::string(to_string(file.kind)) + ' ' + file.id + ": " + file.name + ", " +
            bytes_text(static_cast<double>(file.size_bytes)) + ", sent " +
            time_text(file.created_at_ms) +
-           (file.problem.empty() ? "" : "; left aside, it cannot be read: " + file.problem) + '\n';
+           (file.problem.empty() ? "" : "; not used, it cannot be read: " + file.problem) + '\n';
 }
 
 int show_dive(client::RestClient& rest, const DivesOptions& options, const Context& context) {
@@ -75,13 +75,14 @@ int show_dive(client::RestClient& rest, const DivesOptions& options, const Conte
 }  // namespace
 
 void add_dives(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("dives", "list the dives of a server, or show one");
+    auto* command = app.add_subcommand("dives", "list the dives on a server, or show one");
     auto options = std::make_shared<DivesOptions>();
     command->add_option(
-        "dive", options->dive_id, "id of one dive: show it with its findings and files of truth");
+        "dive", options->dive_id, "id of a dive: show it with its findings and truth files");
     add_server_options(*command, options->server);
-    command->add_option("--site", options->site, "only dives of this site");
-    command->add_option("--state", options->state, "only checking, ready or refused ones");
+    command->add_option("--site", options->site, "list only dives of this site");
+    command->add_option(
+        "--state", options->state, "list only dives in this state: checking, ready or refused");
     command->callback([options, &context] {
         context.command = [options, &context] {
             client::RestClient rest(account_of(options->server));

@@ -20,13 +20,15 @@ struct DownloadOptions {
 }  // namespace
 
 void add_download(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("download", "fetch the artifacts of a job");
+    auto* command = app.add_subcommand("download", "download the artifacts of a job");
     auto options = std::make_shared<DownloadOptions>();
     command->add_option("job", options->job_id, "id of the job")->required();
-    command->add_option("names", options->names, "mesh.glb metrics.json ...; none: all of them");
-    command->add_option("--out", options->out, "folder, made when missing")->capture_default_str();
+    command->add_option(
+        "names", options->names, "names of artifacts, e.g. mesh.glb metrics.json; default: all");
+    command->add_option("--out", options->out, "output folder, created if missing")
+        ->capture_default_str();
     add_server_options(*command, options->server);
-    command->footer("What is there already is left; what was cut goes on where it stopped.");
+    command->footer("Files that are complete are skipped; interrupted downloads resume.");
     command->callback([options, &context] {
         context.command = [options] {
             api::client::RestClient rest(account_of(options->server));

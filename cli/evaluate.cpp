@@ -24,21 +24,29 @@ void add_trajectory(CLI::App& parent, Context& context) {
         std::string lever_arm;
         std::string time_offset;
     };
-    auto* command = parent.add_subcommand("trajectory", "error of a trajectory against the truth");
+    auto* command =
+        parent.add_subcommand("trajectory", "error of a trajectory against ground truth");
     auto options = std::make_shared<Options>();
-    command->add_option("--estimate", options->estimate, "TUM, EuRoC or KITTI file")->required();
-    command->add_option("--reference", options->reference, "TUM, EuRoC or KITTI file")->required();
     command
-        ->add_option("--rpe-delta-m", options->how.relative.delta_m, "of the relative pose error")
+        ->add_option("--estimate", options->estimate, "trajectory to evaluate: TUM, EuRoC or KITTI")
+        ->required();
+    command->add_option("--reference", options->reference, "true trajectory: TUM, EuRoC or KITTI")
+        ->required();
+    command
+        ->add_option("--rpe-delta-m",
+                     options->how.relative.delta_m,
+                     "path length of the relative pose error, m")
         ->check(CLI::Range(1e-3, 1e6))
         ->capture_default_str();
-    command->add_option("--rpe-pairs", options->pairs, "consecutive or all, as evo takes them")
+    command
+        ->add_option("--rpe-pairs", options->pairs, "pairs of poses, as in evo: consecutive or all")
         ->check(CLI::IsMember({"consecutive", "all"}))
         ->capture_default_str();
+    command->add_option("--lever-arm",
+                        options->lever_arm,
+                        "pose of the tracked marker: x,y,z[,qw,qx,qy,qz] in m, or solve");
     command->add_option(
-        "--lever-arm", options->lever_arm, "x,y,z[,qw,qx,qy,qz] of the tracked marker, or solve");
-    command->add_option(
-        "--time-offset", options->time_offset, "s, the truth's clock minus ours, or solve");
+        "--time-offset", options->time_offset, "the truth's clock minus ours, s, or solve");
     command->callback([options, &context] {
         context.command = [options, &context] {
             auto how = options->how;
@@ -60,13 +68,20 @@ void add_mesh(CLI::App& parent, Context& context) {
         std::filesystem::path reference_trajectory;
     };
     auto options = std::make_shared<Options>();
-    command->add_option("--estimate", options->request.estimate, "PLY, OBJ or GLB")->required();
-    command->add_option("--reference", options->request.reference, "PLY, OBJ or GLB")->required();
-    auto* ours = command->add_option("--estimate-trajectory",
-                                     options->estimate_trajectory,
-                                     "moves the mesh to the truth's frame, with the one below");
     command
-        ->add_option("--reference-trajectory", options->reference_trajectory, "the true trajectory")
+        ->add_option("--estimate", options->request.estimate, "mesh to evaluate: PLY, OBJ or GLB")
+        ->required();
+    command
+        ->add_option("--reference", options->request.reference, "reference mesh: PLY, OBJ or GLB")
+        ->required();
+    auto* ours =
+        command->add_option("--estimate-trajectory",
+                            options->estimate_trajectory,
+                            "trajectory of the mesh, to align it with --reference-trajectory");
+    command
+        ->add_option("--reference-trajectory",
+                     options->reference_trajectory,
+                     "true trajectory in the reference's frame")
         ->needs(ours);
     ours->needs("--reference-trajectory");
     command->callback([options, &context] {
@@ -83,7 +98,8 @@ void add_mesh(CLI::App& parent, Context& context) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("evaluate", "compare a result with the truth");
+    auto* command =
+        app.add_subcommand("evaluate", "compare a trajectory or mesh with ground truth");
     command->require_subcommand(1);
     add_trajectory(*command, context);
     add_mesh(*command, context);

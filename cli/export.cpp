@@ -47,26 +47,29 @@ int run(const ExportOptions& options, const Context& context) {
 }  // namespace
 
 void add_export(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("export", "files of a reconstruction for other programs");
+    auto* command =
+        app.add_subcommand("export", "write files of a reconstruction for other programs");
     auto options = std::make_shared<ExportOptions>();
     command->add_option("reconstruction", options->reconstruction, "folder of a reconstruction")
         ->required();
     command
         ->add_option("--format",
                      options->formats,
-                     "kitti, euroc (trajectory), obj (mesh), geotiff (mosaic, heights); several "
-                     "with commas")
+                     "kitti, euroc (trajectory), obj (mesh), geotiff (mosaic, heights); separate "
+                     "several by commas")
         ->required();
-    command->add_option("--out", options->out, "default: the reconstruction's own folder");
+    command->add_option(
+        "--out", options->out, "output folder; default: the folder of the reconstruction");
     auto* latitude = command->add_option(
-        "--latitude", options->latitude_deg, "of the first pose, degrees, WGS 84");
-    auto* longitude = command->add_option("--longitude", options->longitude_deg, "the same");
+        "--latitude", options->latitude_deg, "latitude of the first pose, degrees, WGS 84");
+    auto* longitude = command->add_option(
+        "--longitude", options->longitude_deg, "longitude of the first pose, degrees, WGS 84");
     latitude->needs(longitude);
     longitude->needs(latitude);
     command
         ->add_option("--x-azimuth",
                      options->x_azimuth_deg,
-                     "of the world's x axis from true north, clockwise, degrees")
+                     "azimuth of the world's x axis, clockwise from true north, degrees")
         ->needs(latitude);
     command->callback([options, &context] {
         context.command = [options, &context] { return run(*options, context); };

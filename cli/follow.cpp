@@ -35,7 +35,9 @@ std::vector<Artifact> artifacts_of(api::client::RestClient& rest,
         const auto found = std::find_if(
             artifacts.begin(), artifacts.end(), [&](const Artifact& a) { return a.name == name; });
         if (found == artifacts.end())
-            throw Error(ErrorCode::NotFound, "job " + job_id + " has no artifact " + name);
+            throw Error(ErrorCode::NotFound,
+                        "job " + job_id + " has no artifact " + name +
+                            ": `divemesh download` without names lists all of them");
         chosen.push_back(*found);
     }
     return chosen;
@@ -65,7 +67,7 @@ api::client::Backoff::OnWait say_waiting(ProgressBar& bar) {
         std::array<char, 48> text{};
         std::snprintf(text.data(),
                       text.size(),
-                      "; again in %.1f s",
+                      "; trying again in %.1f s",
                       std::chrono::duration<double>(pause).count());
         bar.say(std::string(reason.what()) + text.data());
     };
@@ -89,7 +91,7 @@ Dive wait_for_dive(api::client::RestClient& rest, const std::string& dive_id) {
     Dive dive;
     {
         ProgressBar bar;
-        bar.show("the dive is being checked", -1.0, "");
+        bar.show("checking the dive", -1.0, "");
         dive = api::client::follow_dive(rest, dive_id, say_waiting(bar));
     }
     if (dive.state == DiveState::Refused) print_findings(rest, dive_id);
@@ -101,7 +103,9 @@ void download_job(api::client::RestClient& rest,
                   const std::vector<std::string>& names,
                   const std::filesystem::path& folder) {
     const auto artifacts = artifacts_of(rest, job_id, names);
-    if (artifacts.empty()) throw Error(ErrorCode::NotFound, "job " + job_id + " has no artifacts");
+    if (artifacts.empty())
+        throw Error(ErrorCode::NotFound,
+                    "job " + job_id + " has no artifacts: see `divemesh jobs " + job_id + "`");
     ProgressBar bar;
     TransferMeter meter;
     api::client::DownloadObserver observer;

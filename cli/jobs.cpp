@@ -121,21 +121,21 @@ void add_job_action(CLI::App& app,
 }  // namespace
 
 void add_jobs(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("jobs", "list the jobs of a server, or show one");
+    auto* command = app.add_subcommand("jobs", "list the jobs on a server, or show one");
     auto options = std::make_shared<JobsOptions>();
     // clang-format off
-    command->add_option("job", options->job_id, "id of one job: show all of it");
+    command->add_option("job", options->job_id, "id of a job: show all of it");
     add_server_options(*command, options->server);
-    command->add_option("--dive", options->dive_id, "only jobs of this dive");
+    command->add_option("--dive", options->dive_id, "list only jobs of this dive");
     command->add_option("--state",
                         options->state,
-                        "only held, queued, running, succeeded, failed, dead or cancelled ones");
-    auto* log = command->add_flag("--log", options->log, "print the log of the newest attempt");
-    command->add_option("--attempt", options->attempt, "of this attempt")->needs(log)->check(CLI::Range(1, 1'000'000));
-    command->add_flag("--wait", options->wait, "follow the job until it is finished");
-    auto* pause = command->add_flag("--pause", options->pause, "hold a job that waits");
-    command->add_flag("--resume", options->resume, "let it go")->excludes(pause);
-    command->add_option("--priority", options->priority, "of a job that waits; a step is worth ten minutes of waiting")->check(CLI::Range(-100, 100));
+                        "list only jobs in this state: held, queued, running, succeeded, failed, dead or cancelled");
+    auto* log = command->add_flag("--log", options->log, "print the log of the latest attempt");
+    command->add_option("--attempt", options->attempt, "with --log: number of the attempt")->needs(log)->check(CLI::Range(1, 1'000'000));
+    command->add_flag("--wait", options->wait, "wait until the job has finished");
+    auto* pause = command->add_flag("--pause", options->pause, "hold a queued job");
+    command->add_flag("--resume", options->resume, "release a held job")->excludes(pause);
+    command->add_option("--priority", options->priority, "priority of a queued job; one step counts as ten minutes of waiting")->check(CLI::Range(-100, 100));
     // clang-format on
     command->callback([options, &context] {
         context.command = [options, &context] {

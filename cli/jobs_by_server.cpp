@@ -84,7 +84,8 @@ std::string dive_of(client::RestClient& rest, const std::string& subject) {
 Job make_job(client::RestClient& rest, const ServerJob& wanted) {
     for (const auto& [option, truth] : wanted.truth)
         if (!fs::is_regular_file(truth.file))
-            throw Error(ErrorCode::NotFound, "no file " + truth.file.string() + " to send");
+            throw Error(ErrorCode::NotFound,
+                        "cannot send " + truth.file.string() + ": there is no such file");
     nlohmann::json options = wanted.options;
     const std::string dive_id = dive_of(rest, wanted.subject);
     if (is_job(wanted.subject)) options["job"] = wanted.subject;

@@ -47,13 +47,13 @@ int report(const Context& context, const Error& error) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("Underwater 3D reconstruction: a dive goes in, a measured mesh comes out.",
+    CLI::App app("Underwater 3D reconstruction: turns a recorded dive into a measured mesh.",
                  "divemesh");
     app.set_version_flag("--version", DIVEMESH_VERSION);
     app.require_subcommand(1);
     app.fallthrough();
     Context context;
-    app.add_flag("--json", context.json, "results as JSON, for machines");
+    app.add_flag("--json", context.json, "print results as JSON");
     // clang-format off
     for (const auto add : {add_reconstruct, add_validate, add_evaluate, add_compare, add_export, add_report,
                            add_measure, add_simulate,
@@ -63,10 +63,10 @@ int run(int argc, char** argv) {
         add(app, context);
     // clang-format on
     name_variables(app);
-    app.set_config("--config", default_config_file(), "TOML file, a [section] per sub-command");
+    app.set_config("--config", default_config_file(), "TOML file with a [section] per sub-command");
     app.footer(
-        "Every option can be given as DIVEMESH_<NAME> or in the config file too. "
-        "Exit codes: 0 done, 1 the work failed, 2 bad usage, 3 a requirement is not met.");
+        "Every option can also be set as DIVEMESH_<NAME> or in the config file. "
+        "Exit codes: 0 done, 1 the work failed, 2 wrong usage, 3 a requirement is not met.");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -99,20 +99,21 @@ int measure(const Options& options, const Context& context) {
 
 void add_measure(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand(
-        "measure", "areas, rugosity and other figures of a reconstruction, with intervals");
+        "measure", "measure areas, rugosity and other metrics of a reconstruction, with intervals");
     auto options = std::make_shared<Options>();
     command
         ->add_option(
-            "reconstruction", options->request.reconstruction, "folder of `reconstruct --out`")
+            "reconstruction", options->request.reconstruction, "folder of a reconstruction")
         ->required();
-    command->add_option("--areas", options->request.areas, "JSON: quadrats, polygons, transects");
+    command->add_option(
+        "--areas", options->request.areas, "JSON with quadrats, polygons and transects");
     command->add_option("--ground-truth",
                         options->request.ground_truth,
-                        "trajectory (TUM, EuRoC) whose frame the areas are in");
-    command->add_option("--csv", options->csv, "writes the figures there too");
+                        "trajectory (TUM, EuRoC) in the frame of the areas");
+    command->add_option("--csv", options->csv, "also write the metrics to this file");
     command
         ->add_option(
-            "--draw", options->draw, "writes a page (HTML) to draw areas on, and measures nothing")
+            "--draw", options->draw, "write an HTML page to draw areas on, and do not measure")
         ->excludes("--areas")
         ->excludes("--csv");
     command->add_option("--threads", options->request.num_threads, "0: all cores")

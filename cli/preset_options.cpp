@@ -10,7 +10,7 @@ void add_preset_options(CLI::App& command, PresetOptions& options) {
     command
         .add_option("--set",
                     options.set,
-                    "name=value: any option of the preset; `reconstruct --explain` lists them")
+                    "name=value: set one option of the preset; `reconstruct --explain` lists them")
         ->allow_extra_args(false);
 }
 
@@ -19,7 +19,8 @@ nlohmann::json overrides_of(const std::vector<std::string>& set) {
     for (const auto& text : set) {
         const std::size_t equals = text.find('=');
         if (equals == 0 || equals == std::string::npos)
-            throw Error(ErrorCode::InvalidArgument, "--set " + text + ": give name=value");
+            throw Error(ErrorCode::InvalidArgument,
+                        "--set " + text + " is not an assignment: give name=value");
         const std::string value = text.substr(equals + 1);
         auto json = nlohmann::json::parse(value, nullptr, false);
         overrides[text.substr(0, equals)] = json.is_discarded() ? nlohmann::json(value) : json;

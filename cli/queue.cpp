@@ -90,16 +90,17 @@ int list_workers(client::RestClient& rest, const Context& context) {
 }  // namespace
 
 void add_queue(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("queue", "show, pause, limit or redrive the queue");
+    auto* command =
+        app.add_subcommand("queue", "show, pause or limit the queue; put dead jobs back");
     auto options = std::make_shared<QueueOptions>();
     add_server_options(*command, options->server);
     // clang-format off
-    command->add_option("--project", options->project, "of this project alone");
-    auto* pause = command->add_flag("--pause", options->pause, "start nothing more; what runs goes on");
-    command->add_flag("--resume", options->resume, "go on")->excludes(pause);
-    command->add_flag("--wait", options->wait, "until nothing is running any more (drained)");
-    command->add_option("--max-running", options->max_running, "jobs at a time; 0: no limit")->check(CLI::Range(0, 1'000'000));
-    command->add_option("--redrive", options->redrive, "put so many dead jobs back into the queue")->check(CLI::Range(1, 1000));
+    command->add_option("--project", options->project, "only this project");
+    auto* pause = command->add_flag("--pause", options->pause, "start no more jobs; running jobs continue");
+    command->add_flag("--resume", options->resume, "start jobs again")->excludes(pause);
+    command->add_flag("--wait", options->wait, "wait until no job is running (drained)");
+    command->add_option("--max-running", options->max_running, "max jobs at a time; 0: no limit")->check(CLI::Range(0, 1'000'000));
+    command->add_option("--redrive", options->redrive, "put up to this many dead jobs back into the queue")->check(CLI::Range(1, 1000));
     // clang-format on
     command->callback([options, &context] {
         context.command = [options, &context] {
@@ -119,13 +120,14 @@ void add_workers(CLI::App& app, Context& context) {
         bool drain = false;
         bool resume = false;
     };
-    auto* command = app.add_subcommand("workers", "list the workers of a server, or drain one");
+    auto* command = app.add_subcommand("workers", "list the workers on a server, or drain one");
     auto options = std::make_shared<Options>();
-    auto* name = command->add_option("worker", options->name, "name of one worker");
+    auto* name = command->add_option("worker", options->name, "name of a worker");
     add_server_options(*command, options->server);
-    auto* drain = command->add_flag("--drain", options->drain, "finish what it has, take no more");
+    auto* drain =
+        command->add_flag("--drain", options->drain, "finish the current jobs, take no more");
     drain->needs(name);
-    command->add_flag("--resume", options->resume, "go on")->excludes(drain)->needs(name);
+    command->add_flag("--resume", options->resume, "take jobs again")->excludes(drain)->needs(name);
     command->callback([options, &context] {
         context.command = [options, &context] {
             client::RestClient rest(account_of(options->server));

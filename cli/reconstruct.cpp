@@ -55,7 +55,8 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     const auto chosen = make_options(options.preset.preset, overrides);
     if (options.explain) return print_options(chosen, context);
     if (options.dive.empty() || options.out.empty())
-        throw Error(ErrorCode::InvalidArgument, "give a dive and --out DIR");
+        throw Error(ErrorCode::InvalidArgument,
+                    "no dive or no output folder: give DIVE and --out DIR");
     fs::create_directories(options.out);
     const ScratchFolder scratch(options.out);
     worker::ReconstructionRequest request;
@@ -84,21 +85,24 @@ void add_override(CLI::App& command,
 }  // namespace
 
 void add_reconstruct(CLI::App& app, Context& context) {
-    auto* command =
-        app.add_subcommand("reconstruct", "a dive becomes a measured mesh, here and now");
+    auto* command = app.add_subcommand("reconstruct", "reconstruct a dive on this machine");
     auto options = std::make_shared<ReconstructOptions>();
     command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)");
-    command->add_option("--out", options->out, "folder of the results, made when missing");
+    command->add_option("--out", options->out, "output folder, created if missing");
     add_preset_options(*command, options->preset);
-    add_override<int>(
-        *command, options, "--threads", "num_threads", "0: all cores; never changes the result");
-    add_override<std::string>(*command, options, "--stereo", "stereo", "block, sgm or opencv_sgbm");
+    add_override<int>(*command,
+                      options,
+                      "--threads",
+                      "num_threads",
+                      "0: all cores; the result does not depend on it");
     add_override<std::string>(
-        *command, options, "--mesher", "mesher", "surface_nets or marching_cubes");
+        *command, options, "--stereo", "stereo", "stereo matcher: block, sgm or opencv_sgbm");
+    add_override<std::string>(
+        *command, options, "--mesher", "mesher", "mesher: surface_nets or marching_cubes");
     add_override<double>(
-        *command, options, "--voxel-m", "voxel_m", "edge of a voxel; 0: from rig and range");
+        *command, options, "--voxel-m", "voxel_m", "edge of a voxel, m; 0: from rig and range");
     add_override<double>(
-        *command, options, "--simplify", "simplify", "share of the triangles that stays, 0 to 1");
+        *command, options, "--simplify", "simplify", "share of the triangles to keep, 0 to 1");
     command->add_flag("--no-texture", options->no_texture, "leave out texture and mosaic");
     command->add_flag(
         "--explain", options->explain, "print every option with its value and meaning");

@@ -91,7 +91,7 @@ std::string summary(const nlohmann::json& report) {
     for (const auto& regression : report.at("regressions"))
         rows.push_back({"WORSE",
                         regression.at("figure").get<std::string>(),
-                        value_text(regression.at("value")) + ", its history allows " +
+                        value_text(regression.at("value")) + ", limit from its history " +
                             value_text(regression.at("limit"))});
     for (const auto& figure : report.at("figures"))
         if (std::find(std::begin(kQuoted),
@@ -128,10 +128,10 @@ int report_here(const ReportOptions& options, const Context& context) {
     if (!options.time_offset.empty()) set_time_offset(request.truth, options.time_offset);
     for (const std::string& text : options.requirements) parse_requirement(text);
     if (!fs::exists(folder / "metrics.json"))
-        throw Error(ErrorCode::NotFound,
-                    "no metrics.json in " + folder.string() +
-                        "; give the folder that `divemesh reconstruct --out` or `divemesh "
-                        "download` made");
+        throw Error(
+            ErrorCode::NotFound,
+            "no metrics.json in " + folder.string() +
+                ": give the folder that `divemesh reconstruct --out` or `divemesh download` wrote");
     fs::create_directories(request.out);
     const ScratchFolder scratch(request.out);
     request.scratch = scratch.path();
@@ -161,7 +161,8 @@ void write_text(const fs::path& file, const std::string& text) {
 int report_there(const ReportOptions& options, const Context& context) {
     if (!options.dive.empty())
         throw Error(ErrorCode::InvalidArgument,
-                    "--dive: the server has the dive of " + options.subject + " itself");
+                    "--dive cannot be used with --server, which has the dive of " +
+                        options.subject + ": leave it out");
     ServerJob wanted{.subject = options.subject,
                      .kind = "accuracy_report",
                      .wait = options.wait,
@@ -186,40 +187,44 @@ int report_there(const ReportOptions& options, const Context& context) {
 }  // namespace
 
 void add_report(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("report",
-                                       "how accurate a reconstruction is, and whether "
-                                       "that is good enough");
+    auto* command = app.add_subcommand(
+        "report", "report how accurate a reconstruction is, and check requirements");
     auto options = std::make_shared<ReportOptions>();
     command
         ->add_option("reconstruction",
                      options->subject,
-                     "folder of a reconstruction; with --server the id of a dive or a job")
+                     "folder of a reconstruction; with --server, id of a dive or job")
         ->required();
     add_server_options(*command, options->server);
     command->add_flag(
-        "--wait,!--no-wait", options->wait, "on a server: until it is done (default)");
-    command->add_option("--dive", options->dive, "the dive: its rig and its own truth");
+        "--wait,!--no-wait", options->wait, "with --server: wait until it is done (default)");
+    command->add_option("--dive", options->dive, "the dive, for its rig and its own ground truth");
     command->add_option(
         "--ground-truth", options->ground_truth, "true trajectory: TUM, EuRoC or KITTI");
     command->add_option(
-        "--reference", options->reference, "true surface: PLY, OBJ or GLB, mesh or points");
-    command->add_option(
-        "--measurements", options->measurements, "known lengths, as measurements.json");
-    command->add_option("--areas", options->areas, "polygons for reef figures");
+        "--reference", options->reference, "true surface, mesh or points: PLY, OBJ or GLB");
+    command->add_option("--measurements",
+                        options->measurements,
+                        "known lengths, in the format of measurements.json");
+    command->add_option("--areas", options->areas, "areas to measure, in the format of areas.json");
     command->add_option(
         "--lever-arm",
         options->lever_arm,
-        "x,y,z[,qw,qx,qy,qz] of what the truth follows on the rig's body, or solve");
+        "pose of the truth's marker on the rig's body: x,y,z[,qw,qx,qy,qz] in m, or solve");
     command->add_option(
-        "--time-offset", options->time_offset, "s, the truth's clock minus the dive's, or solve");
+        "--time-offset", options->time_offset, "the truth's clock minus the dive's, s, or solve");
     command
-        ->add_option("--require",
-                     options->requirements,
-                     "'drift_percent<=0.5': a figure, <= >= < or >, a number; may be repeated")
+        ->add_option(
+            "--require",
+            options->requirements,
+            "metric, comparison (<= >= < >), number: 'drift_percent<=0.5'; may be repeated")
         ->allow_extra_args(false);
-    command->add_option("--out", options->out, "folder of the report; default: accuracy/ in it");
-    command->add_option("--junit", options->junit, "write the verdicts here as JUnit XML too");
-    command->add_option("--threads", options->num_threads, "0: all cores; never changes a figure");
+    command->add_option(
+        "--out", options->out, "output folder; default: accuracy/ in the reconstruction's folder");
+    command->add_option(
+        "--junit", options->junit, "also write the verdicts to this file as JUnit XML");
+    command->add_option(
+        "--threads", options->num_threads, "0: all cores; the result does not depend on it");
     command->callback([options, &context, command] {
         const bool there = is_on_server(*command, options->subject);
         context.command = [options, &context, there] {

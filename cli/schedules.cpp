@@ -79,12 +79,11 @@ int remove_schedule(client::RestClient& rest, const SchedulesOptions& options) {
 }  // namespace
 
 void add_schedules(CLI::App& app, Context& context) {
-    auto* command =
-        app.add_subcommand("schedules", "accuracy reports of a tag's dives by the clock");
+    auto* command = app.add_subcommand("schedules", "manage scheduled accuracy reports");
     command->require_subcommand(1);
     auto options = std::make_shared<SchedulesOptions>();
 
-    auto* list = command->add_subcommand("list", "all schedules, with when they ran last");
+    auto* list = command->add_subcommand("list", "list all schedules with their last run");
     add_server_options(*list, options->server);
     list->callback([options, &context] {
         context.command = [options, &context] {
@@ -93,16 +92,16 @@ void add_schedules(CLI::App& app, Context& context) {
         };
     });
 
-    auto* add = command->add_subcommand("add", "report on every dive of a tag from now on");
+    auto* add = command->add_subcommand("add", "report regularly on every dive with a tag");
     add_server_options(*add, options->server);
     // clang-format off
     add->add_option("--cron", options->cron, "'30 4 * * mon': minute, hour, day, month, weekday in UTC")->required();
-    add->add_option("--tag", options->tag, "of the dives")->required();
-    add->add_option("--preset", options->preset, "of reconstructions that are made for it")->capture_default_str();
-    add->add_option("--require", options->requirements, "as of report; may be repeated")->allow_extra_args(false);
-    add->add_option("--lever-arm", options->lever_arm, "as of report");
-    add->add_option("--time-offset", options->time_offset, "as of report");
-    add->add_flag("--fresh,!--no-fresh", options->fresh, "of reconstructions by the program's version of that day (default)");
+    add->add_option("--tag", options->tag, "tag of the dives")->required();
+    add->add_option("--preset", options->preset, "preset of the reconstructions made for it")->capture_default_str();
+    add->add_option("--require", options->requirements, "as for `report`; may be repeated")->allow_extra_args(false);
+    add->add_option("--lever-arm", options->lever_arm, "as for `report`");
+    add->add_option("--time-offset", options->time_offset, "as for `report`");
+    add->add_flag("--fresh,!--no-fresh", options->fresh, "reconstruct with the program version of that day (default)");
     // clang-format on
     add->callback([options, &context] {
         context.command = [options, &context] {
@@ -111,9 +110,9 @@ void add_schedules(CLI::App& app, Context& context) {
         };
     });
 
-    auto* remove = command->add_subcommand("remove", "report no more; what was made stays");
+    auto* remove = command->add_subcommand("remove", "remove a schedule; its reports are kept");
     add_server_options(*remove, options->server);
-    remove->add_option("schedule", options->id, "its id")->required();
+    remove->add_option("schedule", options->id, "id of the schedule")->required();
     remove->callback([options, &context] {
         context.command = [options] {
             client::RestClient rest(account_of(options->server));

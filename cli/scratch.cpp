@@ -12,7 +12,7 @@ ScratchFolder::ScratchFolder(const std::filesystem::path& parent) {
     std::string name = (parent / "divemesh-scratch.XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr)
         throw Error(ErrorCode::OutOfSpace,
-                    "cannot make a folder in " + parent.string() + ": " + strerror(errno));
+                    "cannot create a folder in " + parent.string() + ": " + strerror(errno));
     path_ = name;
 }
 

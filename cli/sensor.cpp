@@ -60,7 +60,8 @@ std::chrono::milliseconds over_after(const SensorOptions& options) {
 
 std::unique_ptr<sensor::RecordingSource> source_of(const SensorOptions& options) {
     if (options.replay.empty() == options.watch.empty())
-        throw Error(ErrorCode::InvalidArgument, "give one of --replay DIVE and --watch DIR");
+        throw Error(ErrorCode::InvalidArgument,
+                    "give exactly one of --replay DIVE and --watch DIR");
     if (!options.replay.empty()) return sensor::replay_dive(options.replay, options.speed);
     sensor::WatchSettings settings;
     settings.over_after = over_after(options);
@@ -75,7 +76,7 @@ fs::path state_folder_of(const SensorOptions& options) {
 sensor::View view_of(const std::string& name) {
     for (const auto view : {sensor::View::Left, sensor::View::Right, sensor::View::Pair})
         if (name == sensor::to_string(view)) return view;
-    throw Error(ErrorCode::InvalidArgument, "--view has to be cam0, cam1 or pair");
+    throw Error(ErrorCode::InvalidArgument, "--view must be cam0, cam1 or pair");
 }
 
 sensor::DiveUploadSettings upload_of(const SensorOptions& options, const Told& told) {
@@ -117,7 +118,7 @@ int run_sensor(const SensorOptions& options, const Context& context) {
     std::optional<sensor::Clock::time_point> over_at;
     sensor::AgentSettings settings = settings_of(options, told);
     settings.on_dive_over = [&](const fs::path& dive) {
-        told(dive.string() + " is over");
+        told(dive.string() + " has ended");
         over_at = sensor::Clock::now();
     };
     const StopSignal stop;
@@ -133,35 +134,36 @@ void add_source_options(CLI::App& command, SensorOptions& options) {
     command.add_option("--id", options.id, "id of this sensor on the server")->required();
     command.add_option(
         "--watch", options.watch, "folder that dives are recorded to (EuRoC layout)");
-    command.add_option("--replay", options.replay, "a recorded dive, as if it were now")
+    command.add_option("--replay", options.replay, "replay this recorded dive as if it were live")
         ->check(CLI::ExistingDirectory);
-    command.add_option("--speed", options.speed, "of the replay")
+    command.add_option("--speed", options.speed, "speed factor of the replay")
         ->check(CLI::Range(0.01, 1000.0))
         ->capture_default_str();
     command
         .add_option("--over-after",
                     options.over_after_s,
-                    "seconds without a new frame after which a dive is over; at once with a file "
-                    "recording.done in it")
+                    "seconds without a new frame after which a dive has ended; a file "
+                    "recording.done in it ends it at once")
         ->check(CLI::Range(5.0, 86'400.0))
         ->capture_default_str();
-    command.add_option("--back-in", options.back_in_s, "seconds until the team is expected back");
+    command.add_option("--back-in", options.back_in_s, "seconds until the dive is expected back");
 }
 
 void add_agent_options(CLI::App& command, SensorOptions& options) {
     sensor::AgentSettings& agent = options.agent;
     command.add_option("--state",
                        agent.state_folder,
-                       "folder for what the server has not got yet (else below ~/.local/state)");
+                       "folder for messages not yet sent (default: below ~/.local/state)");
     command
-        .add_option(
-            "--ring-size", agent.ring_bytes, "how much of it is kept (64M); then the oldest go")
+        .add_option("--ring-size",
+                    agent.ring_bytes,
+                    "max size of unsent messages (64M); beyond it the oldest are dropped")
         ->transform(CLI::AsSizeValue(false))
         ->capture_default_str();
     command
         .add_option("--limit-rate",
                     agent.link.max_bytes_per_s,
-                    "send at most so many bytes per second (8k; 0: no limit)")
+                    "max bytes per second to send (8k; 0: no limit)")
         ->transform(CLI::AsSizeValue(true));
     command.add_option("--status-every", agent.status_period_s, "seconds between statuses")
         ->check(CLI::Range(0.1, 3600.0))
@@ -169,34 +171,38 @@ void add_agent_options(CLI::App& command, SensorOptions& options) {
     command
         .add_option("--preview-every",
                     agent.preview_period_s,
-                    "seconds between previews; 0: those that are asked for alone")
+                    "seconds between previews; 0: only on command")
         ->check(CLI::Range(0.0, 86'400.0))
         ->capture_default_str();
-    command.add_option("--view", options.view, "of the previews: cam0, cam1, pair")
+    command.add_option("--view", options.view, "camera of the previews: cam0, cam1 or pair")
         ->capture_default_str();
+    command.add_flag("--quick-look",
+                     agent.quick_look,
+                     "track features twice a second and report distance, coverage and drift");
     command.add_flag(
-        "--quick-look", agent.quick_look, "track twice a second: distance, coverage, drift");
-    command.add_flag("--draw-tracks", agent.draw_tracks, "and draw the tracks into the previews");
+        "--draw-tracks", agent.draw_tracks, "draw the feature tracks into the previews");
+    command.add_option("--battery-file",
+                       agent.battery_file,
+                       "file with the battery's percentage (default: from /sys)");
     command.add_option(
-        "--battery-file", agent.battery_file, "file with the battery's percentage (else /sys)");
-    command.add_option(
-        "--firmware", agent.firmware, "what the hello says of the device's software");
+        "--firmware", agent.firmware, "firmware version stated in the hello message");
     command.add_option("--on-command",
                        agent.on_command,
-                       "program for start_recording and stop_recording, which it gets as argument");
-    command.add_flag("--allow-set-clock", agent.allow_set_clock, "let the server set the clock");
+                       "program to run with start_recording or stop_recording as its argument");
+    command.add_flag(
+        "--allow-set-clock", agent.allow_set_clock, "allow the server to set the clock");
 }
 
 void add_upload_options(CLI::App& command, SensorOptions& options) {
-    command.add_flag("--upload", options.upload, "send a dive that is over, once the link is good");
+    command.add_flag("--upload", options.upload, "upload each dive after it has ended");
     command.add_option("--upload-token-file",
                        options.upload_token_file,
-                       "file with a token that may write dives, which a sensor's may not");
-    command.add_option("--upload-job", options.upload_job, "preset to reconstruct it with");
+                       "file with a token of scope dives:write (the sensor's token has not)");
+    command.add_option("--upload-job", options.upload_job, "preset to reconstruct the dive with");
     command
         .add_option("--stay",
                     options.stay_s,
-                    "seconds after a replay in which the server has to take what is left")
+                    "seconds to wait after a replay until the server has everything")
         ->check(CLI::Range(0.0, 86'400.0))
         ->capture_default_str();
 }
@@ -205,8 +211,7 @@ void add_upload_options(CLI::App& command, SensorOptions& options) {
 
 void add_sensor(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand(
-        "sensor",
-        "the agent on a device: says how it is and what it sees, whenever there is a link");
+        "sensor", "run the agent on a device: send its status and previews to a server");
     auto options = std::make_shared<SensorOptions>();
     options->agent.firmware = "divemesh";
     add_server_options(*command, options->server);
@@ -214,10 +219,10 @@ void add_sensor(CLI::App& app, Context& context) {
     add_agent_options(*command, *options);
     add_upload_options(*command, *options);
     command->footer(
-        "The token has the scope sensor:push for this sensor. Ends at SIGTERM and Ctrl-C, a "
+        "The token needs the scope sensor:push for this sensor. Ends at SIGTERM and Ctrl-C; a "
         "replay\n"
-        "also when all of it was said; what the server has not got is sent at the next start.\n"
-        "Exit codes: 0 done, 1 failed, 2 bad usage.");
+        "also ends when everything is sent. Unsent messages are sent at the next start.\n"
+        "Exit codes: 0 done, 1 failed, 2 wrong usage.");
     command->callback([options, &context] {
         context.command = [options, &context] { return run_sensor(*options, context); };
     });

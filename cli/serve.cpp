@@ -16,32 +16,32 @@ void add_serve(CLI::App& app, Context& context) {
         int keep_deleted_days = 30;
         bool check_only = false;
     };
-    auto* command = app.add_subcommand("serve", "the server: uploads, dives, jobs, events");
+    auto* command = app.add_subcommand("serve", "run the server: uploads, dives, jobs, events");
     auto options = std::make_shared<Options>();
     options->config.num_workers = 1;
     // clang-format off
     add_data_options(*command, options->data);
-    command->add_option("--listen", options->config.listen, "host:port; port 0: any free one")->capture_default_str();
+    command->add_option("--listen", options->config.listen, "host:port; port 0: any free port")->capture_default_str();
     command->add_option("--workers", options->config.num_workers, "worker processes to run; 0: none")->capture_default_str()->check(CLI::Range(0, 256));
-    command->add_option("--io-threads", options->config.num_io_threads, "for connections")->capture_default_str()->check(CLI::Range(1, 256));
-    command->add_option("--max-upload", options->config.max_upload_bytes, "largest archive (500G)")->transform(CLI::AsSizeValue(true));
-    command->add_option("--min-free", options->config.min_free_bytes, "room on the disk that is never used (10G)")->transform(CLI::AsSizeValue(true));
-    command->add_option("--max-project-bytes", options->config.max_project_bytes, "what the dives and uploads of one project may have together (500G); 0: no limit")->transform(CLI::AsSizeValue(true));
-    command->add_option("--max-project-dives", options->config.max_project_dives, "dives that one project may have; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
-    command->add_option("--max-open-uploads", options->config.max_open_uploads, "unfinished uploads of one project; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
-    command->add_option("--max-token-uploads", options->config.max_token_uploads, "unfinished uploads begun with one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
-    command->add_option("--upload-lifetime", options->upload_lifetime_h, "hours after which an upload that no byte comes for is removed")->capture_default_str()->check(CLI::Range(1.0, 8760.0));
-    command->add_option("--import", options->config.import_folder, "take the dives of this folder (archives, dive folders), then serve")->check(CLI::ExistingDirectory);
-    command->add_option("--import-project", options->config.import_project, "the project that they go to")->capture_default_str();
-    command->add_option("--import-job", options->config.import_preset, "preset to reconstruct them with; without: they are only stored")->check(CLI::IsMember(std::vector<std::string>(std::begin(kPresets), std::end(kPresets))));
+    command->add_option("--io-threads", options->config.num_io_threads, "threads for connections")->capture_default_str()->check(CLI::Range(1, 256));
+    command->add_option("--max-upload", options->config.max_upload_bytes, "max size of an archive (500G)")->transform(CLI::AsSizeValue(true));
+    command->add_option("--min-free", options->config.min_free_bytes, "disk space that is never used (10G)")->transform(CLI::AsSizeValue(true));
+    command->add_option("--max-project-bytes", options->config.max_project_bytes, "max size of a project's dives and uploads together (500G); 0: no limit")->transform(CLI::AsSizeValue(true));
+    command->add_option("--max-project-dives", options->config.max_project_dives, "max dives of a project; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--max-open-uploads", options->config.max_open_uploads, "max unfinished uploads of a project; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--max-token-uploads", options->config.max_token_uploads, "max unfinished uploads started with one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--upload-lifetime", options->upload_lifetime_h, "hours without a new byte after which an upload is removed")->capture_default_str()->check(CLI::Range(1.0, 8760.0));
+    command->add_option("--import", options->config.import_folder, "import the dives of this folder (archives, dive folders), then serve")->check(CLI::ExistingDirectory);
+    command->add_option("--import-project", options->config.import_project, "project of the imported dives")->capture_default_str();
+    command->add_option("--import-job", options->config.import_preset, "preset to reconstruct the imported dives with; default: only store them")->check(CLI::IsMember(std::vector<std::string>(std::begin(kPresets), std::end(kPresets))));
     command->add_option("--tls-cert", options->config.tls_certificate, "certificate chain in PEM; read again on SIGHUP");
-    command->add_option("--tls-key", options->config.tls_key, "its key in PEM");
-    command->add_flag("--check-config", options->check_only, "look at the options and end");
-    command->add_option("--allow-origin", options->config.allowed_origins, "pages of this origin may use the API: https://lab.example (repeat for more)");
-    command->add_option("--webhook-network", options->config.webhook_networks, "private network that webhooks may reach: 10.1.0.0/16 (repeat for more)");
-    command->add_option("--max-rate", options->config.max_requests_per_s, "requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
-    command->add_option("--keep-deleted-days", options->keep_deleted_days, "deleted dives can be restored for so long")->capture_default_str()->check(CLI::Range(0, 3650));
-    command->add_flag("--no-auth", options->config.no_auth, "everybody may do everything: on loopback only");
+    command->add_option("--tls-key", options->config.tls_key, "private key in PEM");
+    command->add_flag("--check-config", options->check_only, "check the options and exit");
+    command->add_option("--allow-origin", options->config.allowed_origins, "origin whose pages may use the API: https://lab.example (may be repeated)");
+    command->add_option("--webhook-network", options->config.webhook_networks, "private network that webhooks may reach: 10.1.0.0/16 (may be repeated)");
+    command->add_option("--max-rate", options->config.max_requests_per_s, "max requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--keep-deleted-days", options->keep_deleted_days, "days in which a deleted dive can be restored")->capture_default_str()->check(CLI::Range(0, 3650));
+    command->add_flag("--no-auth", options->config.no_auth, "allow everything without a token; only on loopback");
     // clang-format on
     command->callback([options, &context] {
         context.command = [options] {

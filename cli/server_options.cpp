@@ -11,8 +11,9 @@ std::string token_of(const ServerOptions& options) {
         std::ifstream stream(options.token_file);
         std::string token;
         if (!(stream >> token))
-            throw Error(ErrorCode::NotFound,
-                        "cannot read a token from " + options.token_file.string());
+            throw Error(
+                ErrorCode::NotFound,
+                "cannot read a token from " + options.token_file.string() + ": check --token-file");
         return token;
     }
     const char* token = std::getenv("DIVEMESH_TOKEN");
@@ -24,11 +25,11 @@ std::string token_of(const ServerOptions& options) {
 void add_server_options(CLI::App& command, ServerOptions& options) {
     command.add_option("--server", options.server, "address of the server")->capture_default_str();
     command.add_option(
-        "--token-file", options.token_file, "file that holds the token (else DIVEMESH_TOKEN)");
+        "--token-file", options.token_file, "file with the token (default: DIVEMESH_TOKEN)");
     command
         .add_option("--ca-file",
                     options.ca_file,
-                    "certificates in PEM that an https server is believed by, besides the system's")
+                    "PEM certificates to trust for https, in addition to the system's")
         ->envname("DIVEMESH_CA_FILE");
 }
 

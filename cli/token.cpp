@@ -45,7 +45,7 @@ int create_token(const TokenOptions& options, const Context& context) {
         json["secret"] = created.secret;
         std::cout << json.dump(2) << '\n';
     } else {
-        std::cerr << created.token.id << ": the secret is shown only now\n";
+        std::cerr << created.token.id << ": store the secret now, it is not shown again\n";
         std::cout << created.secret << '\n';
     }
     return kExitDone;
@@ -87,36 +87,41 @@ int revoke_token(const TokenOptions& options) {
 }  // namespace
 
 void add_token(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("token", "who may talk to a server (works on its catalog)");
+    auto* command =
+        app.add_subcommand("token", "create, list and revoke tokens, in the catalog of a server");
     command->require_subcommand(1);
     auto options = std::make_shared<TokenOptions>();
 
-    auto* create = command->add_subcommand("create", "make a token; prints its secret once");
+    auto* create = command->add_subcommand("create", "create a token and print its secret once");
     add_data_options(*create, options->data);
-    create->add_option("--name", options->name, "what it is for")->required();
-    create->add_option("--project", options->project, "it sees only this one's dives")
+    create->add_option("--name", options->name, "name of the token, to recognise it")->required();
+    create->add_option("--project", options->project, "project whose dives it can access")
         ->capture_default_str();
-    create->add_option("--scope", options->scopes, "what it may do; sensor:push comes alone")
+    create
+        ->add_option(
+            "--scope", options->scopes, "scopes of the token; sensor:push must be the only one")
         ->delimiter(',')
         ->capture_default_str();
-    create->add_option(
-        "--sensor", options->sensor, "with the scope sensor:push: for this one only");
-    create->add_option("--expires-days", options->lifetime_days, "0: valid until it is revoked")
+    create->add_option("--sensor", options->sensor, "id of the sensor, for the scope sensor:push");
+    create
+        ->add_option("--expires-days",
+                     options->lifetime_days,
+                     "days until the token expires; 0: valid until it is revoked")
         ->capture_default_str()
         ->check(CLI::Range(0, 3660));
     create->callback([options, &context] {
         context.command = [options, &context] { return create_token(*options, context); };
     });
 
-    auto* list = command->add_subcommand("list", "all tokens, without their secrets");
+    auto* list = command->add_subcommand("list", "list all tokens, without their secrets");
     add_data_options(*list, options->data);
     list->callback([options, &context] {
         context.command = [options, &context] { return list_tokens(*options, context); };
     });
 
-    auto* revoke = command->add_subcommand("revoke", "a token is valid no longer");
+    auto* revoke = command->add_subcommand("revoke", "revoke a token");
     add_data_options(*revoke, options->data);
-    revoke->add_option("token", options->id, "its id")->required();
+    revoke->add_option("token", options->id, "id of the token")->required();
     revoke->callback(
         [options, &context] { context.command = [options] { return revoke_token(*options); }; });
 }

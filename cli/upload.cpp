@@ -58,7 +58,7 @@ HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     auto tar = std::make_unique<client::DiveTar>(dive);
     if (!tar->left_out().empty())
         bar.say("warning: " + std::to_string(tar->left_out().size()) +
-                " links or special files are left out, the first is " + tar->left_out().front());
+                " links or special files are left out; the first is " + tar->left_out().front());
     const auto hashes = tar->hash(show_bytes(bar, "hash", tar->size_bytes()));
     return {std::move(tar), hashes, name + ".tar"};
 }
@@ -100,7 +100,7 @@ std::string send(const client::Account& account,
     client::TusObserver observer;
     observer.on_progress = show_bytes(bar, "upload", source.bytes->size_bytes());
     observer.on_resumed = [&](std::int64_t offset) {
-        bar.say("going on after " + std::to_string(offset) + " bytes that the server has");
+        bar.say("resuming after " + std::to_string(offset) + " bytes that the server has");
     };
     observer.on_wait = say_waiting(bar);
     client::TusSettings settings;
@@ -151,7 +151,7 @@ Dive send_and_make(client::RestClient& rest,
             return dive;
         } catch (const Error& error) {
             if (again || error.code() != ErrorCode::NotFound) throw;
-            bar.say(std::string("sending it anew: ") + error.what());
+            bar.say(std::string("sending it again from the start: ") + error.what());
         }
         state.forget();
     }
@@ -201,13 +201,13 @@ Sent send_dive(client::RestClient& rest, const UploadOptions& options) {
     HashedSource source = open_source(options.dive, bar);
     Sent sent;
     if (auto known = find_dive(rest, source.hashes, backoff)) {
-        bar.say("the server has this dive already");
+        bar.say("the server already has this dive");
         sent.dive = std::move(*known);
     } else {
         sent.dive = send_and_make(rest, source, options, backoff, bar);
     }
     sent.verified = is_verified(sent.dive, source.hashes);
-    bar.say(sent.verified ? "verified: the server holds what is here"
+    bar.say(sent.verified ? "verified: the server has the complete recording"
                           : "not verified yet: keep the recording until the dive is ready");
     if (!options.no_job) sent.job_id = ensure_job(rest, sent.dive, options.preset, backoff).id;
     return sent;
@@ -238,42 +238,44 @@ int upload(const UploadOptions& options, const Context& context) {
 
 void add_upload(CLI::App& app, Context& context) {
     auto* command =
-        app.add_subcommand("upload", "send a dive to a server and have it reconstructed");
+        app.add_subcommand("upload", "upload a dive to a server and have it reconstructed");
     auto options = std::make_shared<UploadOptions>();
     command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)")
         ->required()
         ->check(CLI::ExistingPath);
     add_server_options(*command, options->server);
     add_preset_options(*command, options->preset);
-    command->add_flag("--no-job", options->no_job, "only store the dive");
-    command->add_flag("--wait", options->wait, "follow the job until it is finished");
-    command->add_option("--download", options->download, "then fetch the artifacts to this folder");
+    command->add_flag("--no-job", options->no_job, "store the dive, do not reconstruct it");
+    command->add_flag("--wait", options->wait, "wait until the job has finished");
+    command->add_option(
+        "--download", options->download, "then download the artifacts to this folder");
     command
         ->add_option("--limit-rate",
                      options->limit_rate_bytes_per_s,
-                     "send at most so many bytes per second (500k, 2M; 0: no limit)")
+                     "max bytes per second to send (500k, 2M; 0: no limit)")
         ->transform(CLI::AsSizeValue(true));
     command
         ->add_option("--give-up-after",
                      options->give_up_after_s,
-                     "seconds without a byte getting through after which it fails; 0: never")
+                     "fail after this many seconds without progress; 0: never")
         ->capture_default_str();
     command
         ->add_option("--stall-timeout",
                      options->stall_timeout_s,
-                     "seconds without a byte moving after which the link is taken for broken")
+                     "reconnect after this many seconds without a byte")
         ->check(CLI::Range(0.1, 3600.0))
         ->capture_default_str();
     command
         ->add_option("--parallel",
                      options->parallel,
-                     "parts sent beside each other, for fast links with a long delay")
+                     "parts to send at once, for fast links with a long delay")
         ->check(CLI::Range(1, 16))
         ->capture_default_str();
     command->footer(
-        "Killed or cut off, also with the machine, the same command goes on where the upload\n"
-        "stopped. The recording is only read; it may be deleted after exit code 0 and the word\n"
-        "\"verified\". Exit codes: 0 done, 1 refused or failed, 2 bad usage.");
+        "After any interruption, even a restart of the machine, the same command resumes the "
+        "upload.\n"
+        "The recording is only read; you may delete it after exit code 0 and the word\n"
+        "\"verified\". Exit codes: 0 done, 1 refused or failed, 2 wrong usage.");
     command->callback([options, &context] {
         context.command = [options, &context] { return upload(*options, context); };
     });

@@ -52,8 +52,7 @@ int validate(const fs::path& dive, const Context& context) {
 }  // namespace
 
 void add_validate(CLI::App& app, Context& context) {
-    auto* command =
-        app.add_subcommand("validate", "say what is wrong with a dive, as a server would");
+    auto* command = app.add_subcommand("validate", "check a dive as a server would");
     auto dive = std::make_shared<fs::path>();
     command->add_option("dive", *dive, "folder or archive (zip, tar, tar.gz, tar.zst)")->required();
     command->callback([dive, &context] {

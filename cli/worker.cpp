@@ -20,18 +20,18 @@ void add_worker(CLI::App& app, Context& context) {
         DataOptions data;
         worker::WorkerConfig config{.cache_bytes = kCache_bytes};
     };
-    auto* command = app.add_subcommand("worker", "take jobs from a catalog and run them");
+    auto* command = app.add_subcommand("worker", "run jobs from a catalog");
     auto options = std::make_shared<Options>();
     auto& config = options->config;
     // clang-format off
     add_data_options(*command, options->data);
-    command->add_option("--slots", config.num_slots, "jobs at a time")->capture_default_str()->check(CLI::Range(1, 256));
-    command->add_option("--threads", config.num_threads, "per job; 0: all cores")->capture_default_str()->check(CLI::Range(0, 1024));
-    command->add_option("--work", config.work_folder, "scratch; else beside the blobs");
-    command->add_option("--memory", config.limits.max_memory_bytes, "that an attempt may take (16G); else 0.9 of the machine's, shared by the slots")->transform(CLI::AsSizeValue(true));
-    command->add_option("--scratch", config.scratch_bytes, "room on the disk that an attempt may take (100G); else 0.9 of what is free, shared by the slots")->transform(CLI::AsSizeValue(true));
-    command->add_option("--min-free", config.min_free_bytes, "room on the disk of the scratch that is never used: no job is begun with less (10G)")->transform(CLI::AsSizeValue(true));
-    command->add_option("--cache", config.cache_bytes, "room for what stages made, kept for other attempts (20G); 0: nothing is kept")->transform(CLI::AsSizeValue(true));
+    command->add_option("--slots", config.num_slots, "jobs to run at a time")->capture_default_str()->check(CLI::Range(1, 256));
+    command->add_option("--threads", config.num_threads, "threads per job; 0: all cores")->capture_default_str()->check(CLI::Range(0, 1024));
+    command->add_option("--work", config.work_folder, "scratch folder; default: beside the blobs");
+    command->add_option("--memory", config.limits.max_memory_bytes, "max memory of an attempt (16G); default: 0.9 of the machine's, shared by the slots")->transform(CLI::AsSizeValue(true));
+    command->add_option("--scratch", config.scratch_bytes, "max disk space of an attempt (100G); default: 0.9 of the free space, shared by the slots")->transform(CLI::AsSizeValue(true));
+    command->add_option("--min-free", config.min_free_bytes, "free space to keep on the scratch disk (10G); no job starts with less")->transform(CLI::AsSizeValue(true));
+    command->add_option("--cache", config.cache_bytes, "max size of the cache of stage results (20G); 0: no cache")->transform(CLI::AsSizeValue(true));
     // clang-format on
     command->callback([options, &context] {
         context.command = [options] {

@@ -109,9 +109,11 @@ std::string content_sha256(std::vector<HashedFile> files) {
     const std::string* previous = nullptr;
     for (const auto& file : files) {
         if (previous != nullptr && *previous == file.path)
-            throw Error(ErrorCode::BadData, "the dive has two files named " + file.path);
+            throw Error(ErrorCode::BadData,
+                        "the dive has two files named " + file.path + ": remove one");
         if (file.path.find('\n') != std::string::npos)
-            throw Error(ErrorCode::BadData, "a file name of the dive has a line end: rename it");
+            throw Error(ErrorCode::BadData,
+                        "a file name of the dive contains a line break: rename the file");
         hash.update(file.sha256);
         hash.update(std::string_view("  "));
         hash.update(file.path);

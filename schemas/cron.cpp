@@ -30,10 +30,12 @@ struct Field {
 };
 
 [[noreturn]] void refuse(const Field& field, std::string_view text) {
-    throw Error(ErrorCode::InvalidArgument,
-                "cron: the " + std::string(field.what) + " '" + std::string(text.substr(0, 60)) +
-                    "' has to be *, a number of " + std::to_string(field.least) + " to " +
-                    std::to_string(field.most) + ", a-b, with /step, or several with commas");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        "cron: the " + std::string(field.what) + " '" + std::string(text.substr(0, 60)) +
+            "' must be *, a number from " + std::to_string(field.least) + " to " +
+            std::to_string(field.most) +
+            ", a range a-b, optionally with /step, or several of these separated by commas");
 }
 
 std::optional<unsigned> number_of(std::string_view text) {
@@ -109,8 +111,8 @@ Cron Cron::parse(std::string_view text) {
     const auto words = words_of(text);
     if (text.size() > 500 || words.size() != 5)
         throw Error(ErrorCode::InvalidArgument,
-                    "cron: five fields are needed: minute hour day-of-month month day-of-week, as "
-                    "in '30 4 * * mon'");
+                    "cron: give five fields: minute hour day-of-month month day-of-week, as in '30 "
+                    "4 * * mon'");
     Cron cron;
     parse_field({"minute", 0, 59, kNoNames}, words[0], cron.minutes_);
     parse_field({"hour", 0, 23, kNoNames}, words[1], cron.hours_);
@@ -145,7 +147,7 @@ std::int64_t Cron::next_after_ms(std::int64_t unix_ms) const {
                 return milliseconds(day.time_since_epoch()).count() +
                        static_cast<std::int64_t>(minute) * kMinute_ms;
     }
-    throw Error(ErrorCode::InvalidArgument, "cron: that day never comes");
+    throw Error(ErrorCode::InvalidArgument, "cron: this day does not exist in any month");
 }
 
 }  // namespace divemesh

@@ -34,9 +34,9 @@ constexpr std::pair<std::string_view, std::string_view> kAlignments[] = {
     {"trajectory.*.ate_", "SE(3) over positions (Umeyama 1991), scale 1"},
     {"trajectory.*.rotation_rmse", "SE(3) over positions (Umeyama 1991), scale 1"},
     {"trajectory.*.sim3_", "Sim(3) over positions (Umeyama 1991); diagnostic"},
-    {"trajectory.*.end_drift", "first poses laid on another"},
+    {"trajectory.*.end_drift", "first poses aligned with each other"},
     {"trajectory.*.", "none: relative"},
-    {"trajectory.covariance.check", "first poses laid on another"},
+    {"trajectory.covariance.check", "first poses aligned with each other"},
     {"surface.", "SE(3) over positions and orientations of the path, scale 1; no ICP"},
     {"truth.", "SE(3) over positions, scale 1"}};
 // clang-format on
@@ -293,16 +293,17 @@ std::string resolve_figure(std::string_view text) {
     }
     if (found.empty())
         throw Error(ErrorCode::InvalidArgument,
-                    std::string("no figure is called '")
+                    std::string("there is no metric '")
                         .append(text.substr(0, 120))
                         .append("'; similar: " + similar_names(text)));
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return depth_of(a) < depth_of(b);
     });
     if (found.size() > 1 && depth_of(found[0]) == depth_of(found[1]))
-        throw Error(ErrorCode::InvalidArgument,
-                    std::string("'").append(text).append("' could be " + list_text(found) +
-                                                         "; write more of the name"));
+        throw Error(
+            ErrorCode::InvalidArgument,
+            std::string("'").append(text).append("' is ambiguous, it could be " + list_text(found) +
+                                                 ": write more of the name"));
     return found.front();
 }
 

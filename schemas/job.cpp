@@ -24,28 +24,30 @@ JobKind job_kind_from_string(std::string_view text) {
 
 std::string_view usual_remedy(ErrorCode code) {
     switch (code) {  // no default: the compiler lists a code that is missing here
-        case ErrorCode::InvalidArgument: return "mend the option that is named and ask anew";
+        case ErrorCode::InvalidArgument: return "correct the named option and create the job again";
         case ErrorCode::BadData:
-            return "see the findings of the dive, mend the recording and upload it again";
+            return "see the findings of the dive, correct the recording and upload it again";
         case ErrorCode::TooLarge: return "split the recording into shorter dives";
-        case ErrorCode::Unsupported: return "convert the recording: `divemesh validate` checks it";
+        case ErrorCode::Unsupported:
+            return "convert the recording and check it with `divemesh validate`";
         case ErrorCode::NotFound:
-        case ErrorCode::Gone: return "look whether its dive and the blobs are still there";
+        case ErrorCode::Gone: return "check that the dive and its blobs still exist";
         case ErrorCode::Conflict: return "retry the job that it waited for, then this one";
         case ErrorCode::Unauthorized:
-        case ErrorCode::Forbidden: return "give the worker the rights to its folders";
+        case ErrorCode::Forbidden: return "give the worker access rights to its folders";
         case ErrorCode::Locked:
         case ErrorCode::TooMany:
-        case ErrorCode::Cancelled: return "`divemesh retry` puts it back into the queue";
-        case ErrorCode::OutOfQuota: return "delete dives of the project, or have its quota raised";
+        case ErrorCode::Cancelled: return "put it back into the queue with `divemesh retry`";
+        case ErrorCode::OutOfQuota: return "delete dives of the project, or ask for a larger quota";
         case ErrorCode::OutOfSpace:
-            return "free space where workers have their scratch folder and where the blobs are";
+            return "free space on the disks of the workers' scratch folder and of the blobs";
         case ErrorCode::OutOfMemory:
             return "run it on a worker with more memory, or with a larger voxel_m";
         case ErrorCode::PreconditionFailed:  // these are of requests, not of jobs
         case ErrorCode::PreconditionRequired:
         case ErrorCode::Unavailable:
-            return "see the logs of its attempts; `divemesh retry` when it is not tried by itself";
+            return "see the logs of its attempts; if it is not tried again automatically, use "
+                   "`divemesh retry`";
     }
     return "";
 }

@@ -22,15 +22,16 @@ public:
     explicit Walk(std::string_view bytes) : bytes_(bytes) {}
 
     JpegSize size() {
-        if (byte(0) != 0xFF || byte(1) != kStartOfImage) refuse("it does not begin as a JPEG");
+        if (byte(0) != 0xFF || byte(1) != kStartOfImage)
+            refuse("it does not begin with a JPEG marker");
         JpegSize size;
         for (std::size_t place = 2;;) {
-            if (byte(place) != 0xFF) refuse("there is no marker where one has to be");
+            if (byte(place) != 0xFF) refuse("a marker is missing");
             while (byte(place) == 0xFF) ++place;  // fill bytes
             const unsigned marker = byte(place++);
             if (marker == kStartOfScan) break;
             if (marker == kTemporary || (marker >= kFirstRestart && marker <= kEndOfImage))
-                refuse("a marker comes before the picture that cannot");
+                refuse("a marker before the image data is not allowed there");
             const std::size_t length = word(place);
             if (length < 2) refuse("a segment has no length");
             if (marker >= kBaselineFrame && marker <= kProgressiveFrame)
@@ -39,16 +40,16 @@ public:
         }
         if (size.width == 0 || size.height == 0) refuse("it has no frame header with a size");
         if (byte(bytes_.size() - 2) != 0xFF || byte(bytes_.size() - 1) != kEndOfImage)
-            refuse("it is cut off: the end of the image is missing");
+            refuse("the end of the image is missing");
         return size;
     }
 
 private:
     [[noreturn]] static void refuse(const std::string& why) {
-        throw Error(ErrorCode::InvalidArgument, "not a whole JPEG: " + why);
+        throw Error(ErrorCode::InvalidArgument, "the JPEG is incomplete or damaged: " + why);
     }
     unsigned byte(std::size_t place) const {
-        if (place >= bytes_.size()) refuse("it is cut off");
+        if (place >= bytes_.size()) refuse("its end is missing");
         return static_cast<unsigned char>(bytes_[place]);
     }
     unsigned word(std::size_t place) const { return byte(place) << 8 | byte(place + 1); }

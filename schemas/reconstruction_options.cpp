@@ -13,34 +13,34 @@ namespace {
 template <typename Options, typename Visit>
 void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
-    visit("stereo", options.stereo, "block (sum of absolute differences, as the paper), sgm, opencv_sgbm");
-    visit("num_disparities_px", options.num_disparities_px, "disparity search range, multiple of 16");
-    visit("num_features", options.num_features, "salient features tracked per frame");
-    visit("estimator", options.estimator, "pairwise (the paper) or window (sliding-window adjustment)");
-    visit("use_imu", options.use_imu, "use the inertial unit where the dive has one");
-    visit("use_ahrs", options.use_ahrs, "use the absolute orientation where the dive has it");
-    visit("use_pressure", options.use_pressure, "use the depth by pressure where the dive has it");
-    visit("adjust_whole_dive", options.adjust_whole_dive, "adjust the whole trajectory with hindsight (window estimator)");
-    visit("close_loops", options.close_loops, "recognise places that the dive came to again, and adjust with them");
-    visit("surface", options.surface, "make cloud, mesh and what follows; false: the trajectory alone");
-    visit("align_imu", options.align_imu, "find time offset and rotation of the inertial unit against the cameras (window estimator)");
-    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion with hindsight (window estimator)");
+    visit("stereo", options.stereo, "stereo matcher: block (sum of absolute differences, the paper), sgm or opencv_sgbm");
+    visit("num_disparities_px", options.num_disparities_px, "disparity search range, a multiple of 16");
+    visit("num_features", options.num_features, "features tracked per frame");
+    visit("estimator", options.estimator, "pairwise (the paper) or window (sliding window)");
+    visit("use_imu", options.use_imu, "use the IMU if the dive has one");
+    visit("use_ahrs", options.use_ahrs, "use the absolute orientation if the dive has it");
+    visit("use_pressure", options.use_pressure, "use the depth from the pressure sensor if the dive has it");
+    visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (window estimator)");
+    visit("close_loops", options.close_loops, "recognise revisited places and use them in the bundle adjustment");
+    visit("surface", options.surface, "make the cloud, the mesh and what depends on them; false: only the trajectory");
+    visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (window estimator)");
+    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
-    visit("map_step", options.map_step, "how far the picture moves between frames that are fused, share of its width; 0: keyframes alone");
+    visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width; 0: only keyframes");
     visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
-    visit("max_depth_m", options.max_depth_m, "depth beyond which nothing is fused, m; 0: from the rig");
-    visit("cloud_spacing_m", options.cloud_spacing_m, "between the points of the cloud, m; 0: half a voxel");
-    visit("fusion_memory_bytes", options.fusion_memory_bytes, "voxels and points in memory, more goes to the scratch folder; never changes the result");
+    visit("max_depth_m", options.max_depth_m, "max depth that is fused, m; 0: from the rig");
+    visit("cloud_spacing_m", options.cloud_spacing_m, "distance between the points of the cloud, m; 0: half a voxel");
+    visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
-    visit("simplify", options.simplify, "share of the triangles that stays, 0 to 1; 1: all of them");
-    visit("simplify_error_m", options.simplify_error_m, "quadric error that ends simplifying sooner, m; 0: no limit");
+    visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
+    visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
     visit("texture", options.texture, "make texture and mosaic");
-    visit("marker_family", options.marker_family, "look for AprilTags: tag36h11, tag25h9, tagStandard41h12; empty: as markers.json says");
-    visit("marker_size_m", options.marker_size_m, "printed size of the tags, m (docs/markers.md says from where to where); 0: as markers.json says");
+    visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
+    visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
     visit("correct_scale", options.correct_scale, "scale the whole result by the known distances between markers");
     visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj (mesh)");
-    visit("num_threads", options.num_threads, "0: all cores; never changes the result");
-    visit("seed", options.seed, "of the random numbers that RANSAC draws");
+    visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
+    visit("seed", options.seed, "seed of the random numbers of RANSAC");
     // clang-format on
 }
 
@@ -77,7 +77,7 @@ void validate_exports(const ReconstructionOptions& options, OptionFaults& faults
         const std::string word = list.substr(start, end - start);
         faults.require_one_of("exports", word, {"kitti", "euroc", "obj"});
         faults.require(
-            word != "obj" || options.surface, "exports", "has obj, which needs a surface");
+            word != "obj" || options.surface, "exports", "has obj, which needs surface=true");
         start = end + 1;
     }
 }
@@ -111,7 +111,7 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
                    "must be at least 67108864 (64 MiB)");
     faults.require(options.map_step >= 0.0 && options.map_step <= 1.0,
                    "map_step",
-                   "must be 0 (keyframes alone) to 1, a share of the picture's width");
+                   "must be 0 (only keyframes) to 1, a share of the image width");
     faults.require(options.simplify > 0.0 && options.simplify <= 1.0,
                    "simplify",
                    "must be more than 0 and at most 1 (all triangles)");
@@ -123,7 +123,7 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require(options.marker_size_m == 0.0 ||
                        (options.marker_size_m >= 0.005 && options.marker_size_m <= 10.0),
                    "marker_size_m",
-                   "must be 0 (as markers.json says) or 0.005 to 10 m");
+                   "must be 0 (from markers.json) or 0.005 to 10 m");
     faults.require(options.num_threads >= 0 && options.num_threads <= 1024,
                    "num_threads",
                    "must be 0 (all cores) to 1024");

@@ -20,7 +20,7 @@ std::string_view trimmed(std::string_view text) {
     throw Error(ErrorCode::InvalidArgument,
                 std::string("requirement '")
                     .append(text.substr(0, 120))
-                    .append("': " + why + "; write FIGURE<=NUMBER, with <=, >=, < or >"));
+                    .append("': " + why + ": write METRIC<=NUMBER, with <=, >=, < or >"));
 }
 
 double parse_limit(std::string_view text, std::string_view whole) {
@@ -38,10 +38,10 @@ Requirement parse_requirement(std::string_view text) {
     if (text.size() > kMaxLength) refuse(text, "it is too long");
     // The last one: names of entries may hold such signs.
     const auto sign = text.find_last_of("<>");
-    if (sign == std::string_view::npos) refuse(text, "nothing is compared");
+    if (sign == std::string_view::npos) refuse(text, "it has no <=, >=, < or >");
     const bool or_equal = sign + 1 < text.size() && text[sign + 1] == '=';
     const auto figure = trimmed(text.substr(0, sign));
-    if (figure.empty()) refuse(text, "no figure is named");
+    if (figure.empty()) refuse(text, "it names no metric");
     Requirement requirement;
     requirement.text = std::string(text);
     requirement.limit = parse_limit(trimmed(text.substr(sign + (or_equal ? 2 : 1))), text);

@@ -55,7 +55,7 @@ constexpr Argument kArguments[] = {
      [](const json& value) { return is_whole(value, kLeastPictureBytes, kMostPictureBytes); }},
     {"set_clock",
      "time_ms",
-     "a time in unix milliseconds",
+     "a time in Unix milliseconds",
      [](const json& value) { return is_whole(value, 0, kLatest_ms); }},
 };
 
@@ -75,11 +75,11 @@ CommandState command_state_from_string(std::string_view text) {
 void check_command(const std::string& name, const json& arguments) {
     if (std::find(std::begin(kCommands), std::end(kCommands), name) == std::end(kCommands))
         throw InvalidInput(
-            {{"\"name\" has to be start_recording, stop_recording, preview or set_clock",
+            {{"\"name\" must be start_recording, stop_recording, preview or set_clock",
               "/name",
               ""}});
     if (!arguments.is_object())
-        throw InvalidInput({{"\"arguments\" has to be an object", "/arguments", ""}});
+        throw InvalidInput({{"\"arguments\" must be an object", "/arguments", ""}});
     std::vector<Fault> faults;
     for (const auto& [key, value] : arguments.items()) {
         const Argument* argument = find_argument(name, key);
@@ -88,7 +88,7 @@ void check_command(const std::string& name, const json& arguments) {
             faults.push_back(
                 {std::string(name).append(" has no argument \"").append(key) + "\"", place, ""});
         else if (!argument->fits(value))
-            faults.push_back({std::string("it has to be ").append(argument->form), place, ""});
+            faults.push_back({std::string("it must be ").append(argument->form), place, ""});
     }
     if (!faults.empty()) throw InvalidInput(std::move(faults));
 }
@@ -106,15 +106,14 @@ void check_outcome(const json& outcome, const std::string& pointer) {
     const auto state = outcome.find("state");
     const auto detail = outcome.find("detail");
     if (id == outcome.end() || !is_short_text(*id, kMostDetailBytes))
-        throw InvalidInput(
-            {{"\"command\" has to be the id of a command", pointer + "/command", ""}});
+        throw InvalidInput({{"\"command\" must be the id of a command", pointer + "/command", ""}});
     const auto is_state = [&](const auto& row) { return *state == json(row.text); };
     if (state == outcome.end() || std::none_of(kOutcomes.begin(), kOutcomes.end(), is_state))
         throw InvalidInput(
-            {{"\"state\" has to be done, failed, refused or expired", pointer + "/state", ""}});
+            {{"\"state\" must be done, failed, refused or expired", pointer + "/state", ""}});
     if (detail != outcome.end() && !is_short_text(*detail, kMostDetailBytes))
         throw InvalidInput(
-            {{"\"detail\" has to be a text of 256 bytes at most", pointer + "/detail", ""}});
+            {{"\"detail\" must be a text of at most 256 bytes", pointer + "/detail", ""}});
 }
 
 void to_json(json& json, const SensorCommand& command) {

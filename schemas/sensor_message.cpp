@@ -24,7 +24,7 @@ constexpr EnumText<MessageKind> kKinds[] = {{MessageKind::Hello, "hello"},
                                             {MessageKind::Outcome, "outcome"}};
 
 std::string at_most(std::string_view what, std::size_t number) {
-    return std::string(what).append(", ").append(std::to_string(number)).append(" at most");
+    return std::string(what).append(": at most ").append(std::to_string(number));
 }
 
 // 1 to 64 letters, digits, '.', '_' and '-'.
@@ -60,7 +60,7 @@ public:
     explicit Reader(std::optional<std::string_view> jpeg = std::nullopt) : jpeg_(jpeg) {}
 
     SensorReport read(const json& body) {
-        if (!body.is_object()) refuse("a report has to be a JSON object", "");
+        if (!body.is_object()) refuse("a report must be a JSON object", "");
         for (const auto& [key, value] : body.items())
             if (key != "boot_id" && key != "messages" && key != "lost")
                 fail(std::string("unknown key ").append(key),
@@ -86,7 +86,8 @@ private:
         const auto boot = body.find("boot_id");
         if (boot == body.end() || !boot->is_string() || !is_boot_id(boot->get<std::string>()))
             return fail(
-                "\"boot_id\" has to be 1 to 64 letters, digits, '.', '_' or '-', new at each boot",
+                "\"boot_id\" must be 1 to 64 letters, digits, '.', '_' or '-', and new at each "
+                "boot",
                 "/boot_id");
         report_.boot_id = boot->get<std::string>();
     }
@@ -94,14 +95,14 @@ private:
     void read_messages(const json& body) {
         const auto messages = body.find("messages");
         if (messages == body.end() || !messages->is_array() || messages->size() > kMostMessages)
-            return fail(at_most("\"messages\" has to be an array of messages", kMostMessages),
+            return fail(at_most("\"messages\" must be an array of messages", kMostMessages),
                         "/messages");
         for (std::size_t i = 0; i < messages->size(); ++i)
             read_message((*messages)[i], "/messages/" + std::to_string(i));
     }
 
     void read_message(const json& message, const std::string& pointer) {
-        if (!message.is_object()) return fail("a message has to be an object", pointer);
+        if (!message.is_object()) return fail("a message must be an object", pointer);
         SensorMessage read;
         read.sequence = count(message, "seq", pointer).value_or(-1);
         read.uptime_ms = count(message, "uptime_ms", pointer).value_or(-1);
@@ -109,22 +110,24 @@ private:
         const auto historical = message.find("historical");
         if (historical != message.end()) {
             if (!historical->is_boolean())
-                fail("\"historical\" has to be true or false", pointer + "/historical");
+                fail("\"historical\" must be true or false", pointer + "/historical");
             else
                 read.historical = historical->get<bool>();
         }
         const auto kind = kind_of(message);
         if (!kind)
-            return fail("a message has one of \"hello\", \"status\", \"preview\" and \"outcome\"",
-                        pointer);
+            return fail(
+                "a message must have exactly one of \"hello\", \"status\", \"preview\" and "
+                "\"outcome\"",
+                pointer);
         read.kind = kind->value;
         read.body = message.at(kind->text);
         const std::string place = std::string(pointer).append("/").append(kind->text);
-        if (!read.body.is_object()) return fail("it has to be an object", place);
+        if (!read.body.is_object()) return fail("it must be an object", place);
         if (read.kind == MessageKind::Preview) take_picture(read, place);
         if (read.body.dump(-1, ' ', false, json::error_handler_t::replace).size() >
             kMostMessageBytes)
-            return fail(at_most("it is too long, of bytes", kMostMessageBytes), place);
+            return fail(at_most("it has too many bytes", kMostMessageBytes), place);
         check_body(read, place);
         report_.messages.push_back(std::move(read));
     }
@@ -143,29 +146,27 @@ private:
         if (texts == message.body.end()) return;
         const auto is_text = [](const json& word) { return word.is_string(); };
         if (!texts->is_array() || !std::all_of(texts->begin(), texts->end(), is_text))
-            fail("\"capabilities\" has to be an array of words", place + "/capabilities");
+            fail("\"capabilities\" must be an array of words", place + "/capabilities");
     }
 
     void take_picture(SensorMessage& message, const std::string& place) {
         const auto camera = message.body.find("camera");
         if (camera == message.body.end() || !camera->is_string() ||
             !is_camera(camera->get_ref<const std::string&>()))
-            fail("\"camera\" has to be 1 to 16 of a-z 0-9 _ -", place + "/camera");
+            fail("\"camera\" must be 1 to 16 characters of a-z 0-9 _ -", place + "/camera");
         if (jpeg_) {
             message.jpeg = *jpeg_;
         } else if (!decode_picture(message)) {
-            return fail("\"jpeg\" has to be the picture in base64", place + "/jpeg");
+            return fail("\"jpeg\" must be the image in base64", place + "/jpeg");
         }
         message.body.erase("jpeg");
         if (message.jpeg.size() > kMostJpegBytes)
-            return fail(at_most("the picture is too large, of bytes", kMostJpegBytes),
-                        place + "/jpeg");
+            return fail(at_most("the image has too many bytes", kMostJpegBytes), place + "/jpeg");
         try {
             const JpegSize size = read_jpeg_size(message.jpeg);
             if (size.width > kLargestPictureSide || size.height > kLargestPictureSide)
-                return fail(
-                    at_most("the picture is too large, of pixels a side", kLargestPictureSide),
-                    place + "/jpeg");
+                return fail(at_most("the image has too many pixels per side", kLargestPictureSide),
+                            place + "/jpeg");
             message.body["width"] = size.width;
             message.body["height"] = size.height;
         } catch (const Error& error) {
@@ -193,7 +194,7 @@ private:
             if (!is_huge && number >= 0 && number <= kLargestNumber) return number;
         }
         std::string detail(1, '"');
-        fail(detail.append(name).append("\" has to be a whole number from 0 to 2^53"),
+        fail(detail.append(name).append("\" must be a whole number from 0 to 2^53"),
              std::string(pointer).append("/").append(name));
         return std::nullopt;
     }
@@ -211,7 +212,7 @@ private:
         };
         if (!lost->is_array() || lost->size() > kMostLost ||
             !std::all_of(lost->begin(), lost->end(), is_range))
-            return fail(at_most("\"lost\" has to be an array of pairs [first, last]", kMostLost),
+            return fail(at_most("\"lost\" must be an array of pairs [first, last]", kMostLost),
                         "/lost");
         for (const json& range : *lost)
             report_.lost.push_back({range[0].get<std::int64_t>(), range[1].get<std::int64_t>()});
@@ -235,14 +236,14 @@ PreviewFrame split_preview(std::string_view frame) {
         length = length << 8 | static_cast<unsigned char>(frame[i]);
     if (frame.size() < kLengthBytes || length > frame.size() - kLengthBytes)
         throw Error(ErrorCode::InvalidArgument,
-                    "a binary frame is the length of a header (4 bytes, big endian), the header in "
-                    "JSON, a JPEG");
+                    "a binary frame must be the length of a header (4 bytes, big endian), the "
+                    "header in JSON, and a JPEG");
     return {frame.substr(kLengthBytes, length), frame.substr(kLengthBytes + length)};
 }
 
 SensorReport sensor_preview(json header, std::string_view jpeg) {
     if (!header.is_object() || !header.contains("preview"))
-        throw InvalidInput({{"the header of a preview has \"preview\"", "/preview", ""}});
+        throw InvalidInput({{"the header of a preview must have \"preview\"", "/preview", ""}});
     json body = {{"messages", json::array()}};
     if (const auto boot = header.find("boot_id"); boot != header.end()) {
         body["boot_id"] = *boot;

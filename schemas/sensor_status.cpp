@@ -58,7 +58,7 @@ public:
         const json* value = find(field.name);
         if (value == nullptr) return;
         if (field.is_flag) {
-            if (!value->is_boolean()) fail(field.name, "has to be true or false");
+            if (!value->is_boolean()) fail(field.name, "must be true or false");
             return;
         }
         number(*value, std::string(field.name), field.least, field.largest);
@@ -67,7 +67,7 @@ public:
         const json* value = find(name);
         if (value != nullptr &&
             (!value->is_string() || value->get_ref<const std::string&>().size() > most_bytes))
-            fail(name, "has to be a text of " + std::to_string(most_bytes) + " bytes at most");
+            fail(name, "must be a text of at most " + std::to_string(most_bytes) + " bytes");
     }
     void errors() {
         const json* value = find("errors");
@@ -79,8 +79,8 @@ public:
         if (!value->is_array() || value->size() > kMostErrors ||
             !std::all_of(value->begin(), value->end(), is_short))
             fail("errors",
-                 "has to be an array of " + std::to_string(kMostErrors) + " texts at most, of " +
-                     std::to_string(kMostErrorBytes) + " bytes each");
+                 "must be an array of at most " + std::to_string(kMostErrors) +
+                     " texts of at most " + std::to_string(kMostErrorBytes) + " bytes each");
     }
     void orientation() {
         const json* value = find("orientation");
@@ -92,19 +92,19 @@ public:
             square += is_numbers ? std::pow((*value)[i].get<double>(), 2) : 0.0;
         }
         if (!is_numbers || !(std::abs(square - 1.0) < 0.02))
-            fail("orientation", "has to be a unit quaternion: an array of w, x, y, z");
+            fail("orientation", "must be a unit quaternion: an array of w, x, y, z");
     }
     void plan() {
         const json* value = find("dive_plan");
         if (value == nullptr) return;
         if (!value->is_object() || !value->contains("back_in_s"))
-            return fail("dive_plan", "has to be an object with \"back_in_s\"");
+            return fail("dive_plan", "must be an object with \"back_in_s\"");
         number((*value)["back_in_s"], "dive_plan/back_in_s", 0.0, kLongestDive_s);
     }
     void pictures() {
         const json* value = find("pictures");
         if (value == nullptr) return;
-        if (!value->is_object()) return fail("pictures", "has to be an object");
+        if (!value->is_object()) return fail("pictures", "must be an object");
         for (const char* name : {"dark", "blurred", "frozen"})
             if (const auto share = value->find(name); share != value->end())
                 number(*share, std::string("pictures/") + name, 0.0, 1.0);
@@ -119,10 +119,10 @@ private:
         return value == status_.end() || value->is_null() ? nullptr : &*value;
     }
     void number(const json& value, const std::string& place, double least, double largest) {
-        if (!value.is_number()) return fail(place, "has to be a number");
+        if (!value.is_number()) return fail(place, "must be a number");
         const auto number = value.get<double>();
         if (!(number >= least && number <= largest))
-            fail(place, "has to be from " + json(least).dump() + " to " + json(largest).dump());
+            fail(place, "must be from " + json(least).dump() + " to " + json(largest).dump());
     }
     void fail(std::string_view place, const std::string& what) {
         std::string detail(1, '"');
@@ -201,31 +201,34 @@ std::vector<Alarm> alarms_of(const json& status, std::span<const Alarm> before) 
             if (level != Summary::Ok) alarms.push_back({name, level, std::move(detail)});
         };
     if (number("leak") == 1.0)
-        alarms.push_back({"leak", Summary::Stop, "water in the housing: bring it up and open it"});
+        alarms.push_back(
+            {"leak", Summary::Stop, "water in the housing: bring the device up and open it"});
     else if (const auto humidity = number("humidity"))
         judge("leak",
               *humidity,
               kHumidity,
-              "the air in the housing is damp (" + percent(*humidity) + "): check its seals");
+              "the air in the housing is damp (" + percent(*humidity) + "): check the seals");
     if (const auto battery = number("battery"))
         judge("battery",
               *battery,
               kBattery,
-              "battery at " + percent(*battery) + ": charge or change it");
+              "battery at " + percent(*battery) + ": charge or replace it");
     if (const auto free = number("storage_free_bytes"))
         judge("storage",
               *free,
               kStorage_bytes,
               std::to_string(std::llround(*free / 1e6)) +
-                  " MB are free for recordings: upload and remove older ones");
+                  " MB are free for recordings: upload older recordings and remove them");
     if (number("recording") == 0.0 && has_open_dive(status))
-        alarms.push_back({"recording", Summary::Stop, "a dive is open and nothing is recorded"});
+        alarms.push_back({"recording",
+                          Summary::Stop,
+                          "a dive has started but nothing is recorded: start the recording"});
     const auto [kind, share] = worst_pictures(status);
     judge("pictures",
           share,
           kUselessPictures,
-          percent(share) + " of the pictures are " + kind +
-              ": look at a preview before the dive goes on");
+          percent(share) + " of the images are " + kind +
+              ": check a preview before the dive continues");
     return alarms;
 }
 

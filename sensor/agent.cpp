@@ -166,9 +166,9 @@ void Agent::say_status() {
     }
     if (quick_look_) parts.quick_look = quick_look_->report();
     if (const std::string trouble = ring_.trouble(); !trouble.empty())
-        parts.errors.push_back("what is said is kept in memory alone: " + trouble);
+        parts.errors.push_back("messages are kept only in memory, not on disk: " + trouble);
     if (const std::string trouble = uploads_ ? uploads_->trouble() : ""; !trouble.empty())
-        parts.errors.push_back("which dives are sent is not on disk: " + trouble);
+        parts.errors.push_back("the list of uploaded dives cannot be saved on disk: " + trouble);
     say(MessageKind::Status, text_of(make_status(parts)));
 }
 
@@ -178,7 +178,7 @@ std::string Agent::preview_as_asked(const json& arguments) {
     if (arguments.contains("camera")) {
         const json& camera = arguments["camera"];
         const auto asked = camera.is_string() ? view_of(camera.get<std::string>()) : std::nullopt;
-        if (!asked) return "there is no such camera: cam0, cam1 or pair";
+        if (!asked) return "there is no such camera: give cam0, cam1 or pair";
         view = *asked;
     }
     std::int64_t max_bytes = preview_budget(link_->state().bytes_per_s);
@@ -198,9 +198,9 @@ cv::Mat Agent::shown(View view) const {
 
 // "" or why there is none.
 std::string Agent::say_preview(View view, std::int64_t max_bytes) {
-    if (!frame_) return "there is no picture";
+    if (!frame_) return "there is no image yet";
     const cv::Mat picture = shown(view);
-    if (picture.empty()) return "this camera has no picture";
+    if (picture.empty()) return "this camera has no image";
     try {
         Preview preview = make_preview(picture, max_bytes);
         json body = {{"camera", to_string(view)},

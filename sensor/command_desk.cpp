@@ -47,7 +47,7 @@ void CommandDesk::take(const Command& command) {
     const auto known = journal_.find(command.id);
     if (!known) return waiting_.push_back(command);
     if (known->state == "begun")
-        return end(command.id, "failed", "the device was started anew while it did this");
+        return end(command.id, "failed", "the device restarted while it carried out the command");
     outcomes_.push_back(
         {{"command", known->id}, {"state", known->state}, {"detail", known->detail}});
 }
@@ -69,14 +69,14 @@ std::vector<nlohmann::json> CommandDesk::work() {
 
 void CommandDesk::begin(const Command& command) {
     if (!is_able(command.name))
-        return end(command.id, "refused", "this device does not do " + command.name);
-    if (is_late(command)) return end(command.id, "expired", "it came too late");
+        return end(command.id, "refused", "this device does not support " + command.name);
+    if (is_late(command)) return end(command.id, "expired", "the command arrived too late");
     if (!journal_.note({command.id, "begun", ""}) && command.name != "preview")
         return end(command.id,
                    "failed",
-                   "it cannot be noted on disk, so that it might be carried out twice");
+                   "the command cannot be recorded on disk and might be carried out twice");
     // Noting it took its time.
-    if (is_late(command)) return end(command.id, "expired", "it came too late");
+    if (is_late(command)) return end(command.id, "expired", "the command arrived too late");
     if (is_recording_command(command.name)) return run_program(command);
     const std::string problem =
         command.name == "preview" ? settings_.make_preview(command.arguments) : set_clock(command);

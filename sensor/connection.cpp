@@ -39,7 +39,7 @@ Error refusal(const std::string& url, int status) {
     std::string what = url;
     what.append(" refused the sensor's stream (HTTP ").append(std::to_string(status)).append(")");
     if (status == 401 || status == 403)
-        what.append(": the token has to have the scope sensor:push for this sensor");
+        what.append(": use a token with the scope sensor:push for this sensor");
     return {code, what};
 }
 

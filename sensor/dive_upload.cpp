@@ -60,7 +60,7 @@ void DiveUpload::run(const std::stop_token& stop) {
         send(stop);
     } catch (const std::exception& error) {
         has_failed_ = true;
-        tell(dive_.string() + " is not sent: " + error.what());
+        tell(dive_.string() + " was not uploaded: " + error.what());
     }
     is_done_ = true;
 }
@@ -71,7 +71,7 @@ void DiveUpload::send(const std::stop_token& stop) {
     const std::string name = settings_.account.server.url() + " " + hashes.archive_sha256;
     if (const auto known = ledger_.find(dive_); known && known->sent == name) {
         ledger_.note_sent(dive_, name);
-        return tell(dive_.string() + " is on the server already");
+        return tell(dive_.string() + " is already on the server");
     }
     std::map<std::string, std::string> metadata = {{"filename", dive_.filename().string() + ".tar"},
                                                    {"sha256", hashes.archive_sha256}};
@@ -96,7 +96,7 @@ void DiveUpload::send(const std::stop_token& stop) {
     // In this order: with the power gone between them the dive is known to be there.
     ledger_.note_sent(dive_, name);
     state.forget();
-    tell(dive_.string() + " is dive " + dive.value("id", "") + " on the server");
+    tell(dive_.string() + " was uploaded as dive " + dive.value("id", ""));
 }
 
 }  // namespace divemesh::sensor

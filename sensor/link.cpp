@@ -28,9 +28,11 @@ void sleep_for(milliseconds pause, const std::stop_token& stop) {
 
 std::string closed_text(const Connection& connection) {
     if (connection.close_code() == kSuperseded)
-        return "another device speaks as this sensor: give each its own id, or stop the other one";
+        return "another device uses the id of this sensor: give each its own id, or stop the other "
+               "one";
     if (connection.close_code() == kPolicy)
-        return "the server ended the stream, the token may have ended: " + connection.why();
+        return "the server ended the stream, perhaps because the token is no longer valid: " +
+               connection.why();
     return "the connection ended: " + connection.why();
 }
 
@@ -109,7 +111,7 @@ milliseconds Link::serve(const std::stop_token& stop) {
             state_.server_time = session.server_time();
         }
         if (session.is_dead(now, settings_.patience)) {
-            tell(false, "nothing comes from the server any more");
+            tell(false, "the server no longer answers");
             return settings_.pause;
         }
     }

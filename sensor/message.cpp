@@ -68,7 +68,7 @@ Message message_of_record(std::string_view record, const std::string& boot_id) {
     if (record.size() >= sizeof head) std::memcpy(&head, record.data(), sizeof head);
     if (record.size() < sizeof head || head.kind >= kNumKinds ||
         head.num_body_bytes > record.size() - sizeof head)
-        throw Error(ErrorCode::BadData, "a record of the ring holds no message");
+        throw Error(ErrorCode::BadData, "a record of the ring is not a message");
     Message message;
     message.kind = static_cast<MessageKind>(head.kind);
     message.boot_id = boot_id;

@@ -14,7 +14,7 @@ constexpr std::chrono::seconds kDiskPause{10};  // after which a disk that faile
 
 std::int64_t checked(std::int64_t max_bytes) {
     if (max_bytes < MessageRing::kLeastBytes)
-        throw Error(ErrorCode::InvalidArgument, "the ring needs 2 MiB at least");
+        throw Error(ErrorCode::InvalidArgument, "the ring is too small: give at least 2 MiB");
     return max_bytes;
 }
 

@@ -63,7 +63,8 @@ Preview make_preview(const cv::Mat& picture, std::int64_t max_bytes) {
         }
     }
     throw Error(ErrorCode::TooLarge,
-                "no preview has " + std::to_string(max_bytes) + " bytes at most");
+                "a preview cannot be made with at most " + std::to_string(max_bytes) +
+                    " bytes: allow more");
 }
 
 cv::Mat with_tracks(const cv::Mat& picture, std::span<const TrackLine> tracks) {

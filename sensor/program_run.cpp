@@ -55,7 +55,7 @@ std::optional<std::string> ProgramRun::poll() {
         return "it took too long and was ended";
     }
     pid_ = -1;
-    if (ended < 0) return "nobody knows how it ended";
+    if (ended < 0) return "it is not known how it ended";
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
     if (WIFEXITED(status)) return "it ended with exit code " + std::to_string(WEXITSTATUS(status));
     return "it was ended by signal " + std::to_string(WTERMSIG(status));

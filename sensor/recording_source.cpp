@@ -143,8 +143,8 @@ std::pair<std::int64_t, std::int64_t> span_of(const fs::path& dive) {
     if (last < 0)
         throw Error(ErrorCode::NotFound,
                     dive.string() +
-                        " is no folder of a dive: there are no frames in "
-                        "cam0/data.csv; unpack an archive first");
+                        " is not the folder of a dive, because cam0/data.csv has no frames: unpack "
+                        "an archive first");
     return {first, last};
 }
 

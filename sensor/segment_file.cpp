@@ -117,7 +117,7 @@ SegmentFile SegmentFile::open(const std::filesystem::path& path, const OnRecord&
             record->offset + kHeadBytes + static_cast<std::int64_t>(record->payload.size());
     }
     if (file.is_damaged_ && file.size_bytes_ == static_cast<std::int64_t>(kMagic.size()))
-        throw Error(ErrorCode::BadData, path.string() + " is no segment of a ring");
+        throw Error(ErrorCode::BadData, path.string() + " is not a segment of a ring");
     // Where the disk can only be read the torn tail stays, and is cut off at the next start.
     if (::ftruncate(descriptor, file.size_bytes_) != 0) return file;
     return file;

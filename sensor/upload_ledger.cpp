@@ -111,7 +111,7 @@ void UploadLedger::save() {
     } catch (const Error& error) {
         trouble_ = error.what();
     } catch (const json::exception&) {
-        trouble_ = "a dive's name is no UTF-8 text";
+        trouble_ = "the name of a dive is not UTF-8: rename it";
     }
 }
 

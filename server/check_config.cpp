@@ -16,14 +16,17 @@ void check_origin(const std::string& origin) {
                        origin.size() > host + 3 &&
                        origin.find_first_of("/ *", host + 3) == std::string::npos;
     if (!plain)
-        throw Error(ErrorCode::InvalidArgument,
-                    "\"" + origin + "\" is no origin: give https://lab.example, without a path");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "\"" + origin + "\" is not an origin: give e.g. https://lab.example, without a path");
 }
 
 void check_folder(const std::filesystem::path& data) {
     const auto folder = data.empty() ? std::filesystem::current_path() : data;
     if (std::filesystem::exists(folder) && access(folder.c_str(), R_OK | W_OK | X_OK) != 0)
-        throw Error(ErrorCode::InvalidArgument, "cannot write into " + folder.string());
+        throw Error(ErrorCode::InvalidArgument,
+                    "cannot write into " + folder.string() +
+                        ": choose another --data folder or change its rights");
 }
 
 }  // namespace
@@ -32,7 +35,8 @@ void check_config(const ServerConfig& config) {
     const auto endpoint = parse_listen_address(config.listen);
     if (config.no_auth && !endpoint.address().is_loopback())
         throw Error(ErrorCode::InvalidArgument,
-                    "--no-auth is for loopback addresses alone, not for " + config.listen);
+                    "--no-auth is only for loopback addresses, not for " + config.listen +
+                        ": leave it out or change --listen");
     TlsCertificate(config.tls_certificate, config.tls_key);
     api::AllowedNetworks(config.webhook_networks);
     for (const std::string& origin : config.allowed_origins) check_origin(origin);

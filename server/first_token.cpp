@@ -39,7 +39,7 @@ std::string make_first_token(const storage::Catalog& catalog, const std::filesys
         write_secret(file, created.secret);
     } catch (const Error&) {
         auto withdrawn =
-            api::audited(catalog, "serve", "first token withdrawn: nobody was told it");
+            api::audited(catalog, "serve", "first token withdrawn: it was never shown");
         storage::TokenStore(withdrawn).revoke(created.token.id);
         throw;
     }

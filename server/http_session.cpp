@@ -98,13 +98,13 @@ std::optional<api::Response> refusal(const beast::error_code& error) {
         return std::nullopt;
     api::Request request;
     request.id = request_id("");
-    auto response =
-        error == http::error::header_limit
-            ? api::problem_response(request,
-                                    http::status::request_header_fields_too_large,
-                                    "the header is larger than 16 KiB")
-            : api::problem_response(
-                  request, http::status::bad_request, "this is not HTTP/1.1: " + error.message());
+    auto response = error == http::error::header_limit
+                        ? api::problem_response(request,
+                                                http::status::request_header_fields_too_large,
+                                                "the header is larger than 16 KiB")
+                        : api::problem_response(request,
+                                                http::status::bad_request,
+                                                "the request is not HTTP/1.1: " + error.message());
     response.set("X-Request-Id", request.id);
     return response;
 }

@@ -22,7 +22,7 @@ tcp::endpoint parse_listen_address(const std::string& text) {
     const auto [parsed, bad_port] = std::from_chars(digits, end, port);
     if (bad_host || bad_port != std::errc{} || parsed != end)
         throw Error(ErrorCode::InvalidArgument,
-                    "cannot listen on \"" + text + "\": give address:port, as 127.0.0.1:8080");
+                    "cannot listen on \"" + text + "\": give address:port, e.g. 127.0.0.1:8080");
     return {address, port};
 }
 

@@ -55,7 +55,7 @@ private:
 
 void say_token(const Server& server) {
     if (server.first_token().empty()) return;
-    std::cerr << "first admin token, shown this once (also in "
+    std::cerr << "first admin token, shown only once (also in "
               << (server.config().data / "admin.token").string() << "): " << server.first_token()
               << std::endl;
 }

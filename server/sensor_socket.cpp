@@ -319,7 +319,7 @@ websocket::close_reason reason_of(const std::exception& failure) {
     const auto* error = dynamic_cast<const Error*>(&failure);
     const bool is_final = error != nullptr && error->code() == ErrorCode::Conflict;
     constexpr std::size_t kMostReasonBytes = 120;  // RFC 6455, 5.5
-    const std::string why = error != nullptr ? error->what() : "nothing can be written now";
+    const std::string why = error != nullptr ? error->what() : "the catalog cannot be written now";
     return {is_final ? websocket::close_code::policy_error : websocket::close_code::try_again_later,
             why.substr(0, kMostReasonBytes)};
 }

@@ -53,7 +53,7 @@ ServerConfig with_defaults(ServerConfig config) {
     fs::create_directories(data, failure);
     if (failure)
         throw Error(ErrorCode::Unavailable,
-                    "cannot make the data folder " + data.string() + ": " + failure.message());
+                    "cannot create the data folder " + data.string() + ": " + failure.message());
     config.data = data;
     if (config.catalog_url.empty())
         config.catalog_url = "sqlite://" + (data / "catalog.db").string();
@@ -109,13 +109,14 @@ void turn_away(tcp::socket& socket) {
 std::string admit(const ServerConfig& config, bool loopback, storage::Catalog& catalog) {
     if (config.no_auth && !loopback)
         throw Error(ErrorCode::InvalidArgument,
-                    "--no-auth is for loopback addresses alone, not for " + config.listen);
+                    "--no-auth is only for loopback addresses, not for " + config.listen +
+                        ": leave it out or change --listen");
     if (config.no_auth) return "";
     if (loopback) return make_first_token(catalog, config.data / "admin.token");
     if (storage::TokenStore(catalog).empty())
         throw Error(ErrorCode::InvalidArgument,
-                    "nobody could log in at " + config.listen +
-                        ": make a token first (divemesh token create), or start on loopback once");
+                    "there is no token to log in with at " + config.listen +
+                        ": create one first (divemesh token create), or start once on loopback");
     return "";
 }
 

@@ -18,10 +18,10 @@ std::shared_ptr<ssl::context> load(const std::filesystem::path& certificate,
     SSL_CTX_set_options(context->native_handle(), SSL_OP_NO_RENEGOTIATION);
     boost::system::error_code failure;
     context->use_certificate_chain_file(certificate.string(), failure);
-    if (failure) refuse(certificate, "it is no certificate chain in PEM: " + failure.message());
+    if (failure) refuse(certificate, "it is not a PEM certificate chain: " + failure.message());
     context->use_private_key_file(key.string(), ssl::context::pem, failure);
     if (failure)
-        refuse(key, "it is no PEM key, or not that of the certificate: " + failure.message());
+        refuse(key, "it is not a PEM key, or not the key of the certificate: " + failure.message());
     return context;
 }
 
@@ -30,7 +30,8 @@ std::shared_ptr<ssl::context> load(const std::filesystem::path& certificate,
 TlsCertificate::TlsCertificate(std::filesystem::path certificate, std::filesystem::path key)
     : certificate_(std::move(certificate)), key_(std::move(key)) {
     if (certificate_.empty() != key_.empty())
-        throw Error(ErrorCode::InvalidArgument, "TLS needs both a certificate and its key");
+        throw Error(ErrorCode::InvalidArgument,
+                    "TLS needs both a certificate and its key: give --tls-cert and --tls-key");
     reload();
 }
 

@@ -71,8 +71,10 @@ void check_addresses(const Addresses& found,
         const auto address = endpoint.address();
         if (allowed.contains(address)) continue;
         if (!api::is_public(address))
-            throw Error(ErrorCode::Forbidden, "leads to an address that webhooks may not reach");
-        if (!target.tls) throw Error(ErrorCode::Forbidden, "only https leaves our own networks");
+            throw Error(ErrorCode::Forbidden,
+                        "the URL leads to an address that webhooks may not reach");
+        if (!target.tls)
+            throw Error(ErrorCode::Forbidden, "outside of the allowed networks only https is used");
     }
 }
 

@@ -118,7 +118,8 @@ public:
         write(archive_write_header(tar_.get(), entry.get()), name);
         for (std::int64_t offset = 0; offset < size;) {
             const std::size_t n = reader.read_at(offset, buffer_);
-            if (n == 0) throw Error(ErrorCode::Unavailable, name + " became shorter");
+            if (n == 0)
+                throw Error(ErrorCode::Unavailable, name + " became shorter while it was read");
             const auto written = archive_write_data(tar_.get(), buffer_.data(), n);
             if (written < 0) write(static_cast<int>(written), name);
             offset += static_cast<std::int64_t>(n);
@@ -178,7 +179,8 @@ public:
         if (result == ARCHIVE_EOF) return "";
         read(result);
         if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_pathname(entry) == nullptr)
-            throw Error(ErrorCode::BadData, "this is no backup: it holds other things than files");
+            throw Error(ErrorCode::BadData,
+                        "this is not a backup: it contains other entries than files");
         return archive_entry_pathname(entry);
     }
 
@@ -217,7 +219,7 @@ std::int64_t restore_blob(TarReader& tar,
     }
     if (!sha256.empty() && hash.hex() != sha256) {
         blobs.remove_staged(staged_key);
-        throw Error(ErrorCode::BadData, "the backup is damaged: " + key + " is not what it was");
+        throw Error(ErrorCode::BadData, "the backup is damaged: " + key + " has changed");
     }
     blobs.commit_staged(staged_key, key);
     return num_bytes;
@@ -225,7 +227,7 @@ std::int64_t restore_blob(TarReader& tar,
 
 void restore_catalog(TarReader& tar, const fs::path& file) {
     if (tar.next() != kCatalogName)
-        throw Error(ErrorCode::BadData, "this is no backup of divemesh: it has no catalog");
+        throw Error(ErrorCode::BadData, "this is not a backup of divemesh: it has no catalog");
     const FileDescriptor catalog(
         ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0660));
     if (!catalog.is_open()) throw_errno("making " + file.string());
@@ -287,7 +289,7 @@ BackupSummary write_backup(Catalog& catalog, BlobStore& blobs, const fs::path& f
 BackupSummary read_backup(const fs::path& file, const fs::path& catalog_file, BlobStore& blobs) {
     if (fs::exists(catalog_file))
         throw Error(ErrorCode::Conflict,
-                    catalog_file.string() + " is there already: restore into an empty folder");
+                    catalog_file.string() + " already exists: restore into an empty folder");
     TarReader tar(file);
     Part part(catalog_file.string() + ".part");
     restore_catalog(tar, part.path());
@@ -302,7 +304,8 @@ BackupSummary read_backup(const fs::path& file, const fs::path& catalog_file, Bl
         const std::string key = name.substr(kBlobsFolder.size());
         const auto known = named.find(key);
         if (known == named.end())
-            throw Error(ErrorCode::BadData, "the backup holds what its catalog does not know");
+            throw Error(ErrorCode::BadData,
+                        "the backup contains a blob that its catalog does not list");
         summary.num_bytes += restore_blob(tar, key, known->second, blobs);
         ++summary.num_blobs;
         named.erase(known);

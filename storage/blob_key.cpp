@@ -36,7 +36,7 @@ std::vector<std::string> split_key(std::string_view key) {
         const auto part = key.substr(begin, end - begin);
         if (!is_part(part) || key.size() > kMaxKeyBytes)
             throw Error(ErrorCode::InvalidArgument,
-                        "not a name for stored data: '" + printable(key) +
+                        "invalid name for stored data: '" + printable(key) +
                             "': use a-z 0-9 . _ - and single slashes between them");
         parts.emplace_back(part);
         begin = end + 1;

@@ -81,7 +81,8 @@ public:
           pool_(pool),
           session_(may_wait ? pool.take() : pool.take_idle()),
           may_wait_(may_wait) {
-        if (!session_) throw Error(ErrorCode::Unavailable, "no connection is free at once");
+        if (!session_)
+            throw Error(ErrorCode::Unavailable, "no database connection is free: try again");
         if (!may_wait_) engine_.set_may_wait(*session_, false);
     }
     ~Transaction() {
@@ -165,7 +166,7 @@ void Catalog::Implementation::migrate(soci::session& session) const {
         throw Error(ErrorCode::Conflict,
                     "the catalog was written by a newer version (schema " +
                         std::to_string(version) + ", this version knows " + std::to_string(newest) +
-                        "): install that version");
+                        "): install the newer version");
     if (version == newest) return;
     for (int next = version; next < newest; ++next)
         engine->run_script(session, migrations()[static_cast<std::size_t>(next)]);
@@ -208,7 +209,8 @@ Catalog Catalog::with_check(std::function<void()> check) const {
 
 void Catalog::transaction(const Work& work) {
     // The one writer at a time may be syncing a disk.
-    if (!may_wait_) throw Error(ErrorCode::Unavailable, "nothing can be written at once");
+    if (!may_wait_)
+        throw Error(ErrorCode::Unavailable, "the catalog cannot be written now: try again");
     Engine& engine = *implementation_->engine;
     const auto turn = engine.wait_for_turn_to_write();
     const auto begin = [&](soci::session& session) { engine.begin_write(session); };
@@ -244,7 +246,7 @@ void Catalog::require_writable() {
     const auto newest = static_cast<int>(migrations().size());
     if (version != newest)
         throw Error(ErrorCode::Unavailable,
-                    "its schema is " + std::to_string(version) + ", that of this version " +
+                    "its schema is " + std::to_string(version) + ", but this version needs " +
                         std::to_string(newest) + ": restart with the version that wrote it");
     transaction(
         [](soci::session& session) { session << "UPDATE schema_version SET version = version"; });

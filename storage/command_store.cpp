@@ -60,8 +60,8 @@ void require_capability(const Sensor& sensor, const std::string& command) {
         std::find(capabilities->begin(), capabilities->end(), command) != capabilities->end();
     if (!is_capable)
         throw Error(ErrorCode::Conflict,
-                    "sensor " + sensor.id + " does not take \"" + command +
-                        "\": its hello does not name it among the capabilities");
+                    "sensor " + sensor.id + " does not support \"" + command +
+                        "\": it is not in the capabilities of its hello");
 }
 
 void require_room(soci::session& session, const SensorRecord& sensor) {
@@ -70,8 +70,8 @@ void require_room(soci::session& session, const SensorRecord& sensor) {
         soci::into(num_open), soci::use(sensor.number, "sensor");
     if (num_open >= kMostOpen)
         throw Error(ErrorCode::TooMany,
-                    "sensor " + sensor.sensor.id + " has not come for " + std::to_string(num_open) +
-                        " commands yet: wait until it did");
+                    "sensor " + sensor.sensor.id + " has not yet fetched " +
+                        std::to_string(num_open) + " commands: wait until it has");
 }
 
 void tell_state(soci::session& session, const Sensor& sensor, const SensorCommand& command) {
@@ -242,8 +242,8 @@ void end_late_commands(soci::session& session, std::int64_t now_ms) {
              kSelectCommands + " WHERE " + kIsOpen + " AND expires_at_ms <= :now",
              soci::use(now_ms, "now"))) {
         command.detail = command.state == CommandState::Sent
-                             ? "the sensor got it and has not said what became of it"
-                             : "the sensor did not come for it in time";
+                             ? "the sensor received the command and did not report the outcome"
+                             : "the sensor did not fetch the command in time";
         command.state = CommandState::Expired;
         command.ended_at_ms = now_ms;
         save_state(session, command);

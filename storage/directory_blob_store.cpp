@@ -148,7 +148,7 @@ FileDescriptor DirectoryBlobStore::make_area(const std::string& name) const {
     fs::create_directories(folder_ / name, failure);
     if (failure)
         throw Error(ErrorCode::Unavailable,
-                    "cannot make " + (folder_ / name).string() + ": " + failure.message());
+                    "cannot create " + (folder_ / name).string() + ": " + failure.message());
     sync(open_folder(folder_));
     return open_folder(folder_ / name);
 }

@@ -72,12 +72,13 @@ Dive DiveRemoval::restore(const std::string& id, std::int64_t max_dives_of_proje
         dive = read_dive(session, id);
         if (dive.deleted_at_ms == 0) return;
         if (dive.expires_at_ms <= Catalog::now_ms(session))
-            throw Error(ErrorCode::Conflict, "dive " + id + " has expired: upload it again");
+            throw Error(ErrorCode::Conflict,
+                        "dive " + id + " has expired and cannot be restored: upload it again");
         const auto again =
             find_recording(session, dive.project, dive.archive_sha256, dive.content_sha256);
         if (again && dive.state != DiveState::Refused)
             throw Error(ErrorCode::Conflict,
-                        "the recording was uploaded again meanwhile: use dive " + again->id);
+                        "the recording was uploaded again in the meantime: use dive " + again->id);
         require_dive_of_quota(
             session, dive.project, max_dives_of_project, "delete one, then restore this one");
         dive.deleted_at_ms = 0;

@@ -23,14 +23,14 @@ std::optional<Finding> check_identity(soci::session& session,
     if (!dive.content_sha256.empty() && dive.content_sha256 != content_sha256)
         return Finding{.severity = Severity::Error,
                        .code = "content_hash_mismatch",
-                       .message = "the recording hashes to " + content_sha256 +
-                                  ", its client announced " + dive.content_sha256,
+                       .message = "the SHA-256 of the recording is " + content_sha256 +
+                                  ", but its client announced " + dive.content_sha256,
                        .remedy = "check the recording on the laptop and upload it again"};
     const auto other = find_recording(session, dive.project, "", content_sha256);
     if (other && other->id != dive.id)
         return Finding{.severity = Severity::Error,
                        .code = "duplicate_dive",
-                       .message = "the same recording is here already: dive " + other->id,
+                       .message = "the same recording is already here as dive " + other->id,
                        .remedy = "use dive " + other->id};
     return std::nullopt;
 }
@@ -117,8 +117,10 @@ Dive read_dive(soci::session& session, const std::string& id) {
 
 void require_usable(const Dive& dive) {
     if (dive.state == DiveState::Refused)
-        throw Error(ErrorCode::Conflict,
-                    "dive " + dive.id + " was refused: see its findings and upload it anew");
+        throw Error(
+            ErrorCode::Conflict,
+            "dive " + dive.id +
+                " was refused: see its findings, correct the recording and upload it again");
     if (dive.deleted_at_ms > 0)
         throw Error(ErrorCode::Conflict, "dive " + dive.id + " is deleted: restore it first");
 }

@@ -31,7 +31,7 @@ Dive read_bound_dive(soci::session& session,
     if (dive.deleted_at_ms > 0)
         throw Error(ErrorCode::Gone,
                     "upload " + upload_id + " became dive " + dive_id +
-                        ", which was deleted: restore that, or begin a new upload");
+                        ", which was deleted: restore it, or start a new upload");
     return dive;
 }
 
@@ -103,7 +103,7 @@ CreatedDive DiveStore::create(const NewDive& request) {
             require_dive_of_quota(session,
                                   request.project,
                                   request.max_dives_of_project,
-                                  "the upload is kept, delete a dive and commit it again");
+                                  "the upload is kept: delete a dive and commit it again");
         created.existed = known && known->blob != request.blob;
         created.dive = known ? std::move(*known) : insert_dive(session, request);
         if (bound.empty()) bind_upload(session, request.upload_id, created.dive.id);

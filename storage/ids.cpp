@@ -16,7 +16,7 @@ std::vector<unsigned char> random_bytes(std::size_t num_bytes) {
     std::vector<unsigned char> bytes(num_bytes);
     // Up to 256 bytes come whole or not at all.
     if (getrandom(bytes.data(), num_bytes, 0) != static_cast<ssize_t>(num_bytes))
-        throw Error(ErrorCode::Unavailable, "the system gives no random bytes");
+        throw Error(ErrorCode::Unavailable, "the system provides no random bytes");
     return bytes;
 }
 

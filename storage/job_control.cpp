@@ -124,7 +124,8 @@ Job JobStore::retry(const std::string& id) {
         require_usable(read_dive(session, job.dive_id));
         check_parents_succeeded(session, id);
         if (const auto twin = find_twin_of(session, id))
-            throw Error(ErrorCode::Conflict, "job " + twin->id + " does the same already");
+            throw Error(ErrorCode::Conflict,
+                        "job " + twin->id + " already does the same: use that one");
         job = put_back(session, id);
     });
     return job;
@@ -158,7 +159,7 @@ Job JobStore::change(const std::string& id, const JobChange& change) {
     catalog_.transaction([&](soci::session& session) {
         job = read_job(session, id);
         if (job.state != JobState::Held && job.state != JobState::Queued)
-            throw_wrong_state(job, "be changed: only what waits can");
+            throw_wrong_state(job, "be changed: only a waiting job can");
         if (change.priority) set_priority(session, job, *change.priority);
         if (change.paused) set_paused(session, job, *change.paused);
         if (change.priority) append_job_event(session, id, "job.changed");

@@ -15,11 +15,11 @@ bool is_hopeless(ErrorCode code) {
 Failure crash_loop(int num_losses) {
     return {.code = ErrorCode::Unavailable,
             .message = std::to_string(num_losses) +
-                       " workers in a row were lost right after they took this job: it may take "
+                       " workers in a row were lost right after they took this job: it may bring "
                        "their machines down",
             .remedy =
-                "see the logs of its attempts and of those machines (memory, disk), then "
-                "retry it on a worker by itself"};
+                "check the logs of its attempts and of those machines (memory, disk), then retry "
+                "it on a separate worker"};
 }
 
 }  // namespace
@@ -44,13 +44,14 @@ AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t re
 
 AttemptEnd end_of_expired(const ExpiredJob& expired) {
     const Job& job = expired.job;
-    AttemptEnd end{.attempt = AttemptState::LeaseLost,
-                   .job = JobState::Queued,
-                   .failure = {.code = ErrorCode::Unavailable,
-                               .message = "the worker was not heard of before its lease ended: it "
-                                          "was killed, or lost its network",
-                               .remedy = "look after the worker; the job runs again by itself"},
-                   .num_silent_losses = expired.renewed ? 0 : expired.num_silent_losses + 1};
+    AttemptEnd end{
+        .attempt = AttemptState::LeaseLost,
+        .job = JobState::Queued,
+        .failure = {.code = ErrorCode::Unavailable,
+                    .message =
+                        "the worker did not renew its lease: it was killed or lost its network",
+                    .remedy = "check the worker; the job runs again automatically"},
+        .num_silent_losses = expired.renewed ? 0 : expired.num_silent_losses + 1};
     if (job.cancel_requested) {
         end.job = JobState::Cancelled;
     } else if (end.num_silent_losses >= kMaxSilentLosses) {
@@ -58,7 +59,7 @@ AttemptEnd end_of_expired(const ExpiredJob& expired) {
         end.failure = crash_loop(end.num_silent_losses);
     } else if (job.num_attempts >= job.max_attempts) {
         end.job = JobState::Dead;
-        end.failure.remedy = "look after the workers, then `divemesh retry`";
+        end.failure.remedy = "check the workers, then use `divemesh retry`";
     }
     return end;
 }

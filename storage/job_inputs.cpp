@@ -32,7 +32,7 @@ void require_there(soci::session& session, const std::string& job_id) {
         soci::use(job_id, "id"));
     if (!source)
         refuse("reconstruction " + job_id + " was removed with its dive",
-               "ask for another report or comparison");
+               "create a new report or comparison");
     if (source->second > 0)
         refuse("dive " + source->first + ", of reconstruction " + job_id + ", was deleted",
                "restore it, then retry this job");
@@ -43,7 +43,7 @@ TruthFile read_named_truth(soci::session& session,
                            const std::string& id) {
     auto file = find_truth(session, id);
     if (!file || file->dive_id != dive_id)
-        refuse("truth " + id + " was deleted", "upload it again and ask for another report");
+        refuse("truth " + id + " was deleted", "upload it again and create a new report");
     return std::move(*file);
 }
 

@@ -43,17 +43,17 @@ struct StateCountRow {
 
 void check(const NewJob& job) {
     if (job.kind == JobKind::Intake)
-        throw Error(ErrorCode::InvalidArgument, "an intake job is made with its dive alone");
+        throw Error(ErrorCode::InvalidArgument, "an intake job is created only with its dive");
     check_priority(job.priority);
     if (job.parents.size() > kMaxParents)
         throw Error(ErrorCode::InvalidArgument,
-                    "a job can wait for " + std::to_string(kMaxParents) + " others at most");
+                    "a job can wait for at most " + std::to_string(kMaxParents) + " others");
     if (job.max_attempts < 1 || job.max_attempts > kMaxMaxAttempts)
         throw Error(ErrorCode::InvalidArgument,
                     "max_attempts is " + std::to_string(job.max_attempts) + ": give 1 to " +
                         std::to_string(kMaxMaxAttempts));
     if (!job.options.is_object())
-        throw Error(ErrorCode::InvalidArgument, "the options of a job are an object");
+        throw Error(ErrorCode::InvalidArgument, "the options of a job must be an object");
 }
 
 void check_parents(soci::session& session, const NewJob& request) {
@@ -63,7 +63,7 @@ void check_parents(soci::session& session, const NewJob& request) {
         if (is_finished(parent.state) && parent.state != JobState::Succeeded)
             throw Error(ErrorCode::Conflict,
                         "job " + id + " is " + std::string(to_string(parent.state)) +
-                            ": nothing can wait for it; retry it first");
+                            ", so no job can wait for it: retry it first");
     }
 }
 

@@ -31,8 +31,9 @@ PageStart page_start(const PageRequest& page) {
     const auto [stopped, failure] = std::from_chars(page.cursor.data(), end, start.created_at_ms);
     if (dot < page.cursor.size()) start.id = page.cursor.substr(dot + 1);
     if (failure != std::errc() || stopped != end || start.created_at_ms < 0 || !is_id(start.id))
-        throw Error(ErrorCode::InvalidArgument,
-                    "not a cursor of this list: give next_cursor of the page before, as it came");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "this is not a cursor of this list: give next_cursor of the previous page unchanged");
     return start;
 }
 

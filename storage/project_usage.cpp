@@ -53,7 +53,7 @@ void require_bytes_of_quota(soci::session& session,
                     "project " + project + " has " + std::to_string(stored) + " of " +
                         std::to_string(most_bytes) + " bytes, " + std::to_string(more_bytes) +
                         " more are too many: delete dives or uploads (the bytes of a deleted dive "
-                        "count until it expires), or ask the server's administrator");
+                        "count until it expires), or ask the administrator");
 }
 
 void require_dive_of_quota(soci::session& session,
@@ -63,7 +63,7 @@ void require_dive_of_quota(soci::session& session,
     if (most_dives == 0 || read_usage(session, project).num_dives < most_dives) return;
     throw Error(ErrorCode::OutOfQuota,
                 "project " + project + " has " + std::to_string(most_dives) +
-                    " dives and may have no more: " + remedy);
+                    " dives, which is its limit: " + remedy);
 }
 
 }  // namespace divemesh::storage

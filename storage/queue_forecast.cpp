@@ -137,7 +137,7 @@ std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture(Catalog& ca
         const std::lock_guard lock(mutex_);
         if (newest_ && (being_taken_ || Clock::now() - taken_ < max_age_)) return newest_;
         if (!catalog.may_wait())
-            throw Error(ErrorCode::Unavailable, "the queue has to be looked at first");
+            throw Error(ErrorCode::Unavailable, "the forecast needs the queue to be read first");
         being_taken_ = true;
     }
     std::shared_ptr<const Picture> taken;

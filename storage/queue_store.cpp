@@ -55,7 +55,8 @@ Queue QueueStore::get(const std::string& project) {
 
 Queue QueueStore::change(const std::string& project, const QueueChange& change) {
     if (change.max_running.value_or(0) < 0)
-        throw Error(ErrorCode::InvalidArgument, "max_running is less than 0: 0 is no limit");
+        throw Error(ErrorCode::InvalidArgument,
+                    "max_running is less than 0: give 0 for no limit, or more");
     Queue queue;
     catalog_.transaction([&](soci::session& session) {
         queue = read_queue(session, project);

@@ -19,7 +19,7 @@ std::string text_option(const NewJob& request, const std::string& name) {
     const auto option = request.options.find(name);
     if (option == request.options.end()) return "";
     if (!option->is_string())
-        throw Error(ErrorCode::InvalidArgument, "option \"" + name + "\" has to be a text");
+        throw Error(ErrorCode::InvalidArgument, "option \"" + name + "\" must be a text");
     return option->get<std::string>();
 }
 
@@ -55,7 +55,8 @@ Job named_reconstruction(soci::session& session, const Dive& dive, const std::st
     Job job = read_job(session, id);
     if (job.project != dive.project) throw Error(ErrorCode::NotFound, "no job " + id);
     if (job.kind != JobKind::Reconstruct)
-        throw Error(ErrorCode::InvalidArgument, "job " + id + " is no reconstruction");
+        throw Error(ErrorCode::InvalidArgument,
+                    "job " + id + " is not a reconstruction: give one that is");
     return job;
 }
 
@@ -70,7 +71,7 @@ Job other_reconstruction(soci::session& session, const Dive& dive, const NewJob&
     const std::string with = text_option(request, "with");
     if (with.empty())
         throw Error(ErrorCode::InvalidArgument,
-                    "option \"with\" says which dive or job to compare with: it is missing");
+                    "option \"with\" is missing: give the dive or job to compare with");
     const auto other = find_dive(session, with);
     if (!other) return named_reconstruction(session, dive, with);
     if (other->project != dive.project) throw Error(ErrorCode::NotFound, "no dive " + with);
@@ -143,21 +144,21 @@ void resolve_names(soci::session& session, const Dive& dive, NewJob& request) {
                                    : named_reconstruction(session, dive, wanted);
     if (job.dive_id != dive.id)
         throw Error(ErrorCode::InvalidArgument,
-                    "job " + job.id + " is of dive " + job.dive_id + ", not of " + dive.id);
+                    "job " + job.id + " belongs to dive " + job.dive_id + ", not to " + dive.id);
     request.options["job"] = job.id;
     request.parents.push_back(job.id);
     if (request.kind == JobKind::Compare) {
         const std::string areas(to_string(TruthKind::Areas));
         if (!text_option(request, kLaterAreas).empty() && text_option(request, areas).empty())
             throw Error(ErrorCode::InvalidArgument,
-                        "option \"later_areas\" without \"areas\": name those of the earlier dive "
-                        "as well");
+                        "option \"later_areas\" was given without \"areas\": give those of the "
+                        "earlier dive too");
         resolve_areas(session, dive.id, areas, request);
         const Job other = other_reconstruction(session, dive, request);
         resolve_areas(session, other.dive_id, kLaterAreas, request);
         if (other.id == job.id)
             throw Error(ErrorCode::InvalidArgument,
-                        "job " + job.id + " would be compared with itself");
+                        "job " + job.id + " would be compared with itself: give another one");
         request.options["with"] = other.id;
         request.parents.push_back(other.id);
     }

@@ -96,10 +96,11 @@ NewJob report_of(const Schedule& schedule, const std::string& dive_id, const std
 
 int make_reports(soci::session& session, const Schedule& schedule, const std::string& version) {
     auto dives = dives_with_tag(session, schedule);
-    std::string problem = dives.empty() ? "no dive has the tag" : "";
+    std::string problem = dives.empty() ? "no dive has this tag" : "";
     if (dives.size() > kMaxJobsOfRun) {
         dives.resize(kMaxJobsOfRun);
-        problem = "only the newest " + std::to_string(kMaxJobsOfRun) + " dives of the tag";
+        problem = "too many dives have this tag, only the newest " + std::to_string(kMaxJobsOfRun) +
+                  " are used";
     }
     int num_jobs = 0;
     for (const std::string& dive : dives) {

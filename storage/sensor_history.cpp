@@ -26,7 +26,7 @@ SensorHistory frame_of(const HistoryRequest& request, std::int64_t now_ms) {
     history.to_ms = request.to_ms.value_or(now_ms + 1);
     history.from_ms = request.from_ms.value_or(std::max<std::int64_t>(0, history.to_ms - kDay_ms));
     if (history.from_ms >= history.to_ms)
-        throw Error(ErrorCode::InvalidArgument, "the history ends before it begins");
+        throw Error(ErrorCode::InvalidArgument, "\"from\" is not before \"to\"");
     history.step_ms = (history.to_ms - history.from_ms + request.num_steps - 1) / request.num_steps;
     history.fields = request.fields;
     return history;

@@ -206,9 +206,9 @@ private:
         if (now_ms_ - record_.twin_at_ms < kTwinForgotten_ms)
             alarms.push_back({"twin",
                               Summary::Attention,
-                              "two devices speak as \"" + sensor.id +
-                                  "\": the one that came last is shown; give the other a token "
-                                  "of its own"});
+                              "two devices use the id \"" + sensor.id +
+                                  "\", and the one that connected last is shown: give the other "
+                                  "one its own id and token"});
         set_alarms(session_, sensor, std::move(alarms));
         set_state(session_, sensor, SensorState::Online);
         if (boot_.number == record_.boot) {
@@ -270,7 +270,7 @@ ReportOutcome receive_one(soci::session& session,
         return {{},
                 Error(ErrorCode::Conflict,
                       "\"" + incoming.sensor +
-                          "\" is a sensor of another project: give this one another name"),
+                          "\" is a sensor of another project: give this one another id"),
                 {}};
     BootRecord boot = boot_of(session, record, incoming.report.boot_id);
     return Receiver(session, std::move(record), std::move(boot), now_ms, most_previews)
@@ -294,7 +294,7 @@ Sensor tell_the_time(soci::session& session, SensorRecord record, std::int64_t n
     });
     if (state == SensorState::Overdue || state == SensorState::Lost)
         alarms.push_back(
-            {"overdue", Summary::Stop, "expected back and not heard of: look for the diver first"});
+            {"overdue", Summary::Stop, "expected back but silent: look for the diver first"});
     set_alarms(session, sensor, std::move(alarms));
     set_state(session, sensor, state);
     save_sensor(session, record);

@@ -66,7 +66,8 @@ public:
                 throw Error(ErrorCode::Unavailable, "the catalog is busy: try again");
             case SQLITE_FULL:
                 throw Error(ErrorCode::OutOfSpace,
-                            "no space left for the catalog " + file_ + ": free some and try again");
+                            "there is no space left for the catalog " + file_ +
+                                ": free some space and try again");
             case SQLITE_IOERR:
             case SQLITE_CANTOPEN:
             case SQLITE_READONLY:
@@ -98,7 +99,7 @@ private:
         const int file = open(file_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0660);
         if (file < 0 && errno != EEXIST)
             throw Error(ErrorCode::Unavailable,
-                        "cannot make the catalog " + file_ + ": " + std::strerror(errno));
+                        "cannot create the catalog " + file_ + ": " + std::strerror(errno));
         if (file >= 0) close(file);
     }
 
@@ -127,7 +128,8 @@ private:
 
 std::unique_ptr<Engine> make_sqlite_engine(const std::string& file) {
     if (file.empty() || file.find('"') != std::string::npos)
-        throw Error(ErrorCode::InvalidArgument, "not a file name for a catalog: '" + file + "'");
+        throw Error(ErrorCode::InvalidArgument,
+                    "this is not a file name for a catalog: '" + file + "'");
     return std::make_unique<SqliteEngine>(file);
 }
 

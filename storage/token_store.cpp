@@ -59,11 +59,11 @@ bool equal_in_constant_time(std::string_view a, std::string_view b) {
 void check_word(const std::string& what, const std::string& text) {
     if (!is_plain_word(text))
         throw Error(ErrorCode::InvalidArgument,
-                    "\"" + what + "\" has to be a-z 0-9 _ -, beginning with a letter or digit");
+                    "\"" + what + "\" must be a-z 0-9 _ -, beginning with a letter or digit");
 }
 
 void check_scopes(const std::vector<std::string>& scopes) {
-    if (scopes.empty()) throw Error(ErrorCode::InvalidArgument, "a token needs a scope");
+    if (scopes.empty()) throw Error(ErrorCode::InvalidArgument, "a token needs at least one scope");
     std::string known;
     for (const auto scope : kScopes) known += (known.empty() ? "" : ", ") + std::string(scope);
     for (const std::string& scope : scopes)
@@ -74,19 +74,20 @@ void check_scopes(const std::vector<std::string>& scopes) {
 
 void check(const NewToken& wanted) {
     if (wanted.name.empty() || wanted.name.size() > kMaxNameBytes)
-        throw Error(ErrorCode::InvalidArgument, "\"name\" has to be 1 to 100 bytes long");
+        throw Error(ErrorCode::InvalidArgument, "\"name\" must be 1 to 100 bytes long");
     check_word("project", wanted.project);
     check_scopes(wanted.scopes);
     if (!wanted.sensor.empty()) check_word("sensor", wanted.sensor);
     const auto pushes = std::count(wanted.scopes.begin(), wanted.scopes.end(), "sensor:push");
     if ((pushes > 0) == wanted.sensor.empty())
         throw Error(ErrorCode::InvalidArgument,
-                    "a token with the scope sensor:push, and no other, names its \"sensor\"");
+                    "\"sensor\" is required for the scope sensor:push and not allowed for others");
     if (pushes > 0 && wanted.scopes.size() > 1)
         throw Error(ErrorCode::InvalidArgument,
-                    "a sensor's token has the scope sensor:push alone: make another for the rest");
+                    "sensor:push must be the only scope of a token: create another token for the "
+                    "other scopes");
     if (wanted.lifetime.count() < 0 || wanted.lifetime > kLongestLifetime)
-        throw Error(ErrorCode::InvalidArgument, "a token lives for ten years at most");
+        throw Error(ErrorCode::InvalidArgument, "a token can be valid for at most ten years");
 }
 
 std::int64_t milliseconds(std::chrono::seconds time) { return time.count() * 1000; }

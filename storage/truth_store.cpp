@@ -43,7 +43,7 @@ struct TruthRow {
 TruthFile read_truth(soci::session& session, const std::string& dive_id, const std::string& id) {
     auto file = find_truth(session, id);
     if (!file || file->dive_id != dive_id)
-        throw Error(ErrorCode::NotFound, "dive " + dive_id + " has no truth " + id);
+        throw Error(ErrorCode::NotFound, "dive " + dive_id + " has no truth file " + id);
     return std::move(*file);
 }
 
@@ -78,7 +78,7 @@ void require_dive(soci::session& session, const NewTruth& request) {
     if (count >= kMaxTruthOfDive)
         throw Error(ErrorCode::TooMany,
                     "dive " + request.dive_id + " has " + std::to_string(kMaxTruthOfDive) +
-                        " files of truth: delete some");
+                        " truth files: delete some");
 }
 
 void append_truth_event(soci::session& session, const TruthFile& file, const std::string& type) {

@@ -200,7 +200,7 @@ Upload insert(soci::session& session,
 
 Upload UploadStore::create(Upload upload, const UploadLimits& limits) {
     if (upload.length_bytes.value_or(0) < 0)
-        throw Error(ErrorCode::InvalidArgument, "an upload cannot be shorter than nothing");
+        throw Error(ErrorCode::InvalidArgument, "the length of an upload must be at least 0");
     catalog_.transaction(
         [&](soci::session& session) { upload = insert(session, upload, 0, limits); });
     return upload;
@@ -248,7 +248,7 @@ Upload UploadStore::set_length(const std::string& id,
         if (length_bytes < upload.offset_bytes)
             throw Error(ErrorCode::InvalidArgument,
                         "Upload-Length is below the " + std::to_string(upload.offset_bytes) +
-                            " bytes that are there");
+                            " bytes that were already received");
         require_bytes_of_quota(
             session, upload.project, length_bytes - upload.offset_bytes, max_bytes_of_project);
         upload.length_bytes = length_bytes;
@@ -266,7 +266,8 @@ Upload UploadStore::advance(const std::string& id, std::int64_t offset_bytes) {
     catalog_.transaction([&](soci::session& session) {
         upload = read_open_upload(session, id);
         if (upload.length_bytes && offset_bytes > *upload.length_bytes)
-            throw Error(ErrorCode::TooLarge, "more bytes than upload " + id + " announced");
+            throw Error(ErrorCode::TooLarge,
+                        "there are more bytes than upload " + id + " announced");
         if (offset_bytes <= upload.offset_bytes) return;
         upload.offset_bytes = offset_bytes;
         const std::int64_t now_ms = Catalog::now_ms(session);
@@ -293,7 +294,8 @@ void UploadStore::end(const std::string& id, UploadEnd end) {
         if (is_claimed(session, id))
             throw Error(
                 ErrorCode::Locked,
-                "upload " + id + " is being joined with others: end the final upload first");
+                "upload " + id +
+                    " is being joined with others: finish or delete the final upload first");
         write_end(session, upload, end);
     });
 }
@@ -363,12 +365,12 @@ void require_open(const Upload& upload) {
     if (!upload.end) return;
     switch (*upload.end) {
         case UploadEnd::Terminated:
-            throw Error(ErrorCode::Gone, "upload " + upload.id + " was terminated");
+            throw Error(ErrorCode::Gone, "upload " + upload.id + " was deleted: start a new one");
         case UploadEnd::Expired:
-            throw Error(ErrorCode::Gone, "upload " + upload.id + " has expired: begin it anew");
+            throw Error(ErrorCode::Gone, "upload " + upload.id + " has expired: start a new one");
         case UploadEnd::Concatenated:
             throw Error(ErrorCode::Gone,
-                        "upload " + upload.id + " is part of its final upload now");
+                        "upload " + upload.id + " was already joined into its final upload");
     }
 }
 

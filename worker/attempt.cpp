@@ -41,14 +41,14 @@ void send(const AttemptMessage& message) {
         const auto n = ::write(kAttemptPipe, line.data() + sent, line.size() - sent);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0)
-            throw Error(ErrorCode::Cancelled, "the worker that started this attempt is gone");
+            throw Error(ErrorCode::Cancelled, "the worker that started this attempt has ended");
         sent += static_cast<std::size_t>(n);
     }
 }
 
 AttemptRequest read_request(const std::filesystem::path& file) {
     std::ifstream stream(file);
-    if (!stream) throw Error(ErrorCode::NotFound, "no request file " + file.string());
+    if (!stream) throw Error(ErrorCode::NotFound, "there is no request file " + file.string());
     return nlohmann::json::parse(stream).get<AttemptRequest>();
 }
 
@@ -162,7 +162,7 @@ void run_report(const AttemptRequest& request) {
         send(*unreadable);
         return send(Failure{.code = ErrorCode::BadData,
                             .message = unreadable->problem,
-                            .remedy = "mend that file, send it anew and ask again"});
+                            .remedy = "correct that file, send it again and create a new report"});
     }
     send(Done{});
 }
@@ -226,17 +226,17 @@ int run_attempt(const std::filesystem::path& request_file) try {
     std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of write(), not the end
     try {
         if (!forbid_processes())
-            send(LogText{"this kernel cannot keep the attempt from starting processes\n"});
+            send(LogText{"this kernel cannot forbid the attempt to start processes\n"});
         run(read_request(request_file));
         return 0;
     } catch (const Error& error) {
         send(Failure{.code = error.code(), .message = error.what()});
     } catch (const std::bad_alloc&) {
-        send(Failure{.code = ErrorCode::OutOfMemory, .message = "memory ran out"});
+        send(Failure{.code = ErrorCode::OutOfMemory, .message = "the attempt ran out of memory"});
     } catch (const std::exception& error) {
         send(Failure{.code = ErrorCode::Unavailable,
                      .message = std::string("internal error: ") + error.what(),
-                     .remedy = "if this repeats, report it with this dive"});
+                     .remedy = "if it happens again, report it together with this dive"});
     }
     return 1;
 } catch (...) {  // nobody is left to tell

@@ -115,7 +115,7 @@ AttemptMessage decode_message(const std::string& line) {
         throw Error(ErrorCode::BadData, "an attempt sent an unknown message: " + type);
     } catch (const json::exception& error) {
         throw Error(ErrorCode::BadData,
-                    std::string("an attempt sent a broken message: ") + error.what());
+                    std::string("an attempt sent a malformed message: ") + error.what());
     }
 }
 

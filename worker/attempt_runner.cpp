@@ -38,10 +38,10 @@ Failure failure_of(const ProcessEnd& end) {
     if (end.signal == SIGKILL || end.exit_code == kExitOutOfMemory)
         return {
             .code = ErrorCode::OutOfMemory,
-            .message = "the attempt was killed from outside, most likely because memory ran out"};
+            .message = "the attempt was killed by the system, most likely because memory ran out"};
     if (end.signal == SIGXCPU)
         return {.code = ErrorCode::Unavailable,
-                .message = "the attempt used more processor time than it may",
+                .message = "the attempt used more processor time than allowed",
                 .remedy =
                     "choose a faster preset or a larger voxel_m, or give the worker more "
                     "time"};
@@ -53,7 +53,7 @@ Failure failure_of(const ProcessEnd& end) {
     return {
         .code = ErrorCode::Unavailable,
         .message = "the attempt ended without a result, exit code " + std::to_string(end.exit_code),
-        .remedy = "see the job's log"};
+        .remedy = "see the log of the job"};
 }
 
 void bring(storage::BlobStore& blobs,
@@ -65,13 +65,12 @@ void bring(storage::BlobStore& blobs,
 }
 
 Finding set_aside(const TruthFile& file) {
-    return {
-        Severity::Warning,
-        "truth_set_aside",
-        file.name,
-        "this " + std::string(to_string(file.kind)) + " (" + file.id +
-            ") is newer than what the report was made with, but cannot be read: " + file.problem,
-        "mend it and send it anew, or delete it from the truth of the dive"};
+    return {Severity::Warning,
+            "truth_set_aside",
+            file.name,
+            "this " + std::string(to_string(file.kind)) + " (" + file.id +
+                ") is newer than the one used for the report, but cannot be read: " + file.problem,
+            "correct it and send it again, or delete it from the truth files of the dive"};
 }
 
 // What changes no byte of the result and takes the least memory.
@@ -105,7 +104,7 @@ void AttemptRunner::run(const std::stop_token& stop) {
         fail({full ? ErrorCode::OutOfSpace : ErrorCode::Unavailable, error.what()});
     } catch (const std::exception& error) {
         log_warning({{"event", "worker_failed"}, {"job", claim_.job.id}, {"what", error.what()}});
-        fail({ErrorCode::Unavailable, "internal error of the worker; its log says more"});
+        fail({ErrorCode::Unavailable, "internal error of the worker: see its log"});
     }
     std::error_code ignored;
     std::filesystem::remove_all(folder(), ignored);
@@ -243,7 +242,7 @@ void AttemptRunner::take(const AttemptMessage& message) {
 
 void AttemptRunner::report(const StageRun& stage) {
     if (++num_stages_ > kMostStages)
-        throw Error(ErrorCode::Unavailable, "an attempt told of more stages than there are");
+        throw Error(ErrorCode::Unavailable, "an attempt reported more stages than exist");
     report_pending(0ms);
     report([&] { return jobs_.report_stage(claim_.lease, stage); });
 }
@@ -304,10 +303,10 @@ void AttemptRunner::conclude_stopped() {
         case Stop::Cancelled: return fail({ErrorCode::Cancelled, "cancelled"});
         case Stop::ScratchFull:
             return fail({.code = ErrorCode::OutOfSpace,
-                         .message = "the attempt took more than its " +
+                         .message = "the attempt used more than its " +
                                     std::to_string(scratch_bytes_ >> 20) + " MiB of scratch space",
-                         .remedy = "free space where the worker has its scratch folder, or give it "
-                                   "more by --scratch"});
+                         .remedy = "free space on the disk of the worker's scratch folder, or "
+                                   "raise its limit with --scratch"});
         case Stop::ShuttingDown: persist([&] { return jobs_.release(claim_.lease); }); return;
         case Stop::Deadline:
             return fail({.code = ErrorCode::Unavailable,
@@ -316,7 +315,7 @@ void AttemptRunner::conclude_stopped() {
                                    "more time"});
         case Stop::Stalled:
             return fail({.code = ErrorCode::Unavailable,
-                         .message = "the attempt said nothing for too long: it hangs",
+                         .message = "the attempt reported no progress for too long: it hangs",
                          .remedy = "if this repeats, report it with this dive"});
         case Stop::None: return;
     }

@@ -90,9 +90,10 @@ void isolate(WorkerConfig& config) {
                            std::max(1U, std::thread::hardware_concurrency());
     limits.no_network = can_cut_network();
     if (!limits.no_network)
-        log_warning(
-            {{"event", "network_kept"},
-             {"what", "attempts keep the network: neither root nor user namespaces are at hand"}});
+        log_warning({{"event", "network_kept"},
+                     {"what",
+                      "attempts have network access: the worker is not root and user namespaces "
+                      "are not available"}});
 }
 
 // Nothing is begun on a disk that is nearly full: reading and deleting need the rest.

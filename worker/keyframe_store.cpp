@@ -67,7 +67,7 @@ void write_file(const std::filesystem::path& path, std::initializer_list<Bytes> 
     if (!file)
         throw Error(ErrorCode::OutOfSpace,
                     "cannot write " + path.string() +
-                        ": free space in the scratch folder or choose another one");
+                        ": free space in the scratch folder or choose another folder");
 }
 
 // Empty when there is none.
@@ -97,13 +97,13 @@ struct KeyframeFile {
 KeyframeFile read_keyframe(const std::filesystem::path& path) {
     KeyframeFile file{read_file(path), {}};
     if (file.bytes.size() < sizeof file.header)
-        throw Error(ErrorCode::NotFound, "no keyframe file " + path.string());
+        throw Error(ErrorCode::NotFound, "there is no keyframe file " + path.string());
     std::memcpy(&file.header, file.bytes.data(), sizeof file.header);
     const Header& header = file.header;
     const bool is_ours = std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
                          header.width_px >= 0 && header.height_px >= 0;
     if (!is_ours || file.bytes.size() != sizeof header + 3 * file.num_pixels())
-        throw Error(ErrorCode::BadData, "keyframe file cut short: " + path.string());
+        throw Error(ErrorCode::BadData, "keyframe file is incomplete: " + path.string());
     return file;
 }
 
@@ -159,7 +159,7 @@ cv::Mat KeyframeStore::read_left(int frame_index) const {
     if (!bytes.empty()) left = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     if (left.empty())
         throw Error(ErrorCode::BadData,
-                    "keyframe picture damaged: " + file_of(frame_index, "jpg").string());
+                    "keyframe image is damaged: " + file_of(frame_index, "jpg").string());
     return left;
 }
 
@@ -175,7 +175,7 @@ DescribedView KeyframeStore::read_view(int frame_index) const {
         std::memcmp(bytes.data(), kViewMagic, sizeof kViewMagic) != 0 ||
         num_bytes % sizeof(DescribedPoint) != 0)
         throw Error(ErrorCode::BadData,
-                    "keyframe description damaged: " + file_of(frame_index, "view").string());
+                    "keyframe description is damaged: " + file_of(frame_index, "view").string());
     DescribedView view(num_bytes / sizeof(DescribedPoint));
     std::copy(bytes.begin() + sizeof kViewMagic,
               bytes.end(),

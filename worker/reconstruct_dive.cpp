@@ -55,8 +55,8 @@ std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
                             (finding.remedy.empty() ? "" : " " + finding.remedy));
     if (request.options.correct_scale && !marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,
-                    "option correct_scale has nothing to correct by: the dive has no markers.json, "
-                    "and marker_family and marker_size_m are not given");
+                    "option correct_scale needs known distances, and the dive has no markers.json: "
+                    "add one, or give marker_family and marker_size_m");
     return_freed_memory();  // the texts of its tables
     return dive;
 }

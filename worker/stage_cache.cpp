@@ -29,7 +29,7 @@ struct CachedFile {
 };
 
 [[noreturn]] void give_up(const fs::path& file) {
-    throw Error(ErrorCode::Unavailable, "stage cache: cannot use " + file.string());
+    throw Error(ErrorCode::Unavailable, "cannot use the stage cache file " + file.string());
 }
 
 void sync(const fs::path& path, int flags) {

@@ -44,7 +44,7 @@ WorkFolder::WorkFolder(const std::filesystem::path& common) {
     if (mkdtemp(unlocked.data()) == nullptr)
         throw Error(
             ErrorCode::Unavailable,
-            "cannot make a work folder in " + common.string() + ": " + std::strerror(errno));
+            "cannot create a work folder in " + common.string() + ": " + std::strerror(errno));
     lock_ = open_lock(unlocked, O_RDWR | O_CREAT);
     path_ = common / (kNamePrefix + unlocked.substr(unlocked.size() - 6));
     if (lock_ < 0 || flock(lock_, LOCK_EX | LOCK_NB) != 0 ||

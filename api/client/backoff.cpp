@@ -18,7 +18,7 @@ void sleep_for(milliseconds pause, const std::stop_token& stop) {
     std::unique_lock lock(mutex);
     std::condition_variable_any never;
     never.wait_for(lock, stop, pause, [] { return false; });
-    if (stop.stop_requested()) throw Error(ErrorCode::Cancelled, "stopped while it waited");
+    if (stop.stop_requested()) throw Error(ErrorCode::Cancelled, "stopped while waiting");
 }
 
 }  // namespace

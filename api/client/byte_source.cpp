@@ -80,7 +80,7 @@ std::size_t FileSource::read_at(std::int64_t offset, std::span<char> buffer) {
     const std::size_t count = file_.read_at(offset, buffer);
     if (count == 0 && !buffer.empty() && offset < size_bytes())
         throw Error(ErrorCode::Conflict,
-                    path_.string() + " became shorter while it was read; start again");
+                    path_.string() + " became shorter while it was read: start again");
     return count;
 }
 

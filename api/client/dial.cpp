@@ -32,7 +32,7 @@ void expect_host(Stream::Tls& stream, const std::string& host) {
     boost::system::error_code not_an_address;
     asio::ip::make_address(host, not_an_address);  // which is not told (RFC 6066, 3)
     if (not_an_address && !SSL_set_tlsext_host_name(stream.native_handle(), host.c_str()))
-        throw Error(ErrorCode::InvalidArgument, host + " is no host name for TLS");
+        throw Error(ErrorCode::InvalidArgument, host + " is not a host name for TLS");
     stream.set_verify_callback(ssl::host_name_verification(host));
 }
 
@@ -43,7 +43,7 @@ std::unique_ptr<ssl::context> client_tls(const ServerAddress& server) {
     if (!server.ca_file.empty()) context->load_verify_file(server.ca_file, failure);
     if (failure)
         throw Error(ErrorCode::InvalidArgument,
-                    server.ca_file + " has no certificates in PEM: " + failure.message());
+                    server.ca_file + " contains no PEM certificates: " + failure.message());
     return context;
 }
 
@@ -81,10 +81,10 @@ Stream dial(asio::io_context& context,
 Error connection_error(const ServerAddress& server, const boost::system::error_code& code) {
     if (is_distrust(code))
         return {ErrorCode::Forbidden,
-                server.url() + " does not prove to be that server (" + code.message() +
-                    "): name the certificate that it should have, or that of who signed it, with "
+                server.url() + " has a certificate that is not trusted (" + code.message() +
+                    "): if it is the right server, give its certificate or that of its issuer with "
                     "--ca-file"};
-    return {ErrorCode::Unavailable, "connection to " + server.url() + ": " + code.message()};
+    return {ErrorCode::Unavailable, "connection to " + server.url() + " failed: " + code.message()};
 }
 
 }  // namespace divemesh::api::client

@@ -40,8 +40,9 @@ void DiveTar::list_files(const fs::path& folder) {
     std::sort(left_out_.begin(), left_out_.end());
     const auto root = find_dive_root(names);
     if (!root || !root->strip.empty())
-        throw Error(ErrorCode::NotFound,
-                    folder.string() + " holds neither mav0 nor cam0: give the folder of the dive");
+        throw Error(
+            ErrorCode::NotFound,
+            folder.string() + " contains neither mav0 nor cam0: give the folder of the dive");
     for (const auto& name : names) {
         const fs::path source(name);
         files_.push_back({root->prefix + name, source, stamp_of(folder / source)});
@@ -88,7 +89,7 @@ std::size_t DiveTar::read_content(const File& file, std::int64_t offset, std::sp
     const std::size_t count = open(file).read_at(offset, part);
     if (count == 0)
         throw Error(ErrorCode::Conflict,
-                    file.source.string() + " became shorter while it was read; start again");
+                    file.source.string() + " became shorter while it was read: start again");
     return count;
 }
 
@@ -98,7 +99,7 @@ const OpenFile& DiveTar::open(const File& file) {
         open_ = std::make_unique<OpenFile>(folder_, file.source);
         if (open_->stamp() != file.stamp)
             throw Error(ErrorCode::Conflict,
-                        file.source.string() + " changed since the upload began; start again");
+                        file.source.string() + " changed since the upload started: start again");
         open_of_ = &file;
     }
     return *open_;

@@ -20,7 +20,8 @@ fs::path target_of(const fs::path& folder, const std::string& name) {
     bool ok = !name.empty() && path.is_relative() && name.find('\0') == std::string::npos;
     for (const auto& part : path) ok = ok && part != ".." && part != "." && !part.empty();
     if (!ok)
-        throw Error(ErrorCode::BadData, "the server names an artifact \"" + name + "\": refused");
+        throw Error(ErrorCode::BadData,
+                    "the server sent the invalid artifact name \"" + name + "\": it is refused");
     return folder / path;
 }
 
@@ -64,7 +65,9 @@ public:
                 fs::remove(part);
                 if (++num_wrong_hashes == 2)
                     throw Error(ErrorCode::BadData,
-                                artifact.name + " came with another sha256 than the server states");
+                                artifact.name +
+                                    " arrived with another sha256 than the server states: download "
+                                    "it again");
             } catch (const Error& error) {
                 if (error.code() != ErrorCode::Unavailable) throw;
                 backoff.wait(error);
@@ -98,7 +101,7 @@ private:
             have += static_cast<std::int64_t>(bytes.size());
             if (have > artifact.size_bytes)
                 throw Error(ErrorCode::BadData,
-                            artifact.name + " is longer than the server states");
+                            artifact.name + " is longer than the server states: download it again");
             backoff.moved();
             bytes_done(have);
         };

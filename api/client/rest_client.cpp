@@ -81,7 +81,7 @@ Error error_of(const HttpResponse& response) {
         message += ": " + text;
         break;
     }
-    if (response.status == 401) message += " (give a token by DIVEMESH_TOKEN or --token-file)";
+    if (response.status == 401) message += " (give a token with DIVEMESH_TOKEN or --token-file)";
     return Error(is_to_wait(response) ? ErrorCode::Unavailable : code_of(response.status), message);
 }
 

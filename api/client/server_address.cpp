@@ -16,7 +16,7 @@ ServerAddress parse_server_url(const std::string& url) {
     const auto refuse = [&](const std::string& why) {
         throw Error(
             ErrorCode::InvalidArgument,
-            "server address " + url + " " + why + "; give http://host:port or https://host:port");
+            "server address " + url + " " + why + ": give http://host:port or https://host:port");
     };
     const bool tls = url.starts_with(kTlsScheme);
     if (!tls && !url.starts_with(kScheme)) refuse("does not begin with http:// or https://");

@@ -33,8 +33,9 @@ std::string path_of_location(const HttpResponse& response) {
     const std::string location = response.header("location");
     const std::size_t start = location.find(kUploadsPath + "/");
     if (start == std::string::npos)
-        throw Error(ErrorCode::Unsupported,
-                    "the server put the upload at \"" + location + "\": not a divemesh server");
+        throw Error(
+            ErrorCode::Unsupported,
+            "the server put the upload at \"" + location + "\": it is not a divemesh server");
     return location.substr(start);
 }
 
@@ -116,7 +117,7 @@ private:
             patch.patience = hashing_patience(source_.size_bytes());
         body.on_sent = [this, start, before = std::int64_t{0}](std::int64_t sent) mutable {
             if (context_.stop.stop_requested())
-                throw Error(ErrorCode::Cancelled, "stopped while it sent");
+                throw Error(ErrorCode::Cancelled, "stopped while sending");
             observer_.on_progress(start + sent);
             context_.rate.sent(sent - before);
             before = sent;
@@ -130,7 +131,7 @@ private:
         if (response.status != 204) refuse(response);
         moved_to(offset_in(response));
         if (*offset_ <= start)
-            throw Error(ErrorCode::Unavailable, "the server took no byte of the upload");
+            throw Error(ErrorCode::Unavailable, "the server accepted no byte of the upload");
     }
 
     void moved_to(std::int64_t offset) {
@@ -146,7 +147,7 @@ private:
         if (failure != std::errc{} || end != text.data() + text.size() || offset < 0 ||
             offset > source_.size_bytes())
             throw Error(ErrorCode::Unsupported,
-                        "the server answered Upload-Offset \"" + text + "\"");
+                        "the server answered the invalid Upload-Offset \"" + text + "\"");
         return offset;
     }
 

@@ -16,7 +16,7 @@ namespace {
 
 [[noreturn]] void throw_errno(const std::string& path) {
     throw Error(ErrorCode::OutOfSpace,
-                "cannot write " + path + ": " + std::strerror(errno) + "; free some space");
+                "cannot write " + path + ": " + std::strerror(errno) + ": free some space");
 }
 
 // Also makes the name of a new file durable, when given its folder.

@@ -22,8 +22,7 @@ storage::CommandRequest command_request(const Request& request) {
         .requested_by = request.token.id};
     check_command(wanted.name, wanted.arguments);
     if (wanted.life_ms < kLeastCommandLife_ms || wanted.life_ms > kMostCommandLife_ms)
-        throw InvalidInput(
-            {{"\"expires_in_ms\" has to be 1000 to 86400000", "/expires_in_ms", ""}});
+        throw InvalidInput({{"\"expires_in_ms\" must be 1000 to 86400000", "/expires_in_ms", ""}});
     return wanted;
 }
 

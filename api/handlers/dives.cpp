@@ -51,7 +51,8 @@ DiveRequest dive_request(const Request& request) {
                        value_or<std::string>(body, "name", ""),
                        value_or<std::string>(body, "job", "")};
     if (wanted.upload_id.empty())
-        throw Error(ErrorCode::InvalidArgument, "\"upload_id\" says which upload: it is missing");
+        throw Error(ErrorCode::InvalidArgument,
+                    "\"upload_id\" is missing: give the id of the upload");
     if (wanted.name.size() > kMaxNameBytes)
         throw Error(ErrorCode::InvalidArgument, "\"name\" is longer than 200 bytes");
     if (body.contains("job")) {
@@ -68,7 +69,7 @@ void check_options(storage::NewJob& job) {
         case JobKind::Compare: check_compare_options(job.options); break;
         case JobKind::AccuracyReport: check_report_options(job.options); break;
         case JobKind::Intake:
-            throw InvalidInput({{"an intake is made with its dive alone", "/kind", ""}});
+            throw InvalidInput({{"an intake job is created only with its dive", "/kind", ""}});
     }
     preset_options(job.preset);
     if (job.options.value("fresh", false)) job.fresh_version = DIVEMESH_VERSION;
@@ -119,7 +120,8 @@ Awaitable<Response> create_dive(Request request, Services services) {
     };
     const Upload upload = co_await in_pool(services.pool, std::move(fresh));
     UploadPlan plan = plan_of(upload.metadata);
-    if (plan.truth) throw Error(ErrorCode::Conflict, "upload " + upload.id + " is truth, no dive");
+    if (plan.truth)
+        throw Error(ErrorCode::Conflict, "upload " + upload.id + " is a truth file, not a dive");
     if (!wanted.name.empty()) plan.name = wanted.name;
     if (!wanted.preset.empty()) plan.preset = wanted.preset;
     if (!plan.preset.empty()) require_scope(request.token, "jobs:write");

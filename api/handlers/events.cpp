@@ -22,12 +22,12 @@ constexpr std::size_t kMostSensors = 100;
 void require_known(storage::EventStore events, std::int64_t since) {
     if (since > events.newest_sequence())
         throw Error(ErrorCode::Gone,
-                    "there is no such event yet, the catalog was put back since: read the lists "
+                    "this event does not exist, because the catalog was restored: read the lists "
                     "and connect without since");
     if (since > 0 && since + 1 < events.oldest_sequence())
         throw Error(ErrorCode::Gone,
-                    "events after that one were removed with age: read the lists and connect "
-                    "without since");
+                    "events after this one are too old and were removed: read the lists and "
+                    "connect without since");
 }
 
 // Which are to be watched live; they are at the desk from here on.
@@ -37,7 +37,7 @@ std::vector<std::string> watched_sensors(const Request& request, const Services&
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     if (ids.size() > kMostSensors)
         throw InvalidInput(
-            {{"\"sensors\" names " + std::to_string(kMostSensors) + " at most", "", "sensors"}});
+            {{"\"sensors\" must name at most " + std::to_string(kMostSensors), "", "sensors"}});
     for (const std::string& id : ids) {
         const Sensor sensor = storage::SensorStore(services.catalog).get(id);
         require_visible(request.token, sensor.project, "sensor " + id);
@@ -58,7 +58,7 @@ Awaitable<Response> watch_events(Request request, Services services) {
     if (request.query.contains("since")) {
         const auto since = parse_count(query_value(request, "since"));
         if (!since)
-            throw Error(ErrorCode::InvalidArgument, "since has to be the sequence of an event");
+            throw Error(ErrorCode::InvalidArgument, "since must be the sequence of an event");
         feed.since = *since;
         auto check = [&catalog = services.catalog, since = *since] {
             require_known(storage::EventStore(catalog), since);

@@ -14,7 +14,7 @@ storage::FigureFilter filter_of(const Request& request) {
     const std::string metric = query_value(request, "metric");
     if (metric.empty())
         throw InvalidInput(
-            {{"metric says which figure, as drift_percent: it is missing", "", "metric"}});
+            {{"metric is missing: give the name of a metric, e.g. drift_percent", "", "metric"}});
     storage::FigureFilter filter{.figure = resolve_figure(metric),
                                  .project = visible_project(request.token),
                                  .dive_id = query_value(request, "dive_id"),

@@ -34,10 +34,11 @@ std::string pointer_to(const std::string& key) {
 nlohmann::json json_body(const Request& request, const std::set<std::string>& known) {
     const std::string type = request.header("content-type");
     if (!boost::beast::iequals(type.substr(0, type.find(';')), "application/json"))
-        throw Error(ErrorCode::Unsupported, "send the body as Content-Type: application/json");
+        throw Error(ErrorCode::Unsupported,
+                    "the body has another content type: send Content-Type: application/json");
     auto body = parse_json(request.body);
     if (!body.is_object())
-        throw Error(ErrorCode::InvalidArgument, "the body has to be a JSON object");
+        throw Error(ErrorCode::InvalidArgument, "the body must be a JSON object");
     std::vector<Fault> faults;
     for (const auto& [key, value] : body.items())
         if (!known.contains(key))
@@ -52,7 +53,7 @@ storage::PageRequest page_request(const Request& request) {
     if (!request.query.contains("limit")) return page;
     const auto limit = parse_count(query_value(request, "limit"));
     if (!limit || *limit < 1 || *limit > kMaxLimit)
-        throw InvalidInput({{"limit has to be 1 to 200", "", "limit"}});
+        throw InvalidInput({{"limit must be 1 to 200", "", "limit"}});
     page.limit = static_cast<int>(*limit);
     return page;
 }
@@ -62,8 +63,9 @@ Stretch stretch_of(const Request& request, std::size_t num_values) {
     const storage::PageRequest page = page_request(request);
     const auto before = parse_count(page.cursor.empty() ? "0" : page.cursor);
     if (!before || *before > static_cast<std::int64_t>(num_values))
-        throw Error(ErrorCode::InvalidArgument,
-                    "not a cursor of this list: give next_cursor of the page before, as it came");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "this is not a cursor of this list: give next_cursor of the previous page unchanged");
     const auto first = static_cast<std::size_t>(*before);
     const std::size_t left = num_values - first;
     const std::size_t num = request.query.contains("limit")
@@ -75,7 +77,7 @@ Stretch stretch_of(const Request& request, std::size_t num_values) {
 bool flag_value(const Request& request, const std::string& name) {
     const std::string value = query_value(request, name);
     if (value != "true" && value != "false" && request.query.contains(name))
-        throw InvalidInput({{name + " has to be true or false", "", name}});
+        throw InvalidInput({{name + " must be true or false", "", name}});
     return value == "true";
 }
 
@@ -88,7 +90,7 @@ std::int64_t time_value(const Request& request, const std::string& name, std::in
     if (!request.query.contains(name)) return otherwise;
     const auto value = parse_count(query_value(request, name));
     if (!value)
-        throw Error(ErrorCode::InvalidArgument, name + " has to be a time in unix milliseconds");
+        throw Error(ErrorCode::InvalidArgument, name + " must be a time in Unix milliseconds");
     return *value;
 }
 
@@ -96,7 +98,7 @@ FieldChoice::FieldChoice(const std::string& list, const nlohmann::json& example)
     for (const std::string& name : split_list(list)) {
         if (!example.contains(name))
             throw Error(ErrorCode::InvalidArgument,
-                        "\"fields\" names \"" + name + "\", which there is not");
+                        "\"fields\" names \"" + name + "\", which does not exist");
         names_.push_back(name);
     }
 }

@@ -36,7 +36,7 @@ Awaitable<Response> get_preview(Request request, Services services) {
         const std::string& sensor = request.parameter("sensor_id");
         visible_sensor(request, catalog);
         const auto id = parse_count(request.parameter("preview_id"));
-        if (!id) throw Error(ErrorCode::NotFound, "a preview has a number");
+        if (!id) throw Error(ErrorCode::NotFound, "the number of a preview must be a whole number");
         return storage::PreviewStore(catalog).get(sensor, *id);
     };
     co_return picture_response(co_await in_pool(services.pool, std::move(work)));

@@ -25,7 +25,8 @@ Schedule schedule_request(const Request& request) {
     wanted.preset = value_or<std::string>(body, "preset", "standard");
     wanted.options = body.value("options", nlohmann::json::object());
     if (wanted.tag.empty() || wanted.tag.size() > kMaxTagBytes)
-        throw InvalidInput({{"\"tag\" says which dives are reported on", "/tag", ""}});
+        throw InvalidInput(
+            {{"\"tag\" is missing: give the tag of the dives to report on", "/tag", ""}});
     preset_options(wanted.preset);
     try {
         check_scheduled_options(wanted.options);

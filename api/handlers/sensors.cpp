@@ -25,12 +25,13 @@ std::vector<std::string> fields_of(const Request& request) {
     std::vector<Fault> faults;
     for (const std::string& field : fields)
         if (find_status_field(field) == nullptr)
-            faults.push_back({"\"fields\" names \"" + field + "\", which is no number of a status",
-                              "",
-                              "fields"});
+            faults.push_back(
+                {"\"fields\" names \"" + field + "\", which is not a number of a status",
+                 "",
+                 "fields"});
     if (fields.size() > kMostFields)
         faults.push_back(
-            {"\"fields\" names " + std::to_string(kMostFields) + " at most", "", "fields"});
+            {"\"fields\" must name at most " + std::to_string(kMostFields), "", "fields"});
     if (!faults.empty()) throw InvalidInput(std::move(faults));
     return fields;
 }
@@ -42,12 +43,12 @@ storage::HistoryRequest history_request(const Request& request) {
     if (request.query.contains("from")) wanted.from_ms = time_value(request, "from", 0);
     if (wanted.to_ms.value_or(0) > kLatest_ms || wanted.from_ms.value_or(0) > kLatest_ms ||
         (wanted.from_ms && wanted.to_ms && *wanted.from_ms >= *wanted.to_ms))
-        throw InvalidInput({{"\"from\" has to be before \"to\"", "", "from"}});
+        throw InvalidInput({{"\"from\" must be before \"to\"", "", "from"}});
     wanted.fields = fields_of(request);
     if (!request.query.contains("steps")) return wanted;
     const auto steps = parse_count(query_value(request, "steps"));
     if (!steps || *steps < 1 || *steps > kMostSteps)
-        throw InvalidInput({{"steps has to be 1 to " + std::to_string(kMostSteps), "", "steps"}});
+        throw InvalidInput({{"steps must be 1 to " + std::to_string(kMostSteps), "", "steps"}});
     wanted.num_steps = static_cast<int>(*steps);
     return wanted;
 }
@@ -58,7 +59,7 @@ std::string speaking_sensor(const Request& request) {
     require_sensor(request.token, sensor);
     if (!is_plain_word(sensor))
         throw Error(ErrorCode::InvalidArgument,
-                    "a sensor is named by a-z 0-9 _ -, beginning with a letter or digit");
+                    "the id of a sensor must be a-z 0-9 _ -, beginning with a letter or digit");
     return sensor;
 }
 

@@ -28,7 +28,7 @@ std::string one_shot_path(const Request& request) {
     const Route* route = path.starts_with('/') ? find_route(verb::get, path).route : nullptr;
     if (route == nullptr || (route->kind != RouteKind::File && route->kind != RouteKind::WebSocket))
         throw Error(ErrorCode::InvalidArgument,
-                    "\"path\" has to be that of a file or an event stream, without its query");
+                    "\"path\" must be that of a file or an event stream, without its query");
     return path;
 }
 

@@ -39,7 +39,7 @@ void check_content_length(const Request& request, const Upload& upload, const Se
     if (request.stream->length_bytes().value_or(0) > room)
         throw Error(
             ErrorCode::TooLarge,
-            "the body goes past Upload-Length: " + std::to_string(room) + " bytes are missing");
+            "the body exceeds Upload-Length: only " + std::to_string(room) + " bytes are missing");
 }
 
 std::optional<UploadChecksum> checksum_of(const Request& request) {
@@ -141,7 +141,7 @@ Awaitable<UploadTurns::Turn> take_turn(Request request, Services services, StopF
         const Upload upload = visible_upload(request, services.catalog);
         if (upload.is_final() && request.method == verb::patch)
             throw Error(ErrorCode::Forbidden,
-                        "a final upload takes no bytes but those of its parts");
+                        "a final upload takes only the bytes of its parts: send none");
     };
     co_await in_pool(services.pool, std::move(look));
     auto stop = stopper(request, stopped);
@@ -153,10 +153,10 @@ Awaitable<Response> receive(
     const auto received =
         co_await receive_body(request.stream, services, upload, checksum_of(request));
     if (!received)
-        co_return problem_response(request,
-                                   kChecksumMismatch,
-                                   "Upload-Checksum says that other bytes came than were sent: "
-                                   "none is kept, send them again");
+        co_return problem_response(
+            request,
+            kChecksumMismatch,
+            "the bytes do not match Upload-Checksum and are not kept: send them again");
     // Whoever asked this request to stop wants the bytes' lock; what they become is better made now
     // than by nobody, and the other waits for it.
     if (received->complete())
@@ -171,7 +171,7 @@ void require_dive_of_truth(const Services& services, const Upload& wanted) {
     const Dive dive = storage::DiveStore(services.catalog).get(plan.dive_id);
     if (dive.project != wanted.project) throw Error(ErrorCode::NotFound, "no dive " + plan.dive_id);
     if (dive.state == DiveState::Refused || dive.deleted_at_ms > 0)
-        throw Error(ErrorCode::Conflict, "dive " + dive.id + " is deleted or was refused");
+        throw Error(ErrorCode::Conflict, "dive " + dive.id + " was deleted or refused");
 }
 
 Response created(const Upload& upload) {
@@ -238,10 +238,11 @@ Awaitable<Upload> once_named(Request request, Services services, Upload upload) 
 }
 
 Response offset_conflict(const Request& request, const Upload& upload) {
-    Response response = problem_response(
-        request,
-        http::status::conflict,
-        "the next byte is number " + std::to_string(upload.offset_bytes) + ": ask by HEAD");
+    Response response =
+        problem_response(request,
+                         http::status::conflict,
+                         "the offset of this upload is " + std::to_string(upload.offset_bytes) +
+                             ": ask for it with HEAD and send from there");
     response.set("Upload-Offset", std::to_string(upload.offset_bytes));
     return response;
 }
@@ -262,9 +263,9 @@ Upload with_length(const Request& request, const Services& services, const Uploa
     }
     const std::int64_t length = count_header(request, "upload-length");
     if (length > services.limits.max_upload_bytes)
-        throw Error(
-            ErrorCode::TooLarge,
-            "an upload has at most " + std::to_string(services.limits.max_upload_bytes) + " bytes");
+        throw Error(ErrorCode::TooLarge,
+                    "an upload may have at most " +
+                        std::to_string(services.limits.max_upload_bytes) + " bytes");
     return storage::UploadStore(services.catalog)
         .set_length(upload.id, length, services.limits.max_project_bytes);
 }
@@ -286,7 +287,7 @@ Awaitable<Response> create_upload(Request request, Services services) {
     if (!plan_of(wanted.metadata).preset.empty()) require_scope(request.token, "jobs:write");
     if (wanted.is_final()) co_return co_await create_final(request, services, wanted);
     if (wanted.length_bytes == 0 && plan_of(wanted.metadata).commit)
-        throw Error(ErrorCode::BadData, "an upload of no bytes holds nothing");
+        throw Error(ErrorCode::BadData, "the upload is empty: send at least one byte");
     const bool with_bytes = brings_bytes(request);
     checksum_of(request);
     if (with_bytes) check_content_length(request, wanted, services);

@@ -27,10 +27,10 @@ void check_target(const std::string& url, const AllowedNetworks& allowed) {
     const bool ours = !is_name && allowed.contains(address);
     if (!is_name && !ours && !is_public(address))
         throw Error(ErrorCode::InvalidArgument,
-                    "\"url\" leads to an address that webhooks may not reach"
-                    " (the server's --webhook-network allows it)");
+                    "\"url\" leads to an address that webhooks may not reach: start the server "
+                    "with --webhook-network to allow it");
     if (!target.tls && !ours)
-        throw Error(ErrorCode::InvalidArgument, "\"url\" has to begin with https://");
+        throw Error(ErrorCode::InvalidArgument, "\"url\" must begin with https://");
 }
 
 Webhook webhook_request(const Request& request, const ServiceLimits& limits) {
@@ -44,7 +44,8 @@ Webhook webhook_request(const Request& request, const ServiceLimits& limits) {
         if (std::find(kWebhookTopics.begin(), kWebhookTopics.end(), topic) == kWebhookTopics.end())
             throw Error(ErrorCode::InvalidArgument,
                         "unknown topic \"" + topic + "\" (known: upload, dive, job, sensor)");
-    if (topics.empty()) throw Error(ErrorCode::InvalidArgument, "a webhook needs a topic");
+    if (topics.empty())
+        throw Error(ErrorCode::InvalidArgument, "a webhook needs at least one topic");
     wanted.topics.assign(topics.begin(), topics.end());
     check_target(wanted.url, limits.webhook_networks);
     return wanted;

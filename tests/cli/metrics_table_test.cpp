@@ -39,10 +39,10 @@ TEST(MetricsSummaryTest, TellsWhatSimplifyingLost) {
           {"simplification",
            {{"num_triangles_before", 2000}, {"rms_m", 0.0004}, {"max_m", 0.0031}}}}}};
     EXPECT_EQ(metrics_summary(metrics),
-              "triangles                       500\n"
-              "  before simplifying            2000\n"
-              "  lost by simplifying, RMS      0.4 mm\n"
-              "  lost by simplifying, largest  3.1 mm\n");
+              "triangles                    500\n"
+              "  before simplification      2000\n"
+              "  simplification error, RMS  0.4 mm\n"
+              "  simplification error, max  3.1 mm\n");
 }
 
 }  // namespace

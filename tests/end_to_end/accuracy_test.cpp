@@ -84,7 +84,7 @@ TEST_F(AccuracyEndToEndTest, TruthThatIsBrokenIsLeftAsideAndTheReportSaysSo) {
     const Outcome named = report(dive, {"--ground-truth", broken.string()});
     EXPECT_EQ(named.exit_code, 1);
     EXPECT_NE(named.err.find("broken.tum:2:"), std::string::npos) << named.err;
-    EXPECT_NE(named.err.find("mend that file"), std::string::npos) << named.err;
+    EXPECT_NE(named.err.find("correct that file"), std::string::npos) << named.err;
     const Outcome unnamed = report(dive, {"--json"});
     ASSERT_EQ(unnamed.exit_code, 0) << unnamed.err;
     const auto measured = nlohmann::json::parse(unnamed.out);

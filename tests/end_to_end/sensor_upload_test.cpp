@@ -123,7 +123,7 @@ TEST_F(SensorUploadTest, GoesOnThroughALinkThatBreaks) {
         const FlakyProxy proxy(port, {cut, 300'000, 3, 0.0});
         send_all("http://127.0.0.1:" + std::to_string(proxy.port()));
         EXPECT_EQ(proxy.num_cuts(), 3);
-        EXPECT_NE(told().find("is dive"), std::string::npos) << told();
+        EXPECT_NE(told().find("was uploaded as dive"), std::string::npos) << told();
     }
     expect_one_dive();
 }

@@ -51,7 +51,7 @@ TEST_F(UploadTest, GoesOnWhereAKilledClientStopped) {
     const Outcome again =
         service.run({"upload", small_dive().string(), "--no-job", "--wait"}, 120s);
     EXPECT_EQ(again.exit_code, 0) << again.err;
-    EXPECT_NE(again.err.find("going on after"), std::string::npos) << again.err;
+    EXPECT_NE(again.err.find("resuming after"), std::string::npos) << again.err;
     expect_one_ready_dive();
 }
 
@@ -61,7 +61,7 @@ TEST_F(UploadTest, GoesOnByItselfWhenTheServerWasKilledAndStartedAgain) {
     service.kill_server();
     service.start_server(1);
     EXPECT_EQ(client.wait(180s), 0) << client.stderr_text();
-    EXPECT_NE(client.stderr_text().find("going on after"), std::string::npos)
+    EXPECT_NE(client.stderr_text().find("resuming after"), std::string::npos)
         << client.stderr_text();
     expect_one_ready_dive();
 }
@@ -75,7 +75,7 @@ TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
     ASSERT_EQ(folder.exit_code, 0) << folder.err;
     const Outcome packed = service.run({"upload", archive, "--no-job", "--wait"}, 120s);
     EXPECT_EQ(packed.exit_code, 0) << packed.err;
-    EXPECT_NE(packed.err.find("has this dive already"), std::string::npos) << packed.err;
+    EXPECT_NE(packed.err.find("already has this dive"), std::string::npos) << packed.err;
     EXPECT_EQ(packed.out, folder.out);
     expect_one_ready_dive();
 }

@@ -96,7 +96,7 @@ TEST_F(ScheduleStoreTest, SaysWhatKeptItFromAReport) {
     const Schedule made = schedule();
     let_pass(made);
     schedules_.run_due("");
-    EXPECT_EQ(schedules_.get(made.id).last_problem, "no dive has the tag");
+    EXPECT_EQ(schedules_.get(made.id).last_problem, "no dive has this tag");
 }
 
 TEST_F(ScheduleStoreTest, NonsenseIsRefusedAndWhatIsGoneIsNotRun) {

@@ -22,14 +22,15 @@ AreaSet read_in_world(const std::filesystem::path& file) {
     if (set.frame != AreaFrame::World)
         throw Error(ErrorCode::BadData,
                     file.string() +
-                        ": its frame is ground_truth; a comparison takes areas in the frame of the "
-                        "reconstruction that they are drawn on: \"frame\": \"world\"");
+                        ": its frame is ground_truth, but a comparison needs areas in the frame of "
+                        "the reconstruction that they are drawn on: write \"frame\": \"world\"");
     try {
         for (const Area& area : set.areas)
             if (area.kind != AreaKind::Transect) outline_from_above(area);
     } catch (const Error& refused) {
-        throw Error(refused.code(),
-                    file.string() + ": " + refused.what() + " (a comparison looks from above)");
+        throw Error(
+            refused.code(),
+            file.string() + ": " + refused.what() + " (seen from above, as in a comparison)");
     }
     return set;
 }
@@ -79,13 +80,13 @@ public:
             const double undetected = std::max(0.0, sign * rest.volume_m3 + 1.96 * rest_sigma_m3);
             figures.push_back(change_json(
                 whose,
-                {grown ? "grown_volume" : "lost_volume", "m3", "of patches, within the outline"},
+                {grown ? "grown_volume" : "lost_volume", "m3", "of the patches within the outline"},
                 {value, std::max(0.0, value - half), value + half + undetected}));
         }
         const ChangeSums net = sum_over(part_of_map, seen);
         figures.push_back(change_json(
             whose,
-            {"net_volume", "m3", "rise less fall of all ground that both dives saw"},
+            {"net_volume", "m3", "rise minus fall of all ground that both dives saw"},
             interval(net.volume_m3, noise_m3(net, changes_.noise), registration_m3(net))));
     }
 
@@ -154,7 +155,7 @@ void measure_outlines(const std::vector<ComparedOutline>& outlines,
         if (coverage < kLeastCoverage) {
             for (const char* figure : {"grown_volume", "lost_volume", "net_volume"})
                 result["figures"].push_back(refused_change_json(
-                    whose, {figure, "m3", ""}, "less than half of it was seen by both dives"));
+                    whose, {figure, "m3", ""}, "both dives saw less than half of it"));
             continue;
         }
         measurer.measure(whose, within.window, within.cells, result["figures"]);

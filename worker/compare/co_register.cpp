@@ -107,20 +107,20 @@ public:
         if (ground_m2 < std::max(kLeastGround_m2, kLeastOverlap * smaller_m2))
             std::snprintf(text,
                           sizeof text,
-                          "they share %.2f m2 of ground, %.0f %% of the smaller one",
+                          "they share only %.2f m2 of ground, %.0f %% of the smaller one",
                           ground_m2,
                           100.0 * ground_m2 / std::max(1e-9, smaller_m2));
         else if (fit.agreement < kLeastAgreement)
             std::snprintf(text,
                           sizeof text,
-                          "only %.0f %% of the ground they would share lies within %.0f mm",
+                          "only %.0f %% of the shared ground agrees within %.0f mm",
                           100.0 * fit.agreement,
                           1e3 * fit.tolerance_m);
         else if (fit.method == "geometry" && fit.difference_m > kMostOfRelief * fit.relief_m)
             std::snprintf(text,
                           sizeof text,
-                          "no features of the pictures agree, and by shape alone nothing fits: the "
-                          "surfaces differ by %.0f mm on ground that ranges by %.0f mm",
+                          "no image features match, and the shape alone does not fit: the surfaces "
+                          "differ by %.0f mm on ground with a height range of %.0f mm",
                           1e3 * fit.difference_m,
                           1e3 * fit.relief_m);
         return text;
@@ -184,9 +184,9 @@ private:
 
 [[noreturn]] void refuse(const std::string& reason) {
     throw Error(ErrorCode::Conflict,
-                "the two reconstructions cannot be laid over each other: " + reason +
-                    ". Compare dives of the same place that share ground, or fix markers there "
-                    "that both dives see");
+                "the two reconstructions cannot be aligned: " + reason +
+                    ". Compare dives that show the same ground, or place markers there that both "
+                    "dives see");
 }
 
 bool elsewhere(const Registration& p, const Registration& q) {
@@ -195,9 +195,7 @@ bool elsewhere(const Registration& p, const Registration& q) {
 
 Registration fit_heights(const Registrar& registrar, const std::vector<FirstGuess>& guesses) {
     if (!registrar.has_relief())
-        refuse(
-            "no features of the pictures agree, and the ground is too flat for its shape to tell "
-            "where it belongs");
+        refuse("no image features match, and the ground is too flat to be aligned by its shape");
     std::vector<Registration> fits;
     for (const FirstGuess& guess : guesses)
         if (const auto fit = registrar.fit(guess)) fits.push_back(*fit);
@@ -205,14 +203,15 @@ Registration fit_heights(const Registrar& registrar, const std::vector<FirstGues
         const bool first = registrar.holds(p);
         return first != registrar.holds(q) ? first : p.agreement > q.agreement;
     });
-    if (fits.empty())
-        refuse("neither features of the pictures nor the shape of the ground agree anywhere");
+    if (fits.empty()) refuse("neither image features nor the shape of the ground match");
     const Registration& best = fits.front();
     if (!registrar.holds(best)) refuse(registrar.reason_against(best));
     for (const Registration& other : fits)
         if (registrar.holds(other) && elsewhere(best, other) &&
             other.agreement > kAmbiguous * best.agreement)
-            refuse("the ground fits in two places, and no features of the pictures tell which");
+            refuse(
+                "the ground fits in two places, and no image features match to decide between "
+                "them");
     return best;
 }
 

@@ -37,23 +37,23 @@ void check(const CompareRequest& request) {
     check_range("reach_m", options.reach_m, 0.01, 10.0);
     check_range("least_area_m2", options.least_area_m2, 1e-6, 100.0);
     if (request.out.empty())
-        throw Error(ErrorCode::InvalidArgument, "no folder to write the comparison to: name one");
+        throw Error(ErrorCode::InvalidArgument, "there is no folder for the comparison: give one");
     if (request.later_areas && !request.areas)
         throw Error(ErrorCode::InvalidArgument,
-                    "areas of the later dive alone: give those of the earlier as well");
+                    "there are areas of the later dive only: give those of the earlier dive too");
 }
 
 Mesh surface_of(const ReconstructionFolder& folder) {
     if (!folder.has_surface())
         throw Error(ErrorCode::BadData,
                     folder.path().string() +
-                        " has no mesh.ply: it was reconstructed without its surface; reconstruct "
-                        "it again with surface=true");
+                        " has no mesh.ply, because it was reconstructed without a surface: "
+                        "reconstruct it again with surface=true");
     Mesh mesh = folder.mesh();
     if (mesh.triangles.empty())
         throw Error(ErrorCode::BadData,
                     (folder.path() / "mesh.ply").string() +
-                        " has no triangle: the dive saw no surface, there is nothing to compare");
+                        " has no triangles, so there is no surface to compare: use another dive");
     mesh.normals = unit_normals(mesh);
     mesh.sigma_local_m = {};  // not asked for
     mesh.num_observations = {};

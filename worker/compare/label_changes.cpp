@@ -80,13 +80,14 @@ public:
         };
         const Estimate count = count_change(change.areas_m2);
         const auto count_of = [](const auto& sizes) { return poisson_count(sizes.size()); };
-        put(figure("count", "", "new less gone, Poisson", change.areas_m2, count_of), count);
+        put(figure("count", "", "new minus gone colonies, Poisson", change.areas_m2, count_of),
+            count);
         const auto density = [&](const auto& sizes) {
             return density_per_m2({sizes, {}, ground_m2});
         };
         put(figure("population_density",
                    "1/m2",
-                   "new less gone over surveyed ground, Poisson",
+                   "new minus gone colonies over surveyed ground, Poisson",
                    change.areas_m2,
                    density),
             over(count, ground_m2));
@@ -111,11 +112,11 @@ private:
                 : refused_change_json(
                       whose_,
                       figure,
-                      "the outlines are of one year: give those of the later dive as well"));
+                      "there are outlines of only one year: give those of the later dive too"));
     }
 
     void add_median(const char* name, const char* unit, const std::vector<Individual>& sizes) {
-        ChangeFigure figure{name, unit, "over the colonies of either year, bootstrap"};
+        ChangeFigure figure{name, unit, "over the colonies of each year, bootstrap"};
         const auto median_of = [&](bool later) -> std::optional<Estimate> {
             const std::vector<double> values = sizes_of(sizes, later);
             if (values.empty()) return std::nullopt;
@@ -126,7 +127,7 @@ private:
         const auto change = median_change(sizes, seed_);
         if (!change && colonies_.have_later)
             figures_.push_back(
-                refused_change_json(whose_, figure, "one of the years has no such colony"));
+                refused_change_json(whose_, figure, "one of the two years has no such colony"));
         else
             put(figure, change.value_or(Estimate{}));
     }

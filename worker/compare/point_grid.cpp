@@ -45,7 +45,8 @@ PointGrid::PointGrid(const std::vector<Eigen::Vector3f>& points, float cell_m)
         if (!(num < kRegionSide * kSide * (1 << kBitsPerAxis) - 4))
             throw Error(ErrorCode::TooLarge,
                         "a surface " + std::to_string(high[i] - low_[i]) +
-                            " m long is too large for cells of " + std::to_string(cell_m) + " m");
+                            " m long is too large for cells of " + std::to_string(cell_m) +
+                            " m: choose larger cells");
         num_[axis] = static_cast<int>(num);
     }
     sort_points();

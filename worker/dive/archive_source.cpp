@@ -143,7 +143,7 @@ void ArchiveSource::Unpacker::run() {
         report();
     }
     if (num_entries_ == 0)
-        refuse("archive_empty", "is an empty archive", "Put the dive's folder into it.");
+        refuse("archive_empty", "is empty", "Pack the folder of the dive into it.");
 }
 
 void ArchiveSource::Unpacker::refuse(const std::string& code,
@@ -163,7 +163,7 @@ void ArchiveSource::Unpacker::refuse_entry(const std::string& code,
 
 void ArchiveSource::Unpacker::refuse_unreadable() const {
     refuse("not_an_archive",
-           "is not a zip, tar, tar.gz or tar.zst archive, or it is cut short (" + reason() + ")",
+           "is not a complete zip, tar, tar.gz or tar.zst archive (" + reason() + ")",
            "Make the archive again and upload it again.");
 }
 
@@ -184,15 +184,15 @@ bool ArchiveSource::Unpacker::next_entry() {
     if (++num_entries_ > limits_.max_entries)
         refuse("archive_too_many_entries",
                "has more than " + std::to_string(limits_.max_entries) + " entries",
-               "Pack one dive alone.");
+               "Pack only one dive into an archive.");
     // Filters can be stacked, and each layer multiplies what a bomb can do.
     if (archive_filter_count(reader_.get()) > 2)
         refuse("archive_nested", "is compressed more than once", "Compress it once.");
     const char* name = archive_entry_pathname(entry_);
     if (name == nullptr)
         refuse("archive_entry_name",
-               "has an entry whose name cannot be read, after '" + printable(entry_name_) + "'",
-               "Rename it to plain text.");
+               "has an entry with an unreadable name, after '" + printable(entry_name_) + "'",
+               "Rename the file with plain letters and digits.");
     entry_name_ = name;
     return true;
 }
@@ -219,11 +219,11 @@ std::string ArchiveSource::Unpacker::checked_name() {
     if (const auto problem = entry_name_problem(name); !problem.empty())
         refuse_entry("archive_entry_name",
                      "whose name " + problem,
-                     "Make the archive from inside the dive's folder, with plain names.");
+                     "Make the archive from inside the folder of the dive, with plain file names.");
     if (!is_folder && !folded_names_.insert(folded(name)).second)
         refuse_entry("archive_duplicate",
-                     "that is there twice, or once more in other letters' case",
-                     "Keep one of them.");
+                     "that occurs twice (upper and lower case count as the same)",
+                     "Keep only one of them.");
     return std::string(name);
 }
 
@@ -258,17 +258,17 @@ void ArchiveSource::Unpacker::check_sizes(std::int64_t file_bytes) const {
                      "Leave it out or split it.");
     if (unpacked > limits_.max_unpacked_bytes)
         refuse_entry("archive_too_large",
-                     "that takes it beyond " + std::to_string(limits_.max_unpacked_bytes) +
+                     "that makes it larger than " + std::to_string(limits_.max_unpacked_bytes) +
                          " bytes unpacked",
-                     "Split the dive.");
+                     "Split the recording into shorter dives.");
     if (unpacked > kRatioCheckedFromBytes &&
         static_cast<double>(unpacked) >
             limits_.max_compression_ratio * static_cast<double>(archive_bytes_))
         refuse_entry("archive_bomb",
-                     "that takes it to more than " +
+                     "that makes it more than " +
                          std::to_string(static_cast<int>(limits_.max_compression_ratio)) +
-                         " times its size: it looks like a decompression bomb",
-                     "Store pictures as PNG or JPEG, which do not shrink like that.");
+                         " times its packed size, like a decompression bomb",
+                     "Store images as PNG or JPEG, which hardly shrink when packed.");
 }
 
 void ArchiveSource::Unpacker::report() {

@@ -53,7 +53,8 @@ private:
     void read_model() {
         if (yaml_.camera_model != "pinhole")
             fail("calibration_model",
-                 "camera_model is '" + printable(yaml_.camera_model) + "', not pinhole",
+                 "camera_model is '" + printable(yaml_.camera_model) +
+                     "'; only pinhole is supported",
                  "Calibrate with the pinhole model.");
     }
 
@@ -62,7 +63,7 @@ private:
         if (size.size() != 2 || !is_whole_in(size[0], 16, 65535) ||
             !is_whole_in(size[1], 16, 65535))
             return fail("calibration_resolution",
-                        "resolution is missing or no pair of whole numbers from 16 to 65535",
+                        "resolution is missing or is not two whole numbers from 16 to 65535",
                         "Write resolution: [width, height] in pixels.");
         camera_.width_px = static_cast<int>(size[0]);
         camera_.height_px = static_cast<int>(size[1]);
@@ -72,7 +73,7 @@ private:
         const auto& k = yaml_.intrinsics;
         if (k.size() != 4)
             return fail("calibration_intrinsics",
-                        "intrinsics has " + std::to_string(k.size()) + " numbers, not 4",
+                        "intrinsics has " + std::to_string(k.size()) + " numbers instead of 4",
                         "Write intrinsics: [fu, fv, cu, cv] in pixels.");
         camera_.fx_px = k[0];
         camera_.fy_px = k[1];
@@ -80,28 +81,29 @@ private:
         camera_.cy_px = k[3];
         if (k[0] == 0.0 || k[1] == 0.0)
             return fail("calibration_not_invertible",
-                        "a focal length is 0: the camera matrix cannot be inverted",
+                        "a focal length is 0, so the camera matrix cannot be inverted",
                         "Calibrate the camera again.");
         const double width = camera_.width_px;
         const double height = camera_.height_px;
         if (k[0] < 0.1 * width || k[0] > 20.0 * width || k[1] < 0.5 * k[0] || k[1] > 2.0 * k[0])
             fail("calibration_intrinsics",
                  "focal lengths " + significant(k[0]) + " and " + significant(k[1]) +
-                     " px cannot be those of a picture " + significant(width) + " px wide",
+                     " px are impossible for an image " + significant(width) + " px wide",
                  "Write focal lengths in pixels of the recorded resolution.");
         if (k[2] < 0.0 || k[3] < 0.0 || k[2] > width || k[3] > height)
             fail("calibration_intrinsics",
                  "the principal point (" + significant(k[2]) + ", " + significant(k[3]) +
-                     ") px lies outside the picture",
-                 "Write the calibration of the recorded resolution.");
+                     ") px lies outside the image",
+                 "Write the calibration for the recorded resolution.");
     }
 
     void read_distortion() {
         const auto model = distortion_from_text(yaml_.distortion_model);
         if (!model)
-            return fail("calibration_distortion",
-                        "distortion_model is '" + printable(yaml_.distortion_model) + "'",
-                        "Use radial-tangential, equidistant or none.");
+            return fail(
+                "calibration_distortion",
+                "distortion_model '" + printable(yaml_.distortion_model) + "' is not supported",
+                "Use radial-tangential, equidistant or none.");
         camera_.distortion = *model;
         const auto& k = yaml_.distortion_coefficients;
         const bool has_more = std::any_of(k.begin() + std::min<std::ptrdiff_t>(4, std::ssize(k)),
@@ -110,7 +112,7 @@ private:
         if (*model != Distortion::None && (k.size() < 4 || has_more))
             return fail("calibration_distortion",
                         "distortion_coefficients has " + std::to_string(k.size()) +
-                            " numbers where " + yaml_.distortion_model + " has 4",
+                            " numbers, but " + yaml_.distortion_model + " has 4",
                         "Calibrate with four coefficients (k1 k2 p1 p2, or k1 k2 k3 k4).");
         if (*model != Distortion::None)
             std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
@@ -133,13 +135,14 @@ private:
         };
         if (fails_at(0.6))
             fail("calibration_not_invertible",
-                 "the lens distortion folds the picture over itself: it cannot be undone",
+                 "the lens distortion folds the image over itself and cannot be inverted",
                  "Calibrate the camera again; check the order of the coefficients.");
         else if (fails_at(1.0))
-            findings_.warning("calibration_distortion",
-                              file_,
-                              "the lens distortion cannot be undone at the border of the picture",
-                              "Calibrate with corners seen near the border.");
+            findings_.warning(
+                "calibration_distortion",
+                file_,
+                "the lens distortion cannot be inverted at the border of the image",
+                "Calibrate again with corners of the target near the border of the image.");
     }
 
     const SensorYaml& yaml_;
@@ -172,20 +175,20 @@ void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, Fin
             kCam1Yaml,
             "cam1 is to the left of cam0, at " + metres(baseline) +
                 " in cam0's frame: the cameras are swapped or T_BS is inverted",
-            "cam0 is the left camera; T_BS maps the sensor's coordinates to the body's.");
+            "Make cam0 the left camera, and let T_BS map the sensor's coordinates to the body's.");
     if (is_stereo(cam0.T_body_cam * cam1.T_body_cam.inverse()))
         return findings.error(
             "extrinsics_inverted",
             kCam1Yaml,
             "T_BS looks inverted: as written cam1 is at " + metres(baseline) +
-                " in cam0's frame, which is not to its right; the inverse puts it there",
-            "T_BS maps the sensor's coordinates to the body's: write the inverse of what is there "
+                " in cam0's frame, which is not to its right; with the inverse it would be",
+            "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
     const double angle_deg = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle() / kDegree;
     findings.error("cameras_not_stereo",
                    kCam1Yaml,
                    "cam1 is at " + metres(baseline) + " in cam0's frame, turned by " +
-                       fixed(angle_deg, 1) + " degrees: this is no left-right pair",
+                       fixed(angle_deg, 1) + " degrees, which is not a left-right pair",
                    "Check T_BS of cam0 and cam1.");
 }
 
@@ -208,7 +211,7 @@ std::optional<Eigen::Isometry3d> rigid_motion(const SensorYaml& yaml,
     if (skew > 1e-3 || R.determinant() < 0.0 || !last_row_good) {
         findings.error("calibration_not_rigid",
                        file,
-                       "T_BS is no rotation and translation (R'R differs from 1 by " +
+                       "T_BS is not a rotation and translation (R'R differs from 1 by " +
                            significant(skew, 2) + ", determinant " + significant(R.determinant()) +
                            ")",
                        remedy);
@@ -228,7 +231,7 @@ std::optional<CalibratedCamera> calibrated_camera(const SensorYaml& yaml,
     if (!yaml.T_body_sensor) {
         findings.error("calibration_missing",
                        file,
-                       "T_BS is missing: where the camera sits is not known",
+                       "T_BS is missing, so the position of the camera is not known",
                        "Write T_BS (sensor to body) of both cameras.");
         return std::nullopt;
     }
@@ -251,9 +254,10 @@ ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& 
     take(yaml.accelerometer_noise_density, noise.accelerometer_noise_density);
     take(yaml.accelerometer_random_walk, noise.accelerometer_random_walk);
     if (!all_good)
-        findings.info("imu_noise_assumed",
-                      file,
-                      "the IMU's noise is not (fully) stated; that of a small MEMS is assumed");
+        findings.info(
+            "imu_noise_assumed",
+            file,
+            "the noise of the IMU is not or not fully stated; that of a small MEMS is assumed");
     return noise;
 }
 
@@ -264,24 +268,26 @@ void check_stereo(const CalibratedCamera& cam0,
     if (baseline_m < 1e-4)
         return findings.error("baseline_zero",
                               kCam1Yaml,
-                              "the baseline is 0: cam0 and cam1 are in one place",
-                              "Write T_BS of each camera; translations are in m.");
+                              "the baseline is 0: cam0 and cam1 are at the same place",
+                              "Write T_BS of each camera, with translations in m.");
     if (baseline_m > kLargestRig_m)
-        return findings.error("baseline_absurd",
-                              kCam1Yaml,
-                              "the baseline is " + significant(baseline_m) + " m",
-                              "Write translations in m, not mm or cm.");
+        return findings.error(
+            "baseline_absurd",
+            kCam1Yaml,
+            "the baseline is " + significant(baseline_m) + " m, which is too long",
+            "Write translations in m, not mm or cm.");
     const double distance_m = cam0.T_body_cam.translation().norm();
     if (distance_m > kLargestRig_m)
-        return findings.error("extrinsics_absurd",
-                              "mav0/cam0/sensor.yaml",
-                              "T_BS puts cam0 " + significant(distance_m) + " m from the body",
-                              "Write translations in m, not mm or cm.");
+        return findings.error(
+            "extrinsics_absurd",
+            "mav0/cam0/sensor.yaml",
+            "T_BS puts cam0 " + significant(distance_m) + " m from the body, which is too far",
+            "Write translations in m, not mm or cm.");
     if (baseline_m < 0.005)
         findings.warning("baseline_short",
                          kCam1Yaml,
                          "the baseline is only " + significant(baseline_m * 1e3) + " mm",
-                         "Check that T_BS has its translations in m.");
+                         "Check that the translations in T_BS are in m.");
     check_sides(cam0, cam1, findings);
 }
 

@@ -65,7 +65,7 @@ std::optional<std::string> ContentsReader::read_text(const std::string& file,
                         file,
                         file + " has " + std::to_string(files_.size_bytes(file)) +
                             " bytes, more than the " + std::to_string(max_bytes) + " allowed",
-                        "Check what wrote it.");
+                        "Check the program that wrote it.");
     return text;
 }
 
@@ -102,8 +102,9 @@ void ContentsReader::read_sensors() {
     if (const auto csv = text(truth))
         contents_.ground_truth = parse_ground_truth(*csv, name(truth), findings_);
     if (contents_.imu.empty() && contents_.ahrs.empty())
-        findings_.info(
-            "imu_missing", "mav0/imu0", "there is no IMU: the dive runs on vision alone");
+        findings_.info("imu_missing",
+                       "mav0/imu0",
+                       "there is no IMU, so the trajectory comes from vision alone");
 }
 
 std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camera) {
@@ -116,15 +117,15 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
                             "there is no " + file +
                                 ": a dive needs a left (cam0) and a right "
                                 "(cam1) camera",
-                            "Put the list of pictures (timestamp [ns],filename) there.");
+                            "Put the list of images (timestamp [ns],filename) there.");
         return {};
     }
     auto rows = parse_camera_rows(*text, camera, findings_);
     if (rows.empty())
         findings_.error("dive_empty",
                         file,
-                        file + " lists no picture",
-                        "Check the recording: the recorder made no frames.");
+                        file + " lists no image",
+                        "Check the recorder: it recorded no frames.");
     return rows;
 }
 
@@ -178,7 +179,7 @@ void ContentsReader::read_rig() {
         findings_.error("calibration_resolution",
                         "mav0/cam1/sensor.yaml",
                         "cam0 and cam1 have different resolutions",
-                        "Record both cameras with one resolution.");
+                        "Record both cameras with the same resolution.");
 }
 
 // From the frames of the sensors to that of the IMU.
@@ -206,13 +207,14 @@ void ContentsReader::check_coverage(const Samples& samples,
     const std::int64_t begin = samples.front().timestamp_ns;
     const std::int64_t end = samples.back().timestamp_ns;
     const std::string ranges = "it runs from " + std::to_string(begin) + " to " +
-                               std::to_string(end) + ", the pictures from " +
-                               std::to_string(first) + " to " + std::to_string(last);
+                               std::to_string(end) + ", the images from " + std::to_string(first) +
+                               " to " + std::to_string(last);
     if (end < first || begin > last)
-        return findings_.error(sensor + "_no_overlap",
-                               file,
-                               file + " does not overlap the pictures in time: " + ranges,
-                               "Stamp both with one clock, or take the file out of the dive.");
+        return findings_.error(
+            sensor + "_no_overlap",
+            file,
+            file + " does not overlap the images in time: " + ranges,
+            "Record both with the same clock, or remove the file from the dive.");
     const double covered_s =
         static_cast<double>(std::min(end, last) - std::max(begin, first)) * 1e-9;
     const double dive_s = static_cast<double>(last - first) * 1e-9;
@@ -220,8 +222,8 @@ void ContentsReader::check_coverage(const Samples& samples,
         findings_.warning(sensor + "_partial",
                           file,
                           file + " covers " + fixed(covered_s, 2) + " s of " + fixed(dive_s, 2) +
-                              " s of pictures: " + ranges,
-                          "Start it before and stop it after the cameras.");
+                              " s of images: " + ranges,
+                          "Start this sensor before the cameras and stop it after them.");
 }
 
 void ContentsReader::check_times() {

@@ -13,10 +13,11 @@ DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(sou
     for (const SourceFile& file : source_->files()) paths.push_back(file.path);
     const auto root = find_dive_root(paths);
     if (!root)
-        throw Refusal("not_a_dive",
-                      "",
-                      "this is not a dive: there is no folder mav0/ and no cam0/ in it",
-                      "A dive has mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on.");
+        throw Refusal(
+            "not_a_dive",
+            "",
+            "this is not a dive: it has neither a folder mav0/ nor cam0/",
+            "Give the folder that contains mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on.");
     for (const SourceFile& file : source_->files())
         if (auto path = path_in_dive(*root, file.path))
             entries_.push_back({std::move(*path), &file});

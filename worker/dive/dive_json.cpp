@@ -18,15 +18,17 @@ constexpr std::size_t kMaxMarks = 10'000;  // of one end
 
 // The object in `text`; an empty one, and a warning, when there is none.
 json parse_object(std::string_view text, const std::string& file, FindingLog& findings) {
-    std::string problem = "it is no JSON object";
+    std::string problem = "it is not a JSON object";
     try {
         json object = json::parse(text);
         if (object.is_object()) return object;
     } catch (const json::exception& error) {
         problem = printable(error.what());
     }
-    findings.warning(
-        kJsonUnreadable, file, file + " is left out: " + problem, "Check it with a JSON checker.");
+    findings.warning(kJsonUnreadable,
+                     file,
+                     file + " is ignored: " + problem,
+                     "Correct it with the help of a JSON checker.");
     return json::object();
 }
 
@@ -70,8 +72,8 @@ std::optional<GeographicPosition> position_at(const json& object, FindingLog& fi
     }
     findings.warning("position_unusable",
                      "dive.json",
-                     "the position is left out: it needs latitude_deg (-80 to 84) and "
-                     "longitude_deg (-180 to 180), and may have x_azimuth_deg, all numbers",
+                     "the position is ignored: it needs the numbers latitude_deg (-80 to 84) and "
+                     "longitude_deg (-180 to 180), and optionally x_azimuth_deg",
                      "Write it in decimal degrees, WGS 84.");
     return std::nullopt;
 }
@@ -163,17 +165,17 @@ std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingL
                          file,
                          "the distance '" +
                              printable(item.is_object() ? text_at(item, "name") : "") +
-                             "' is left out: it needs distance_m > 0 and its ends, as a, b (three "
+                             "' is ignored: it needs distance_m > 0 and both ends, as a, b (three "
                              "numbers each) or as marks_a, marks_b (timestamp_ns, left, right)",
-                         "Write the ends in the ground truth's world, in m, or mark them in at "
-                         "least four frames, in pixels.");
+                         "Write the ends in m in the ground truth's world, or mark them in pixels "
+                         "in at least four frames.");
     }
     return distances;
 }
 
 std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findings) {
     const std::string file = "markers.json";
-    const std::string remedy = "Correct it, or remove the file if nobody needs the markers.";
+    const std::string remedy = "Correct it, or remove the file if you do not need the markers.";
     try {
         return marker_plan_from_json(json::parse(text));
     } catch (const json::exception& error) {

@@ -21,13 +21,14 @@ std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
     std::error_code problem;
     const auto status = std::filesystem::status(path, problem);
     if (!std::filesystem::exists(status))
-        throw Error(ErrorCode::NotFound, "there is nothing at " + path.string());
+        throw Error(ErrorCode::NotFound,
+                    "there is no file or folder " + path.string() + ": check the path");
     if (std::filesystem::is_directory(status)) return open_folder(path, limits, progress, findings);
     if (!std::filesystem::is_regular_file(status))
         throw Refusal("not_an_archive",
                       printable(path.string()),
-                      printable(path.string()) + " is neither a folder nor a file",
-                      "Give a folder or an archive.");
+                      printable(path.string()) + " is neither a folder nor a regular file",
+                      "Give the folder or the archive of a dive.");
     return open_archive(path, scratch, limits, progress);
 }
 

@@ -64,11 +64,11 @@ std::string entry_name_problem(std::string_view name) {
     if (name.size() > kMaxNameBytes) return "is longer than 1024 bytes";
     if (name.front() == '/') return "is an absolute path";
     if (name.size() > 1 && name[1] == ':') return "starts with a drive letter";
-    if (name.find('\\') != std::string_view::npos) return "holds a backslash";
+    if (name.find('\\') != std::string_view::npos) return "contains a backslash";
     if (std::any_of(name.begin(), name.end(), [](char c) {
             return is_control(static_cast<unsigned char>(c));
         }))
-        return "holds a control character";
+        return "contains a control character";
     if (std::count(name.begin(), name.end(), '/') > kMaxFolders)
         return "is more than 16 folders deep";
     for (std::size_t start = 0; start <= name.size();) {

@@ -64,9 +64,9 @@ private:
             if (++num_entries_ > limits_.max_entries)
                 throw Refusal("folder_too_many_files",
                               printable(folder_.string()),
-                              printable(folder_.string()) + " holds more than " +
+                              printable(folder_.string()) + " contains more than " +
                                   std::to_string(limits_.max_entries) + " files",
-                              "Give the folder of one dive.");
+                              "Give the folder of a single dive.");
             if (num_entries_ % 1000 == 0) progress_({});
             accept(folder.get(), name, prefix);
         }
@@ -85,15 +85,15 @@ private:
         } else if (S_ISREG(status.st_mode)) {
             files_.push_back({path, status.st_size, 0, ""});
         } else {
-            leave_out(path, S_ISLNK(status.st_mode) ? "it is a link" : "it is no regular file");
+            leave_out(path, S_ISLNK(status.st_mode) ? "it is a link" : "it is not a regular file");
         }
     }
 
     void leave_out(const std::string& path, const std::string& reason) {
         findings_.warning("file_left_out",
                           printable(path),
-                          printable(path) + " was left out: " + reason,
-                          "Put a plain file there if it belongs to the dive.");
+                          printable(path) + " is ignored: " + reason,
+                          "If it belongs to the dive, replace it by a regular file.");
     }
 
     const std::filesystem::path& folder_;
@@ -124,7 +124,7 @@ public:
         if (!opened.is_open() || ::fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode))
             throw Error(ErrorCode::Unavailable,
                         "cannot open " + (folder_ / file.path).string() +
-                            ": it was changed or made unreadable while the dive was read");
+                            ": it changed or became unreadable while the dive was read");
         std::vector<char> piece(
             std::min<std::size_t>(kPieceBytes, static_cast<std::size_t>(file.size_bytes) + 1));
         std::int64_t left = file.size_bytes;
@@ -136,7 +136,7 @@ public:
             if (got <= 0)
                 throw Error(ErrorCode::Unavailable,
                             "cannot read " + (folder_ / file.path).string() + ": " +
-                                (got < 0 ? last_error() : "it became shorter meanwhile"));
+                                (got < 0 ? last_error() : "it became shorter while it was read"));
             sink({piece.data(), static_cast<std::size_t>(got)});
             left -= got;
         }

@@ -35,22 +35,22 @@ void report_pairs(const std::vector<CameraRow>& left,
     if (pairs.empty())
         return findings.error("left_right_no_overlap",
                               "mav0/cam1/data.csv",
-                              "no left picture has a right one of its time: left " + range(left) +
-                                  ", right " + range(right),
-                              "Record both cameras with one clock.");
+                              "no left image has a right image of the same time: left " +
+                                  range(left) + ", right " + range(right),
+                              "Record both cameras with the same clock.");
     const std::size_t num_left = left.size() - pairs.size();
     const std::size_t num_right = right.size() - pairs.size();
     if (num_left + num_right > 0)
         findings.warning("frames_unmatched",
                          "mav0/cam1/data.csv",
                          std::to_string(num_left) + " left and " + std::to_string(num_right) +
-                             " right pictures have no partner and are left out",
+                             " right images have no partner and are ignored",
                          "Trigger both cameras together.");
     if (largest_offset_ns > kToldOffset_ns)
         findings.warning("frames_unsynchronised",
                          "mav0/cam1/data.csv",
-                         "left and right differ by up to " +
-                             fixed(static_cast<double>(largest_offset_ns) * 1e-6, 2) + " ms",
+                         "left and right images are up to " +
+                             fixed(static_cast<double>(largest_offset_ns) * 1e-6, 2) + " ms apart",
                          "Trigger both cameras together: at 0.3 m/s, 5 ms are 1.5 mm of baseline.");
 }
 

@@ -25,7 +25,7 @@ LoadedPicture load_picture(const DiveFiles& files,
                            const Camera& camera,
                            const DiveLimits& limits,
                            Channels channels) {
-    if (!files.has(path)) return without_picture("image_missing", "there is no such file");
+    if (!files.has(path)) return without_picture("image_missing", "the file is missing");
     const auto bytes = files.read(path, kMaxPictureBytes);
     if (!bytes) return without_picture("image_too_large", "it is larger than 64 MiB");
     try {
@@ -37,7 +37,7 @@ LoadedPicture load_picture(const DiveFiles& files,
         if (header.width_px != camera.width_px || header.height_px != camera.height_px)
             return without_picture("image_size",
                                    "it has " + size_text(header.width_px, header.height_px) +
-                                       " pixels, its calibration " +
+                                       " pixels, but its calibration has " +
                                        size_text(camera.width_px, camera.height_px));
         LoadedPicture picture;
         picture.image = decode_image(*bytes, header, channels);

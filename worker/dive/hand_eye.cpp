@@ -93,28 +93,29 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
     if (result.scale > 20.0)
         return findings.error("imu_units",
                               "mav0/imu0/data.csv",
-                              "the gyro turns " + fixed(result.scale, 0) +
-                                  " times as fast as the pictures: this looks like degrees/s",
+                              "the gyroscope shows rotations " + fixed(result.scale, 0) +
+                                  " times as fast as the images do; this looks like degrees/s",
                               "Write rates in rad/s.");
     if (result.given_residual < kFits && result.best_angle_deg < kLargestAngle_deg) return;
-    const std::string seen = "the gyro's turning does not fit that of the pictures (mismatch " +
-                             fixed(100.0 * result.given_residual, 0) + " %";
+    const std::string seen =
+        "the rotations of the gyroscope do not match those of the images (mismatch " +
+        fixed(100.0 * result.given_residual, 0) + " %";
     if (result.inverse_residual < kFits && result.inverse_residual < 0.5 * result.given_residual)
         return findings.error(
             "extrinsics_inverted",
             "mav0/cam0/sensor.yaml",
             "T_BS looks inverted: " + seen + ", " + fixed(100.0 * result.inverse_residual, 0) +
                 " % with the inverse)",
-            "T_BS maps the sensor's coordinates to the body's: write the inverse of what is there "
+            "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
     if (result.best_is_determined && result.best_residual < kFits &&
         result.best_angle_deg > kLargestAngle_deg)
         return findings.error("extrinsics_rotation",
                               "mav0/cam0/sensor.yaml",
-                              "T_BS of the cameras is turned by about " +
+                              "T_BS of the cameras is rotated by about " +
                                   fixed(result.best_angle_deg, 0) +
-                                  " degrees against the IMU: " + seen + ")",
-                              "Calibrate cameras and IMU together; check the IMU's axes.");
+                                  " degrees relative to the IMU: " + seen + ")",
+                              "Calibrate cameras and IMU together, and check the axes of the IMU.");
     if (result.given_residual < kFits) return;
     findings.warning("gyro_vision_mismatch",
                      "mav0/imu0/data.csv",

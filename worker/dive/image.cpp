@@ -59,7 +59,7 @@ ImageHeader read_jpeg_header(std::string_view bytes) {
         }
         const auto length = static_cast<std::size_t>(big_endian(bytes, at + 2, 2));
         if (length < 2 || at + 2 + length > bytes.size()) fail("the JPEG ends in its header");
-        if (is_unknown_frame_marker(marker)) fail("the JPEG is of a kind that is not supported");
+        if (is_unknown_frame_marker(marker)) fail("this kind of JPEG is not supported");
         if (is_frame_marker(marker)) {
             if (length < 8) fail("the JPEG's frame header is too short");
             header.bits_per_channel = static_cast<unsigned char>(bytes[at + 4]);
@@ -88,7 +88,7 @@ ImageHeader read_image_header(std::string_view bytes) {
         header = read_jpeg_header(bytes);
     else
         fail("it is neither PNG nor JPEG");
-    if (header.width_px <= 0 || header.height_px <= 0) fail("its header says 0 pixels");
+    if (header.width_px <= 0 || header.height_px <= 0) fail("its header states 0 pixels");
     if (header.num_channels != 1 && header.num_channels != 3)
         fail("it has " + std::to_string(header.num_channels) + " channels, neither grey nor RGB");
     return header;
@@ -107,7 +107,7 @@ cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels
         image.release();
     }
     if (image.empty() || image.cols != header.width_px || image.rows != header.height_px)
-        fail("its data are damaged or cut short");
+        fail("its data is damaged or incomplete");
     return image;
 }
 

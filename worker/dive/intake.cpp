@@ -39,8 +39,8 @@ void survey_pictures(StoredDive& dive, IntakeReport& report, const ProgressCallb
                            "",
                            std::to_string(dive.num_skipped_frames()) + " of " +
                                std::to_string(dive.num_frames()) + " frames are skipped",
-                           "See the findings of single pictures; copy those from the recorder "
-                           "again, and check its card if many are spoiled.");
+                           "See the findings for single images and copy those images from the "
+                           "recorder again; if there are many, check its card.");
 }
 
 void check_reference_mesh(StoredDive& dive) {
@@ -51,7 +51,7 @@ void check_reference_mesh(StoredDive& dive) {
         dive.log().error("reference_unreadable",
                          "reference.ply",
                          printable(error.what()),
-                         "Write it as PLY with x, y, z and triangles, or take it out.");
+                         "Write it as PLY with x, y, z and triangles, or remove it.");
     }
 }
 

@@ -221,18 +221,19 @@ private:
         if (behind * 2 > std::ssize(stereo_) &&
             num_behind(stereo_swapped_) * 5 < std::ssize(stereo_) &&
             swapped_error_px < error_px + 0.5)
-            return findings_.error("cameras_swapped",
-                                   "mav0/cam0/data",
-                                   std::to_string(behind) + " of " +
-                                       std::to_string(stereo_.size()) +
-                                       " points in mav0/cam0/data would lie behind the cameras: "
-                                       "left and right pictures look swapped",
-                                   "cam0 is the left camera, cam1 the right one.");
+            return findings_.error(
+                "cameras_swapped",
+                "mav0/cam0/data",
+                std::to_string(behind) + " of " + std::to_string(stereo_.size()) +
+                    " points would lie behind the cameras, so the left and right images seem to be "
+                    "swapped",
+                "Swap the folders: cam0 is the left camera, cam1 the right one.");
         if (error_px > 2.0)
             findings_.warning("stereo_mismatch",
                               "mav0/cam1/sensor.yaml",
-                              "matching points of left and right are " + fixed(error_px, 1) +
-                                  " px (median) from where the calibration has them",
+                              "matching points in the left and right images are " +
+                                  fixed(error_px, 1) +
+                                  " px (median) away from where the calibration predicts them",
                               "Calibrate the stereo pair again.");
     }
 

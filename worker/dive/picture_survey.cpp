@@ -20,14 +20,15 @@ void report_black(const std::string& camera,
     const std::string share = std::to_string(num_black) + " of " + std::to_string(num_frames);
     const std::string folder = "mav0/" + camera + "/data";
     if (num_black == num_frames)
-        findings.error("images_black",
-                       folder,
-                       "all pictures of " + camera + " are black (" + share + ")",
-                       "Check lens cap, exposure and lights; scale 10- and 12-bit data to 8 bits.");
+        findings.error(
+            "images_black",
+            folder,
+            "all images of " + camera + " are black (" + share + ")",
+            "Check lens cap, exposure and lights, and scale 10- and 12-bit data to 8 bits.");
     else if (num_black * 4 > num_frames)
         findings.warning("images_dark",
                          folder,
-                         share + " pictures of " + camera + " are black",
+                         share + " images of " + camera + " are black",
                          "Check exposure and lights.");
 }
 
@@ -46,7 +47,7 @@ void PictureSurvey::report(std::int64_t num_frames, FindingLog& findings) const 
             findings.error("no_frame_decodes",
                            "mav0/cam0/data",
                            "none of the " + std::to_string(num_frames) + " frames can be used",
-                           "Copy the recording again.");
+                           "Copy the recording from the recorder again.");
         return;
     }
     report_black("cam0", num_black_left_, num_frames_, findings);

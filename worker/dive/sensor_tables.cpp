@@ -62,18 +62,19 @@ void check_acceleration(double median_m_s2, const std::string& file, FindingLog&
             return findings.error(
                 "imu_units",
                 file,
-                seen + ", not 9.81 m/s^2: this looks like " + unit.name,
+                seen + " instead of 9.81 m/s^2; this looks like " + unit.name,
                 "Write accelerations in m/s^2, gravity included (about 9.81 at rest).");
     if (median_m_s2 < 4.0 || median_m_s2 > 25.0)
-        return findings.error("imu_units",
-                              file,
-                              seen + ", not about 9.81 m/s^2: gravity is missing or the unit wrong",
-                              "Write the specific force in m/s^2, gravity included.");
+        return findings.error(
+            "imu_units",
+            file,
+            seen + " instead of about 9.81 m/s^2: gravity is missing or the unit is wrong",
+            "Write the specific force in m/s^2, gravity included.");
     if (std::abs(median_m_s2 - 9.81) > 0.6)
         findings.warning("gravity_check",
                          file,
                          seen + " m/s^2 instead of 9.81",
-                         "Calibrate the accelerometer's bias and scale.");
+                         "Calibrate the bias and scale of the accelerometer.");
 }
 
 void check_imu_units(const std::vector<ImuSample>& samples,
@@ -89,8 +90,8 @@ void check_imu_units(const std::vector<ImuSample>& samples,
     if (rate > 2.0 * std::numbers::pi)
         findings.error("imu_units",
                        file,
-                       "the median rate of turn is " + significant(rate) +
-                           " rad/s, more than a turn a second: this looks like degrees/s",
+                       "the median rotation rate is " + significant(rate) +
+                           " rad/s, more than one turn per second; this looks like degrees/s",
                        "Write rates in rad/s.");
 }
 
@@ -142,11 +143,12 @@ std::vector<PressureSample> parse_pressure(std::string_view text,
         return s.depth_m < -20.0 || s.depth_m > 11000.0;
     });
     if (absurd * 20 > std::ssize(samples))
-        findings.error("pressure_units",
-                       file,
-                       std::to_string(absurd) + " of " + std::to_string(samples.size()) +
-                           " depths are above the surface or below any sea: this is no depth in m",
-                       "Write depth in metres, positive down (not pressure in Pa or mbar).");
+        findings.error(
+            "pressure_units",
+            file,
+            std::to_string(absurd) + " of " + std::to_string(samples.size()) +
+                " depths are above the surface or deeper than any sea, so they are not depths in m",
+            "Write the depth in m, positive down, not the pressure in Pa or mbar.");
     return samples;
 }
 

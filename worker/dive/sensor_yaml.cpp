@@ -126,7 +126,7 @@ std::optional<Eigen::Matrix4d> matrix_at(const YAML::Node& root, const char* key
     const YAML::Node node = root[key];
     if (!node || node.IsNull()) return std::nullopt;
     std::vector<double> numbers;
-    if (node.IsMap() && !node["data"]) throw YAML::ParserException(node.Mark(), "has no data");
+    if (node.IsMap() && !node["data"]) throw YAML::ParserException(node.Mark(), "it has no data");
     append_numbers(node.IsMap() ? node["data"] : node, numbers);
     if (numbers.size() != 16)
         throw YAML::ParserException(
@@ -136,7 +136,7 @@ std::optional<Eigen::Matrix4d> matrix_at(const YAML::Node& root, const char* key
 }
 
 SensorYaml convert(const YAML::Node& root) {
-    if (!root.IsMap()) throw YAML::ParserException(root.Mark(), "there are no keys in it");
+    if (!root.IsMap()) throw YAML::ParserException(root.Mark(), "the file has no keys");
     SensorYaml yaml;
     yaml.T_body_sensor = matrix_at(root, "T_BS");
     yaml.camera_model = text_at(root, "camera_model");
@@ -160,10 +160,11 @@ std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
         return convert(load_guarded(without_directive(text)));
     } catch (const YAML::Exception& error) {
         const bool has_line = !error.mark.is_null();
-        findings.error("calibration_unreadable",
-                       has_line ? file + ":" + std::to_string(error.mark.line + 1) : file,
-                       file + " cannot be read: " + printable(error.msg),
-                       "Write it as EuRoC's sensor.yaml (T_BS, resolution, intrinsics ...).");
+        findings.error(
+            "calibration_unreadable",
+            has_line ? file + ":" + std::to_string(error.mark.line + 1) : file,
+            file + " cannot be read: " + printable(error.msg),
+            "Write it in the format of EuRoC's sensor.yaml (T_BS, resolution, intrinsics ...).");
         return std::nullopt;
     }
 }

@@ -50,20 +50,20 @@ void StampCheck::count(Tally& tally, std::int64_t line) {
 void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double shortest_period_s) {
     tell(malformed_,
          "_row_malformed",
-         "not what the columns say (whole nanoseconds first, then the values)",
-         "Write the stamp as an integer of nanoseconds and every column as a number.");
+         "malformed (a row is the timestamp in whole nanoseconds, then the values)",
+         "Write the timestamp as an integer in nanoseconds and every column as a number.");
     tell(not_finite_,
          "_not_finite",
-         "NaN, infinite or beyond all measure",
+         "NaN, infinite or absurdly large",
          "Repair the recorder or remove these rows.");
     tell(repeated_,
          "_timestamp_repeated",
-         "stamped like the row before",
-         "Remove the doubled rows; check how the recorder stamps.");
+         "of the same timestamp as the row before",
+         "Remove the duplicate rows, and check the timestamps of the recorder.");
     tell(backwards_,
          "_timestamp_backwards",
-         "stamped earlier than a row before",
-         "Record with a clock that only runs forward (no time setting during a dive).");
+         "of an earlier timestamp than a row before",
+         "Record with a clock that only runs forward; do not set the time during a dive.");
     report_period(accepted_ns, shortest_period_s);
 }
 
@@ -77,7 +77,7 @@ void StampCheck::tell(const Tally& tally,
     const std::string message = std::to_string(tally.count) + " of " + std::to_string(num_rows_) +
                                 " rows are " + what + ", the first in line " +
                                 std::to_string(tally.first_line) +
-                                (too_many ? "" : "; they are left out");
+                                (too_many ? "" : "; they are ignored");
     findings_.add({too_many ? Severity::Error : Severity::Warning,
                    sensor_ + code,
                    file_ + ":" + std::to_string(tally.first_line),
@@ -92,9 +92,9 @@ void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns,
     if (static_cast<double>(period_ns) * 1e-9 < shortest_period_s) {
         findings_.error(sensor_ + "_timestamp_unit",
                         file_,
-                        "the stamps rise by " + std::to_string(period_ns) +
-                            " a row: that is no interval in nanoseconds (milli- or microseconds?)",
-                        "Write stamps in nanoseconds.");
+                        "the timestamps increase by " + std::to_string(period_ns) +
+                            " per row, too little for nanoseconds (milli- or microseconds?)",
+                        "Write timestamps in nanoseconds.");
         return;
     }
     std::int64_t num_gaps = 0;
@@ -114,7 +114,8 @@ void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns,
                       file_,
                       std::to_string(num_gaps) + " gaps; the longest is " +
                           fixed(static_cast<double>(longest_ns) * 1e-9, 3) + " s after " +
-                          std::to_string(longest_after_ns) + ", where rows come every " +
+                          std::to_string(longest_after_ns) +
+                          ", where there should be a row every " +
                           fixed(static_cast<double>(period_ns) * 1e-9, 4) + " s",
                       "Check the recorder: a full disk or a slow card loses samples.");
 }

@@ -26,8 +26,8 @@ ProgressCallback throttled(const ProgressCallback& progress) {
 
 std::string remedy_for(const std::string& code) {
     if (code == "image_size") return "Record with the resolution of the calibration.";
-    if (code == "image_missing") return "Copy the recording again; compare the number of files.";
-    return "Copy the picture again if it matters; the dive runs without this frame.";
+    if (code == "image_missing") return "Copy the recording again and compare the number of files.";
+    return "The dive runs without this frame. If you need it, copy the image again.";
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ void StoredDive::check_first_pictures() {
     const FramePair& files = contents_.pairs[static_cast<std::size_t>(other.index)];
     findings_.error("image_size",
                     printable(is_left ? files.left : files.right),
-                    "the pictures are not of the calibrated size: " +
+                    "the images do not have the calibrated size: " +
                         (is_left ? other.left.problem : other.right.problem),
                     remedy_for("image_size"));
 }
@@ -87,7 +87,7 @@ std::optional<StereoFrame> StoredDive::next_frame() {
             const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair->index)];
             findings_.warning("image_16_bit",
                               printable(pair->left.was_16_bit ? files.left : files.right),
-                              "pictures have 16 bits a channel; the upper 8 are used",
+                              "images have 16 bits per channel; only the upper 8 are used",
                               "Record 8 bits, or scale 10- and 12-bit data to the full range.");
         }
         if (pair->is_complete()) {
@@ -108,8 +108,9 @@ cv::Mat StoredDive::left_in_color(int frame_index) const {
     const std::string& file = contents_.pairs[static_cast<std::size_t>(frame_index)].left;
     LoadedPicture picture = load_picture(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
     if (picture.image.empty())
-        throw Error(ErrorCode::Unavailable,
-                    printable(file) + " decoded before and does not any more: " + picture.problem);
+        throw Error(
+            ErrorCode::Unavailable,
+            printable(file) + " was decoded before and cannot be decoded now: " + picture.problem);
     return picture.image;
 }
 
@@ -145,7 +146,8 @@ double StoredDive::duration_s() const {
 std::optional<Mesh> StoredDive::read_reference_mesh() const {
     if (!files_.has(kReferenceMesh)) return std::nullopt;
     const auto bytes = files_.read(kReferenceMesh, limits_.max_file_bytes);
-    if (!bytes) throw Error(ErrorCode::BadData, "reference.ply is larger than is allowed");
+    if (!bytes)
+        throw Error(ErrorCode::BadData, "reference.ply is too large: simplify it or remove it");
     return parse_ply(*bytes, kReferenceMesh);
 }
 

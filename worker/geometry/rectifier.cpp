@@ -80,8 +80,8 @@ Rectifier::Rectifier(const Rig& rig) {
     if (!std::isfinite(rig_.focal_px) || extent.right <= extent.left ||
         extent.bottom <= extent.top || rig_.focal_px > 4.0 * native)
         throw Error(ErrorCode::BadData,
-                    "the two cameras hardly look at the same place: check T_BS and intrinsics of "
-                    "cam0 and cam1");
+                    "the fields of view of the two cameras hardly overlap: check T_BS and "
+                    "intrinsics of cam0 and cam1");
     rig_.width_px = rig.cam0.width_px;
     rig_.height_px = rig.cam0.height_px;
     rig_.cx_px = 0.5 * width - rig_.focal_px * 0.5 * (extent.left + extent.right);

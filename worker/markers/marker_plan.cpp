@@ -43,7 +43,8 @@ struct Place {
 class PlanReader {
 public:
     MarkerPlan read(const json& document) {
-        if (!document.is_object()) throw InvalidInput({{"markers.json is no JSON object", "", ""}});
+        if (!document.is_object())
+            throw InvalidInput({{"markers.json is not a JSON object", "", ""}});
         allow(document, {}, {"family", "size_m", "size_sigma_m", "sizes_m", "scale_bars"});
         read_family(document);
         if (document.contains("size_m"))
@@ -108,7 +109,8 @@ private:
         const auto found = document.find("sizes_m");
         if (found == document.end()) return;
         if (!found->is_object()) {
-            add(Place().field("sizes_m"), "must be an object of sizes in m by id: {\"7\": 0.08}");
+            add(Place().field("sizes_m"),
+                "must be an object with the sizes in m by id: {\"7\": 0.08}");
             return;
         }
         const Place at = Place().field("sizes_m");
@@ -116,7 +118,8 @@ private:
             int id = -1;
             const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), id);
             if (error != std::errc() || end != key.data() + key.size() || !is_id(id))
-                add(at.field(key), "is no id of the family: 0 to " + std::to_string(num_ids_ - 1));
+                add(at.field(key),
+                    "is not an id of the family: 0 to " + std::to_string(num_ids_ - 1));
             else
                 plan_.sizes_m[id] = length(*found, at, key, kLargestSize_m);
         }
@@ -148,7 +151,7 @@ private:
         bar.distance_m = length(item, at, "distance_m", kLongestBar_m);
         if (item.contains("sigma_m")) bar.sigma_m = sigma(item, at, "sigma_m");
         if (bar.from.id == bar.to.id && bar.from.corner == bar.to.corner)
-            add(at.field("to"), "must be another point than from");
+            add(at.field("to"), "must be another point than \"from\"");
         bar.name = read_name(item, at, to_string(bar.from) + " - " + to_string(bar.to));
         plan_.scale_bars.push_back(bar);
     }
@@ -163,7 +166,7 @@ private:
                 std::none_of(name.begin(), name.end(), is_control))
                 return name;
         }
-        add(at.field("name"), "must be a text of 1 to 200 characters in one line");
+        add(at.field("name"), "must be a text of 1 to 200 characters on one line");
         return otherwise;
     }
 

@@ -212,19 +212,18 @@ std::optional<Finding> reason_against(const std::optional<MarkerScale>& scale) {
     if (!scale)
         reason = "no known distance was measured";
     else if (std::abs(std::log(scale->factor)) > std::log1p(kLargestChange))
-        reason = "the known distances ask for a factor of " + std::to_string(scale->factor) +
-                 ", which no calibration is off by";
+        reason = "the known distances require a factor of " + std::to_string(scale->factor) +
+                 ", more than any calibration can be wrong by";
     else if (scale->sigma > kLargestSigma * scale->factor)
-        reason = "the known distances give the scale to no better than " +
+        reason = "the known distances determine the scale only to " +
                  std::to_string(100.0 * scale->sigma / scale->factor) + " % (standard deviation)";
     if (reason.empty()) return std::nullopt;
     return Finding{
         Severity::Warning,
         "scale_not_corrected",
         "markers.json",
-        "correct_scale was asked for and the scale is as the calibration has it: " + reason,
-        "state size_m or scale_bars (docs/markers.md), in metres, and swim over the tags "
-        "slowly"};
+        "the scale was not corrected, although correct_scale was set: " + reason,
+        "state size_m or scale_bars in m (docs/markers.md), and swim slowly over the tags"};
 }
 
 }  // namespace divemesh::worker

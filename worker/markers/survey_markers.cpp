@@ -84,12 +84,12 @@ private:
             if (is_located(id)) continue;
             const auto seen = keyframes_of_.find(id);
             const auto num = seen == keyframes_of_.end() ? 0 : seen->second.size();
-            warn(
-                "marker_seen_too_few",
-                "tag " + std::to_string(id) + " was read in " + std::to_string(num) +
-                    " keyframes and is not measured: it takes " +
-                    std::to_string(kMinMarkerKeyframes) + " that agree on its place",
-                "swim over it slowly and near enough: one cell of the tag takes 3 pixels and more");
+            warn("marker_seen_too_few",
+                 "tag " + std::to_string(id) + " was read in " + std::to_string(num) +
+                     " keyframes and is not measured: at least " +
+                     std::to_string(kMinMarkerKeyframes) + " must agree on its position",
+                 "swim over it slowly and close enough that one cell of the tag covers at least 3 "
+                 "pixels");
         }
     }
 
@@ -99,9 +99,9 @@ private:
                 warn("marker_in_two_places",
                      "tag " + std::to_string(marker.id) + " was read in " +
                          std::to_string(marker.num_rejected_views) +
-                         " pictures in another place than in the " +
-                         std::to_string(marker.num_views) + " that it was measured in",
-                     "check that no id lies in the scene twice and that no tag was moved");
+                         " images at another place than in the " +
+                         std::to_string(marker.num_views) + " in which it was measured",
+                     "check that no tag was moved and that each id is used only once");
     }
 
     void tell_unmeasured() {
@@ -109,27 +109,27 @@ private:
             if (!bar.measured_m && is_located(bar.from.id) && is_located(bar.to.id))
                 warn("scale_bar_in_two_pieces",
                      "scale bar '" + bar.name +
-                         "' is not measured: its ends were seen in pieces of the dive that are not "
-                         "tied to each other",
-                     "keep the scene in sight between both ends");
+                         "' is not measured: its ends are in segments of the dive that are not "
+                         "connected",
+                     "keep the scene in view while you swim from one end to the other");
             else if (!bar.measured_m)
                 warn("scale_bar_not_measured",
-                     "scale bar '" + bar.name + "' is not measured: an end of it was not found",
-                     "see the findings about its tags");
+                     "scale bar '" + bar.name + "' is not measured: one of its ends was not found",
+                     "see the findings on its tags");
     }
 
     void tell_inconsistent() {
         for (const BarFigures& bar : figures_.bars) {
             if (bar.leave_one_out_sigmas() <= 3.0) continue;
             std::ostringstream message;
-            message << std::fixed << std::setprecision(1) << "'" << bar.name << "', known as "
+            message << std::fixed << std::setprecision(1) << "'" << bar.name << "', stated as "
                     << 1e3 * bar.known_m << " mm, is off by " << 1e3 * *bar.leave_one_out_error_m
-                    << " mm when measured with the scale that the others give (standard deviation "
+                    << " mm when the other known distances set the scale (standard deviation "
                     << 1e3 * bar.leave_one_out_sigma_m << " mm)";
             warn("scale_bar_inconsistent",
                  message.str(),
-                 "measure it again, and the printed sizes; state what the distances are worth as "
-                 "sigma_m");
+                 "measure it again, and the printed sizes, and state the uncertainty of the "
+                 "distances as sigma_m");
         }
     }
 
@@ -139,13 +139,14 @@ private:
         const double sigma = std::hypot(figures_.scale->sigma, figures_.systematic_scale_sigma);
         if (std::abs(error) <= 3.0 * sigma) return;
         std::ostringstream message;
-        message << std::fixed << std::setprecision(2) << "by the known distances, lengths come out "
+        message << std::fixed << std::setprecision(2)
+                << "compared with the known distances, measured lengths are "
                 << 100.0 * std::abs(error) << " % too " << (error > 0.0 ? "long" : "short")
                 << " (standard deviation " << 100.0 * sigma << " %)";
         warn("scale_off",
              message.str(),
-             "calibrate the rig again in water, its baseline above all; --set correct_scale=true "
-             "scales the result by the known distances");
+             "calibrate the rig again in water, above all its baseline, or use --set "
+             "correct_scale=true to scale the result by the known distances");
     }
 
     const MarkerPlan& plan_;

@@ -16,14 +16,14 @@ void require_same_pairing(const TrajectoryFile& estimate, const TrajectoryFile& 
     if ((estimate.format == TrajectoryFormat::Kitti) !=
         (reference.format == TrajectoryFormat::Kitti))
         throw Error(ErrorCode::InvalidArgument,
-                    "a KITTI file has no timestamps and can only be compared with a KITTI file");
+                    "a KITTI file has no timestamps: compare it only with another KITTI file");
 }
 
 void require_no_truth_options(const TruthOptions& options) {
     if (options.solve_lever_arm || options.solve_time_offset || options.lever_arm ||
         options.time_offset_s != 0.0)
         throw Error(ErrorCode::InvalidArgument,
-                    "lever arm and time offset need timestamps, which a KITTI file has not; give "
+                    "lever arm and time offset need timestamps, but a KITTI file has none: give "
                     "TUM or EuRoC files");
 }
 
@@ -65,7 +65,8 @@ nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
 nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request) {
     if (request.estimate_trajectory.has_value() != request.reference_trajectory.has_value())
         throw Error(ErrorCode::InvalidArgument,
-                    "give the trajectories of both the estimate and the reference, or neither");
+                    "there is only one of the two trajectories: give those of both the estimate "
+                    "and the reference, or neither");
     SurfaceErrorInput input;
     if (request.estimate_trajectory) {
         const TrajectoryFile estimated = read_trajectory(*request.estimate_trajectory);

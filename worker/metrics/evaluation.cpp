@@ -17,13 +17,12 @@ void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation)
             check_covariances(input.trajectory, input.covariances, input.ground_truth);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::BadData) throw;
-        evaluation.findings.push_back(
-            {Severity::Warning,
-             "ground_truth_unusable",
-             "mav0/state_groundtruth_estimate0/data.csv",
-             error.what(),
-             "give the ground truth on the cameras' clock, or remove it: the result is not "
-             "measured against it"});
+        evaluation.findings.push_back({Severity::Warning,
+                                       "ground_truth_unusable",
+                                       "mav0/state_groundtruth_estimate0/data.csv",
+                                       error.what(),
+                                       "the result was not compared with it; give the ground truth "
+                                       "on the clock of the cameras, or remove it"});
     }
 }
 
@@ -43,7 +42,7 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
              "surface_not_measured",
              "reference.ply",
              error.what(),
-             "check that both the mesh and the reference hold triangles"});
+             "check that both the mesh and the reference contain triangles"});
     }
 }
 
@@ -81,10 +80,10 @@ Evaluation evaluate_reconstruction(const EvaluationInput& input) {
             {Severity::Info,
              "known_distances_not_measured",
              "measurements.json",
-             std::to_string(num_unmarked) +
-                 " known distances, but nothing says where their ends appear in the pictures",
-             "mark both ends in four frames or more (marks_a, marks_b); points a, b are measured "
-             "where the dive also has ground truth and reference.ply"});
+             std::to_string(num_unmarked) + " known distances were not measured: it is not stated "
+                                            "where their ends appear in the images",
+             "mark both ends in at least four frames (marks_a, marks_b); points a and b need "
+             "ground truth and reference.ply in the dive"});
     return evaluation;
 }
 

@@ -30,10 +30,10 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
             expected.left_out.push_back({figure, reason});
     };
     if (input.covariances.empty() || !input.optimise.path.is_known())
-        return leave_out("the dive was not adjusted as a whole, so its poses have no covariance");
+        return leave_out("the dive had no bundle adjustment, so its poses have no covariance");
     if (input.num_pieces > 1)
-        return leave_out("the dive fell into " + std::to_string(input.num_pieces) +
-                         " pieces; where they lie against each other is not known");
+        return leave_out("the dive has " + std::to_string(input.num_pieces) +
+                         " segments whose positions relative to each other are not known");
     const LoopStatistics& loops = input.optimise.loops;
     const double scale = covariance_scale(loops);
     if (loops.num_accepted > 0) {
@@ -41,7 +41,7 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
         expected.covariance_scale = scale;
     } else {
         expected.left_out.push_back(
-            {"trajectory.loops", "no place was recognised again, so nothing tests the drift"});
+            {"trajectory.loops", "no place was recognised again, so the drift cannot be checked"});
     }
     const PathUncertainty& path = input.optimise.path;
     const Eigen::Matrix3d& end_m2 = input.covariances.back().position_m2;
@@ -79,23 +79,22 @@ std::optional<ScaleCheck> judged(std::optional<ScaleCheck> check,
     check->sigma = std::hypot(check->sigma, kCalibrationSigma);
     if (check->sigma > kLargestScaleSigma) {
         expected.left_out.push_back({figure,
-                                     "the motion says too little: sigma would be " +
+                                     "the motion determines too little: sigma would be " +
                                          percent(check->sigma) + " of the scale"});
         return std::nullopt;
     }
     const double off = check->scale - 1.0;
     if (std::abs(off) > kContradicts_sigmas * check->sigma)
-        expected.findings.push_back(
-            {Severity::Warning,
-             "scale_contradicted",
-             "",
-             "lengths by " + sensor + " are " + percent(std::abs(off)) +
-                 (off > 0.0 ? " longer" : " shorter") +
-                 " than by the cameras, which is more than " +
-                 "three times what both may err by (standard deviation " + percent(check->sigma) +
-                 ")",
-             "check the stereo calibration (baseline, focal length under water) and the units and "
-             "the noise of the sensor"});
+        expected.findings.push_back({Severity::Warning,
+                                     "scale_contradicted",
+                                     "",
+                                     "lengths from " + sensor + " are " + percent(std::abs(off)) +
+                                         (off > 0.0 ? " longer" : " shorter") +
+                                         " than lengths from the cameras, more than " +
+                                         "three times the expected error (standard deviation " +
+                                         percent(check->sigma) + ")",
+                                     "check the stereo calibration (baseline, focal length under "
+                                     "water) and the units and noise of the sensor"});
     return check;
 }
 
@@ -103,7 +102,7 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const Recording& recording = input.recording;
     if (input.num_pieces > 1) {
         for (const char* figure : {"scale.accelerometer", "scale.pressure"})
-            expected.left_out.push_back({figure, "the dive fell into pieces"});
+            expected.left_out.push_back({figure, "the dive has several segments"});
     } else {
         expected.accelerometer =
             judged(scale_by_accelerometer(recording.imu(), input.trajectory),
@@ -112,16 +111,16 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                    recording.imu().empty() ? "the dive has no IMU"
                                            : "the IMU covers too little of the dive without a gap",
                    expected);
-        expected.pressure =
-            judged(scale_by_pressure(recording.pressure(),
-                                     input.trajectory,
-                                     covariance_scale(input.optimise.loops) *
-                                         input.optimise.path.vertical_scale_sigma),
-                   "scale.pressure",
-                   "the pressure sensor",
-                   recording.pressure().empty() ? "the dive has no pressure sensor"
-                                                : "the pressure covers too little of the dive",
-                   expected);
+        expected.pressure = judged(
+            scale_by_pressure(
+                recording.pressure(),
+                input.trajectory,
+                covariance_scale(input.optimise.loops) * input.optimise.path.vertical_scale_sigma),
+            "scale.pressure",
+            "the pressure sensor",
+            recording.pressure().empty() ? "the dive has no pressure sensor"
+                                         : "the pressure sensor covers too little of the dive",
+            expected);
     }
     expected.known_distances =
         judged(input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
@@ -140,8 +139,7 @@ void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expe
     if (input.optimise.reprojection_rms_px > 0.0)
         expected.reprojection_rms_px = input.optimise.reprojection_rms_px;
     else
-        expected.left_out.push_back(
-            {"reprojection_rms_px", "the dive was not adjusted as a whole"});
+        expected.left_out.push_back({"reprojection_rms_px", "the dive had no bundle adjustment"});
 }
 
 void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
@@ -151,7 +149,7 @@ void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected)
     if (expected.surface) return;
     expected.left_out.push_back(
         {"surface",
-         input.mesh ? "the mesh is empty or without sigma" : "no surface was asked for"});
+         input.mesh ? "the mesh is empty or without sigma" : "the reconstruction has no surface"});
 }
 
 void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
@@ -159,15 +157,14 @@ void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& exp
     const double path_m = path_length_m(input.trajectory);
     if (*expected.end_bound_m <= std::max(kLarge_m, kLargeShareOfPath * path_m)) return;
     std::ostringstream message;
-    message << std::fixed << std::setprecision(2) << "the last position may be off by "
+    message << std::fixed << std::setprecision(2) << "the position at the end may be off by up to "
             << *expected.end_bound_m << " m after " << path_m << " m of path (95 %)";
-    expected.findings.push_back(
-        {Severity::Warning,
-         "drift_may_be_large",
-         "",
-         message.str(),
-         "come back over a place that was seen before, keep closer to textured ground, or bring "
-         "markers"});
+    expected.findings.push_back({Severity::Warning,
+                                 "drift_may_be_large",
+                                 "",
+                                 message.str(),
+                                 "return to a place that you passed before, stay closer to "
+                                 "textured ground, or place markers"});
 }
 
 }  // namespace

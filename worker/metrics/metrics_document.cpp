@@ -262,14 +262,14 @@ std::optional<Finding> find_too_near(const MetricsInput& input) {
     if (share <= kTolerated) return std::nullopt;
     std::ostringstream message;
     message << std::fixed << std::setprecision(0) << 100.0 * share
-            << " % of the scene was nearer than the stereo search reaches ("
-            << input.options.num_disparities_px << " px of disparity): it is missing from the mesh";
+            << " % of the scene was too close for the disparity search range ("
+            << input.options.num_disparities_px << " px) and is missing from the mesh";
     return Finding{Severity::Warning,
                    "scene_too_near",
                    "",
                    message.str(),
-                   "reconstruct again with a larger num_disparities_px, and keep more distance "
-                   "on the next dive"};
+                   "reconstruct again with a larger num_disparities_px, and keep more distance on "
+                   "the next dive"};
 }
 
 }  // namespace

@@ -155,7 +155,8 @@ SurfaceError surface_error(const Mesh& mesh_world,
                            const Mesh& reference,
                            const SurfaceErrorInput& input) {
     if (reference.vertices.empty())
-        throw Error(ErrorCode::BadData, "the reference holds neither triangles nor points");
+        throw Error(ErrorCode::BadData,
+                    "the reference has neither triangles nor points: check the file");
     const bool is_cloud = reference.triangles.empty();
     const Mesh mesh = moved(mesh_world, input.T_reference_world);
     const auto reference_samples = is_cloud

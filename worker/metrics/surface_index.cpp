@@ -35,7 +35,7 @@ SurfaceIndex::SurfaceIndex(const Mesh& mesh, bool is_compact)
     auto& [source, device, scene] = *implementation_;
     device = rtcNewDevice(nullptr);
     if (device == nullptr)
-        throw Error(ErrorCode::Unavailable, "Embree does not start on this processor");
+        throw Error(ErrorCode::Unavailable, "Embree cannot start on this processor");
     scene = rtcNewScene(device);
     rtcSetSceneFlags(
         scene, is_compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);

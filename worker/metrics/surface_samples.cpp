@@ -47,7 +47,7 @@ std::vector<Eigen::Vector3f> sample_surface(const Mesh& mesh,
                                             std::uint64_t seed) {
     const double total = surface_area_m2(mesh);
     if (!(total > 0.0))
-        throw Error(ErrorCode::BadData, "the mesh has no triangle with an area to sample");
+        throw Error(ErrorCode::BadData, "the mesh has no triangle with an area: check the file");
     std::vector<Eigen::Vector3f> samples;
     samples.reserve(static_cast<std::size_t>(num_samples));
     std::size_t triangle = 0;

@@ -115,14 +115,14 @@ TrajectoryError trajectory_error(const Trajectory& estimate,
         throw Error(ErrorCode::BadData,
                     "the trajectories have " + std::to_string(estimate.size()) + " and " +
                         std::to_string(reference.size()) +
-                        " lines, but are paired line by line; give both the same frames");
+                        " lines, but are paired line by line: give both the same frames");
     const std::vector<PosePair> pairs = pair_poses(estimate, reference, options);
     if (pairs.size() < 3)
         throw Error(ErrorCode::BadData,
                     "only " + std::to_string(pairs.size()) + " of " +
                         std::to_string(estimate.size()) +
-                        " poses have ground truth at their time; check that both trajectories "
-                        "are on one clock and in the same unit of time");
+                        " poses have ground truth at their time: check that both trajectories use "
+                        "the same clock and the same unit of time");
     TrajectoryError result;
     result.num_poses = static_cast<std::int64_t>(pairs.size());
     result.num_poses_outside = static_cast<std::int64_t>(estimate.size() - pairs.size());

@@ -221,13 +221,12 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
             reduced(known_offset, {6, 7, 8}));
         if (solver.eigenvalues()[0] < kLeastTurn * kLeastTurn * num_poses)
-            throw Error(
-                ErrorCode::BadData,
-                "the lever arm cannot be solved: the rig hardly turned about anything but " +
-                    vector_text(solver.eigenvectors().col(0)) +
-                    " of its axes, so how far along that the marker sits cannot be told; "
-                    "give the lever arm as measured, or turn the rig about two axes while "
-                    "the tracker sees it");
+            throw Error(ErrorCode::BadData,
+                        "the lever arm cannot be solved, because the rig hardly rotated about "
+                        "anything but " +
+                            vector_text(solver.eigenvectors().col(0)) +
+                            " of its axes: give the lever arm as measured, or rotate the rig about "
+                            "two axes while the tracker sees it");
         result.lever_arm_sigma_m = (variance_m2 * information.inverse())
                                        .diagonal()
                                        .cwiseMax(clustered.segment<3>(6))
@@ -237,8 +236,8 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
         const double information = reduced(H, {9})(0, 0);
         if (information < kLeastVelocity * kLeastVelocity * num_poses)
             throw Error(ErrorCode::BadData,
-                        "the time offset cannot be solved: the rig's velocity hardly changed; give "
-                        "the offset, or move to and fro at the start");
+                        "the time offset cannot be solved, because the velocity of the rig hardly "
+                        "changed: give the offset, or move back and forth at the start");
         result.time_offset_sigma_s = std::sqrt(std::max(variance_m2 / information, clustered[9]));
     }
 }
@@ -318,10 +317,10 @@ State best_state(const Registration& registration,
     if (best) return *best;
     throw Error(ErrorCode::BadData,
                 options.solve_time_offset && offsets_s.empty()
-                    ? "the time offset cannot be solved: at no offset do both trajectories turn or "
-                      "move alike; check that they are of one dive"
+                    ? "the time offset cannot be solved, because the two trajectories do not match "
+                      "at any offset: check that they are of the same dive"
                     : "fewer than " + std::to_string(kLeastPoses) +
-                          " poses have ground truth at their time; check the offset of the clocks");
+                          " poses have ground truth at their time: check the offset of the clocks");
 }
 
 }  // namespace
@@ -335,7 +334,7 @@ TruthRegistration register_truth(const Trajectory& estimate,
     if (estimate.size() < kLeastPoses)
         throw Error(ErrorCode::BadData,
                     "the estimate has fewer than " + std::to_string(kLeastPoses) +
-                        " poses: too few to solve lever arm or time offset");
+                        " poses, too few to solve lever arm or time offset: give both as measured");
     const Registration registration(estimate, truth, options);
     const State state = best_state(registration, estimate, truth, options);
     const auto rows = registration.rows(state);

@@ -25,7 +25,8 @@ static_assert(std::endian::native == std::endian::little);  // as the page reads
 cv::Mat read_png(const std::filesystem::path& file, int flags, int type) {
     cv::Mat picture = cv::imread(file.string(), flags);
     if (picture.empty() || picture.type() != type)
-        throw Error(ErrorCode::BadData, file.string() + " is not the picture that was written");
+        throw Error(ErrorCode::BadData,
+                    file.string() + " is not the image that divemesh wrote: reconstruct again");
     return picture;
 }
 

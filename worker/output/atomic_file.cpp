@@ -18,7 +18,7 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
     if (code == ENOSPC || code == EDQUOT || code == EFBIG)
         throw Error(ErrorCode::OutOfSpace,
                     "cannot write " + file.string() + ": " + reason +
-                        "; free space there or choose another folder");
+                        ": free space there or choose another folder");
     throw Error(ErrorCode::Unavailable, "cannot write " + file.string() + ": " + reason);
 }
 

@@ -66,7 +66,8 @@ void write_covariances(const std::filesystem::path& file, const CovarianceTrack&
 
 CovarianceTrack read_covariances(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Error(ErrorCode::NotFound, "no file " + file.string());
+    if (!stream)
+        throw Error(ErrorCode::NotFound, "there is no file " + file.string() + ": check the path");
     CovarianceTrack covariances;
     std::string line;
     std::getline(stream, line);  // the heading
@@ -77,7 +78,7 @@ CovarianceTrack read_covariances(const std::filesystem::path& file) {
         if (!rises)
             throw Error(ErrorCode::BadData,
                         file.string() + ", line " + std::to_string(number) +
-                            ": not a later stamp and twelve numbers");
+                            ": expected a later timestamp than before and twelve numbers");
         covariances.push_back(*pose);
     }
     return covariances;

@@ -24,8 +24,7 @@ constexpr EnumText<ExportFormat> kTexts[] = {
 
 cv::Mat read_picture(const std::filesystem::path& file) {
     cv::Mat picture = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
-    if (picture.empty())
-        throw Error(ErrorCode::BadData, "cannot read the picture " + file.string());
+    if (picture.empty()) throw Error(ErrorCode::BadData, "cannot read the image " + file.string());
     return picture;
 }
 
@@ -80,9 +79,9 @@ std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstructi
                                         const std::filesystem::path& out) {
     if (!position)
         throw Error(ErrorCode::InvalidArgument,
-                    "a GeoTIFF needs to know where the dive was: write position {latitude_deg, "
-                    "longitude_deg, x_azimuth_deg} into its dive.json, or give --latitude and "
-                    "--longitude");
+                    "the position of the dive is not known, so a GeoTIFF cannot be written: write "
+                    "position {latitude_deg, longitude_deg, x_azimuth_deg} into its dive.json, or "
+                    "give --latitude and --longitude");
     const StoredMosaic mosaic = read_mosaic(reconstruction);
     const UtmFrame utm = utm_frame(*position);
     const RasterFrame frame{utm.epsg, utm.A * mosaic.T_world_pixel, citation(*position)};

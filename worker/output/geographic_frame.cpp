@@ -29,8 +29,8 @@ int zone_of(double longitude_deg) {
 UtmFrame utm_frame(const GeographicPosition& position) {
     if (!position.is_valid())
         throw Error(ErrorCode::InvalidArgument,
-                    "the position must have a latitude from -80 to 84 and a longitude from -180 to "
-                    "180 degrees (what UTM covers)");
+                    "the position is outside of UTM: give a latitude from -80 to 84 and a "
+                    "longitude from -180 to 180 degrees");
     const int zone = zone_of(position.longitude_deg);
     const bool south = position.latitude_deg < 0.0;
     const std::unique_ptr<PJ_CONTEXT, Destroy> context(proj_context_create());

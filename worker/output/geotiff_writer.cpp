@@ -100,7 +100,7 @@ void set_frame(TIFF* tiff, const RasterFrame& frame) {
     // clang-format on
     TIFFSetField(tiff, TIFFTAG_GEOTRANSMATRIX, static_cast<int>(matrix.size()), matrix.data());
     const std::unique_ptr<GTIF, Close> keys(GTIFNew(tiff));
-    if (!keys) throw Error(ErrorCode::OutOfMemory, "no memory for the keys of a GeoTIFF");
+    if (!keys) throw Error(ErrorCode::OutOfMemory, "there is no memory for the keys of a GeoTIFF");
     GTIFKeySet(keys.get(), GTModelTypeGeoKey, TYPE_SHORT, 1, ModelTypeProjected);
     GTIFKeySet(keys.get(), GTRasterTypeGeoKey, TYPE_SHORT, 1, RasterPixelIsArea);
     GTIFKeySet(keys.get(), ProjectedCSTypeGeoKey, TYPE_SHORT, 1, frame.epsg);
@@ -129,11 +129,11 @@ void write_geotiff(const std::filesystem::path& file,
                    const cv::Mat& raster,
                    const RasterFrame& frame) {
     if (raster.type() != CV_8UC4 && raster.type() != CV_32FC1)
-        throw Error(ErrorCode::InvalidArgument, "a GeoTIFF is made of BGRA or of heights");
+        throw Error(ErrorCode::InvalidArgument, "a GeoTIFF needs a BGRA image or heights");
     MemoryFile memory;
     const std::unique_ptr<TIFF, Close> tiff(XTIFFClientOpen(
         file.filename().c_str(), "w", &memory, read, write, seek, close, size, map, unmap));
-    if (!tiff) throw Error(ErrorCode::OutOfMemory, "no memory for " + file.string());
+    if (!tiff) throw Error(ErrorCode::OutOfMemory, "there is no memory for " + file.string());
     set_layout(tiff.get(), raster);
     set_frame(tiff.get(), frame);
     for (int row = 0; row < raster.rows; row += kTile_px)

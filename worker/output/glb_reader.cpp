@@ -55,7 +55,7 @@ public:
         const Eigen::Affine3d z_up(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitX()));
         for (const json& node : scene.value("nodes", json::array()))
             add_node(node.get<int>(), z_up, 0);
-        if (mesh_.vertices.empty()) fail("no positions in its scene");
+        if (mesh_.vertices.empty()) fail("its scene has no positions");
         return std::move(mesh_);
     } catch (const json::exception&) {
         fail("its JSON is not glTF 2.0");
@@ -63,34 +63,34 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorCode::BadData, name_ + ": " + what + "; export it as glTF 2.0 binary");
+        throw Error(ErrorCode::BadData, name_ + ": " + what + ": export it as glTF 2.0 binary");
     }
 
     // Header, JSON chunk, binary chunk (glTF 2.0, section 4.4).
     void split(std::string_view bytes) {
         if (bytes.size() < 20 || bytes.substr(0, 4) != "glTF" || word_at(bytes, 4) != 2)
-            fail("no header of glTF 2");
+            fail("it has no glTF 2 header");
         const std::size_t json_bytes = word_at(bytes, 12);
         if (word_at(bytes, 16) != 0x4E4F534AU || json_bytes > bytes.size() - 20)
-            fail("its JSON is cut short");
+            fail("its JSON is incomplete");
         document_ = json::parse(bytes.substr(20, json_bytes));
         const std::string_view rest = bytes.substr(20 + json_bytes);
         if (rest.size() < 8) return;
         const std::size_t buffer_bytes = word_at(rest, 0);
         if (word_at(rest, 4) != 0x004E4942U || buffer_bytes > rest.size() - 8)
-            fail("its buffer is cut short");
+            fail("its buffer is incomplete");
         buffer_ = rest.substr(8, buffer_bytes);
     }
 
     const json& member(const char* key) const {
         const auto found = document_.find(key);
-        if (found == document_.end() || !found->is_array()) fail(std::string("no ") + key);
+        if (found == document_.end() || !found->is_array()) fail(std::string("it has no ") + key);
         return *found;
     }
 
     const json& entry(const json& list, std::int64_t index, const char* what) const {
         if (index < 0 || index >= std::ssize(list))
-            fail(std::string("it names a ") + what + " that is not there");
+            fail(std::string("it refers to a ") + what + " that does not exist");
         return list[static_cast<std::size_t>(index)];
     }
 
@@ -107,10 +107,10 @@ private:
     Span span_of(std::int64_t accessor_index, std::string_view type, std::size_t num_components) {
         const json& accessor = entry(member("accessors"), accessor_index, "accessor");
         if (accessor.value("type", "") != type || accessor.contains("sparse"))
-            fail("an accessor is sparse or of another type than " + std::string(type));
+            fail("an accessor is sparse or not of type " + std::string(type));
         const json& view =
             entry(member("bufferViews"), accessor.value("bufferView", -1), "buffer view");
-        if (view.value("buffer", -1) != 0) fail("its data are in another file");
+        if (view.value("buffer", -1) != 0) fail("its data is in another file");
         Span span;
         span.component_type = accessor.value("componentType", 0);
         const std::size_t size_bytes = num_components * size_of(span.component_type);
@@ -120,20 +120,20 @@ private:
         const auto count = accessor.value("count", std::uint64_t{0});
         span.stride_bytes = view.value("byteStride", std::uint64_t{size_bytes});
         if (size_bytes == 0 || span.stride_bytes < size_bytes || span.stride_bytes > 252)
-            fail("an accessor has a component type or stride that glTF does not know");
+            fail("an accessor has a component type or stride that glTF does not define");
         const bool is_inside =
             view_begin <= buffer_.size() && view_bytes <= buffer_.size() - view_begin &&
             begin <= view_bytes &&
             (count == 0 || (view_bytes - begin >= size_bytes &&
                             count - 1 <= (view_bytes - begin - size_bytes) / span.stride_bytes));
-        if (!is_inside) fail("an accessor reaches beyond the buffer");
+        if (!is_inside) fail("an accessor reaches beyond its buffer");
         span.count = count;
         span.data = buffer_.data() + view_begin + begin;
         return span;
     }
 
     void add_node(int index, const Eigen::Affine3d& T_scene_parent, int depth) {
-        if (depth > kMaxDepth) fail("its nodes lie within one another too deeply");
+        if (depth > kMaxDepth) fail("its nodes are nested too deeply");
         const json& node = entry(member("nodes"), index, "node");
         visited_.resize(member("nodes").size(), false);
         if (visited_[static_cast<std::size_t>(index)]) fail("a node has two parents");
@@ -166,7 +166,7 @@ private:
             const auto first = mesh_.vertices.size();
             const auto positions =
                 span_of(primitive.at("attributes").at("POSITION").get<int>(), "VEC3", 3);
-            if (positions.component_type != kFloat) fail("positions are no floats");
+            if (positions.component_type != kFloat) fail("positions are not floats");
             if (positions.count > max_entries() - first) fail("it shows its meshes too often");
             for (std::size_t i = 0; i < positions.count; ++i) {
                 Eigen::Vector3f p;
@@ -183,13 +183,14 @@ private:
         std::vector<std::uint32_t> corners;
         if (primitive.contains("indices")) {
             const Span indices = span_of(primitive["indices"].get<int>(), "SCALAR", 1);
-            if (indices.component_type == kFloat) fail("indices are floats");
+            if (indices.component_type == kFloat) fail("indices are floats instead of integers");
             for (std::size_t i = 0; i < indices.count; ++i) {
                 std::uint32_t corner = 0;
                 std::memcpy(&corner,
                             indices.data + i * indices.stride_bytes,
                             size_of(indices.component_type));
-                if (corner >= num_vertices) fail("a triangle names a vertex that is not there");
+                if (corner >= num_vertices)
+                    fail("a triangle refers to a vertex that does not exist");
                 corners.push_back(corner);
             }
         } else {
@@ -223,9 +224,9 @@ Mesh read_mesh(const std::filesystem::path& file) {
     constexpr std::uintmax_t kMax_bytes = std::uintmax_t{4} << 30;
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
-        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + "; check the path");
+        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
     if (std::filesystem::file_size(file) > kMax_bytes)
-        throw Error(ErrorCode::TooLarge, file.string() + " is larger than 4 GiB; simplify it");
+        throw Error(ErrorCode::TooLarge, file.string() + " is larger than 4 GiB: simplify it");
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     const std::string name = file.filename().string();
     if (bytes.starts_with("ply")) return parse_ply(bytes, name);

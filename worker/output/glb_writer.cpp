@@ -126,8 +126,9 @@ void write_chunks(const std::filesystem::path& file, std::string text, const Doc
     const bool has_buffer = document.size_bytes() > 0;
     const std::size_t total = 12 + 8 + text.size() + (has_buffer ? 8 + document.size_bytes() : 0);
     if (total > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorCode::TooLarge,
-                    file.string() + ": glTF binary ends at 4 GiB; choose a larger voxel");
+        throw Error(
+            ErrorCode::TooLarge,
+            file.string() + " would exceed the 4 GiB limit of glTF binary: choose a larger voxel");
     AtomicFile output(file);
     output.write("glTF" + little_endian(2) + little_endian(static_cast<std::uint32_t>(total)));
     output.write(little_endian(static_cast<std::uint32_t>(text.size())) + "JSON" + text);

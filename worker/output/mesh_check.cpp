@@ -11,7 +11,7 @@ namespace {
 void check_length(const char* what, std::size_t length, std::size_t num_vertices) {
     if (length != 0 && length != num_vertices)
         throw Error(ErrorCode::InvalidArgument,
-                    std::string("mesh with ") + std::to_string(length) + " " + what + " for " +
+                    std::string("the mesh has ") + std::to_string(length) + " " + what + " for " +
                         std::to_string(num_vertices) + " vertices");
 }
 
@@ -45,10 +45,11 @@ void check_mesh(const Mesh& mesh) {
     check_length("observation counts", mesh.num_observations.size(), num_vertices);
     const auto is_finite = [](const Eigen::Vector3f& vertex) { return vertex.allFinite(); };
     if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), is_finite))
-        throw Error(ErrorCode::InvalidArgument, "mesh with a vertex that is not finite");
+        throw Error(ErrorCode::InvalidArgument, "the mesh has a vertex that is not finite");
     for (const auto& triangle : mesh.triangles)
         if (*std::max_element(triangle.begin(), triangle.end()) >= num_vertices)
-            throw Error(ErrorCode::InvalidArgument, "mesh with a triangle of missing vertices");
+            throw Error(ErrorCode::InvalidArgument,
+                        "the mesh has a triangle with a vertex that does not exist");
 }
 
 std::vector<Eigen::Vector3f> unit_normals(const Mesh& mesh) {

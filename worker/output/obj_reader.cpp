@@ -43,7 +43,7 @@ public:
             read_line(bytes.substr(0, end));
             bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 1);
         }
-        if (mesh_.vertices.empty()) fail("no vertex in the file");
+        if (mesh_.vertices.empty()) fail("the file has no vertices");
         if (mesh_.colors.size() != mesh_.vertices.size()) mesh_.colors.clear();
         return std::move(mesh_);
     }
@@ -99,7 +99,7 @@ private:
             fail("a corner of a face is not a number");
         const std::int64_t place = index < 0 ? count + index : index - 1;
         if (index == 0 || place < 0 || place >= count)
-            fail("a face names vertex " + std::to_string(index) + ", which is not there");
+            fail("a face refers to vertex " + std::to_string(index) + ", which does not exist");
         return static_cast<std::uint32_t>(place);
     }
 

@@ -124,7 +124,7 @@ Header parse_header(std::string_view bytes, const std::string& name) {
         if (line == "end_header") return header;
         parse_header_line(line, name, header);
     }
-    fail(name, "PLY header without end_header");
+    fail(name, "PLY header has no end_header");
 }
 
 // Hands out the scalars of the body one by one.
@@ -142,7 +142,8 @@ private:
         rest_.remove_prefix(start);
         double value = 0.0;
         const auto [end, code] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
-        if (code != std::errc()) fail(name_, "PLY body is cut short or holds what is no number");
+        if (code != std::errc())
+            fail(name_, "PLY body is incomplete or contains text that is not a number");
         rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
         return value;
     }
@@ -239,8 +240,8 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
     const auto has = [&](Target target) {
         return std::find(targets.begin(), targets.end(), target) != targets.end();
     };
-    if (!has(Target::X) || !has(Target::Y) || !has(Target::Z)) fail(name, "PLY without x, y, z");
-    if (!mesh.vertices.empty()) fail(name, "PLY with two lists of vertices");
+    if (!has(Target::X) || !has(Target::Y) || !has(Target::Z)) fail(name, "PLY has no x, y, z");
+    if (!mesh.vertices.empty()) fail(name, "PLY has two lists of vertices");
     mesh.vertices.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Nx)) mesh.normals.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Red)) mesh.colors.resize(element.count);
@@ -280,7 +281,7 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
 
 std::uint32_t vertex_index(double value, const Mesh& mesh, const std::string& name) {
     if (!(value >= 0.0 && value < static_cast<double>(mesh.vertices.size())))
-        fail(name, "PLY face names a vertex that is not there");
+        fail(name, "PLY face refers to a vertex that does not exist");
     return static_cast<std::uint32_t>(value);
 }
 
@@ -323,8 +324,8 @@ Mesh parse_ply(std::string_view bytes, const std::string& name) {
     for (const Element& element : header.elements) {
         if (element.count > body.remaining_bytes() / least_bytes(element, header.format))
             fail(name,
-                 "PLY promises " + std::to_string(element.count) + " of element " + element.name +
-                     ", the file is too short for them; copy it again");
+                 "PLY announces " + std::to_string(element.count) + " of element " + element.name +
+                     ", but the file is too short: copy it again");
         if (element.name == "vertex")
             read_vertices(element, body, name, mesh);
         else
@@ -336,7 +337,7 @@ Mesh parse_ply(std::string_view bytes, const std::string& name) {
 Mesh read_ply(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
-        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + "; check the path");
+        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
     std::error_code unknown;
     const std::uintmax_t size_bytes = std::filesystem::file_size(file, unknown);
     std::string bytes;

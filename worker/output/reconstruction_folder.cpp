@@ -21,10 +21,10 @@ constexpr double kRotationTolerance = 1e-3;  // of a quaternion's norm
 json read_json(const std::filesystem::path& file) {
     std::ifstream stream(file);
     if (!stream)
-        throw Error(ErrorCode::NotFound,
-                    "no " + file.filename().string() + " in " + file.parent_path().string() +
-                        "; give the folder that `divemesh reconstruct --out` or `divemesh "
-                        "download` made");
+        throw Error(
+            ErrorCode::NotFound,
+            "no " + file.filename().string() + " in " + file.parent_path().string() +
+                ": give the folder that `divemesh reconstruct --out` or `divemesh download` wrote");
     json document = json::parse(stream, nullptr, false);
     if (!document.is_object())
         throw Error(ErrorCode::BadData, file.string() + " is not a JSON object");

@@ -209,7 +209,7 @@ void write_kitti(const std::filesystem::path& file, const Trajectory& trajectory
 TrajectoryFile read_trajectory(const std::filesystem::path& file) {
     std::ifstream stream(file);
     if (!stream)
-        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + "; check the path");
+        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
     TrajectoryFile result;
     Line line{file.filename().string(), 0};
     for (std::string text; std::getline(stream, text);) {
@@ -219,12 +219,12 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file) {
         if (result.poses.empty()) result.format = detect(text, words.size(), line);
         const StampedPose pose = parse_pose(words, result.format, result.poses.size(), line);
         if (!result.poses.empty() && pose.timestamp_ns <= result.poses.back().timestamp_ns)
-            line.fail("timestamp " + words[0] +
-                      " does not come after the one before; sort the file "
-                      "and remove repeated stamps");
+            line.fail(
+                "timestamp " + words[0] +
+                " is not later than the one before: sort the file and remove repeated timestamps");
         result.poses.push_back(pose);
     }
-    if (result.poses.empty()) line.fail("no pose in the file");
+    if (result.poses.empty()) line.fail("the file has no poses");
     return result;
 }
 

@@ -66,7 +66,7 @@ void add_rugosity_by_height_variation(Kinds& kinds, double spacing_m) {
 
 void add_heights(Kinds& kinds) {
     FigureKind range{"height_range", "m", std::nullopt};
-    range.method = "highest less lowest along the normal (habtools hr)";
+    range.method = "highest minus lowest along the normal (habtools hr)";
     range.lowest = 0.0;
     range.is_extreme = true;
     range.length_power = 1;
@@ -74,7 +74,7 @@ void add_heights(Kinds& kinds) {
     range.measure = [](const Ground& ground) { return height_range(ground.grid); };
     kinds.push_back(range);
     FigureKind volume{"volume", "m3", std::nullopt};
-    volume.method = "between the highest surface and the area's plane, above less below";
+    volume.method = "between the highest surface and the area's plane, above minus below";
     volume.is_extreme = true;
     volume.length_power = 3;
     volume.is_from_plane = true;
@@ -92,7 +92,7 @@ std::optional<Eigen::Vector3d> normal_world(const Ground& ground) {
 
 void add_slope(Kinds& kinds) {
     FigureKind slope{"slope", "deg", std::nullopt};
-    slope.method = "of the plane that fits the heights, to the horizontal";
+    slope.method = "of the plane fitted to the heights, from the horizontal";
     slope.lowest = 0.0;
     slope.highest = 180.0;
     slope.measure = [](const Ground& ground) -> std::optional<double> {

@@ -34,9 +34,10 @@ Eigen::Vector3d upward_normal(const std::vector<Eigen::Vector3d>& corners) {
 AreaPlane plane_of(const Area& area) {
     const Eigen::Vector3d normal = area.normal.value_or(upward_normal(area.points));
     if (normal.isZero())
-        throw Error(
-            ErrorCode::BadData,
-            "area '" + area.name + "' has no area: its corners lie on a line, or its sides cross");
+        throw Error(ErrorCode::BadData,
+                    "area '" + area.name +
+                        "' has no area, because its corners are on a line or its sides cross: "
+                        "check the corners");
     AreaPlane plane;
     plane.T_plane_world = T_plane_world(area.points[0], area.points[1] - area.points[0], normal);
     for (const Eigen::Vector3d& point : area.points)
@@ -44,10 +45,12 @@ AreaPlane plane_of(const Area& area) {
     if (is_self_crossing(plane.outline))
         throw Error(ErrorCode::BadData,
                     "area '" + area.name +
-                        "': sides cross or touch; give the corners in their order, each once");
+                        "': its sides cross or touch: give the corners in order, each once");
     if (!(area_m2(plane.outline) > kLeastArea_m2))
-        throw Error(ErrorCode::BadData,
-                    "area '" + area.name + "' has no area, seen along its normal");
+        throw Error(
+            ErrorCode::BadData,
+            "area '" + area.name +
+                "' has no area when seen along its normal: check the normal and the corners");
     return plane;
 }
 

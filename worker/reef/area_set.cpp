@@ -31,7 +31,7 @@ Eigen::Vector3d read_vector(const json& value, const std::string& where) {
         if (!value[i].is_number()) refuse(where, "a coordinate is not a number");
         vector[i] = value[i].get<double>();
         if (!(std::abs(vector[i]) <= kFarthest_m))
-            refuse(where, "a coordinate is not finite or beyond 100 km");
+            refuse(where, "a coordinate is not finite or is beyond 100 km");
     }
     return vector;
 }
@@ -45,7 +45,7 @@ std::string read_text(const json& entry, const char* key, const std::string& whe
         refuse(where, std::string(key) + " is longer than " + std::to_string(kMaxNameLength));
     for (const char c : text)
         if (static_cast<unsigned char>(c) < 0x20U || c == 0x7f)
-            refuse(where, std::string(key) + " holds a control character");
+            refuse(where, std::string(key) + " contains a control character");
     return text;
 }
 
@@ -54,7 +54,7 @@ AreaKind read_kind(const json& entry, const std::string& where) {
     if (text.empty()) return entry.contains("corners") ? AreaKind::Quadrat : AreaKind::Polygon;
     for (const AreaKind kind : {AreaKind::Quadrat, AreaKind::Polygon, AreaKind::Transect})
         if (text == to_string(kind)) return kind;
-    refuse(where, "kind is quadrat, polygon or transect, not '" + text + "'");
+    refuse(where, "kind must be quadrat, polygon or transect, not '" + text + "'");
 }
 
 std::vector<Eigen::Vector3d> read_points(const json& entry, const std::string& where) {
@@ -62,35 +62,37 @@ std::vector<Eigen::Vector3d> read_points(const json& entry, const std::string& w
     for (const char* key : {"corners", "polygon", "line"}) {
         const auto found = entry.find(key);
         if (found == entry.end()) continue;
-        if (list != nullptr) refuse(where, "give one of corners, polygon and line");
+        if (list != nullptr)
+            refuse(where, "there is more than one of corners, polygon and line: give exactly one");
         list = &*found;
     }
-    if (list == nullptr || !list->is_array()) refuse(where, "no list of corners, polygon or line");
+    if (list == nullptr || !list->is_array())
+        refuse(where, "there is no list corners, polygon or line");
     if (list->size() > kMaxPoints)
-        refuse(where, "more than " + std::to_string(kMaxPoints) + " points");
+        refuse(where, "it has more than " + std::to_string(kMaxPoints) + " points");
     std::vector<Eigen::Vector3d> points;
     for (const json& point : *list) points.push_back(read_vector(point, where));
     return points;
 }
 
 void check_line(const Area& area, const std::string& where) {
-    if (area.points.size() < 2) refuse(where, "a transect of fewer than two points");
+    if (area.points.size() < 2) refuse(where, "a transect needs at least two points");
     const Eigen::Vector3d normal = area.normal.value_or(Eigen::Vector3d::UnitZ());
     double length_m = 0.0;
     for (std::size_t i = 1; i < area.points.size(); ++i) {
         length_m += (area.points[i] - area.points[i - 1]).norm();
         if (!((area.points[i] - area.points[i - 1]).cross(normal).norm() > 1e-4))
-            refuse(where, "two points of the transect lie above one another");
+            refuse(where, "two points of the transect are above each other");
     }
-    if (length_m > kLongest_m) refuse(where, "a transect longer than 10 km");
+    if (length_m > kLongest_m) refuse(where, "the transect is longer than 10 km");
 }
 
 Area read_area(const json& entry, std::size_t index) {
     std::string where = "area " + std::to_string(index + 1);
-    if (!entry.is_object()) refuse(where, "not an object");
+    if (!entry.is_object()) refuse(where, "it must be an object");
     Area area;
     area.name = read_text(entry, "name", where);
-    if (area.name.empty()) refuse(where, "no name");
+    if (area.name.empty()) refuse(where, "it has no name");
     where = "area '" + area.name + "'";
     area.label = read_text(entry, "label", where);
     area.kind = read_kind(entry, where);
@@ -103,7 +105,7 @@ Area read_area(const json& entry, std::size_t index) {
     if (area.kind == AreaKind::Transect) {
         check_line(area, where);
     } else {
-        if (area.points.size() < 3) refuse(where, "fewer than three points");
+        if (area.points.size() < 3) refuse(where, "it needs at least three points");
         plane_of(area);
     }
     return area;
@@ -113,7 +115,7 @@ AreaFrame read_frame(const json& document) {
     const std::string text = read_text(document, "frame", "areas");
     if (text.empty() || text == "world") return AreaFrame::World;
     if (text == "ground_truth") return AreaFrame::GroundTruth;
-    refuse("areas", "frame is world or ground_truth, not '" + text + "'");
+    refuse("areas", "frame must be world or ground_truth, not '" + text + "'");
 }
 
 }  // namespace
@@ -126,16 +128,16 @@ std::string_view to_string(AreaKind kind) {
 AreaSet parse_areas(const json& document) {
     const auto list = document.is_object() ? document.find("areas") : document.end();
     if (list == document.end() || !list->is_array())
-        refuse("areas", "not an object with a list 'areas'");
+        refuse("areas", "the file must be an object with a list 'areas'");
     if (list->size() > kMaxAreas)
-        refuse("areas", "more than " + std::to_string(kMaxAreas) + " areas");
+        refuse("areas", "there are more than " + std::to_string(kMaxAreas) + " areas");
     AreaSet set;
     set.frame = read_frame(document);
     std::set<std::string> names;
     for (std::size_t i = 0; i < list->size(); ++i) {
         set.areas.push_back(read_area((*list)[i], i));
         if (!names.insert(set.areas.back().name).second)
-            refuse("area '" + set.areas.back().name + "'", "the name is there twice");
+            refuse("area '" + set.areas.back().name + "'", "the name is used twice");
     }
     return set;
 }
@@ -146,9 +148,9 @@ AreaSet read_areas(const std::filesystem::path& file) {
     std::ifstream stream(file);
     if (error || !stream)
         throw Error(ErrorCode::NotFound, "cannot read the areas in " + file.string());
-    if (size > kMaxFile_bytes) refuse(file.string(), "larger than 64 MiB");
+    if (size > kMaxFile_bytes) refuse(file.string(), "it is larger than 64 MiB");
     const json document = json::parse(stream, nullptr, false);
-    if (document.is_discarded()) refuse(file.string(), "not JSON");
+    if (document.is_discarded()) refuse(file.string(), "it is not JSON");
     try {
         return parse_areas(document);
     } catch (const Error& refused) {

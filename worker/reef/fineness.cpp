@@ -36,7 +36,7 @@ std::optional<std::string> refused_at(double spacing_m, const Fineness& fineness
     if (fineness.sigma_m && spacing_m + kSlack_m < 3.0 * *fineness.sigma_m)
         return "below 3 sigma of the surface, " + length_text(3.0 * *fineness.sigma_m);
     if (fineness.detail_m && spacing_m + kSlack_m < *fineness.detail_m)
-        return "finer than the detail that the surface holds, " + length_text(*fineness.detail_m);
+        return "finer than the detail of the surface, " + length_text(*fineness.detail_m);
     if (spacing_m + kSlack_m < fineness.least_sample_m)
         return "the area is too large for samples closer than " +
                length_text(fineness.least_sample_m);

@@ -40,10 +40,10 @@ void append(const json& figures, json& all) {
 void check(const Mesh& mesh, const AreaSet& set) {
     check_mesh(mesh);
     if (mesh.triangles.empty())
-        throw Error(ErrorCode::InvalidArgument, "the mesh has no triangle to measure");
+        throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to measure");
     if (set.frame != AreaFrame::World)
         throw Error(ErrorCode::InvalidArgument,
-                    "the areas are in the ground truth's frame; a ground truth has to be given");
+                    "the areas are in the ground truth's frame: give a ground truth");
 }
 
 }  // namespace

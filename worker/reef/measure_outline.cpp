@@ -46,7 +46,7 @@ std::optional<std::string> refusal(const FigureKind& kind,
                                    double coverage,
                                    const MeasureOptions& options) {
     if (task.is_whole_model && kind.figure == "volume")
-        return "the whole model has no plane of its own; give an area";
+        return "the whole model has no reference plane: give an area";
     const double least =
         kind.is_extreme ? options.least_coverage_of_extremes : options.least_coverage;
     if (!task.is_whole_model && coverage < least)
@@ -68,7 +68,7 @@ std::optional<std::string> too_flat(const FigureKind& kind, const OutlineSurvey&
     const double least = 3.0 * survey.fineness.sigma_m.value_or(0.0);
     if (mean > least) return std::nullopt;
     return "too flat: heights within " + length_text(*kind.resolution_m) + " differ by " +
-           length_text(mean) + ", not by more than 3 sigma of the surface, " + length_text(least);
+           length_text(mean) + ", not more than 3 sigma of the surface, " + length_text(least);
 }
 
 SharedError shared_error(const FigureKind& kind,
@@ -105,15 +105,15 @@ void add_figures(const std::vector<FigureKind>& kinds,
         const bool is_known = std::isfinite(estimated.low) && std::isfinite(estimated.high);
         if (estimated.high < kinds[k].lowest || estimated.low > kinds[k].highest) {
             result.figures.push_back(refused_json(
-                task, kinds[k], "all of its interval lies beyond what the figure can be"));
+                task, kinds[k], "the whole interval is outside of the possible values"));
             continue;
         }
-        result.figures.push_back(
-            is_known ? figure_json(task, kinds[k], estimated)
-                     : refused_json(task,
-                                    kinds[k],
-                                    kinds[k].is_direction ? "too flat to face anywhere"
-                                                          : "the ground seen is too small for it"));
+        result.figures.push_back(is_known ? figure_json(task, kinds[k], estimated)
+                                          : refused_json(task,
+                                                         kinds[k],
+                                                         kinds[k].is_direction
+                                                             ? "too flat to have a direction"
+                                                             : "too little ground was seen"));
     }
 }
 

@@ -36,7 +36,7 @@ HtmlRows accuracy_rows(const json& metrics) {
     figures.add(
         rows, "Trajectory error (ATE), RMS", "/trajectory/final/ate_rmse_m", "%.1f mm", 1e3);
     figures.add(rows, "Trajectory error, median", "/trajectory/final/ate_median_m", "%.1f mm", 1e3);
-    figures.add(rows, "Trajectory error, largest", "/trajectory/final/ate_max_m", "%.1f mm", 1e3);
+    figures.add(rows, "Trajectory error, max", "/trajectory/final/ate_max_m", "%.1f mm", 1e3);
     figures.add(
         rows, "Without hindsight (causal), RMS", "/trajectory/causal/ate_rmse_m", "%.1f mm", 1e3);
     figures.add(rows, "Drift over segments", "/trajectory/final/drift_percent", "%.2f %%");
@@ -44,7 +44,7 @@ HtmlRows accuracy_rows(const json& metrics) {
     figures.add(rows, "Scale of the trajectory", "/trajectory/final/sim3_scale", "%.4f");
     figures.add(rows, "Known distances measured", "/known_distances/num_measured", "%.0f");
     figures.add(
-        rows, "Scale error by known distances", "/known_distances/scale_error", "%+.2f %%", 1e2);
+        rows, "Scale error from known distances", "/known_distances/scale_error", "%+.2f %%", 1e2);
     figures.add(rows,
                 "Known distances, median error",
                 "/known_distances/median_abs_error_m",
@@ -72,12 +72,12 @@ HtmlRows expected_rows(const json& metrics) {
     };
     add("Trajectory error (ATE), 95 % below", "trajectory/ate/bound_m", "%.1f mm", 1e3);
     add("Last position, 95 % below", "trajectory/end_position/bound_m", "%.1f mm", 1e3);
-    add("Loops, what is left of them", "trajectory/loops/residual_rms_m", "%.1f mm", 1e3);
-    add("Scale by the accelerometer", "scale/accelerometer/scale", "%.3f", 1.0);
+    add("Remaining error of the loops", "trajectory/loops/residual_rms_m", "%.1f mm", 1e3);
+    add("Scale from the accelerometer", "scale/accelerometer/scale", "%.3f", 1.0);
     add("Its standard deviation", "scale/accelerometer/sigma", "%.3f", 1.0);
-    add("Scale by the pressure", "scale/pressure/scale", "%.3f", 1.0);
+    add("Scale from the pressure", "scale/pressure/scale", "%.3f", 1.0);
     add("Its standard deviation", "scale/pressure/sigma", "%.3f", 1.0);
-    add("Scale by known distances", "scale/known_distances/scale", "%.4f", 1.0);
+    add("Scale from known distances", "scale/known_distances/scale", "%.4f", 1.0);
     add("Its standard deviation", "scale/known_distances/sigma", "%.4f", 1.0);
     add("Surface error, 95 % below", "surface/error_95_m", "%.1f mm", 1e3);
     add("Surface sigma, median", "surface/sigma_median_m", "%.1f mm", 1e3);
@@ -106,11 +106,11 @@ HtmlRows dive_rows(const json& metrics) {
     figures.add(
         rows, "Its standard deviation", "/calibration/refined/time_offset_s/sigma", "%.2f ms", 1e3);
     figures.add(rows,
-                "IMU turned against the calibration",
+                "IMU rotation from the calibration",
                 "/calibration/refined/rotation_deg/angle",
                 "%.2f°");
     figures.add(rows,
-                "Bending of the pictures that the calibration misses",
+                "Lens distortion missing in the calibration",
                 "/calibration/refined/lenses/shift_px",
                 "%.2f px");
     return rows;
@@ -121,7 +121,7 @@ HtmlRows result_rows(const json& metrics) {
     HtmlRows rows;
     figures.add(rows, "Mesh area", "/mesh/area_m2", "%.2f m²");
     figures.add(rows, "Triangles", "/mesh/num_triangles", "%.0f");
-    figures.add(rows, "Lost by simplifying, largest", "/mesh/simplification/max_m", "%.1f mm", 1e3);
+    figures.add(rows, "Error of simplification, max", "/mesh/simplification/max_m", "%.1f mm", 1e3);
     figures.add(rows, "Holes", "/mesh/num_holes", "%.0f");
     figures.add(rows, "Area of the holes", "/mesh/hole_area_m2", "%.3f m²");
     figures.add(rows, "Voxel", "/mesh/voxel_m", "%.1f mm", 1e3);

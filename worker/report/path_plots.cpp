@@ -88,7 +88,7 @@ Plot error_by_segment(const TrajectoryError& error) {
         mean.y.push_back(segment.translation_mean_percent);
         rmse.y.push_back(segment.translation_rmse_percent);
     }
-    return {"Relative error by length of segment", "length, m", "error, %", {mean, rmse}};
+    return {"Relative error by segment length", "length, m", "error, %", {mean, rmse}};
 }
 
 }  // namespace divemesh::worker

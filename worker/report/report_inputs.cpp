@@ -21,7 +21,7 @@ constexpr std::uintmax_t kMaxMeasurements_bytes = std::uintmax_t{16} << 20;
 json described(const std::string& role, const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
-        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + "; check the path");
+        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
     Sha256 hash;
     std::int64_t size_bytes = 0;
     std::vector<char> piece(std::size_t{1} << 20);
@@ -68,10 +68,9 @@ std::unique_ptr<Dive> open_dive(const AccuracyReportRequest& request,
     if (!expected.empty() && dive->content_sha256() != expected)
         throw Error(ErrorCode::BadData,
                     request.dive->filename().string() +
-                        " is another dive than the one reconstructed: its hash is " +
-                        dive->content_sha256().substr(0, 12) + "..., metrics.json says " +
-                        expected.substr(0, 12) +
-                        "...; give the dive that the reconstruction is of");
+                        " is not the dive that was reconstructed: its hash is " +
+                        dive->content_sha256().substr(0, 12) + "..., but metrics.json states " +
+                        expected.substr(0, 12) + "...: give the dive of this reconstruction");
     return dive;
 }
 

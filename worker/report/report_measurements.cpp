@@ -118,7 +118,7 @@ void Measuring::compare_trajectories() try {
     cannot("ground_truth_unusable",
            inputs_.truth_source,
            error.what(),
-           "give a truth of this dive, on its clock or with the offset and lever arm between both");
+           "give a ground truth of this dive, on the same clock or with time offset and lever arm");
 }
 
 void Measuring::compare_surfaces(const ProgressCallback& progress) try {
@@ -126,8 +126,8 @@ void Measuring::compare_surfaces(const ProgressCallback& progress) try {
     if (!result_.trajectory) {
         cannot("surface_not_measured",
                "reference",
-               "nothing lays the mesh on the reference: there is no true trajectory",
-               "give the ground truth in whose world the reference is");
+               "the mesh cannot be aligned with the reference: there is no true trajectory",
+               "give the ground truth trajectory in the world of the reference");
         return;
     }
     const Mesh mesh = inputs_.reconstruction.mesh();
@@ -151,7 +151,7 @@ void Measuring::compare_surfaces(const ProgressCallback& progress) try {
     cannot("surface_not_measured",
            "reference",
            error.what(),
-           "check that both the mesh and the reference hold triangles or points");
+           "check that both the mesh and the reference contain triangles or points");
 }
 
 // The truth of the rig's body, whatever the tracker followed.
@@ -173,12 +173,13 @@ void Measuring::measure_distances() {
     if (!inputs_.dive || (!all_marked && !has_truth)) {
         cannot("known_distances_not_measured",
                "measurements.json",
-               inputs_.dive ? "nothing says where the ends of all lengths appear in the pictures"
-                            : "lengths are measured with the calibration of the rig, which the "
-                              "dive holds",
-               inputs_.dive ? "mark both ends in four frames or more (marks_a, marks_b), or give "
+               inputs_.dive
+                   ? "it is not stated for every length where its ends appear in the images"
+                   : "lengths cannot be measured without the calibration of the rig, which is part "
+                     "of the dive",
+               inputs_.dive ? "mark both ends in at least four frames (marks_a, marks_b), or give "
                               "ground truth, a reference mesh and a reconstruction with a surface"
-                            : "give the dive as well");
+                            : "give the dive too");
         return;
     }
     const Trajectory trajectory = inputs_.reconstruction.trajectory();
@@ -214,7 +215,7 @@ void Measuring::measure_reef() {
             cannot("areas_not_measured",
                    request_.areas->filename().string(),
                    "the areas are in the ground truth's frame, and there is no true trajectory",
-                   "give the ground truth as well");
+                   "give the ground truth too");
             return;
         }
         areas = moved(areas, result_.trajectory->T_reference_surface.inverse());

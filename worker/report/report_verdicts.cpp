@@ -30,7 +30,7 @@ std::string missing_reason(const std::string& name) {
     if (name.starts_with("trajectory.") || name.starts_with("truth."))
         return "not available: it needs ground truth";
     if (name.starts_with("known_distances."))
-        return "not available: it needs known distances whose ends were seen";
+        return "not available: it needs known distances with both ends seen";
     return "not available for this reconstruction";
 }
 

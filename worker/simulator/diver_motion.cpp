@@ -65,9 +65,9 @@ DiverMotion DiverMotion::closed_lap(const SurveyPath& path,
                                     double rate_hz,
                                     std::uint64_t seed) {
     if (path.straight)
-        throw Error(ErrorCode::InvalidArgument,
-                    "this scene is swum straight through and has no laps: leave them out or choose "
-                    "another scene");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "this scene is a straight swim without laps: leave out --laps or choose another scene");
     const double lap_s = std::max(1.0, std::round(length_m / path.speed_m_s * rate_hz)) / rate_hz;
     const auto scaled = [&](double scale) {
         SurveyPath lap = path;

@@ -160,10 +160,11 @@ std::vector<LaidMarker> lay_markers(const SimulateOptions& options,
     for (const double height : {0.5, 0.7, 0.9}) lay_along(options, rig, motion, height, layer);
     const auto wanted = static_cast<std::size_t>(options.num_markers);
     if (layer.boards().size() < wanted)
-        throw Error(ErrorCode::InvalidArgument,
-                    "there is room for " + std::to_string(layer.boards().size()) + " of " +
-                        std::to_string(wanted) +
-                        " markers on what is seen: choose fewer, smaller ones or a longer path");
+        throw Error(
+            ErrorCode::InvalidArgument,
+            "there is room for only " + std::to_string(layer.boards().size()) + " of " +
+                std::to_string(wanted) +
+                " markers on the visible ground: choose fewer or smaller ones, or a longer path");
     return layer.boards();
 }
 

@@ -54,7 +54,7 @@ void check(const SimulateOptions& options) {
     check_range("marker_size_m", options.marker_size_m, 0.02, 1.0);
     check_range("num_threads", options.num_threads, 0, 1024);
     if (options.out.empty())
-        throw Error(ErrorCode::InvalidArgument, "no folder to write the dive to: name one");
+        throw Error(ErrorCode::InvalidArgument, "there is no folder for the dive: give one");
     std::error_code failure;
     if (fs::exists(options.out, failure) &&
         (!fs::is_directory(options.out, failure) || !fs::is_empty(options.out, failure)))

@@ -66,9 +66,8 @@ std::unique_ptr<Volume> load_volume(const std::filesystem::path& path, const Spi
     if (file.ok() && magic == kTsdfMagic) volume = TsdfVolume::load(file, spill);
     if (file.ok() && magic == kOctreeMagic) volume = OctreeVolume::load(file, spill);
     if (!volume || !file.at_end())
-        throw Error(
-            ErrorCode::BadData,
-            path.string() + " is not a volume of this version, or is cut short: fuse again");
+        throw Error(ErrorCode::BadData,
+                    path.string() + " is incomplete or was written by another version: fuse again");
     return volume;
 }
 

@@ -28,11 +28,11 @@ std::size_t place_of(SpillStore::Handle record) {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& folder, const std::string& what, int code) {
-    throw Error(ErrorCode::OutOfSpace,
-                "cannot " + what + " a scratch file in " + folder.string() + ": " +
-                    std::generic_category().message(code) +
-                    "; free space there, choose another scratch folder or raise "
-                    "fusion_memory_bytes");
+    throw Error(
+        ErrorCode::OutOfSpace,
+        "cannot " + what + " a scratch file in " + folder.string() + ": " +
+            std::generic_category().message(code) +
+            ": free space there, choose another scratch folder or raise fusion_memory_bytes");
 }
 
 int open_unnamed(const std::filesystem::path& folder) {

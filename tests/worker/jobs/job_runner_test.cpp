@@ -193,7 +193,7 @@ TEST_F(JobRunnerTest, TruthThatWasNamedAndCannotBeReadIsNotSaidToBeTheRecordings
     const Process worker = start_worker();
     ASSERT_TRUE(reaches(report, JobState::Failed));
     EXPECT_EQ(jobs_.get(report.id).failure.message, "the truth is empty");
-    EXPECT_THAT(jobs_.get(report.id).failure.remedy, HasSubstr("mend that file"));
+    EXPECT_THAT(jobs_.get(report.id).failure.remedy, HasSubstr("correct that file"));
     EXPECT_EQ(storage::TruthStore(catalog_).get(truth.dive_id, truth.id).problem,
               "the truth is empty");
 }
@@ -487,8 +487,8 @@ TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
     EXPECT_GE(cpu_s, 600);
     EXPECT_EQ(cache, 12345);
     EXPECT_EQ(cache_name, "work-cache");
-    const bool cut = worker.stderr_text().find("keep the network") == std::string::npos &&
-                     worker.stdout_text().find("keep the network") == std::string::npos;
+    const bool cut = worker.stderr_text().find("have network access") == std::string::npos &&
+                     worker.stdout_text().find("have network access") == std::string::npos;
     EXPECT_EQ(network, cut ? "no network" : "network");
     EXPECT_EQ(processes, "no processes");
 }

@@ -75,7 +75,7 @@ TEST(MarkerPlanTest, RefusesEveryFieldByItsName) {
 TEST(MarkerPlanTest, AFamilyIsNamedOrRefused) {
     EXPECT_THAT(faults_of(json::object())[0].detail, HasSubstr("field family must name one of"));
     EXPECT_THAT(faults_of({{"family", "aruco"}})[0].detail, HasSubstr("tagStandard41h12"));
-    EXPECT_THAT(faults_of(json::array())[0].detail, HasSubstr("no JSON object"));
+    EXPECT_THAT(faults_of(json::array())[0].detail, HasSubstr("not a JSON object"));
     EXPECT_TRUE(faults_of({{"family", "41h12"}}).size() == 1);
     EXPECT_TRUE(faults_of({{"family", "Standard41h12"}}).empty());
 }

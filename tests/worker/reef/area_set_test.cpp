@@ -82,7 +82,8 @@ TEST(AreaSet, HugeCountsAreRefusedBeforeTheyAreWorkedOn) {
 
 TEST(AreaSet, ATransectLongerThanAnyDiveIsRefused) {
     const json line = {{"name", "t"}, {"kind", "transect"}, {"line", {{0, 0, 0}, {1.1e4, 0, 0}}}};
-    EXPECT_NE(refusal(one(line)).find("area 't': a transect longer than 10 km"), std::string::npos);
+    EXPECT_NE(refusal(one(line)).find("area 't': the transect is longer than 10 km"),
+              std::string::npos);
 }
 
 TEST(AreaSet, AnythingElseThatIsNotAnAreaIsRefused) {
@@ -100,7 +101,7 @@ TEST(AreaSet, AnythingElseThatIsNotAnAreaIsRefused) {
     json line = square();
     line["kind"] = "transect";
     line["corners"] = {{0, 0, 0}, {0, 0, 1}};
-    EXPECT_NE(refusal(one(line)).find("above one another"), std::string::npos);
+    EXPECT_NE(refusal(one(line)).find("above each other"), std::string::npos);
 }
 
 TEST(AreaSet, MovingKeepsTheGroundBelowTheAreas) {

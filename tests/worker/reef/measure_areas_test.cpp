@@ -58,7 +58,7 @@ TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailFiguresAreRefusedWithTheReaso
         return figure_of(measured, "q", "rugosity", resolution_m).value("refused", "");
     };
     EXPECT_NE(refused(0.01).find("3 sigma of the surface, 15.0 mm"), std::string::npos);
-    EXPECT_NE(refused(0.02).find("detail that the surface holds, 40.0 mm"), std::string::npos);
+    EXPECT_NE(refused(0.02).find("detail of the surface, 40.0 mm"), std::string::npos);
     EXPECT_EQ(refused(0.05), "");
     EXPECT_NEAR(figure_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
 }
