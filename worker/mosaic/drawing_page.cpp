@@ -99,7 +99,7 @@ std::string drawing_page(const ReconstructionFolder& model) {
         throw Error(ErrorCode::BadData,
                     (model.path() / "mosaic.json").string() + ": " + error.what());
     }
-    std::string page(drawing_page_template());
+    std::string page(drawing_page_template_html());
     const std::string place = "{{data}}";
     return page.replace(page.find(place), place.size(), for_script(data));
 }
