@@ -1,8 +1,8 @@
 #include "api/audit.hpp"
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
+#include "schemas/log.hpp"
 #include "storage/event_store.hpp"
 
 namespace divemesh::api {
@@ -59,9 +59,7 @@ void audit_uploaded(const Services& services, const Request& request, std::int64
         services.catalog.transaction(
             [&](soci::session& session) { storage::EventStore::append(session, event); });
     } catch (const std::exception& error) {
-        spdlog::error(nlohmann::json{
-            {"event", "audit_not_written"}, {"what", error.what()}, {"data", event.data}}
-                          .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+        log_error({{"event", "audit_not_written"}, {"what", error.what()}, {"data", event.data}});
     }
 }
 

@@ -1,8 +1,9 @@
 #include "api/chunk_writer.hpp"
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 #include <vector>
+
+#include "schemas/log.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -28,9 +29,7 @@ ChunkWriter::~ChunkWriter() {
     try {
         services_.blobs.remove_staged(key_);
     } catch (const std::exception& error) {
-        spdlog::warn(
-            nlohmann::json{{"event", "chunk_left"}, {"blob", key_}, {"what", error.what()}}.dump(
-                -1, ' ', true, nlohmann::json::error_handler_t::replace));
+        log_warning({{"event", "chunk_left"}, {"blob", key_}, {"what", error.what()}});
     }
 }
 

@@ -1,11 +1,11 @@
 #include "api/error_response.hpp"
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "api/rate_limiter.hpp"
 #include "schemas/error.hpp"
 #include "schemas/invalid_input.hpp"
+#include "schemas/log.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -109,14 +109,12 @@ Response error_response(const Request& request, const std::exception_ptr& failur
             response.set("Retry-After", wait);
         return response;
     } catch (const std::exception& error) {
-        spdlog::error(nlohmann::json{{"event", "internal_error"},
-                                     {"request_id", request.id},
-                                     {"path", request.path},
-                                     {"what", error.what()}}
-                          .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+        log_error({{"event", "internal_error"},
+                   {"request_id", request.id},
+                   {"path", request.path},
+                   {"what", error.what()}});
     } catch (...) {
-        spdlog::error(
-            nlohmann::json{{"event", "internal_error"}, {"request_id", request.id}}.dump());
+        log_error({{"event", "internal_error"}, {"request_id", request.id}});
     }
     return problem_response(request, http::status::internal_server_error, "internal error");
 }

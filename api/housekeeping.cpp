@@ -1,12 +1,12 @@
 #include "api/housekeeping.hpp"
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "api/audit.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/make_truth.hpp"
 #include "api/sensor_desk.hpp"
+#include "schemas/log.hpp"
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
@@ -42,9 +42,7 @@ void attempt(const char* task_name, const Services& services, const Task& task) 
     try {
         task();
     } catch (const std::exception& error) {
-        spdlog::warn(nlohmann::json{
-            {"event", "cleaning_failed"}, {"task", task_name}, {"what", error.what()}}
-                         .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+        log_warning({{"event", "cleaning_failed"}, {"task", task_name}, {"what", error.what()}});
     }
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "api/error_response.hpp"
 #include "api/in_pool.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "schemas/log.hpp"
 #include "storage/idempotency_store.hpp"
 
 namespace divemesh::api {
@@ -66,9 +66,8 @@ void keep(storage::Catalog& catalog,
     try {
         storage::IdempotencyStore(catalog).put(request.token.id, key, answer);
     } catch (const std::exception& error) {
-        spdlog::warn(nlohmann::json{
-            {"event", "answer_not_kept"}, {"request_id", request.id}, {"what", error.what()}}
-                         .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+        log_warning(
+            {{"event", "answer_not_kept"}, {"request_id", request.id}, {"what", error.what()}});
     }
 }
 

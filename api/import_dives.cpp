@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "api/new_upload.hpp"
 #include "api/upload_writer.hpp"
 #include "schemas/error.hpp"
+#include "schemas/log.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/upload_store.hpp"
 
@@ -25,10 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
 constexpr int kCopiesAtATime = 64;  // in the pool, before others have their turn
-
-void log_import(nlohmann::json line) {
-    spdlog::info(line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
-}
 
 void throw_if_stopping(const Services& services) {
     if (services.stopping) throw Error(ErrorCode::Cancelled, "the server is stopping");
@@ -184,7 +180,7 @@ Awaitable<void> import_one(Services services, const ImportRequest& request, fs::
     const std::string known = co_await in_pool(services.pool, std::move(look));
     const std::string name = path.filename().string();
     if (!known.empty()) {
-        log_import({{"event", "import_known"}, {"name", name}, {"dive", known}});
+        log_info({{"event", "import_known"}, {"name", name}, {"dive", known}});
         co_return;
     }
     auto enter = [import] { return import->enter(); };
@@ -202,11 +198,11 @@ Awaitable<void> import_one(Services services, const ImportRequest& request, fs::
     const std::string sha256 = co_await hash_archive(services, upload, never);
     auto make = [import, sha256] { return import->enter_dive(sha256); };
     const MadeDive made = co_await in_pool(services.pool, std::move(make));
-    log_import({{"event", "import_taken"},
-                {"name", name},
-                {"dive", made.dive.id},
-                {"job", made.job_id},
-                {"is_new", made.is_new}});
+    log_info({{"event", "import_taken"},
+              {"name", name},
+              {"dive", made.dive.id},
+              {"job", made.job_id},
+              {"is_new", made.is_new}});
 }
 
 }  // namespace
@@ -225,13 +221,13 @@ Awaitable<void> import_dives(Services services, ImportRequest request) {
         }
         if (failure.empty()) continue;
         ++num_refused;
-        log_import(
+        log_info(
             {{"event", "import_refused"}, {"name", path.filename().string()}, {"what", failure}});
     }
-    log_import({{"event", "import_ended"},
-                {"folder", request.folder.string()},
-                {"seen", paths.size()},
-                {"refused", num_refused}});
+    log_info({{"event", "import_ended"},
+              {"folder", request.folder.string()},
+              {"seen", paths.size()},
+              {"refused", num_refused}});
 }
 
 }  // namespace divemesh::api

@@ -5,6 +5,6 @@
 namespace divemesh::api {
 
 // api/openapi.yaml as JSON, converted when the program was built.
-std::string_view openapi_document();
+std::string_view openapi_json();
 
 }  // namespace divemesh::api

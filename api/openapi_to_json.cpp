@@ -1,4 +1,4 @@
-// openapi_to_json IN.yaml OUT.cpp: runs while building, so that the server parses no YAML.
+// openapi_to_json IN.yaml OUT.json: runs while building, so that the server parses no YAML.
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -35,9 +35,7 @@ int main(int argc, char** argv) {
     try {
         const std::string text = to_json(YAML::LoadFile(argv[1])).dump();
         std::ofstream out(argv[2]);
-        out << "#include \"api/openapi_document.hpp\"\n\nnamespace divemesh::api {\n\n"
-               "std::string_view openapi_document() {\n    return R\"openapi("
-            << text << ")openapi\";\n}\n\n}  // namespace divemesh::api\n";
+        out << text;
         return out.flush() ? 0 : 1;
     } catch (const std::exception& error) {
         std::cerr << argv[1] << ": " << error.what() << '\n';

@@ -1,7 +1,6 @@
 #include "api/owed_dives.hpp"
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 #include <vector>
 
 #include "api/audit.hpp"
@@ -12,6 +11,7 @@
 #include "api/make_truth.hpp"
 #include "api/upload_writer.hpp"
 #include "schemas/error.hpp"
+#include "schemas/log.hpp"
 #include "storage/token_store.hpp"
 #include "storage/upload_store.hpp"
 
@@ -100,9 +100,7 @@ Awaitable<OwedDives> make_owed_dives(Services services) {
         }
         if (failure.empty()) continue;
         has_any_failed = true;
-        spdlog::warn(
-            nlohmann::json{{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}}.dump(
-                -1, ' ', true, nlohmann::json::error_handler_t::replace));
+        log_warning({{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}});
     }
     if (is_any_busy) co_return OwedDives::Busy;
     co_return has_any_failed ? OwedDives::Failed : OwedDives::Made;

@@ -1,10 +1,10 @@
 #include "api/upload_sweeper.hpp"
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "api/in_pool.hpp"
 #include "api/upload_writer.hpp"
+#include "schemas/log.hpp"
 #include "storage/idempotency_store.hpp"
 #include "storage/upload_store.hpp"
 
@@ -15,9 +15,7 @@ constexpr std::chrono::milliseconds kRememberEnded = std::chrono::hours(30 * 24)
 constexpr std::chrono::milliseconds kRememberAnswers = std::chrono::hours(48);
 
 void log_failure(const std::string& upload_id, const std::exception& error) {
-    spdlog::warn(
-        nlohmann::json{{"event", "sweep_failed"}, {"upload", upload_id}, {"what", error.what()}}
-            .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+    log_warning({{"event", "sweep_failed"}, {"upload", upload_id}, {"what", error.what()}});
 }
 
 // `work` with the upload's turn, unless a request has it.

@@ -133,9 +133,9 @@ private:
 
 Descriptions read_descriptions() {
     Descriptions found;
-    const json metrics = json::parse(metrics_schema_text());
+    const json metrics = json::parse(metrics_schema_json());
     SchemaWalk(metrics, found).walk(metrics, "", "");
-    const json report = json::parse(report_schema_text());
+    const json report = json::parse(report_schema_json());
     SchemaWalk(report, found).walk(report.at("definitions").at("sections"), "", "");
     return found;
 }

@@ -8,7 +8,7 @@
 
 #include "api/in_pool.hpp"
 #include "schemas/json.hpp"
-#include "server/log.hpp"
+#include "schemas/log.hpp"
 #include "storage/event_store.hpp"
 
 namespace divemesh::server {

@@ -8,7 +8,7 @@
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
 #include "api/sensor_desk.hpp"
-#include "server/log.hpp"
+#include "schemas/log.hpp"
 #include "server/sensor_feed.hpp"
 #include "server/web_socket.hpp"
 #include "storage/event_store.hpp"

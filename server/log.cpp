@@ -4,13 +4,6 @@
 #include <spdlog/spdlog.h>
 
 namespace divemesh::server {
-namespace {
-
-std::string text_of(const nlohmann::json& fields) {
-    return fields.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-}
-
-}  // namespace
 
 void start_log() {
     auto logger = std::make_shared<spdlog::logger>(
@@ -20,8 +13,5 @@ void start_log() {
     logger->flush_on(spdlog::level::info);
     spdlog::set_default_logger(std::move(logger));
 }
-
-void log_info(const nlohmann::json& fields) { spdlog::info("{}", text_of(fields)); }
-void log_warning(const nlohmann::json& fields) { spdlog::warn("{}", text_of(fields)); }
 
 }  // namespace divemesh::server

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "api/in_pool.hpp"
-#include "server/log.hpp"
+#include "schemas/log.hpp"
 
 namespace divemesh::server {
 namespace {

@@ -17,8 +17,8 @@
 #include "api/report_queue.hpp"
 #include "api/sensor_desk.hpp"
 #include "api/wall_clock.hpp"
+#include "schemas/log.hpp"
 #include "schemas/sensor_message.hpp"
-#include "server/log.hpp"
 #include "server/web_socket.hpp"
 #include "storage/command_store.hpp"
 

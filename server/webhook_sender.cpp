@@ -22,7 +22,7 @@
 #include "api/webhook_signature.hpp"
 #include "api/webhook_target.hpp"
 #include "schemas/error.hpp"
-#include "server/log.hpp"
+#include "schemas/log.hpp"
 #include "server/resolve.hpp"
 
 namespace divemesh::server {

@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "server/log.hpp"
+#include "schemas/log.hpp"
 
 namespace divemesh::server {
 namespace {

@@ -2,6 +2,7 @@
 
 #include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/sensor_desk.hpp"
 #include "api/visible.hpp"
@@ -42,22 +43,21 @@ Awaitable<Response> create_command(Request request, Services services) {
 }
 
 Awaitable<Response> list_commands(Request request, Services services) {
-    auto work = [&catalog = services.catalog, request, page = page_request(request)] {
-        visible_sensor(request, catalog);
-        return storage::CommandStore(catalog).list(request.parameter("sensor_id"), page);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        visible_sensor(asked, catalog);
+        return storage::CommandStore(catalog).list(asked.parameter("sensor_id"),
+                                                   page_request(asked));
     };
-    const auto page = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<SensorCommand>(request, page.items, page.next_cursor);
+    return get_page(std::move(request), services, read);
 }
 
 Awaitable<Response> get_command(Request request, Services services) {
-    auto work = [&catalog = services.catalog, request] {
-        visible_sensor(request, catalog);
-        return storage::CommandStore(catalog).get(request.parameter("sensor_id"),
-                                                  request.parameter("command_id"));
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        visible_sensor(asked, catalog);
+        return storage::CommandStore(catalog).get(asked.parameter("sensor_id"),
+                                                  asked.parameter("command_id"));
     };
-    const SensorCommand command = co_await in_pool(services.pool, std::move(work));
-    co_return resource_response(request, command);
+    return get_resource(std::move(request), services, read);
 }
 
 }  // namespace divemesh::api

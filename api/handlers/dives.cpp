@@ -1,10 +1,10 @@
 #include "api/handlers/dives.hpp"
 
-#include "api/at_once.hpp"
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
 #include "api/job_options.hpp"
@@ -98,13 +98,11 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
 }  // namespace
 
 Awaitable<Response> list_dives(Request request, Services services) {
-    const auto filter = filter_of(request);
-    const auto page = page_request(request);
-    auto work = [&catalog = services.catalog, filter, page] {
-        return storage::DiveStore(catalog).list(filter, page);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        const auto filter = filter_of(asked);
+        return storage::DiveStore(catalog).list(filter, page_request(asked));
     };
-    const auto dives = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<Dive>(request, dives.items, dives.next_cursor);
+    return get_page(std::move(request), services, read);
 }
 
 Awaitable<Response> create_dive(Request request, Services services) {
@@ -139,18 +137,14 @@ Awaitable<Response> create_dive(Request request, Services services) {
 }
 
 Awaitable<Response> get_dive(Request request, Services services) {
-    auto read = [request](storage::Catalog& catalog) { return visible_dive(request, catalog); };
-    const Dive dive = co_await at_once(services, std::move(read));
-    co_return resource_response(request, dive);
+    return get_resource(std::move(request), services, visible_dive);
 }
 
 Awaitable<Response> list_findings(Request request, Services services) {
-    auto work = [services, request] {
-        return storage::DiveStore(services.catalog)
-            .findings(visible_dive(request, services.catalog).id);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::DiveStore(catalog).findings(visible_dive(asked, catalog).id);
     };
-    const auto findings = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, findings);
+    return get_list(std::move(request), services, read);
 }
 
 Awaitable<Response> create_job(Request request, Services services) {

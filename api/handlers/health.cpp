@@ -26,7 +26,7 @@ Awaitable<Response> get_readiness(Request, Services services) {
 
 Awaitable<Response> get_openapi(Request, Services) {
     Response response = empty_response(http::status::ok);
-    response.body = std::string(openapi_document());
+    response.body = std::string(openapi_json());
     response.set("Content-Type", "application/json");
     co_return response;
 }

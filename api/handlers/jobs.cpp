@@ -2,10 +2,10 @@
 
 #include <limits>
 
-#include "api/at_once.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/preconditions.hpp"
 #include "api/target.hpp"
@@ -65,23 +65,20 @@ Response text_response(std::string text) {
 }  // namespace
 
 Awaitable<Response> list_jobs(Request request, Services services) {
-    const auto filter = filter_of(request);
-    const auto page = page_request(request);
-    auto work = [services, filter, page] {
-        auto jobs = storage::JobStore(services.catalog).list(filter, page);
-        for (Job& job : jobs.items) job.forecast = services.forecast.of(job, services.catalog);
+    auto read = [services](const Request& asked, storage::Catalog& catalog) {
+        const auto filter = filter_of(asked);
+        auto jobs = storage::JobStore(catalog).list(filter, page_request(asked));
+        for (Job& job : jobs.items) job.forecast = services.forecast.of(job, catalog);
         return jobs;
     };
-    const auto jobs = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<Job>(request, jobs.items, jobs.next_cursor);
+    return get_page(std::move(request), services, read);
 }
 
 Awaitable<Response> get_job(Request request, Services services) {
-    auto read = [services, request](storage::Catalog& catalog) {
-        return shown_job(request, services, catalog);
+    auto read = [services](const Request& asked, storage::Catalog& catalog) {
+        return shown_job(asked, services, catalog);
     };
-    const Job job = co_await at_once(services, std::move(read));
-    co_return resource_response(request, job);
+    return get_resource(std::move(request), services, read);
 }
 
 Awaitable<Response> change_job(Request request, Services services) {
@@ -121,12 +118,10 @@ Awaitable<Response> get_job_log(Request request, Services services) {
 }
 
 Awaitable<Response> list_attempts(Request request, Services services) {
-    auto work = [services, request] {
-        return storage::JobStore(services.catalog)
-            .attempts(visible_job(request, services.catalog).id);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::JobStore(catalog).attempts(visible_job(asked, catalog).id);
     };
-    const auto attempts = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, attempts);
+    return get_list(std::move(request), services, read);
 }
 
 Awaitable<Response> get_attempt_log(Request request, Services services) {
@@ -138,12 +133,10 @@ Awaitable<Response> get_attempt_log(Request request, Services services) {
 }
 
 Awaitable<Response> list_artifacts(Request request, Services services) {
-    auto work = [services, request] {
-        return storage::JobStore(services.catalog)
-            .artifacts(visible_job(request, services.catalog).id);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::JobStore(catalog).artifacts(visible_job(asked, catalog).id);
     };
-    const auto artifacts = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, artifacts);
+    return get_list(std::move(request), services, read);
 }
 
 }  // namespace divemesh::api

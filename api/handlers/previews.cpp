@@ -1,6 +1,7 @@
 #include "api/handlers/previews.hpp"
 
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/target.hpp"
 #include "api/visible.hpp"
@@ -23,12 +24,11 @@ Response picture_response(storage::StoredPreview stored) {
 }  // namespace
 
 Awaitable<Response> list_previews(Request request, Services services) {
-    auto work = [&catalog = services.catalog, request] {
-        visible_sensor(request, catalog);
-        return storage::PreviewStore(catalog).list(request.parameter("sensor_id"));
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        visible_sensor(asked, catalog);
+        return storage::PreviewStore(catalog).list(asked.parameter("sensor_id"));
     };
-    const auto previews = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, previews);
+    return get_list(std::move(request), services, read);
 }
 
 Awaitable<Response> get_preview(Request request, Services services) {

@@ -1,9 +1,9 @@
 #include "api/handlers/queue.hpp"
 
-#include "api/at_once.hpp"
 #include "api/authorization.hpp"
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/preconditions.hpp"
 #include "schemas/json.hpp"
@@ -89,17 +89,17 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
 }
 
 Awaitable<Response> list_workers(Request request, Services services) {
-    auto work = [&catalog = services.catalog] { return storage::WorkerStore(catalog).list(); };
-    const auto workers = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, workers);
+    auto read = [](const Request&, storage::Catalog& catalog) {
+        return storage::WorkerStore(catalog).list();
+    };
+    return get_list(std::move(request), services, read);
 }
 
 Awaitable<Response> get_worker(Request request, Services services) {
-    auto read = [name = request.parameter("worker_name")](storage::Catalog& catalog) {
-        return storage::WorkerStore(catalog).get(name);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::WorkerStore(catalog).get(asked.parameter("worker_name"));
     };
-    const Worker worker = co_await at_once(services, std::move(read));
-    co_return resource_response(request, worker);
+    return get_resource(std::move(request), services, read);
 }
 
 Awaitable<Response> change_worker(Request request, Services services) {

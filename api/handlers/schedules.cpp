@@ -3,9 +3,9 @@
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/job_options.hpp"
-#include "api/preconditions.hpp"
 #include "api/visible.hpp"
 #include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
@@ -39,13 +39,11 @@ Schedule schedule_request(const Request& request) {
 }  // namespace
 
 Awaitable<Response> list_schedules(Request request, Services services) {
-    auto work = [&catalog = services.catalog,
-                 project = visible_project(request.token),
-                 page = page_request(request)] {
-        return storage::ScheduleStore(catalog).list(project, page);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::ScheduleStore(catalog).list(visible_project(asked.token),
+                                                    page_request(asked));
     };
-    const auto page = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<Schedule>(request, page.items, page.next_cursor);
+    return get_page(std::move(request), services, read);
 }
 
 Awaitable<Response> create_schedule(Request request, Services services) {
@@ -61,20 +59,14 @@ Awaitable<Response> create_schedule(Request request, Services services) {
 }
 
 Awaitable<Response> get_schedule(Request request, Services services) {
-    auto work = [services, request] { return visible_schedule(request, services.catalog); };
-    const Schedule schedule = co_await in_pool(services.pool, std::move(work));
-    co_return resource_response(request, schedule);
+    return get_resource(std::move(request), services, visible_schedule);
 }
 
 Awaitable<Response> delete_schedule(Request request, Services services) {
-    require_no_tag(request);
-    auto work = [services, request] {
-        const Schedule schedule = visible_schedule(request, services.catalog);
-        auto catalog = audited(services, request);
-        storage::ScheduleStore(catalog).remove(schedule.id);
+    auto remove = [](const Request& asked, storage::Catalog& catalog) {
+        storage::ScheduleStore(catalog).remove(visible_schedule(asked, catalog).id);
     };
-    co_await in_pool(services.pool, std::move(work));
-    co_return empty_response(http::status::no_content);
+    return delete_resource(std::move(request), services, remove);
 }
 
 }  // namespace divemesh::api

@@ -1,8 +1,8 @@
 #include "api/handlers/sensors.hpp"
 
-#include "api/at_once.hpp"
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/report_queue.hpp"
 #include "api/target.hpp"
@@ -84,19 +84,15 @@ Awaitable<Response> push_sensor_status(Request request, Services services) {
 }
 
 Awaitable<Response> list_sensors(Request request, Services services) {
-    auto work = [&catalog = services.catalog,
-                 project = visible_project(request.token),
-                 page = page_request(request)] {
-        return storage::SensorStore(catalog).list(project, page);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::SensorStore(catalog).list(visible_project(asked.token),
+                                                  page_request(asked));
     };
-    const auto page = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<Sensor>(request, page.items, page.next_cursor);
+    return get_page(std::move(request), services, read);
 }
 
 Awaitable<Response> get_sensor(Request request, Services services) {
-    auto read = [request](storage::Catalog& catalog) { return visible_sensor(request, catalog); };
-    const Sensor sensor = co_await at_once(services, std::move(read));
-    co_return resource_response(request, sensor);
+    return get_resource(std::move(request), services, visible_sensor);
 }
 
 Awaitable<Response> get_sensor_history(Request request, Services services) {

@@ -2,8 +2,8 @@
 
 #include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
-#include "api/preconditions.hpp"
 #include "api/router.hpp"
 #include "api/target.hpp"
 #include "schemas/json.hpp"
@@ -41,9 +41,10 @@ Response secret_response(const nlohmann::json& body) {
 }  // namespace
 
 Awaitable<Response> list_tokens(Request request, Services services) {
-    auto work = [&catalog = services.catalog] { return storage::TokenStore(catalog).list(); };
-    const auto tokens = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, tokens);
+    auto read = [](const Request&, storage::Catalog& catalog) {
+        return storage::TokenStore(catalog).list();
+    };
+    return get_list(std::move(request), services, read);
 }
 
 Awaitable<Response> create_token(Request request, Services services) {
@@ -58,14 +59,11 @@ Awaitable<Response> create_token(Request request, Services services) {
 }
 
 Awaitable<Response> revoke_token(Request request, Services services) {
-    require_no_tag(request);
-    auto work = [services, request] {
-        auto catalog = audited(services, request);
-        storage::TokenStore(catalog).revoke(request.parameter("token_id"));
+    auto revoke = [services](const Request& asked, storage::Catalog& catalog) {
+        storage::TokenStore(catalog).revoke(asked.parameter("token_id"));
+        services.tokens.clear();
     };
-    co_await in_pool(services.pool, std::move(work));
-    services.tokens.clear();
-    co_return empty_response(http::status::no_content);
+    return delete_resource(std::move(request), services, revoke);
 }
 
 Awaitable<Response> create_one_shot_token(Request request, Services services) {

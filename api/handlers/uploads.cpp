@@ -5,12 +5,12 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <chrono>
 
-#include "api/at_once.hpp"
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
 #include "api/concatenation.hpp"
 #include "api/error_response.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/make_dive.hpp"
 #include "api/make_truth.hpp"
@@ -323,9 +323,7 @@ Awaitable<Response> get_upload_offset(Request request, Services services) {
 }
 
 Awaitable<Response> get_upload(Request request, Services services) {
-    auto read = [request](storage::Catalog& catalog) { return visible_upload(request, catalog); };
-    const Upload upload = co_await at_once(services, std::move(read));
-    co_return resource_response(request, upload);
+    return get_resource(std::move(request), services, visible_upload);
 }
 
 Awaitable<Response> append_to_upload(Request request, Services services) {

@@ -5,6 +5,7 @@
 
 #include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/preconditions.hpp"
 #include "api/webhook_signature.hpp"
@@ -54,9 +55,10 @@ Webhook webhook_request(const Request& request, const ServiceLimits& limits) {
 }  // namespace
 
 Awaitable<Response> list_webhooks(Request request, Services services) {
-    auto work = [&catalog = services.catalog] { return storage::WebhookStore(catalog).list(); };
-    const auto webhooks = co_await in_pool(services.pool, std::move(work));
-    co_return whole_list_response(request, webhooks);
+    auto read = [](const Request&, storage::Catalog& catalog) {
+        return storage::WebhookStore(catalog).list();
+    };
+    return get_list(std::move(request), services, read);
 }
 
 Awaitable<Response> create_webhook(Request request, Services services) {
@@ -73,13 +75,10 @@ Awaitable<Response> create_webhook(Request request, Services services) {
 }
 
 Awaitable<Response> delete_webhook(Request request, Services services) {
-    require_no_tag(request);
-    auto work = [services, request] {
-        auto catalog = audited(services, request);
-        storage::WebhookStore(catalog).remove(request.parameter("webhook_id"));
+    auto remove = [](const Request& asked, storage::Catalog& catalog) {
+        storage::WebhookStore(catalog).remove(asked.parameter("webhook_id"));
     };
-    co_await in_pool(services.pool, std::move(work));
-    co_return empty_response(http::status::no_content);
+    return delete_resource(std::move(request), services, remove);
 }
 
 Awaitable<Response> enable_webhook(Request request, Services services) {
@@ -93,13 +92,11 @@ Awaitable<Response> enable_webhook(Request request, Services services) {
 }
 
 Awaitable<Response> list_webhook_deliveries(Request request, Services services) {
-    auto work = [&catalog = services.catalog,
-                 id = request.parameter("webhook_id"),
-                 page = page_request(request)] {
-        return storage::WebhookStore(catalog).deliveries(id, page);
+    auto read = [](const Request& asked, storage::Catalog& catalog) {
+        return storage::WebhookStore(catalog).deliveries(asked.parameter("webhook_id"),
+                                                         page_request(asked));
     };
-    const auto page = co_await in_pool(services.pool, std::move(work));
-    co_return list_response<WebhookDelivery>(request, page.items, page.next_cursor);
+    return get_page(std::move(request), services, read);
 }
 
 Awaitable<Response> redeliver_webhook(Request request, Services services) {

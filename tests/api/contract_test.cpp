@@ -21,7 +21,7 @@ std::string lower(std::string text) {
     return text;
 }
 
-nlohmann::json document() { return nlohmann::json::parse(openapi_document()); }
+nlohmann::json document() { return nlohmann::json::parse(openapi_json()); }
 
 std::set<std::string> keys_of(const nlohmann::json& object) {
     std::set<std::string> keys;

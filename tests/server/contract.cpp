@@ -21,7 +21,7 @@ using nlohmann::json;
 using Adapter = valijson::adapters::NlohmannJsonAdapter;
 
 const json& contract() {
-    static const json document = json::parse(api::openapi_document());
+    static const json document = json::parse(api::openapi_json());
     return document;
 }
 

@@ -11,6 +11,7 @@
 #include "schemas/base64.hpp"
 #include "schemas/error.hpp"
 #include "worker/mosaic/drawing_page_template.hpp"
+#include "worker/report/html_template.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -100,9 +101,7 @@ std::string drawing_page(const ReconstructionFolder& model) {
         throw Error(ErrorCode::BadData,
                     (model.path() / "mosaic.json").string() + ": " + error.what());
     }
-    std::string page(drawing_page_template());
-    const std::string place = "{{data}}";
-    return page.replace(page.find(place), place.size(), for_script(data));
+    return fill_template(drawing_page_template_html(), {{"data", for_script(data)}});
 }
 
 }  // namespace divemesh::worker

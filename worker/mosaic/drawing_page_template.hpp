@@ -4,7 +4,7 @@
 
 namespace divemesh::worker {
 
-// drawing_page_template.html, with {{data}} where its data go.
-std::string_view drawing_page_template();
+// The template beside this file, for fill_template(): `data` is JSON that is safe in a script.
+std::string_view drawing_page_template_html();
 
 }  // namespace divemesh::worker

@@ -1,27 +1,27 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace divemesh::worker {
 
-// What pages for a person are put together from. All texts are escaped.
+// What the pages for a person have in common, as templates by name: {{>page_head}} up to </head>,
+// of `title`; {{>rows}}, {{>grid}} and {{>findings}} of the values below.
+const std::map<std::string, std::string_view>& html_parts();
+
 using HtmlRows = std::vector<std::pair<std::string, std::string>>;  // name, value
 
-// Everything up to <body>. `style`: what the page has besides, CSS.
-std::string html_head(const std::string& title, const std::string& style = "");
+// For {{>rows}}, a table of names and values; null when there is no row.
+nlohmann::json rows_values(const HtmlRows& rows);
 
-// A section with a table of names and values; "" when it has no row.
-std::string html_table(const std::string& title, const HtmlRows& rows);
+// For {{>grid}}, a table whose first row is its head; null when there is no other.
+nlohmann::json grid_values(const std::vector<std::vector<std::string>>& rows);
 
-// A table of texts with a head; the first row is the head.
-std::string html_grid(const std::vector<std::vector<std::string>>& rows);
-
-// A picture inside the page.
-std::string html_picture(const std::string& png, const std::string& alt);
-
-std::string html_findings(const nlohmann::json& findings);
+// For {{>findings}}, as they are in metrics.json.
+nlohmann::json findings_values(const nlohmann::json& findings);
 
 }  // namespace divemesh::worker

@@ -1,7 +1,9 @@
 #include "worker/report/report.hpp"
 
+#include "schemas/base64.hpp"
 #include "worker/report/figure_rows.hpp"
-#include "worker/report/html_parts.hpp"
+#include "worker/report/html_template.hpp"
+#include "worker/report/html_templates.hpp"
 #include "worker/report/path_plots.hpp"
 
 namespace divemesh::worker {
@@ -12,24 +14,24 @@ std::string report_html(const ReportInput& input) {
     const auto text = [&](const char* pointer) {
         return input.metrics.value(json::json_pointer(pointer), std::string());
     };
-    std::string name = text("/dive/name");
-    if (name.empty()) name = "dive " + text("/dive/content_sha256").substr(0, 12);
+    const std::string name = text("/dive/name");
     const auto& trajectory = input.evaluation.trajectory;
     const TrajectoryError* error = trajectory ? &*trajectory : nullptr;
-    std::string html = html_head(name) + "<body><h1>" + escape_html(name) +
-                       "</h1><p class=\"sub\">divemesh " + escape_html(text("/version")) +
-                       ", preset " + escape_html(text("/preset")) + "</p><div class=\"row\">";
-    if (!input.picture_png.empty())
-        html += "<section><h2>From above</h2>" +
-                html_picture(input.picture_png, "The mesh from above") + "</section>";
-    html += html_table("Against the truth", accuracy_rows(input.metrics)) +
-            html_table("Expected, without truth", expected_rows(input.metrics)) +
-            "</div><div class=\"row\">" + svg_plot(path_from_above(error, input.trajectory)) +
-            svg_plot(error_over_time(error, input.trajectory)) + "</div><div class=\"row\">" +
-            html_table("The dive", dive_rows(input.metrics)) +
-            html_table("The result", result_rows(input.metrics)) + "</div><h2>Findings</h2>" +
-            html_findings(input.metrics.value("findings", json::array())) + "</body></html>\n";
-    return html;
+    json picture;
+    if (!input.picture_png.empty()) picture = {{"png", encode_base64(input.picture_png)}};
+    return fill_template(
+        reconstruction_page_html(),
+        {{"title", name.empty() ? "dive " + text("/dive/content_sha256").substr(0, 12) : name},
+         {"version", text("/version")},
+         {"preset", text("/preset")},
+         {"picture", picture},
+         {"accuracy", rows_values(accuracy_rows(input.metrics))},
+         {"expected", rows_values(expected_rows(input.metrics))},
+         {"path_from_above", svg_plot(path_from_above(error, input.trajectory))},
+         {"error_over_time", svg_plot(error_over_time(error, input.trajectory))},
+         {"dive", rows_values(dive_rows(input.metrics))},
+         {"result", rows_values(result_rows(input.metrics))},
+         {"findings", findings_values(input.metrics.value("findings", json::array()))}});
 }
 
 }  // namespace divemesh::worker

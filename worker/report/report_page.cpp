@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "schemas/base64.hpp"
 #include "worker/report/error_map.hpp"
 #include "worker/report/figure_rows.hpp"
-#include "worker/report/html_parts.hpp"
+#include "worker/report/html_template.hpp"
+#include "worker/report/html_templates.hpp"
 #include "worker/report/path_plots.hpp"
 #include "worker/report/report_reef.hpp"
 
@@ -22,44 +24,24 @@ std::string number_text(const json& value, const char* format = "%.6g", double f
     return text;
 }
 
-std::string section(const std::string& title, const std::string& content) {
-    return content.empty()
-               ? ""
-               : "<section><h2>" + escape_html(title) + "</h2>" + content + "</section>";
-}
-
 std::string name_of(const json& report) {
     const std::string name = report.at("dive").at("name");
     if (!name.empty()) return name;
     return "dive " + report.at("dive").at("content_sha256").get<std::string>().substr(0, 12);
 }
 
-std::string requirements(const json& report) {
-    if (report.at("requirements").empty()) return "";
-    std::string html =
-        "<table><tr><th></th><th>Requirement</th><th>Figure</th><th>Value</th>"
-        "<th>Reason</th></tr>";
-    for (const json& requirement : report.at("requirements")) {
-        const bool met = requirement.at("met");
-        html += std::string("<tr><td class=\"") + (met ? "met\">met" : "unmet\">not met") +
-                "</td><td>" + escape_html(requirement.at("text")) + "</td><td>" +
-                escape_html(requirement.at("figure")) + "</td><td class=\"value\">" +
-                number_text(requirement.at("value")) + "</td><td>" +
-                escape_html(requirement.at("reason")) + "</td></tr>";
-    }
-    return html + "</table>";
+json requirements(const json& report) {
+    json list = json::array();
+    for (const json& requirement : report.at("requirements"))
+        list.push_back({{"met", requirement.at("met")},
+                        {"text", requirement.at("text")},
+                        {"figure", requirement.at("figure")},
+                        {"value", number_text(requirement.at("value"))},
+                        {"reason", requirement.at("reason")}});
+    return list;
 }
 
-std::string verdict(const json& report) {
-    if (report.at("passed").is_null()) return "";
-    const bool passed = report.at("passed");
-    return std::string("<p class=\"") + (passed ? "met" : "unmet") + "\"><strong>" +
-           (passed ? "All requirements are met." : "Not all requirements are met.") +
-           "</strong></p>";
-}
-
-std::string regressions(const json& report) {
-    if (report.at("regressions").empty()) return "";
+json regressions(const json& report) {
     Grid grid = {{"Figure", "Value", "Allowed by its history", "Median of it", "Earlier values"}};
     for (const json& regression : report.at("regressions"))
         grid.push_back({regression.at("figure"),
@@ -67,7 +49,7 @@ std::string regressions(const json& report) {
                         number_text(regression.at("limit")),
                         number_text(regression.at("median")),
                         number_text(regression.at("num_earlier"), "%.0f")});
-    return html_grid(grid);
+    return grid_values(grid);
 }
 
 std::string interval_text(const json& figure) {
@@ -76,10 +58,9 @@ std::string interval_text(const json& figure) {
     return number_text(interval[0], "%.4f") + " to " + number_text(interval[1], "%.4f");
 }
 
-std::string distances(const json& metrics) {
+json distances(const json& metrics) {
     const json list =
         metrics.value(json::json_pointer("/known_distances/distances"), json::array());
-    if (list.empty()) return "";
     Grid grid = {
         {"Length", "Known, m", "Measured, m", "95 %, m", "Error, mm", "Error, %", "Keyframes"}};
     for (const json& distance : list)
@@ -91,11 +72,11 @@ std::string distances(const json& metrics) {
                         number_text(distance.value("error_percent", json()), "%+.2f"),
                         number_text(distance.value("num_keyframes_a", json()), "%.0f") + " / " +
                             number_text(distance.value("num_keyframes_b", json()), "%.0f")});
-    return "<div class=\"scroll\">" + html_grid(grid) + "</div>";
+    return grid_values(grid);
 }
 
 // Scale bars and printed sizes, then where each tag is.
-std::string markers(const json& metrics) {
+json markers(const json& metrics) {
     const json section = metrics.value("markers", json::object());
     Grid bars = {{"Length between tags",
                   "Known, m",
@@ -124,20 +105,18 @@ std::string markers(const json& metrics) {
                         number_text(tag.value("sigma_m", json()), "%.2f", 1e3),
                         number_text(tag.value("num_keyframes", json()), "%.0f")});
     }
-    return (bars.size() > 1 ? html_grid(bars) : "") +
-           (tags.size() > 1 ? "<div class=\"scroll\">" + html_grid(tags) + "</div>" : "");
+    if (bars.size() < 2 && tags.size() < 2) return nullptr;
+    return {{"bars", grid_values(bars)}, {"tags", grid_values(tags)}};
 }
 
-std::string error_map(const ReportMeasurements& measured) {
-    if (measured.error_map_png.empty()) return "";
-    std::string gradient;
+json error_map(const ReportMeasurements& measured) {
+    if (measured.error_map_png.empty()) return nullptr;
+    std::string colors;
     for (const std::string& color : error_map_colors())
-        gradient += (gradient.empty() ? "" : ",") + color;
-    return html_picture(measured.error_map_png, "Distance to the reference, from above") +
-           "<p class=\"scale\"><span>0 mm</span><i style=\"background:linear-gradient(90deg," +
-           gradient + ")\"></i><span>" + number_text(measured.error_map_end_m, "%.3g", 1e3) +
-           " mm and more</span></p><p class=\"sub\">Distance of the surface seen from above to "
-           "the reference; grey: farther than 4 m from every camera.</p>";
+        colors += (colors.empty() ? "" : ",") + color;
+    return {{"png", encode_base64(measured.error_map_png)},
+            {"colors", colors},
+            {"end_mm", number_text(measured.error_map_end_m, "%.3g", 1e3)}};
 }
 
 Plot histogram(const SurfaceError& surface) {
@@ -177,20 +156,19 @@ HtmlRows truth_rows(const json& report) {
     return rows;
 }
 
-std::string provenance(const json& report) {
+json provenance(const json& report) {
     Grid grid = {{"What", "Name", "SHA-256"}};
     grid.push_back({"dive", name_of(report), report.at("dive").at("content_sha256")});
     grid.push_back({"calibration", "", report.at("reconstruction").at("calibration_sha256")});
     for (const json& file : report.at("files"))
         grid.push_back({file.at("role"), file.at("name"), file.at("sha256")});
-    return "<p>Reconstructed by divemesh " +
-           escape_html(report.at("reconstruction").at("version")) + ", preset " +
-           escape_html(report.at("reconstruction").at("preset")) + "; reported by divemesh " +
-           escape_html(report.at("version")) + ".</p><div class=\"scroll\">" + html_grid(grid) +
-           "</div>";
+    return {{"reconstructed_by", report.at("reconstruction").at("version")},
+            {"preset", report.at("reconstruction").at("preset")},
+            {"reported_by", report.at("version")},
+            {"files", grid_values(grid)}};
 }
 
-std::string all_figures(const json& report) {
+json all_figures(const json& report) {
     Grid grid = {{"Figure", "Value", "Unit", "Method", "Alignment"}};
     for (const json& figure : report.at("figures"))
         grid.push_back({figure.at("figure"),
@@ -198,42 +176,49 @@ std::string all_figures(const json& report) {
                         figure.at("unit"),
                         figure.at("method"),
                         figure.at("alignment")});
-    return "<details><summary>" + std::to_string(grid.size() - 1) +
-           " figures with method and alignment</summary>" + html_grid(grid) + "</details>";
+    return grid_values(grid);
 }
 
-std::string plots(const ReportMeasurements& measured) {
+json plots(const ReportMeasurements& measured) {
     const TrajectoryError* error = measured.trajectory ? &*measured.trajectory : nullptr;
-    std::string html = "<div class=\"row\">" + svg_plot(error_over_time(error, measured.path));
-    if (error != nullptr && !error->segments.empty()) html += svg_plot(error_by_segment(*error));
-    return html + "</div><div class=\"row\">" + svg_plot(path_from_above(error, measured.path)) +
-           svg_plot(path_from_the_side(error, measured.path)) + "</div>";
+    const bool has_segments = error != nullptr && !error->segments.empty();
+    return {{"error_over_time", svg_plot(error_over_time(error, measured.path))},
+            {"error_by_segment", has_segments ? svg_plot(error_by_segment(*error)) : ""},
+            {"path_from_above", svg_plot(path_from_above(error, measured.path))},
+            {"path_from_the_side", svg_plot(path_from_the_side(error, measured.path))}};
+}
+
+json surface(const ReportMeasurements& measured) {
+    if (!measured.surface) return nullptr;
+    return {{"error_map", error_map(measured)},
+            {"histogram", svg_plot(histogram(*measured.surface))}};
 }
 
 }  // namespace
 
 std::string report_page(const json& report, const ReportMeasurements& measured) {
     const json& metrics = measured.document;
-    std::string html = html_head("Accuracy: " + name_of(report)) +
-                       "<body><h1>Accuracy: " + escape_html(name_of(report)) + "</h1>" +
-                       verdict(report);
-    html += section("Requirements", requirements(report));
-    html += section("Worse than their history allows", regressions(report));
-    html += "<div class=\"row\">" + html_table("Against the truth", accuracy_rows(metrics)) +
-            html_table("Expected, without truth", expected_rows(metrics)) +
-            html_table("The truth", truth_rows(report)) + "</div>" + plots(measured);
-    if (measured.surface)
-        html += "<div class=\"row\">" + section("Surface error", error_map(measured)) +
-                section("Histogram", svg_plot(histogram(*measured.surface))) + "</div>";
-    html += section("Known distances", distances(metrics));
-    html += section("Markers", markers(metrics));
-    html += section("Reef and wreck figures", reef_table(measured.reef));
-    html += "<div class=\"row\">" + html_table("The dive", dive_rows(metrics)) +
-            html_table("The result", result_rows(metrics)) + "</div>";
-    html += section("Findings", html_findings(report.at("findings")));
-    html += section("Where it comes from", provenance(report));
-    html += section("All figures", all_figures(report));
-    return html + "</body></html>\n";
+    const json& passed = report.at("passed");
+    json values = {{"title", "Accuracy: " + name_of(report)},
+                   {"judged", !passed.is_null()},
+                   {"passed", passed},
+                   {"requirements", requirements(report)},
+                   {"regressions", regressions(report)},
+                   {"accuracy", rows_values(accuracy_rows(metrics))},
+                   {"expected", rows_values(expected_rows(metrics))},
+                   {"truth", rows_values(truth_rows(report))},
+                   {"surface", surface(measured)},
+                   {"distances", distances(metrics)},
+                   {"markers", markers(metrics)},
+                   {"reef", reef_table(measured.reef)},
+                   {"dive", rows_values(dive_rows(metrics))},
+                   {"result", rows_values(result_rows(metrics))},
+                   {"findings", findings_values(report.at("findings"))},
+                   {"provenance", provenance(report)},
+                   {"num_figures", report.at("figures").size()},
+                   {"figures", all_figures(report)}};
+    values.update(plots(measured));
+    return fill_template(accuracy_page_html(), values);
 }
 
 }  // namespace divemesh::worker

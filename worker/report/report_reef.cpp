@@ -58,7 +58,7 @@ std::vector<Figure> reef_figures(const json& reef) {
     return figures;
 }
 
-std::string reef_table(const json& reef) {
+json reef_table(const json& reef) {
     std::vector<std::vector<std::string>> rows = {
         {"Area", "Figure", "Label", "At, m", "Value", "Unit", "95 % interval"}};
     for (const json& figure : list_of(reef)) {
@@ -73,7 +73,7 @@ std::string reef_table(const json& reef) {
              is_refused ? figure.at("refused").get<std::string>()
                         : number_text(figure.at("low")) + " to " + number_text(figure.at("high"))});
     }
-    return rows.size() == 1 ? "" : "<div class=\"scroll\">" + html_grid(rows) + "</div>";
+    return grid_values(rows);
 }
 
 }  // namespace divemesh::worker

@@ -13,7 +13,7 @@ namespace divemesh::worker {
 // refused has no value, and its method says why. Of null: none.
 std::vector<Figure> reef_figures(const nlohmann::json& reef);
 
-// The same as a table of the page; "" of null.
-std::string reef_table(const nlohmann::json& reef);
+// The same for {{>grid}} of the page; null of null.
+nlohmann::json reef_table(const nlohmann::json& reef);
 
 }  // namespace divemesh::worker

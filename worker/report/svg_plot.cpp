@@ -4,9 +4,15 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <nlohmann/json.hpp>
+
+#include "worker/report/html_template.hpp"
+#include "worker/report/html_templates.hpp"
 
 namespace divemesh::worker {
 namespace {
+
+using nlohmann::json;
 
 constexpr double kWidth_px = 560.0;
 constexpr double kHeight_px = 360.0;
@@ -83,16 +89,6 @@ double tick_step(const Range& range) {
     return 10.0 * power;
 }
 
-std::string text_at(double x, double y, const std::string& attributes, const std::string& text) {
-    return "<text x=\"" + number(x, 1) + "\" y=\"" + number(y, 1) + "\" " + attributes + ">" +
-           escape_html(text) + "</text>";
-}
-
-std::string line_between(double x1, double y1, double x2, double y2, const std::string& stroke) {
-    return "<line x1=\"" + number(x1, 1) + "\" y1=\"" + number(y1, 1) + "\" x2=\"" + number(x2, 1) +
-           "\" y2=\"" + number(y2, 1) + "\" " + stroke + "/>";
-}
-
 // The multiples of the step within the range; zero is a plain 0.
 std::vector<double> ticks(const Range& range, double step) {
     std::vector<double> values;
@@ -102,56 +98,58 @@ std::vector<double> ticks(const Range& range, double step) {
     return values;
 }
 
-std::string grid(const Axes& axes) {
-    const std::string stroke = "class=\"grid\"";
-    const double bottom = kHeight_px - kBottom_px;
-    const double right = kWidth_px - kRight_px;
-    const auto digits = [](double step) {
-        return std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
-    };
-    std::string svg;
-    const double x_step = tick_step(axes.x);
-    for (const double value : ticks(axes.x, x_step)) {
-        const double x = axes.x_px(value);
-        svg += line_between(x, kTop_px, x, bottom, stroke);
-        svg += text_at(x, bottom + 15.0, "text-anchor=\"middle\"", number(value, digits(x_step)));
-    }
-    const double y_step = tick_step(axes.y);
-    for (const double value : ticks(axes.y, y_step)) {
-        const double y = axes.y_px(value);
-        svg += line_between(kLeft_px, y, right, y, stroke);
-        svg +=
-            text_at(kLeft_px - 6.0, y + 4.0, "text-anchor=\"end\"", number(value, digits(y_step)));
-    }
-    return svg;
+// What is shown of a tick at `at_px` along its axis.
+json tick(double at_px, double value, double step) {
+    const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+    return {{"at", number(at_px, 1)}, {"value", number(value, digits)}};
 }
 
-std::string polyline(const PlotLine& line, const Axes& axes) {
+json x_ticks(const Axes& axes) {
+    json list = json::array();
+    const double step = tick_step(axes.x);
+    for (const double value : ticks(axes.x, step))
+        list.push_back(tick(axes.x_px(value), value, step));
+    return list;
+}
+
+json y_ticks(const Axes& axes) {
+    json list = json::array();
+    const double step = tick_step(axes.y);
+    for (const double value : ticks(axes.y, step)) {
+        list.push_back(tick(axes.y_px(value), value, step));
+        list.back()["baseline"] = number(axes.y_px(value) + 4.0, 1);
+    }
+    return list;
+}
+
+json polyline(const PlotLine& line, const Axes& axes) {
     const std::size_t count = std::min(line.x.size(), line.y.size());
     const std::size_t step = std::max<std::size_t>(1, (count + kMaxPoints - 1) / kMaxPoints);
     std::string points;
     for (std::size_t i = 0; i < count; i += step)
         points += number(axes.x_px(line.x[i]), 1) + "," + number(axes.y_px(line.y[i]), 1) + " ";
-    std::string area;
+    json filled;
     if (line.filled && count > 0)
-        area = "<polygon stroke=\"none\" fill-opacity=\"0.25\" fill=\"" + escape_html(line.color) +
-               "\" points=\"" + number(axes.x_px(line.x[0]), 1) + "," + number(axes.y_px(0.0), 1) +
-               " " + points + number(axes.x_px(line.x[count - 1]), 1) + "," +
-               number(axes.y_px(0.0), 1) + "\"/>";
-    return area + "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" +
-           escape_html(line.color) + "\" points=\"" + points + "\"/>";
+        filled = {{"first", number(axes.x_px(line.x[0]), 1)},
+                  {"last", number(axes.x_px(line.x[count - 1]), 1)},
+                  {"zero", number(axes.y_px(0.0), 1)}};
+    return {{"color", line.color}, {"points", points}, {"filled", filled}};
 }
 
 double width_px(const PlotLine& line) { return 40.0 + 7.0 * static_cast<double>(line.name.size()); }
 
-std::string named(const PlotLine& line, double x, double y) {
-    return line_between(
-               x, y, x + 18.0, y, "stroke-width=\"3\" stroke=\"" + escape_html(line.color) + "\"") +
-           text_at(x + 23.0, y + 4.0, "", line.name);
+json named(const PlotLine& line, double x, double y) {
+    return {{"name", line.name},
+            {"color", line.color},
+            {"x", number(x, 1)},
+            {"x_end", number(x + 18.0, 1)},
+            {"x_name", number(x + 23.0, 1)},
+            {"y", number(y, 1)},
+            {"baseline", number(y + 4.0, 1)}};
 }
 
 // In a row above the plot; what has no room there in a column at its lower right.
-std::string legend(const Plot& plot) {
+json legend(const Plot& plot) {
     double row = 0.0, column = 0.0;
     for (const PlotLine& line : plot.lines) {
         row += width_px(line);
@@ -161,44 +159,39 @@ std::string legend(const Plot& plot) {
     double x = is_row ? kLeft_px : kWidth_px - kRight_px - column;
     double y =
         is_row ? 34.0 : kHeight_px - kBottom_px - 15.0 * static_cast<double>(plot.lines.size());
-    std::string svg;
+    json list = json::array();
     for (const PlotLine& line : plot.lines) {
-        svg += named(line, x, y);
+        list.push_back(named(line, x, y));
         (is_row ? x : y) += is_row ? width_px(line) : 15.0;
     }
-    return svg;
+    return list;
 }
 
 }  // namespace
 
 std::string svg_plot(const Plot& plot) {
     const Axes axes = axes_of(plot);
-    std::string svg = "<svg viewBox=\"0 0 " + number(kWidth_px, 0) + " " + number(kHeight_px, 0) +
-                      "\" role=\"img\">";
-    svg += text_at(kLeft_px, 17.0, "class=\"title\"", plot.title);
-    svg += grid(axes);
-    for (const PlotLine& line : plot.lines) svg += polyline(line, axes);
-    svg += legend(plot);
-    svg += text_at(
-        0.5 * (kLeft_px + kWidth_px), kHeight_px - 8.0, "text-anchor=\"middle\"", plot.x_label);
-    svg += "<g transform=\"translate(14 " + number(0.5 * (kTop_px + kHeight_px - kBottom_px), 0) +
-           ") rotate(-90)\">" + text_at(0.0, 0.0, "text-anchor=\"middle\"", plot.y_label) + "</g>";
-    return svg + "</svg>";
-}
-
-std::string escape_html(const std::string& text) {
-    std::string escaped;
-    for (const char c : text) {
-        switch (c) {
-            case '&': escaped += "&amp;"; break;
-            case '<': escaped += "&lt;"; break;
-            case '>': escaped += "&gt;"; break;
-            case '"': escaped += "&quot;"; break;
-            case '\'': escaped += "&#39;"; break;
-            default: escaped += c;
-        }
-    }
-    return escaped;
+    const double bottom = kHeight_px - kBottom_px;
+    json values = {{"title", plot.title},
+                   {"x_label", plot.x_label},
+                   {"y_label", plot.y_label},
+                   {"x_ticks", x_ticks(axes)},
+                   {"y_ticks", y_ticks(axes)},
+                   {"legend", legend(plot)},
+                   {"width", number(kWidth_px, 0)},
+                   {"height", number(kHeight_px, 0)},
+                   {"left", number(kLeft_px, 1)},
+                   {"right", number(kWidth_px - kRight_px, 1)},
+                   {"top", number(kTop_px, 1)},
+                   {"bottom", number(bottom, 1)},
+                   {"below", number(bottom + 15.0, 1)},
+                   {"beside", number(kLeft_px - 6.0, 1)},
+                   {"foot", number(kHeight_px - 8.0, 1)},
+                   {"x_label_at", number(0.5 * (kLeft_px + kWidth_px), 1)},
+                   {"y_label_at", number(0.5 * (kTop_px + bottom), 0)}};
+    values["lines"] = json::array();
+    for (const PlotLine& line : plot.lines) values["lines"].push_back(polyline(line, axes));
+    return fill_template(plot_svg(), values);
 }
 
 }  // namespace divemesh::worker

@@ -25,6 +25,4 @@ struct Plot {
 // apart. Texts are escaped.
 std::string svg_plot(const Plot& plot);
 
-std::string escape_html(const std::string& text);
-
 }  // namespace divemesh::worker

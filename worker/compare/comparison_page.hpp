@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string_view>
+
+namespace divemesh::worker {
+
+// The template beside this file, for fill_template().
+std::string_view comparison_page_html();
+
+}  // namespace divemesh::worker

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace divemesh::worker {
+
+// Fills a mustache template: {{name}} is replaced by the escaped value, {{{name}}} by a value that
+// is HTML or SVG already. {{#name}}...{{/name}} is repeated for each item of a list, stands once
+// for true or an object, whose names it sees, and not at all for an empty list, false or null;
+// {{^name}}...{{/name}} is the opposite. {{.}} is the item itself, {{>name}} one of the parts in
+// html_parts.hpp. Throws std::logic_error for a name that `values` lack, for an unknown part and
+// for a template that is malformed.
+std::string fill_template(std::string_view text, const nlohmann::json& values);
+
+}  // namespace divemesh::worker
