@@ -6,6 +6,7 @@
 
 #include "worker/metrics/summary.hpp"
 #include "worker/metrics/trajectory_pairs.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
