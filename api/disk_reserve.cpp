@@ -23,7 +23,7 @@ void DiskReserve::hold(std::int64_t min_free_bytes) {
     const auto space = fs::space(file_.parent_path(), failure);
     if (failure || space.available < static_cast<std::uintmax_t>(min_free_bytes + kReserveBytes))
         return;
-    const storage::FileDescriptor file(
+    const FileDescriptor file(
         ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
     if (!file.is_open()) return;
     if (::posix_fallocate(file.get(), 0, kReserveBytes) != 0) fs::remove(file_, failure);

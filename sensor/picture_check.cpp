@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "worker/stats/quantile.hpp"
+
 namespace divemesh::sensor {
 namespace {
 
@@ -46,14 +48,10 @@ std::optional<double> sharpness_of(const cv::Mat& grey) {
     cv::GaussianBlur(grey, blurred, {}, kReblur_px);
     const cv::Mat fine = gradient_of(grey);
     const cv::Mat coarse = gradient_of(blurred);
-    std::vector<float> sorted(coarse.begin<float>(), coarse.end<float>());
-    const auto rank =
-        static_cast<std::size_t>((1.0 - kEdgeShare) * static_cast<double>(sorted.size()));
-    const auto nth =
-        sorted.begin() + static_cast<std::ptrdiff_t>(std::min(rank, sorted.size() - 1));
-    std::nth_element(sorted.begin(), nth, sorted.end());
-    if (*nth < kLeastEdge) return std::nullopt;
-    const cv::Mat edges = coarse >= *nth;
+    const float strong = worker::upper_quantile(
+        std::vector<float>(coarse.begin<float>(), coarse.end<float>()), 1.0 - kEdgeShare);
+    if (strong < kLeastEdge) return std::nullopt;
+    const cv::Mat edges = coarse >= strong;
     // Where the edge is, not beside it: the blur spreads it to both sides.
     cv::Mat peaks;
     cv::dilate(fine, peaks, cv::Mat::ones(5, 5, CV_8U));

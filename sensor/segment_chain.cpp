@@ -63,8 +63,7 @@ void read_range(std::string_view text, const Tell& tell) {
 }
 
 void sync_folder(const fs::path& folder) {
-    const worker::FileDescriptor descriptor(
-        ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    const FileDescriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (descriptor.is_open()) ::fsync(descriptor.get());
 }
 
@@ -95,8 +94,7 @@ SegmentChain::~SegmentChain() {
 void SegmentChain::lock_folder() {
     std::error_code ignored;
     fs::create_directories(folder_, ignored);
-    lock_ = worker::FileDescriptor(
-        ::open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+    lock_ = FileDescriptor(::open((folder_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
     if (lock_.is_open() && ::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0)
         throw Error(ErrorCode::Conflict,
                     folder_.string() +

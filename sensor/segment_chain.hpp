@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "schemas/file_descriptor.hpp"
 #include "schemas/sequence_ranges.hpp"
 #include "sensor/segment_file.hpp"
 
@@ -67,7 +68,7 @@ private:
 
     std::filesystem::path folder_;
     std::int64_t max_bytes_;
-    worker::FileDescriptor lock_;
+    FileDescriptor lock_;
     std::deque<std::shared_ptr<SegmentFile>> segments_;
     std::int64_t next_number_ = 0;
     std::int64_t size_bytes_ = 0;

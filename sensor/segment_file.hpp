@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "worker/dive/file_descriptor.hpp"
+#include "schemas/file_descriptor.hpp"
 
 namespace divemesh::sensor {
 
@@ -45,7 +45,7 @@ private:
     void write_at(std::int64_t offset, std::string_view bytes) const;
 
     std::filesystem::path path_;
-    worker::FileDescriptor descriptor_;
+    FileDescriptor descriptor_;
     std::int64_t size_bytes_ = 0;
     bool is_damaged_ = false;
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "worker/stats/median.hpp"
+
 namespace divemesh::sensor {
 namespace {
 
@@ -30,9 +32,7 @@ std::optional<double> StampWindow::period_ns() const {
     std::vector<std::int64_t> steps;
     for (std::size_t i = 1; i < stamps_ns_.size(); ++i)
         steps.push_back(stamps_ns_[i] - stamps_ns_[i - 1]);
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return static_cast<double>(*middle);
+    return static_cast<double>(worker::upper_median(std::move(steps)));
 }
 
 std::optional<double> StampWindow::rate_hz() const {

@@ -6,8 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "schemas/file_descriptor.hpp"
 #include "worker/dive/csv.hpp"
-#include "worker/dive/file_descriptor.hpp"
 
 namespace divemesh::sensor {
 namespace {
@@ -45,7 +45,7 @@ bool TableTail::take_row(std::int64_t until_ns, const OnRow& on_row) {
 }
 
 bool TableTail::fetch() {
-    const worker::FileDescriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    const FileDescriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     struct stat status {};
     is_there_ = file.is_open() && ::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode);
     if (!is_there_) return false;

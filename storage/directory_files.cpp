@@ -25,13 +25,6 @@ FileDescriptor step_into(const FileDescriptor& folder, const std::string& name, 
 
 }  // namespace
 
-FileDescriptor::~FileDescriptor() {
-    if (number_ < 0) return;
-    const int failure = errno;  // of the call that is being reported
-    close(number_);
-    errno = failure;
-}
-
 void throw_errno(const std::string& doing) {
     const int failure = errno;
     const std::string message = doing + ": " + std::strerror(failure);

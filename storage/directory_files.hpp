@@ -3,30 +3,13 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
+
+#include "schemas/file_descriptor.hpp"
 
 // File calls below a folder given as descriptor. No link is followed on the way, so nothing is
 // reached outside. All throw Error: OutOfSpace, NotFound, Unavailable.
 namespace divemesh::storage {
-
-class FileDescriptor {
-public:
-    FileDescriptor() = default;
-    explicit FileDescriptor(int number) : number_(number) {}
-    ~FileDescriptor();
-    FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    FileDescriptor& operator=(FileDescriptor&& other) noexcept {
-        std::swap(number_, other.number_);
-        return *this;
-    }
-
-    int get() const { return number_; }
-    bool is_open() const { return number_ >= 0; }
-
-private:
-    int number_ = -1;
-};
 
 // Throws the Error that fits errno: no space, quota or file size limit -> OutOfSpace.
 [[noreturn]] void throw_errno(const std::string& doing);

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "schemas/error.hpp"
+#include "schemas/log.hpp"
 #include "worker/artifact_files.hpp"
 #include "worker/scratch_usage.hpp"
-#include "worker/worker_log.hpp"
 
 namespace divemesh::worker {
 namespace {

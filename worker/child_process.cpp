@@ -35,11 +35,9 @@ std::string own_user_map() {
 bool cut_network(const std::string& user_map) {
     if (unshare(CLONE_NEWNET) == 0) return true;
     if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
-    const int map = open("/proc/self/uid_map", O_WRONLY | O_CLOEXEC);
-    const bool mapped = map >= 0 && write(map, user_map.data(), user_map.size()) ==
-                                        static_cast<ssize_t>(user_map.size());
-    if (map >= 0) close(map);
-    return mapped;
+    const FileDescriptor map(open("/proc/self/uid_map", O_WRONLY | O_CLOEXEC));
+    return map.is_open() && write(map.get(), user_map.data(), user_map.size()) ==
+                                static_cast<ssize_t>(user_map.size());
 }
 
 // Between fork and exec in a process with threads: async-signal-safe calls alone.
@@ -88,6 +86,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Proces
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
         throw Error(ErrorCode::Unavailable, std::string("pipe: ") + std::strerror(errno));
+    pipe_ = FileDescriptor(ends[0]);
+    const FileDescriptor childs_end(ends[1]);
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
@@ -95,14 +95,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Proces
     const std::string user_map = own_user_map();
 
     pid_ = fork();
-    if (pid_ == 0) become(arguments.data(), ends[1], parent, limits, user_map);
-    const int failure = errno;
-    close(ends[1]);
-    pipe_ = ends[0];
-    if (pid_ < 0) {
-        close(pipe_);
-        throw Error(ErrorCode::Unavailable, std::string("fork: ") + std::strerror(failure));
-    }
+    if (pid_ == 0) become(arguments.data(), childs_end.get(), parent, limits, user_map);
+    if (pid_ < 0) throw Error(ErrorCode::Unavailable, std::string("fork: ") + std::strerror(errno));
     setpgid(pid_, pid_);  // both sides do it: whoever comes first
 }
 
@@ -113,16 +107,15 @@ ChildProcess::~ChildProcess() {
         while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
         }
     }
-    close(pipe_);
 }
 
 void ChildProcess::signal_group(int signal) const { kill(-pid_, signal); }
 
 bool ChildProcess::read_some(std::string& buffer, int timeout_ms) {
-    pollfd ready{.fd = pipe_, .events = POLLIN, .revents = 0};
+    pollfd ready{.fd = pipe_.get(), .events = POLLIN, .revents = 0};
     if (poll(&ready, 1, timeout_ms) <= 0) return true;
     char bytes[65536];
-    const auto n = ::read(pipe_, bytes, sizeof bytes);
+    const auto n = ::read(pipe_.get(), bytes, sizeof bytes);
     if (n > 0) buffer.append(bytes, static_cast<std::size_t>(n));
     return n > 0 || (n < 0 && errno == EINTR);
 }

@@ -6,6 +6,8 @@
 #include <sys/types.h>
 #include <vector>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh::worker {
 
 // Limits that the kernel holds a child to; 0: none.
@@ -47,7 +49,7 @@ public:
 
 private:
     pid_t pid_ = -1;
-    int pipe_ = -1;
+    FileDescriptor pipe_;  // our end
     std::optional<ProcessEnd> end_;
 };
 

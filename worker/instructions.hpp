@@ -18,12 +18,30 @@ inline Instructions best_instructions() {
     return Instructions::Baseline;
 }
 
+// A loop body, compiled once for each instruction set it gains from.
+template <auto body>
+struct CompiledBody;
+template <typename Result, typename... Arguments, Result (*body)(Arguments...)>
+struct CompiledBody<body> {
+    static Result for_baseline(Arguments... arguments) { return body(arguments...); }
+#if defined(__x86_64__)
+    __attribute__((target("avx2"))) static Result for_avx2(Arguments... arguments) {
+        return body(arguments...);
+    }
+#else
+    static constexpr auto for_avx2 = for_baseline;
+#endif
+};
+
+// Returns the function `body`, a DIVEMESH_INLINE_BODY, as compiled for AVX2 or, where that is not
+// among the instructions, for the baseline. What a loop calls it should fetch once, before it.
+template <auto body>
+auto compiled_for(Instructions instructions) {
+    return instructions == Instructions::Baseline ? CompiledBody<body>::for_baseline
+                                                  : CompiledBody<body>::for_avx2;
+}
+
 }  // namespace divemesh::worker
 
-// A loop body that is compiled into each of its callers, and a caller compiled for AVX2.
+// Makes a function a part of each of its callers, compiled for what they are compiled for.
 #define DIVEMESH_INLINE_BODY inline __attribute__((always_inline))
-#if defined(__x86_64__)
-#define DIVEMESH_FOR_AVX2 __attribute__((target("avx2")))
-#else
-#define DIVEMESH_FOR_AVX2
-#endif

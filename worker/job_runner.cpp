@@ -10,13 +10,13 @@
 #include <unistd.h>
 #include <vector>
 
+#include "schemas/log.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
 #include "storage/job_store.hpp"
 #include "storage/worker_store.hpp"
 #include "worker/attempt_runner.hpp"
 #include "worker/work_folder.hpp"
-#include "worker/worker_log.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <exception>
 
-#include "worker/worker_log.hpp"
+#include "schemas/log.hpp"
 
 namespace divemesh::worker {
 

@@ -12,6 +12,7 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "schemas/file_descriptor.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -33,10 +34,8 @@ struct CachedFile {
 }
 
 void sync(const fs::path& path, int flags) {
-    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
-    const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-    if (descriptor >= 0) ::close(descriptor);
-    if (!synced) give_up(path);
+    const FileDescriptor opened(::open(path.c_str(), flags | O_CLOEXEC));
+    if (!opened.is_open() || ::fsync(opened.get()) != 0) give_up(path);
 }
 
 // As long and as it was when it was kept; read in pieces.
@@ -126,18 +125,13 @@ bool is_temporary(const fs::path& path) { return path.filename().string().starts
 class Lock {
 public:
     explicit Lock(const fs::path& folder)
-        : descriptor_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-        held_ = descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) == 0;
+        : file_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+        held_ = file_.is_open() && ::flock(file_.get(), LOCK_EX) == 0;
     }
-    ~Lock() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-    }
-    Lock(const Lock&) = delete;
-    Lock& operator=(const Lock&) = delete;
     bool held() const { return held_; }
 
 private:
-    int descriptor_;
+    FileDescriptor file_;
     bool held_ = false;
 };
 

@@ -16,18 +16,15 @@ FileStamp stamp_from(const struct stat& status) {
             std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
-// -1 and errno when it cannot be opened.
-int open_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
-    int parent = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    for (auto part = path.begin(); part != path.end() && parent >= 0; ++part) {
+// Not open, with the reason in errno, when it cannot be opened.
+FileDescriptor open_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
+    FileDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    for (auto part = path.begin(); part != path.end() && opened.is_open(); ++part) {
         const int kind = std::next(part) == path.end() ? O_NONBLOCK : O_DIRECTORY;
-        const int next = ::openat(parent, part->c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | kind);
-        const int failure = errno;
-        ::close(parent);
-        errno = failure;
-        parent = next;
+        opened = FileDescriptor(
+            ::openat(opened.get(), part->c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | kind));
     }
-    return parent;
+    return opened;
 }
 
 }  // namespace
@@ -40,32 +37,27 @@ FileStamp stamp_of(const std::filesystem::path& path) {
 }
 
 OpenFile::OpenFile(const std::filesystem::path& path)
-    : path_(path),
-      descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {
+    : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {
     check_kind();
 }
 
 OpenFile::OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path)
-    : path_(folder / path), descriptor_(open_below(folder, path)) {
+    : path_(folder / path), file_(open_below(folder, path)) {
     check_kind();
 }
 
 void OpenFile::check_kind() {
-    if (descriptor_ < 0)
+    if (!file_.is_open())
         throw Error(ErrorCode::NotFound, "cannot open " + path_.string() + ": " + strerror(errno));
     struct stat status {};
-    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-        ::close(descriptor_);
+    if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode))
         throw Error(ErrorCode::InvalidArgument, path_.string() + " is not a regular file");
-    }
     stamp_ = stamp_from(status);
 }
 
-OpenFile::~OpenFile() { ::close(descriptor_); }
-
 std::size_t OpenFile::read_at(std::int64_t offset, std::span<char> buffer) const {
     while (true) {
-        const ssize_t count = ::pread(descriptor_, buffer.data(), buffer.size(), offset);
+        const ssize_t count = ::pread(file_.get(), buffer.data(), buffer.size(), offset);
         if (count >= 0) return static_cast<std::size_t>(count);
         if (errno != EINTR)
             throw Error(ErrorCode::Unavailable,

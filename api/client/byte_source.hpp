@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <span>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh::api::client {
 
 // Bytes of a known length that can be read from any place: what an upload can go on with after it
@@ -34,9 +36,6 @@ public:
     explicit OpenFile(const std::filesystem::path& path);
     // `path` below `folder`: no link is followed on the way, so nothing outside is reached.
     OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path);
-    ~OpenFile();
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
 
     const FileStamp& stamp() const { return stamp_; }
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) const;  // 0 at the end
@@ -45,7 +44,7 @@ private:
     void check_kind();
 
     std::filesystem::path path_;
-    int descriptor_ = -1;
+    FileDescriptor file_;
     FileStamp stamp_;
 };
 

@@ -10,6 +10,7 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "schemas/file_descriptor.hpp"
 
 namespace divemesh::api::client {
 namespace {
@@ -21,11 +22,8 @@ namespace {
 
 // Also makes the name of a new file durable, when given its folder.
 void sync(const std::string& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file < 0) throw_errno(path);
-    const int failed = ::fsync(file);
-    ::close(file);
-    if (failed != 0) throw_errno(path);
+    const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file.is_open() || ::fsync(file.get()) != 0) throw_errno(path);
 }
 
 void write_durably(const std::filesystem::path& path, const std::string& text) {

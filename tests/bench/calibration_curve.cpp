@@ -1,23 +1,23 @@
 #include "tests/bench/calibration_curve.hpp"
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
+
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::bench {
 namespace {
 
-constexpr double kNormal95 = 1.6448536269514722;  // one-sided
-
-double cube_root_spread(double squared_ratio) {
-    const double wanted = std::cbrt(squared_ratio);
-    double below = 1e-6, above = 0.3;  // 2 / (9 degrees of freedom)
-    const auto bound = [](double spread) { return 1.0 - spread + kNormal95 * std::sqrt(spread); };
+// With which a sum of squares has 95 % below `squared_ratio` times its mean; one at least.
+double degrees_of_freedom(double squared_ratio) {
+    double few = 1.0, many = 1e6;
     for (int halving = 0; halving < 60; ++halving) {
-        const double middle = 0.5 * (below + above);
-        (bound(middle) < wanted ? below : above) = middle;
+        const double middle = std::sqrt(few * many);
+        (worker::chi_square_quantile(0.95, middle) > squared_ratio * middle ? few : many) = middle;
     }
-    return above;
+    return many;
 }
 
 }  // namespace
@@ -55,10 +55,9 @@ double level_of_normal(double error, double sigma) {
 }
 
 double level_of_length(double length, double root_mean_square, double bound_95) {
-    const double spread = cube_root_spread(std::pow(bound_95 / root_mean_square, 2.0));
-    const double z =
-        (std::cbrt(std::pow(length / root_mean_square, 2.0)) - 1.0 + spread) / std::sqrt(spread);
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+    const double freedom = degrees_of_freedom(std::pow(bound_95 / root_mean_square, 2.0));
+    return boost::math::cdf(boost::math::chi_squared(freedom),
+                            freedom * std::pow(length / root_mean_square, 2.0));
 }
 
 }  // namespace divemesh::bench

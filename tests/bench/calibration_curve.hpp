@@ -34,7 +34,7 @@ const std::vector<double>& shown_levels();
 // Of an error of a normal number of standard deviation `sigma` around zero.
 double level_of_normal(double error, double sigma);
 // Of the length of a vector of normal numbers, whose root mean square and 95 % bound are stated: a
-// chi-square with the degrees of freedom that these two belong to (Wilson and Hilferty 1931).
+// chi-square with the degrees of freedom that these two belong to.
 double level_of_length(double length, double root_mean_square, double bound_95);
 
 }  // namespace divemesh::bench

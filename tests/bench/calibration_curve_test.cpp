@@ -12,7 +12,7 @@ TEST(CalibrationCurveTest, ABoundJustHoldsAtItsOwnLevel) {
     // Three degrees of freedom: root mean square sqrt(3), 95 % within sqrt(7.8147), half within
     // sqrt(2.366).
     EXPECT_NEAR(level_of_length(std::sqrt(7.8147), std::sqrt(3.0), std::sqrt(7.8147)), 0.95, 1e-6);
-    EXPECT_NEAR(level_of_length(std::sqrt(2.366), std::sqrt(3.0), std::sqrt(7.8147)), 0.5, 0.01);
+    EXPECT_NEAR(level_of_length(std::sqrt(2.366), std::sqrt(3.0), std::sqrt(7.8147)), 0.5, 1e-4);
 }
 
 TEST(CalibrationCurveTest, ADiveOfManyErrorsCountsOnce) {

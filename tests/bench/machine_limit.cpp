@@ -34,7 +34,7 @@ DIVEMESH_INLINE_BODY void operate_body() {
 
 void operate() { operate_body<16>(); }
 #if defined(__x86_64__)
-DIVEMESH_FOR_AVX2 void operate_avx2() { operate_body<32>(); }
+__attribute__((target("avx2"))) void operate_avx2() { operate_body<32>(); }
 __attribute__((target("avx512f,avx512bw"))) void operate_avx512() { operate_body<64>(); }
 #endif
 

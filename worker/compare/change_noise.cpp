@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/stats/quantile.hpp"
+
 namespace divemesh::worker {
 namespace {
 
 constexpr std::size_t kFewestBlocks = 12;
 constexpr double kFull = 0.75;
-
-double quantile(std::vector<double>& values, double share) {
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
 
 std::vector<double> block_means(const ChangeMap& map, const cv::Mat& counts, int side) {
     std::vector<double> means;
@@ -55,7 +50,8 @@ ChangeNoise measure_noise(const ChangeMap& map, const cv::Mat& counts) {
         std::vector<double> sizes = block_means(map, counts, side);
         if (sizes.size() < kFewestBlocks) break;
         for (double& size : sizes) size = std::abs(size);
-        const double sigma = std::max(quantile(sizes, 0.683), quantile(sizes, 0.95) / 1.96);
+        const double sigma =
+            std::max(lower_quantile(sizes, 0.683), lower_quantile(sizes, 0.95) / 1.96);
         steps.push_back({side * map.grid.cell_m, sigma, sizes.size()});
     }
     return ChangeNoise(std::move(steps));

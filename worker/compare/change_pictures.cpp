@@ -9,6 +9,7 @@
 #include "worker/compare/changed_mesh.hpp"
 #include "worker/compare/outlined_cells.hpp"
 #include "worker/output/atomic_file.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -136,11 +137,7 @@ double full_change_m(const ChangeMap& map) {
         for (int column = 0; column < map.state.cols; ++column)
             if (map.at(row, column) == CellState::Grown || map.at(row, column) == CellState::Lost)
                 sizes.push_back(std::abs(map.change_m.at<float>(row, column)));
-    if (sizes.empty()) return kLeastFull_m;
-    const auto at =
-        sizes.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(sizes.size() - 1));
-    std::nth_element(sizes.begin(), at, sizes.end());
-    return std::max(kLeastFull_m, static_cast<double>(*at));
+    return std::max(kLeastFull_m, static_cast<double>(lower_quantile(std::move(sizes), 0.95)));
 }
 
 cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/stats/quantile.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -30,13 +32,6 @@ cv::Mat range_of(const cv::Mat& height_m, const cv::Mat& element) {
     return range;
 }
 
-float quantile(std::vector<float>& values, double share) {
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
 // CV_8U: index of each compared cell's class; those at an edge come last.
 cv::Mat classes_of(const ChangeMap& map,
                    const SurfaceRaster& a,
@@ -58,8 +53,8 @@ cv::Mat classes_of(const ChangeMap& map,
 
 double robust_sigma(std::vector<float>& sizes) {
     if (sizes.empty()) return 0.0;
-    return std::max(static_cast<double>(quantile(sizes, 0.5)) / 0.6745,
-                    static_cast<double>(quantile(sizes, 0.8)) / 1.2816);
+    return std::max(static_cast<double>(lower_quantile(sizes, 0.5)) / 0.6745,
+                    static_cast<double>(lower_quantile(sizes, 0.8)) / 1.2816);
 }
 
 std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,

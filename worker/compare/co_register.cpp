@@ -8,6 +8,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/compare/relief.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -61,13 +62,7 @@ Column column_of(const Eigen::Vector3d& p) {
             static_cast<int>(std::floor(p.y() / kGroundCell_m))};
 }
 
-double typical_sigma_m(const Mesh& mesh) {
-    if (mesh.sigma_m.empty()) return 0.0;
-    std::vector<float> sigma = mesh.sigma_m;
-    const auto middle = sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2);
-    std::nth_element(sigma.begin(), middle, sigma.end());
-    return static_cast<double>(*middle);
-}
+double typical_sigma_m(const Mesh& mesh) { return static_cast<double>(upper_median(mesh.sigma_m)); }
 
 class Registrar {
 public:

@@ -14,6 +14,7 @@
 #include "worker/output/atomic_file.hpp"
 #include "worker/output/mesh_check.hpp"
 #include "worker/parallel.hpp"
+#include "worker/stats/quantile.hpp"
 #include "worker/volume/mean_edge.hpp"
 
 namespace divemesh::worker {
@@ -82,14 +83,6 @@ std::optional<Views> views_in(const std::filesystem::path& folder, const Eigen::
         for (Eigen::Isometry3d& T_cam_world : views->T_cam_world)
             T_cam_world = T_cam_world * T.inverse();
     return views;
-}
-
-float quantile(std::vector<float>& values, double share) {
-    if (values.empty()) return 0.0F;
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
 }
 
 // What levels of detection are to be multiplied by, to say of stable ground what 95 % should: most
@@ -165,9 +158,9 @@ DistanceSummary summarise(const Distances& distances) {
         levels.push_back(distance.lod95_m);
     }
     summary.num_known = values.size();
-    summary.median_m = static_cast<double>(quantile(values, 0.5));
-    summary.median_abs_m = static_cast<double>(quantile(sizes, 0.5));
-    summary.median_lod95_m = static_cast<double>(quantile(levels, 0.5));
+    summary.median_m = static_cast<double>(lower_quantile(std::move(values), 0.5));
+    summary.median_abs_m = static_cast<double>(lower_quantile(std::move(sizes), 0.5));
+    summary.median_lod95_m = static_cast<double>(lower_quantile(std::move(levels), 0.5));
     return summary;
 }
 

@@ -8,6 +8,7 @@
 
 #include "worker/geometry/rotation_vector.hpp"
 #include "worker/parallel.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -67,18 +68,12 @@ std::vector<Partner> find_partners(const SurfacePoints& a,
     return partners;
 }
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 // Standard deviation of what is normal among the residuals.
 double robust_scale(const std::vector<Partner>& partners) {
     std::vector<double> sizes;
     for (const Partner& partner : partners)
         if (partner.found) sizes.push_back(std::abs(partner.residual_m));
-    return sizes.empty() ? 0.0 : std::max(kLeastScale_m, 1.4826 * median(std::move(sizes)));
+    return sizes.empty() ? 0.0 : std::max(kLeastScale_m, 1.4826 * upper_median(std::move(sizes)));
 }
 
 struct Fit {

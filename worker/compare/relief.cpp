@@ -1,17 +1,15 @@
 #include "worker/compare/relief.hpp"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
+
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {
 
 double most_of_sizes(std::vector<double> values) {
-    if (values.empty()) return 0.0;
     for (double& value : values) value = std::abs(value);
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(4 * values.size() / 5);
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
+    return upper_quantile(std::move(values), 0.8);
 }
 
 double relief_m(const std::vector<Eigen::Vector3d>& places) {

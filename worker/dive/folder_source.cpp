@@ -6,9 +6,9 @@
 #include <sys/stat.h>
 #include <vector>
 
+#include "schemas/file_descriptor.hpp"
 #include "worker/dive/dive_source.hpp"
 #include "worker/dive/entry_name.hpp"
-#include "worker/dive/file_descriptor.hpp"
 #include "worker/dive/refusal.hpp"
 
 namespace divemesh::worker {

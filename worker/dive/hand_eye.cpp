@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "worker/dive/text.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -15,23 +16,17 @@ constexpr double kLeastMotion = 0.02;  // rad/s; below this noise decides
 constexpr double kFits = 0.5;
 constexpr double kLargestAngle_deg = 20.0;
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 // Median distance from the median.
 double spread(const std::vector<Eigen::Vector3d>& vectors) {
     Eigen::Vector3d centre;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
         for (const auto& v : vectors) values.push_back(v[axis]);
-        centre[axis] = median(std::move(values));
+        centre[axis] = upper_median(std::move(values));
     }
     std::vector<double> distances;
     for (const auto& v : vectors) distances.push_back((v - centre).norm());
-    return median(std::move(distances));
+    return upper_median(std::move(distances));
 }
 
 double residual(const std::vector<RotationPair>& pairs, const Eigen::Matrix3d& R_imu_cam0) {

@@ -10,6 +10,8 @@
 
 #include "worker/dive/text.hpp"
 #include "worker/geometry/projection.hpp"
+#include "worker/geometry/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -39,12 +41,10 @@ Eigen::Vector3d integrate_gyro(const std::vector<ImuSample>& imu,
     for (std::int64_t now = begin_ns; sample != imu.end() && now < end_ns; ++sample) {
         const std::int64_t until = std::min(sample->timestamp_ns, end_ns);
         const double seconds = static_cast<double>(until - now) * 1e-9;
-        const Eigen::Vector3d step = sample->angular_velocity_imu * seconds;
-        if (step.norm() > 0.0) turn = turn * Eigen::AngleAxisd(step.norm(), step.normalized());
+        turn = turn * rotation_from_vector(sample->angular_velocity_imu * seconds);
         now = until;
     }
-    const Eigen::AngleAxisd turned(turn);
-    return turned.angle() * turned.axis();
+    return vector_from_rotation(turn);
 }
 
 // From frame `first` on until the turn is large enough to be seen, or half a second is over.
@@ -202,13 +202,11 @@ private:
 
     void report_stereo() {
         if (std::ssize(stereo_) < 4 * kLeastPoints) return;
-        const auto median_error_px = [](std::vector<StereoPoint>& points) {
-            const auto middle = points.begin() + std::ssize(points) / 2;
-            std::nth_element(
-                points.begin(), middle, points.end(), [](const auto& a, const auto& b) {
-                    return a.epipolar_error_px < b.epipolar_error_px;
-                });
-            return middle->epipolar_error_px;
+        const auto median_error_px = [](const std::vector<StereoPoint>& points) {
+            std::vector<double> errors_px;
+            errors_px.reserve(points.size());
+            for (const StereoPoint& point : points) errors_px.push_back(point.epipolar_error_px);
+            return upper_median(std::move(errors_px));
         };
         const auto num_behind = [](const std::vector<StereoPoint>& points) {
             return std::count_if(points.begin(), points.end(), [](const StereoPoint& point) {

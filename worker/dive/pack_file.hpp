@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <span>
 
-#include "worker/dive/file_descriptor.hpp"
+#include "schemas/file_descriptor.hpp"
 
 namespace divemesh::worker {
 

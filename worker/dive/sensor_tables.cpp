@@ -8,6 +8,7 @@
 #include "worker/dive/csv.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/dive/text.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -44,9 +45,7 @@ double median_of(const std::vector<ImuSample>& samples, const Get& get) {
     std::vector<double> values;
     values.reserve(samples.size());
     for (const ImuSample& sample : samples) values.push_back(get(sample));
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return upper_median(std::move(values));
 }
 
 // The gravity check: a diver's mean specific force is that of gravity.

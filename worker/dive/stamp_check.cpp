@@ -1,9 +1,8 @@
 #include "worker/dive/stamp_check.hpp"
 
-#include <algorithm>
-
 #include "worker/dive/csv.hpp"
 #include "worker/dive/text.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -19,9 +18,7 @@ std::int64_t median_period_ns(const std::vector<std::int64_t>& timestamps_ns) {
     periods.reserve(timestamps_ns.size() - 1);
     for (std::size_t i = 1; i < timestamps_ns.size(); ++i)
         periods.push_back(timestamps_ns[i] - timestamps_ns[i - 1]);
-    const auto middle = periods.begin() + std::ssize(periods) / 2;
-    std::nth_element(periods.begin(), middle, periods.end());
-    return *middle;
+    return upper_median(std::move(periods));
 }
 
 std::optional<std::int64_t> StampCheck::accept(std::int64_t line, std::string_view stamp) {

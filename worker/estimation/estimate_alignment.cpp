@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/geometry/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -153,9 +154,7 @@ private:
     double scale(const State& state) const {
         std::vector<double> norms;
         for (const Turn& turn : turns_) norms.push_back(residual(state, turn).norm());
-        const auto middle = norms.begin() + std::ssize(norms) / 2;
-        std::nth_element(norms.begin(), middle, norms.end());
-        return std::max(*middle / kMedianOfNorm, kLeastSigma_rad);
+        return std::max(upper_median(std::move(norms)) / kMedianOfNorm, kLeastSigma_rad);
     }
     void add(const State& state, const Turn& turn, double sigma, Matrix7& H, Vector7& g) const {
         const Eigen::Vector3d r = residual(state, turn);

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "worker/estimation/covariance_between.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr double kNormal95 = 1.6448536269514722;  // one-sided
-constexpr double kLeastRotation = 1e-3;           // of the largest column: below, a straight path
+constexpr double kLeastRotation = 1e-3;  // of the largest column: below, a straight path
 
 // Columns: what the rigid motions about the centre do to the positions.
 Eigen::MatrixXd rigid_motions(const std::vector<Eigen::Vector3d>& positions) {
@@ -77,8 +77,7 @@ PathUncertainty with_frames_between(PathUncertainty keyframes,
 double shared_sigma_m(const PathUncertainty& path) { return std::sqrt(path.mean_square_m2 / 3.0); }
 
 double quantile_95(double mean_square, double freedom) {
-    const double spread = 2.0 / (9.0 * freedom);
-    return mean_square * std::pow(1.0 - spread + kNormal95 * std::sqrt(spread), 3.0);
+    return mean_square * chi_square_quantile(0.95, freedom) / freedom;
 }
 
 double squared_length_95(const Eigen::Matrix3d& covariance) {

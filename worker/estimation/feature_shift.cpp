@@ -1,7 +1,8 @@
 #include "worker/estimation/feature_shift.hpp"
 
-#include <algorithm>
 #include <vector>
+
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 
@@ -16,10 +17,8 @@ FeatureShift::Shift FeatureShift::since(const Features& features) const {
         const auto before = pixels_.find(feature.id);
         if (before != pixels_.end()) shifts_px.push_back((feature.pixel - before->second).norm());
     }
-    if (shifts_px.empty()) return {};
-    const auto middle = shifts_px.begin() + std::ssize(shifts_px) / 2;
-    std::nth_element(shifts_px.begin(), middle, shifts_px.end());
-    return {shifts_px.size(), *middle};
+    const std::size_t num_shared = shifts_px.size();
+    return {num_shared, upper_median(std::move(shifts_px))};
 }
 
 }  // namespace divemesh::worker

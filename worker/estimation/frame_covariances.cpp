@@ -5,6 +5,7 @@
 
 #include "worker/estimation/covariance_between.hpp"
 #include "worker/estimation/follow_keyframes.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -54,10 +55,7 @@ Variance step_variance(const std::vector<Interval>& intervals) {
         std::vector<double> values;
         for (const Interval& interval : intervals)
             values.push_back(interval.missed.*part / interval.num_steps());
-        if (values.empty()) return 0.0;
-        const auto middle = values.begin() + std::ssize(values) / 2;
-        std::nth_element(values.begin(), middle, values.end());
-        return *middle * 3.0 / kMedianOfThree;
+        return upper_median(std::move(values)) * 3.0 / kMedianOfThree;
     };
     return {typical(&Variance::position_m2), typical(&Variance::rotation_rad2)};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/geometry/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -59,9 +60,7 @@ bool feels_gravity(const std::vector<ImuSample>& samples) {
     std::vector<double> forces;
     forces.reserve(samples.size());
     for (const ImuSample& sample : samples) forces.push_back(sample.acceleration_imu.norm());
-    const auto middle = forces.begin() + std::ssize(forces) / 2;
-    std::nth_element(forces.begin(), middle, forces.end());
-    return std::abs(*middle - kGravity_m_s2) < kWrongGravity_m_s2;
+    return std::abs(upper_median(std::move(forces)) - kGravity_m_s2) < kWrongGravity_m_s2;
 }
 
 }  // namespace

@@ -4,15 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/stats/median.hpp"
+
 namespace divemesh::worker {
 namespace {
-
-double median(std::vector<double> values, double of_none) {
-    if (values.empty()) return of_none;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 double share(double part, std::int64_t whole) {
     return whole > 0 ? part / static_cast<double>(whole) : 0.0;
@@ -34,7 +29,7 @@ void TrackSummary::add_frame(const Features& features,
     scales_.push_back(motion.scale);
     std::vector<double> depths;
     for (const PointPair& pair : motion.inliers) depths.push_back(pair.p_current.z());
-    depths_m_.push_back(median(std::move(depths), 0.0));
+    depths_m_.push_back(upper_median(std::move(depths)));
     if (!guess.rotation) return;
     squared_disagreement_ += guess.disagreement_rad * guess.disagreement_rad;
     ++num_disagreements_;
@@ -62,11 +57,11 @@ TrackStatistics TrackSummary::statistics(std::int64_t num_skipped_frames) const 
     result.inlier_share = share(static_cast<double>(num_inliers_), num_pairs_);
     result.imu_vision_disagreement_deg =
         std::sqrt(share(squared_disagreement_, num_disagreements_)) * 180.0 / std::numbers::pi;
-    result.horn_scale_median = median(scales_, 1.0);
-    result.median_depth_m = median(depths_m_, 0.0);
+    result.horn_scale_median = scales_.empty() ? 1.0 : upper_median(scales_);
+    result.median_depth_m = upper_median(depths_m_);
     std::vector<double> lives = lives_frames_;
     for (const auto& [id, frames] : age_) lives.push_back(frames);
-    result.median_track_life_frames = median(std::move(lives), 0.0);
+    result.median_track_life_frames = upper_median(std::move(lives));
     return result;
 }
 

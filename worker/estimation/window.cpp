@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "worker/stats/median.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -83,9 +85,7 @@ bool Window::has_moved(const Entry& entry) const {
                                     seen.back().v_px - seen[seen.size() - 2].v_px));
     }
     if (shifts.empty()) return true;
-    const auto middle = shifts.begin() + std::ssize(shifts) / 2;
-    std::nth_element(shifts.begin(), middle, shifts.end());
-    return *middle > kLeastShift * rig_.width_px;
+    return upper_median(std::move(shifts)) > kLeastShift * rig_.width_px;
 }
 
 std::size_t Window::landmark_of(const Feature& feature, const Keyframe& keyframe) {

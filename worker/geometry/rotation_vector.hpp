@@ -17,6 +17,19 @@ inline Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& q) {
     return turn.angle() * turn.axis();
 }
 
+// The same for small rotations, as residuals have it: the vector is taken as twice the vector part
+// of the quaternion, good to 1e-4 of itself below 3 degrees, and differentiable at 0.
+template <typename T>
+Eigen::Quaternion<T> rotation_from_small_vector(const Eigen::Matrix<T, 3, 1>& w) {
+    return Eigen::Quaternion<T>(T(1.0), T(0.5) * w.x(), T(0.5) * w.y(), T(0.5) * w.z())
+        .normalized();
+}
+
+template <typename T>
+Eigen::Matrix<T, 3, 1> vector_from_small_rotation(const Eigen::Quaternion<T>& q) {
+    return (q.w() < T(0.0) ? T(-2.0) : T(2.0)) * q.vec();
+}
+
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
     Eigen::Matrix3d m;
     m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;

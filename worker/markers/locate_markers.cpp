@@ -9,6 +9,7 @@
 
 #include "worker/geometry/rotation_vector.hpp"
 #include "worker/markers/triangulate_corners.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -27,12 +28,6 @@ std::vector<double> path_lengths(const std::vector<Keyframe>& keyframes) {
         lengths[i] = lengths[i - 1] + (joined ? way.norm() : 0.0);
     }
     return lengths;
-}
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 // The views that agree with the place that two of them give; of all places tried the one with most.
@@ -68,7 +63,7 @@ std::optional<Corners> settle(std::vector<CornerView>& views) {
         if (!corners) return std::nullopt;
         std::vector<double> errors_px;
         for (const CornerView& view : views) errors_px.push_back(view.rms_px(*corners));
-        const double most = std::max(kLeastGate_px, kGate * median(errors_px));
+        const double most = std::max(kLeastGate_px, kGate * upper_median(errors_px));
         const auto num_out = std::erase_if(
             views, [&](const CornerView& view) { return view.rms_px(*corners) > most; });
         if (num_out == 0) return corners;
@@ -165,7 +160,7 @@ private:
             ranges_m.push_back((view.T_cam_world * marker.T_world_marker.translation()).norm());
             path_m += path_m_[view.keyframe];
         }
-        marker.range_m = median(std::move(ranges_m));
+        marker.range_m = upper_median(std::move(ranges_m));
         marker.pixel_m = marker.range_m / world_.rig.focal_px;
         marker.path_m = path_m / static_cast<double>(views.size());
     }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "worker/markers/find_tags.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -85,9 +86,7 @@ std::optional<Line> robust_line(std::vector<Eigen::Vector2d> points, std::size_t
         const Line line = line_through(points);
         std::vector<double> distances;
         for (const auto& point : points) distances.push_back(distance_px(line, point));
-        const auto middle = distances.begin() + std::ssize(distances) / 2;
-        std::nth_element(distances.begin(), middle, distances.end());
-        const double most = std::max(0.2, 3.0 * *middle);
+        const double most = std::max(0.2, 3.0 * upper_median(std::move(distances)));
         std::erase_if(points, [&](const auto& point) { return distance_px(line, point) > most; });
         if (points.size() < num_needed) return std::nullopt;
     }

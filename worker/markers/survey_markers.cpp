@@ -11,6 +11,7 @@
 #include "worker/geometry/rectifier.hpp"
 #include "worker/markers/find_tags.hpp"
 #include "worker/markers/measure_bars.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -196,11 +197,9 @@ MarkerFigures measure_markers(const std::vector<TagView>& views,
     figures.markers = locate_markers(views, world);
     std::vector<double> ranges_m;
     for (const Marker& marker : figures.markers) ranges_m.push_back(marker.range_m);
-    if (!ranges_m.empty()) {
-        const auto middle = ranges_m.begin() + std::ssize(ranges_m) / 2;
-        std::nth_element(ranges_m.begin(), middle, ranges_m.end());
-        figures.systematic_scale_sigma = kDisparityBias_px / world.rig.disparity_px(*middle);
-    }
+    if (!ranges_m.empty())
+        figures.systematic_scale_sigma =
+            kDisparityBias_px / world.rig.disparity_px(upper_median(std::move(ranges_m)));
     figures.bars =
         measure_bars(figures.markers, plan, {drift_rate(world), figures.systematic_scale_sigma});
     figures.scale = scale_of(figures.bars);

@@ -3,13 +3,9 @@
 #include <Eigen/Cholesky>
 
 #include "worker/metrics/trajectory_pairs.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::worker {
-namespace {
-
-constexpr double kQuantile95 = 7.814728;  // of chi-square with 3 degrees of freedom
-
-}  // namespace
 
 std::optional<CovarianceCheck> check_covariances(const Trajectory& estimate,
                                                  const CovarianceTrack& covariances,
@@ -17,6 +13,7 @@ std::optional<CovarianceCheck> check_covariances(const Trajectory& estimate,
     if (covariances.size() != estimate.size() || estimate.empty()) return std::nullopt;
     const auto first = pose_at(reference, estimate.front().timestamp_ns);
     if (!first) return std::nullopt;
+    const double bound_95 = chi_square_quantile(0.95, 3.0);
     CovarianceCheck check;
     for (std::size_t i = 0; i < estimate.size(); ++i) {
         const auto truth = pose_at(reference, estimate[i].timestamp_ns);
@@ -28,7 +25,7 @@ std::optional<CovarianceCheck> check_covariances(const Trajectory& estimate,
         const double nees = error.dot(factor.solve(error));
         ++check.num_poses;
         check.mean_nees += nees;
-        check.share_in_95 += nees <= kQuantile95 ? 1.0 : 0.0;
+        check.share_in_95 += nees <= bound_95 ? 1.0 : 0.0;
     }
     if (check.num_poses == 0) return std::nullopt;
     check.mean_nees /= static_cast<double>(check.num_poses);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "worker/metrics/summary.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {

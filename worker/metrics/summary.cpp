@@ -1,6 +1,5 @@
 #include "worker/metrics/summary.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -15,14 +14,6 @@ double root_mean_square(const std::vector<double>& values) {
     if (values.empty()) return 0.0;
     const double sum = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
     return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    if (values.size() % 2 == 1) return *middle;
-    return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 }  // namespace divemesh::worker

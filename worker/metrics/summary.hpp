@@ -7,6 +7,5 @@ namespace divemesh::worker {
 // Of nothing: 0.
 double mean(const std::vector<double>& values);
 double root_mean_square(const std::vector<double>& values);
-double median(std::vector<double> values);
 
 }  // namespace divemesh::worker

@@ -9,10 +9,11 @@
 
 #include "schemas/error.hpp"
 #include "worker/metrics/nearest_camera.hpp"
-#include "worker/metrics/summary.hpp"
 #include "worker/metrics/surface_index.hpp"
 #include "worker/metrics/surface_samples.hpp"
 #include "worker/parallel.hpp"
+#include "worker/stats/median.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -64,15 +65,6 @@ std::vector<T> within(const std::vector<T>& entries,
     return kept;
 }
 
-// Takes distances in rising order.
-double quantile(const std::vector<double>& sorted, double share) {
-    if (sorted.empty()) return 0.0;
-    const double position = share * static_cast<double>(sorted.size() - 1);
-    const auto index = static_cast<std::size_t>(position);
-    const double rest = position - static_cast<double>(index);
-    return sorted[index] + rest * (sorted[std::min(index + 1, sorted.size() - 1)] - sorted[index]);
-}
-
 DistanceSummary summarise(const std::vector<double>& sorted) {
     DistanceSummary summary;
     summary.num_samples = static_cast<std::int64_t>(sorted.size());
@@ -86,8 +78,8 @@ DistanceSummary summarise(const std::vector<double>& sorted) {
     const auto count = static_cast<double>(sorted.size());
     summary.mean_m = sum / count;
     summary.rms_m = std::sqrt(squares / count);
-    summary.median_m = quantile(sorted, 0.5);
-    summary.p90_m = quantile(sorted, 0.9);
+    summary.median_m = quantile_of_sorted(sorted, 0.5);
+    summary.p90_m = quantile_of_sorted(sorted, 0.9);
     return summary;
 }
 
@@ -96,7 +88,7 @@ RelativeDistance relative_to(const std::vector<double>& ranges_m,
     std::vector<double> ratios(distances_m.size());
     for (std::size_t i = 0; i < ratios.size(); ++i) ratios[i] = distances_m[i] / ranges_m[i];
     std::sort(ratios.begin(), ratios.end());
-    return {quantile(ratios, 0.5), quantile(ratios, 0.8)};
+    return {quantile_of_sorted(ratios, 0.5), quantile_of_sorted(ratios, 0.8)};
 }
 
 // Points of the cloud, evenly over their order, at most as many as samples of a mesh.

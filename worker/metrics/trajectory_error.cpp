@@ -8,6 +8,7 @@
 #include "worker/metrics/alignment.hpp"
 #include "worker/metrics/summary.hpp"
 #include "worker/metrics/trajectory_pairs.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "schemas/error.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 #include "worker/metrics/alignment.hpp"
 #include "worker/metrics/motion_correlation.hpp"
 #include "worker/metrics/trajectory_pairs.hpp"
@@ -27,12 +28,6 @@ constexpr double kReach_s = 0.2;  // each way, of a velocity
 
 std::int64_t nanoseconds(double seconds) {
     return static_cast<std::int64_t>(std::llround(seconds * 1e9));
-}
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-    Eigen::Matrix3d m;
-    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-    return m;
 }
 
 Trajectory shifted(Trajectory trajectory, double offset_s) {
@@ -126,11 +121,9 @@ private:
 
     static void apply(const Vector10d& step, State& state) {
         constexpr double kMaxStep_s = 0.5;
-        const Eigen::Vector3d turn = step.segment<3>(0);
-        if (turn.norm() > 0.0)
-            state.T_reference_world.linear() =
-                state.T_reference_world.linear() *
-                Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+        state.T_reference_world.linear() =
+            state.T_reference_world.linear() *
+            rotation_from_vector(step.segment<3>(0)).toRotationMatrix();
         state.T_reference_world.translation() += step.segment<3>(3);
         state.lever_m += step.segment<3>(6);
         state.offset_s += std::clamp(step[9], -kMaxStep_s, kMaxStep_s);

@@ -23,26 +23,25 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 }
 
 void sync_folder(const std::filesystem::path& folder) {
-    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) fail(folder, errno);
-    const int code = fsync(descriptor) == 0 ? 0 : errno;
-    close(descriptor);
-    if (code != 0 && code != EINVAL) fail(folder, code);  // EINVAL: a file system without it
+    const FileDescriptor opened(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!opened.is_open()) fail(folder, errno);
+    if (fsync(opened.get()) != 0 && errno != EINVAL)  // EINVAL: a file system without it
+        fail(folder, errno);
 }
 
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path file, Durability durability)
-    : file_(std::move(file)), partial_(file_.string() + ".partial"), durability_(durability) {
-    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail(file_, errno);
+    : file_(std::move(file)),
+      partial_(file_.string() + ".partial"),
+      durability_(durability),
+      opened_(open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+    if (!opened_.is_open()) fail(file_, errno);
     buffer_.reserve(kBufferBytes);
 }
 
 AtomicFile::~AtomicFile() {
-    if (descriptor_ < 0) return;
-    close(descriptor_);
-    unlink(partial_.c_str());
+    if (opened_.is_open()) unlink(partial_.c_str());
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -52,7 +51,7 @@ void AtomicFile::write(std::string_view bytes) {
 
 void AtomicFile::flush() {
     for (std::string_view rest = buffer_; !rest.empty();) {
-        const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+        const ssize_t written = ::write(opened_.get(), rest.data(), rest.size());
         if (written < 0 && errno == EINTR) continue;
         if (written < 0) fail(file_, errno);
         rest.remove_prefix(static_cast<std::size_t>(written));
@@ -63,9 +62,8 @@ void AtomicFile::flush() {
 void AtomicFile::commit() {
     flush();
     const bool synced = durability_ == Durability::Synced;
-    if (synced && fsync(descriptor_) != 0) fail(file_, errno);
-    if (close(std::exchange(descriptor_, -1)) != 0 ||
-        rename(partial_.c_str(), file_.c_str()) != 0) {
+    if (synced && fsync(opened_.get()) != 0) fail(file_, errno);
+    if (!opened_.close() || rename(partial_.c_str(), file_.c_str()) != 0) {
         const int code = errno;
         unlink(partial_.c_str());
         fail(file_, code);

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh::worker {
 
 // Whether a file outlives a power cut from commit() on. For many small ones that are made again
@@ -30,8 +32,8 @@ private:
     std::filesystem::path file_;
     std::filesystem::path partial_;
     Durability durability_;
+    FileDescriptor opened_;
     std::string buffer_;
-    int descriptor_ = -1;
 };
 
 void write_file(const std::filesystem::path& file,

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "worker/stats/distributions.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -30,16 +32,6 @@ double deviation_of(const Simulated& simulated, double once, double twice) {
 
 }  // namespace
 
-double student_t_975(int degrees_of_freedom) {
-    const double z = 1.959964;
-    const double n = degrees_of_freedom;
-    const double z3 = z * z * z;
-    const double z5 = z3 * z * z;
-    const double z7 = z5 * z * z;
-    return z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) +
-           (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
-}
-
 double sharpened(double measured, double blurred, double blurred_twice) {
     const double first = measured - blurred;
     if (first == 0.0 || !std::isfinite(first)) return measured;
@@ -48,14 +40,13 @@ double sharpened(double measured, double blurred, double blurred_twice) {
 }
 
 Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedError& shared) {
-    constexpr double kTwoSided = 1.959964;
     double noise = 0.0;  // what it added
     double half_width = 0.0;
     if (simulated.once.size() > 1) {
         const double once = mean_of(simulated.once);
         const double twice = mean_of(simulated.twice);
         noise = 3.0 * once - 2.0 * simulated.sharp - twice;
-        half_width = student_t_975(static_cast<int>(simulated.once.size()) - 1) *
+        half_width = student_t_quantile(0.975, static_cast<double>(simulated.once.size() - 1)) *
                      deviation_of(simulated, once, twice);
     }
     const double value = simulated.sharp - noise;
@@ -63,7 +54,7 @@ Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedEr
                                  simulated.sharp - simulated.measured,
                                  shared.relative * value,
                                  shared.absolute);
-    half_width = std::hypot(half_width, kTwoSided * doubts.norm());
+    half_width = std::hypot(half_width, kNormal975 * doubts.norm());
     return {value, value - half_width, value + half_width};
 }
 

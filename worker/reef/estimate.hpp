@@ -39,6 +39,4 @@ struct SharedError {
 // its part twice; what sharpening put back as one standard deviation; the shared errors.
 Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedError& shared = {});
 
-double student_t_975(int degrees_of_freedom);  // Cornish and Fisher 1960, to 1e-3 from 4 on
-
 }  // namespace divemesh::worker

@@ -5,24 +5,16 @@
 #include <numeric>
 
 #include "worker/reef/resample.hpp"
+#include "worker/stats/distributions.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {
-namespace {
-
-constexpr double kTwoSided = 1.959964;
-
-double chi_square_quantile(double degrees_of_freedom, double z) {
-    const double part = 2.0 / (9.0 * degrees_of_freedom);
-    return degrees_of_freedom * std::pow(1.0 - part + z * std::sqrt(part), 3.0);
-}
-
-}  // namespace
 
 Estimate poisson_count(std::size_t num) {
     const auto count = static_cast<double>(num);
     return {count,
-            num > 0 ? 0.5 * chi_square_quantile(2.0 * count, -kTwoSided) : 0.0,
-            0.5 * chi_square_quantile(2.0 * count + 2.0, kTwoSided)};
+            num > 0 ? 0.5 * chi_square_quantile(0.025, 2.0 * count) : 0.0,
+            0.5 * chi_square_quantile(0.975, 2.0 * count + 2.0)};
 }
 
 Estimate density_per_m2(const Population& population) {
@@ -38,8 +30,8 @@ Estimate cover(const Population& population) {
     const double deviation =
         std::sqrt(std::inner_product(areas.begin(), areas.end(), areas.begin(), 0.0));
     return {sum / population.surveyed_m2,
-            std::max(0.0, sum - kTwoSided * deviation) / population.surveyed_m2,
-            (sum + kTwoSided * deviation) / population.surveyed_m2};
+            std::max(0.0, sum - kNormal975 * deviation) / population.surveyed_m2,
+            (sum + kNormal975 * deviation) / population.surveyed_m2};
 }
 
 Estimate size_quantile(const std::vector<double>& sizes, double share, std::uint64_t seed) {

@@ -16,8 +16,7 @@ struct Population {
     double surveyed_m2 = 0.0;
 };
 
-// A Poisson count with its exact interval (Garwood 1936, by the chi-square quantiles of Wilson and
-// Hilferty 1931).
+// Returns a Poisson count with its exact interval (Garwood 1936).
 Estimate poisson_count(std::size_t num);
 
 // Colonies per m2, by that interval.

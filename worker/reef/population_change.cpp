@@ -6,13 +6,13 @@
 
 #include "worker/reef/population.hpp"
 #include "worker/reef/resample.hpp"
+#include "worker/stats/distributions.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr double kTwoSided = 1.959964;
-
-double median(std::vector<double>& sizes) {
+double median_or_nan(std::vector<double>& sizes) {
     if (sizes.empty()) return std::numeric_limits<double>::quiet_NaN();
     std::sort(sizes.begin(), sizes.end());
     return quantile_of_sorted(sizes, 0.5);
@@ -44,7 +44,7 @@ Estimate sum_change(const std::vector<Individual>& individuals) {
         sum += difference;
         squares += difference * difference;
     }
-    const double half = kTwoSided * std::sqrt(squares);
+    const double half = kNormal975 * std::sqrt(squares);
     return {sum, sum - half, sum + half};
 }
 
@@ -59,7 +59,7 @@ std::optional<Estimate> median_change(const std::vector<Individual>& individuals
             if (individuals[i].before) before.push_back(*individuals[i].before);
             if (individuals[i].after) after.push_back(*individuals[i].after);
         }
-        return median(after) - median(before);
+        return median_or_nan(after) - median_or_nan(before);
     };
     if (individuals.empty()) return std::nullopt;
     const Estimate change = bootstrap(individuals.size(), difference, seed);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "worker/stats/quantile.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -15,13 +17,6 @@ std::uint64_t next_random(std::uint64_t& state) {  // splitmix64 (Steele et al. 
 }
 
 }  // namespace
-
-double quantile_of_sorted(const std::vector<double>& sorted, double share) {
-    const double place = share * static_cast<double>(sorted.size() - 1);
-    const auto below = static_cast<std::size_t>(place);
-    const std::size_t above = std::min(below + 1, sorted.size() - 1);
-    return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
 
 Estimate bootstrap(std::size_t num_individuals, const Statistic& statistic, std::uint64_t seed) {
     constexpr int kNumDraws = 1000;

@@ -9,9 +9,6 @@
 
 namespace divemesh::worker {
 
-// By linear interpolation; of at least one value.
-double quantile_of_sorted(const std::vector<double>& sorted, double share);
-
 // A statistic over individuals with the percentiles of a bootstrap over them (Efron 1979; 1000
 // draws, fixed seed). It is given the indices of those drawn; a draw for which it answers NaN is
 // left out. Of one individual: its value, no interval to speak of.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/stats/quantile.hpp"
+
 namespace divemesh::worker {
 namespace {
 
@@ -44,10 +46,7 @@ void ShownNoise::add_along(const HeightGrid& heights,
 
 double ShownNoise::share() const {
     if (sizes_.size() < kLeastDifferences) return 1.0;
-    std::vector<double> sizes = sizes_;
-    const auto quarter = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 4);
-    std::nth_element(sizes.begin(), quarter, sizes.end());
-    return std::min(1.0, *quarter / kQuartileOfNormal);
+    return std::min(1.0, upper_quantile(sizes_, 0.25) / kQuartileOfNormal);
 }
 
 }  // namespace divemesh::worker

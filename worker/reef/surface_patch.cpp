@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "worker/output/mesh_check.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -35,12 +36,6 @@ double share_within(const Polygon& outline, const std::array<Eigen::Vector3d, 3>
 
 double triangle_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
     return 0.5 * (b - a).cross(c - a).norm();
-}
-
-double upper_median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 double known_or_zero(const std::vector<float>& sigmas_m, std::uint32_t vertex) {
@@ -147,7 +142,7 @@ std::optional<double> median_range_m(const SurfacePatch& patch,
             nearest = std::min(nearest, (camera - patch.vertices[i]).squaredNorm());
         ranges.push_back(std::sqrt(nearest));
     }
-    return upper_median(ranges);
+    return upper_median(std::move(ranges));
 }
 
 double median_edge_m(const SurfacePatch& patch) {
@@ -156,7 +151,7 @@ double median_edge_m(const SurfacePatch& patch) {
     for (const auto& [a, b, c] : patch.triangles)
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
             lengths.push_back((patch.vertices[from] - patch.vertices[to]).norm());
-    return upper_median(lengths);
+    return upper_median(std::move(lengths));
 }
 
 }  // namespace divemesh::worker

@@ -12,6 +12,7 @@
 #include "worker/metrics/surface_index.hpp"
 #include "worker/mosaic/mosaic.hpp"
 #include "worker/parallel.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -98,15 +99,14 @@ cv::Mat distances_m(const Mosaic& picture, const Mesh& reference, const SurfaceE
 }
 
 double scale_end_m(const cv::Mat& distance_m) {
-    std::vector<float> sorted;
+    std::vector<float> known_m;
     for (int row = 0; row < distance_m.rows; ++row)
         std::copy_if(distance_m.ptr<float>(row),
                      distance_m.ptr<float>(row) + distance_m.cols,
-                     std::back_inserter(sorted),
+                     std::back_inserter(known_m),
                      [](float distance) { return !std::isnan(distance); });
-    if (sorted.empty()) return 0.0;
-    std::sort(sorted.begin(), sorted.end());
-    return rounded_up(static_cast<double>(sorted[(sorted.size() - 1) * 9 / 10]));
+    if (known_m.empty()) return 0.0;
+    return rounded_up(static_cast<double>(lower_quantile(std::move(known_m), 0.9)));
 }
 
 }  // namespace

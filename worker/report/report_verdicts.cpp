@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <initializer_list>
 
-#include "worker/metrics/summary.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {

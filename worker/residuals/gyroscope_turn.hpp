@@ -4,6 +4,7 @@
 #include <ceres/autodiff_cost_function.h>
 
 #include "worker/estimation/gyroscope_integral.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 
 namespace divemesh::worker {
 
@@ -11,8 +12,8 @@ namespace divemesh::worker {
 //
 //     r = log((q_ij exp(J (b_i - b_0)))^-1 q_i^-1 q_j) / sigma_turn
 //
-// Blocks: q_world_imu of i and j (x y z w), bias of i (rad/s). The logarithm is taken as twice the
-// vector part: the rest is far below the noise.
+// Blocks: q_world_imu of i and j (x y z w), bias of i (rad/s). The logarithm is that of small
+// rotations: the rest is far below the noise.
 struct GyroscopeTurn {
     GyroscopeIntegral integral;
 
@@ -25,14 +26,13 @@ struct GyroscopeTurn {
         const Eigen::Map<const Eigen::Quaternion<T>> from(q_i);
         const Eigen::Map<const Eigen::Quaternion<T>> to(q_j);
         const Eigen::Map<const Vector> bias(bias_i);
-        const Vector half =
-            T(0.5) * (integral.d_rotation_d_bias.cast<T>() * (bias - integral.bias.cast<T>()));
-        const Eigen::Quaternion<T> correction(T(1.0), half.x(), half.y(), half.z());
-        const Eigen::Quaternion<T> turn = integral.q_from_to.cast<T>() * correction.normalized();
+        const Vector correction =
+            integral.d_rotation_d_bias.cast<T>() * (bias - integral.bias.cast<T>());
+        const Eigen::Quaternion<T> turn =
+            integral.q_from_to.cast<T>() * rotation_from_small_vector<T>(correction);
         const Eigen::Quaternion<T> error = turn.conjugate() * (from.conjugate() * to);
-        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
         Eigen::Map<Vector> r(residual);
-        r = sign * error.vec() / T(integral.sigma_rad);
+        r = vector_from_small_rotation(error) / T(integral.sigma_rad);
         return true;
     }
 

@@ -5,6 +5,7 @@
 #include <ceres/autodiff_cost_function.h>
 
 #include "worker/estimation/preintegration.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 
 namespace divemesh::worker {
 
@@ -17,8 +18,8 @@ namespace divemesh::worker {
 //     r = L^-1 e,   L L^T = the covariance of the integral
 //
 // Blocks: q_world_imu (x y z w), p_world_imu, velocity_world, gyroscope and accelerometer bias of
-// i; the first three of j; down_world (unit vector). The logarithm is taken as twice the vector
-// part: the rest is far below the noise.
+// i; the first three of j; down_world (unit vector). The logarithm is that of small rotations: the
+// rest is far below the noise.
 class InertialMotion {
 public:
     explicit InertialMotion(const PreintegratedImu& integral)
@@ -48,14 +49,12 @@ public:
         const Vector accelerometer =
             ConstVector(accelerometer_bias) - integral_.accelerometer_bias.cast<T>();
 
-        const Vector half = T(0.5) * (integral_.turn.d_rotation_d_bias.cast<T>() * gyroscope);
-        const Eigen::Quaternion<T> correction(T(1.0), half.x(), half.y(), half.z());
+        const Vector correction = integral_.turn.d_rotation_d_bias.cast<T>() * gyroscope;
         const Eigen::Quaternion<T> turn =
-            integral_.turn.q_from_to.cast<T>() * correction.normalized();
+            integral_.turn.q_from_to.cast<T>() * rotation_from_small_vector<T>(correction);
         const Eigen::Quaternion<T> error = turn.conjugate() * (from.conjugate() * to);
-        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
         Eigen::Matrix<T, 9, 1> e;
-        e.template head<3>() = sign * error.vec();
+        e.template head<3>() = vector_from_small_rotation(error);
         e.template segment<3>(3) =
             from.conjugate() * Vector(ConstVector(v_j) - ConstVector(v_i) - g * T(dt)) -
             (integral_.velocity_change.cast<T>() +

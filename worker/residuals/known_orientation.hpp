@@ -3,14 +3,15 @@
 #include <Eigen/Geometry>
 #include <ceres/autodiff_cost_function.h>
 
+#include "worker/geometry/rotation_vector.hpp"
+
 namespace divemesh::worker {
 
 // An orientation of the body that a sensor (AHRS) states in a world of its own, to sigma per axis:
 //
 //     r = log(q_ahrs_imu^-1 q_world_ahrs^-1 q_world_imu) / sigma
 //
-// Blocks: q_world_ahrs, q_world_imu (x y z w). The logarithm is taken as twice the vector part,
-// good to 1e-4 of itself below 3 degrees.
+// Blocks: q_world_ahrs, q_world_imu (x y z w). The logarithm is that of small rotations.
 struct KnownOrientation {
     Eigen::Quaterniond q_ahrs_imu;
     double sigma_rad = 0.0;
@@ -21,9 +22,8 @@ struct KnownOrientation {
         const Eigen::Map<const Eigen::Quaternion<T>> q(q_world_imu);
         const Eigen::Quaternion<T> error =
             q_ahrs_imu.conjugate().cast<T>() * (world.conjugate() * q);
-        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
         Eigen::Map<Eigen::Matrix<T, 3, 1>> r(residual);
-        r = sign * error.vec() / T(sigma_rad);
+        r = vector_from_small_rotation(error) / T(sigma_rad);
         return true;
     }
 

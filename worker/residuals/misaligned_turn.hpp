@@ -4,6 +4,7 @@
 #include <ceres/autodiff_cost_function.h>
 
 #include "worker/estimation/gyroscope_integral.hpp"
+#include "worker/geometry/rotation_vector.hpp"
 
 namespace divemesh::worker {
 
@@ -13,7 +14,7 @@ namespace divemesh::worker {
 //
 // M = exp(m) maps imu to body; q_ij was integrated at dt_0, and J_t = w_j - q_ij^-1 w_i are the
 // rates at its two ends. Blocks: q_world_body of i and j (x y z w), bias of i (rad/s, imu), m
-// (rad), dt (s). Logarithms are taken as twice the vector part; m stays within some degrees.
+// (rad), dt (s). Logarithms are those of small rotations; m stays within some degrees.
 struct MisalignedTurn {
     GyroscopeIntegral integral;
     Eigen::Vector3d d_rotation_d_time = Eigen::Vector3d::Zero();  // rad/s
@@ -35,20 +36,14 @@ struct MisalignedTurn {
         const Vector change =
             integral.d_rotation_d_bias.cast<T>() * (bias - integral.bias.cast<T>()) +
             d_rotation_d_time.cast<T>() * (time_offset[0] - T(time_offset_s));
-        const Quaternion turn_imu = integral.q_from_to.cast<T>() * small<T>(change);
-        const Quaternion M = small<T>(m);
+        const Quaternion turn_imu =
+            integral.q_from_to.cast<T>() * rotation_from_small_vector<T>(change);
+        const Quaternion M = rotation_from_small_vector<T>(m);
         const Quaternion turn = M * turn_imu * M.conjugate();
         const Quaternion error = turn.conjugate() * (from.conjugate() * to);
-        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
         Eigen::Map<Vector> r(residual);
-        r = sign * error.vec() / T(integral.sigma_rad);
+        r = vector_from_small_rotation(error) / T(integral.sigma_rad);
         return true;
-    }
-
-    template <typename T>
-    static Eigen::Quaternion<T> small(const Eigen::Matrix<T, 3, 1>& w) {
-        return Eigen::Quaternion<T>(T(1.0), T(0.5) * w.x(), T(0.5) * w.y(), T(0.5) * w.z())
-            .normalized();
     }
 
     static ceres::CostFunction* create(const MisalignedTurn& turn) {

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <ceres/autodiff_cost_function.h>
 
+#include "worker/geometry/rotation_vector.hpp"
+
 namespace divemesh::worker {
 
 // The motion between two poses, known to sigma per axis:
@@ -10,8 +12,8 @@ namespace divemesh::worker {
 //     r_0..2 = (R_a^T (p_b - p_a) - p_known) / sigma_m
 //     r_3..5 = log(q_known^-1 q_a^-1 q_b) / sigma_rad
 //
-// Blocks: q_world (x y z w) and p_world (m) of a, then of b. The logarithm is taken as twice the
-// vector part.
+// Blocks: q_world (x y z w) and p_world (m) of a, then of b. The logarithm is that of small
+// rotations.
 struct RelativePose {
     Eigen::Quaterniond q_a_b;
     Eigen::Vector3d p_a_b;
@@ -30,10 +32,9 @@ struct RelativePose {
         const Eigen::Map<const Vector> p_a(p_world_a);
         const Eigen::Map<const Vector> p_b(p_world_b);
         const Eigen::Quaternion<T> error = q_a_b.conjugate().cast<T>() * (q_a.conjugate() * q_b);
-        const T sign = error.w() < T(0.0) ? T(-2.0) : T(2.0);
         Eigen::Map<Eigen::Matrix<T, 6, 1>> r(residual);
         r.template head<3>() = (q_a.conjugate() * (p_b - p_a) - p_a_b.cast<T>()) / T(sigma_m);
-        r.template tail<3>() = sign * error.vec() / T(sigma_rad);
+        r.template tail<3>() = vector_from_small_rotation(error) / T(sigma_rad);
         return true;
     }
 

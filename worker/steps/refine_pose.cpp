@@ -3,13 +3,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <vector>
 
 #include "worker/geometry/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -161,10 +161,8 @@ double least_certain_rad(const RectifiedRig& rig,
     if (pairs.empty()) return kUnknown_rad;
     std::vector<double> depths_m;
     for (const PointPair& pair : pairs) depths_m.push_back(pair.p_previous.z());
-    const auto middle = depths_m.begin() + std::ssize(depths_m) / 2;
-    std::nth_element(depths_m.begin(), middle, depths_m.end());
     Vector6d scale = Vector6d::Ones();
-    scale.tail<3>().setConstant(*middle);
+    scale.tail<3>().setConstant(upper_median(std::move(depths_m)));
     const NormalEquations equations =
         linearise(rig, pairs, motion.rotation, motion.T_current_previous);
     const Matrix6d information = scale.asDiagonal() * equations.H * scale.asDiagonal();

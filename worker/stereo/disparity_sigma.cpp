@@ -23,11 +23,11 @@ struct Noise {
 };
 
 // From the sums of the gradient and of its square over a window.
-DIVEMESH_INLINE_BODY void rate_texture_body(const float* __restrict gradient,
-                                            const float* __restrict energy,
-                                            Noise noise,
-                                            int num,
-                                            float* __restrict sigma) {
+DIVEMESH_INLINE_BODY void rate_texture(const float* __restrict gradient,
+                                       const float* __restrict energy,
+                                       Noise noise,
+                                       int num,
+                                       float* __restrict sigma) {
     constexpr float kNum = kWindow_px * kWindow_px;
     for (int x = kWindow_px / 2; x < num - kWindow_px / 2; ++x) {
         const float texture = energy[x] - gradient[x] * gradient[x] / kNum - noise.energy;
@@ -35,14 +35,6 @@ DIVEMESH_INLINE_BODY void rate_texture_body(const float* __restrict gradient,
         const float least = known > kFloor_px ? known : kFloor_px;
         sigma[x] = texture > 0.5F * noise.energy ? least : std::numeric_limits<float>::infinity();
     }
-}
-
-void rate_texture(const float* gradient, const float* energy, Noise noise, int num, float* sigma) {
-    rate_texture_body(gradient, energy, noise, num, sigma);
-}
-DIVEMESH_FOR_AVX2 void rate_texture_avx2(
-    const float* gradient, const float* energy, Noise noise, int num, float* sigma) {
-    rate_texture_body(gradient, energy, noise, num, sigma);
 }
 
 }  // namespace
@@ -76,7 +68,7 @@ cv::Mat disparity_sigma(const cv::Mat& image, Instructions instructions) {
     // Of the gradient times two.
     const auto noise_energy = static_cast<float>(4.0 * kNum * noise * noise / 2.0);
     const auto scale = static_cast<float>(2.0 * std::sqrt(2.0) * noise);
-    const auto rate = instructions == Instructions::Baseline ? rate_texture : rate_texture_avx2;
+    const auto rate = compiled_for<rate_texture>(instructions);
     cv::Mat sigma(image.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::infinity()));
     RunningSums window(2, image.cols, kWindow_px / 2, instructions);
     for (int y = 0; y < image.rows; ++y) {

@@ -63,10 +63,10 @@ struct Columns {
     const std::int32_t* of[kNumTerms];
 };
 
-DIVEMESH_INLINE_BODY void step_row_body(const Columns& columns,
-                                        int width,
-                                        float* disparity,
-                                        float* sigma) {
+DIVEMESH_INLINE_BODY void step_row(const Columns& columns,
+                                   int width,
+                                   float* disparity,
+                                   float* sigma) {
     for (int x = 0; x < width; x += kLanes) {
         const Floats d = load(disparity + x);
         store(sigma + x, Floats{});
@@ -116,23 +116,13 @@ void step_by_block_row(
     }
 }
 
-void step_row(const Columns& columns, int width, float* disparity, float* sigma) {
-    step_row_body(columns, width, disparity, sigma);
-}
-DIVEMESH_FOR_AVX2 void step_row_avx2(const Columns& columns,
-                                     int width,
-                                     float* disparity,
-                                     float* sigma) {
-    step_row_body(columns, width, disparity, sigma);
-}
-
 }  // namespace
 
 void DisparityStep::take(const cv::Mat& left,
                          const cv::Mat& right,
                          DisparityPlane& disparity_px,
                          DisparityPlane& sigma_px) {
-    const auto step = instructions_ == Instructions::Baseline ? step_row : step_row_avx2;
+    const auto step = compiled_for<step_row>(instructions_);
     sigma_px.resize(disparity_px.size());
     terms_.begin(left.cols);
     begin_blocks(left.size());

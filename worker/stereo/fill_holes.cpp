@@ -37,7 +37,7 @@ DIVEMESH_INLINE_BODY Floats supported(const float* const* rows, int x, Floats wi
     return where(count >= kLeastPairs, sum / largest_of(count, splat(1.0F)));
 }
 
-DIVEMESH_INLINE_BODY void fill_row_body(const float* const* rows, int width, float* out) {
+DIVEMESH_INLINE_BODY void fill_row(const float* const* rows, int width, float* out) {
     for (int x = 0; x < width; x += kLanes) {
         const Floats here = load(rows[kReach_px] + x);
         const Masks unconfirmed = here < 0.0F;
@@ -51,13 +51,8 @@ DIVEMESH_INLINE_BODY void fill_row_body(const float* const* rows, int width, flo
     }
 }
 
-void fill_row(const float* const* rows, int width, float* out) { fill_row_body(rows, width, out); }
-DIVEMESH_FOR_AVX2 void fill_row_avx2(const float* const* rows, int width, float* out) {
-    fill_row_body(rows, width, out);
-}
-
 void fill(const DisparityPlane& from, DisparityPlane& to, Instructions instructions) {
-    const auto fill_one = instructions == Instructions::Baseline ? fill_row : fill_row_avx2;
+    const auto fill_one = compiled_for<fill_row>(instructions);
     for (int y = 0; y < from.height(); ++y) {
         const float* rows[2 * kReach_px + 1];
         for (int i = 0; i <= 2 * kReach_px; ++i) rows[i] = from.row(y + i - kReach_px);

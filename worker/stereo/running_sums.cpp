@@ -5,20 +5,20 @@
 namespace divemesh::worker {
 namespace {
 
-DIVEMESH_INLINE_BODY void exchange_body(std::int32_t* sum_,
-                                        const std::int32_t* entering_,
-                                        const std::int32_t* leaving_,
-                                        int num) {
+DIVEMESH_INLINE_BODY void exchange(std::int32_t* sum_,
+                                   const std::int32_t* entering_,
+                                   const std::int32_t* leaving_,
+                                   int num) {
     std::int32_t* __restrict sum = sum_;
     const std::int32_t* __restrict entering = entering_;
     const std::int32_t* __restrict leaving = leaving_;
     for (int x = 0; x < num; ++x) sum[x] += entering[x] - leaving[x];
 }
 
-DIVEMESH_INLINE_BODY void widen_body(const std::int32_t* column_,
-                                     int num,
-                                     int radius,
-                                     float* window_) {
+DIVEMESH_INLINE_BODY void widen_within(const std::int32_t* column_,
+                                       int num,
+                                       int radius,
+                                       float* window_) {
     const std::int32_t* __restrict column = column_;
     float* __restrict window = window_;
     for (int x = radius; x < num - radius; ++x) {
@@ -28,34 +28,11 @@ DIVEMESH_INLINE_BODY void widen_body(const std::int32_t* column_,
     }
 }
 
-struct Kernels {
-    void (*exchange)(std::int32_t*, const std::int32_t*, const std::int32_t*, int);
-    void (*widen)(const std::int32_t*, int, int, float*);
-};
-
-void exchange(std::int32_t* sum, const std::int32_t* in, const std::int32_t* out, int num) {
-    exchange_body(sum, in, out, num);
-}
 // The radii that are used, so that the inner loop has a fixed length.
-DIVEMESH_INLINE_BODY void widen_fixed(const std::int32_t* column,
-                                      int num,
-                                      int radius,
-                                      float* window) {
-    if (radius == 4) return widen_body(column, num, 4, window);
-    if (radius == 3) return widen_body(column, num, 3, window);
-    widen_body(column, num, radius, window);
-}
-void widen(const std::int32_t* column, int num, int radius, float* window) {
-    widen_fixed(column, num, radius, window);
-}
-DIVEMESH_FOR_AVX2 void exchange_avx2(std::int32_t* sum,
-                                     const std::int32_t* in,
-                                     const std::int32_t* out,
-                                     int num) {
-    exchange_body(sum, in, out, num);
-}
-DIVEMESH_FOR_AVX2 void widen_avx2(const std::int32_t* column, int num, int radius, float* window) {
-    widen_fixed(column, num, radius, window);
+DIVEMESH_INLINE_BODY void widen(const std::int32_t* column, int num, int radius, float* window) {
+    if (radius == 4) return widen_within(column, num, 4, window);
+    if (radius == 3) return widen_within(column, num, 3, window);
+    widen_within(column, num, radius, window);
 }
 
 }  // namespace
@@ -69,17 +46,15 @@ RunningSums::RunningSums(int num_terms, int width, int radius_px, Instructions i
       sums_(num_terms, std::vector<float>(width, 0.0F)) {}
 
 void RunningSums::add_row() {
-    const Kernels kernels = instructions_ == Instructions::Baseline
-                                ? Kernels{exchange, widen}
-                                : Kernels{exchange_avx2, widen_avx2};
+    const auto exchange_row = compiled_for<exchange>(instructions_);
+    const auto widen_row = compiled_for<widen>(instructions_);
     auto& leaving = rows_[static_cast<std::size_t>(num_rows_) % rows_.size()];
     const int width = static_cast<int>(columns_.front().size());
     ++num_rows_;
     for (std::size_t term = 0; term < columns_.size(); ++term) {
-        kernels.exchange(
-            columns_[term].data(), entering_[term].data(), leaving[term].data(), width);
+        exchange_row(columns_[term].data(), entering_[term].data(), leaving[term].data(), width);
         std::swap(leaving[term], entering_[term]);
-        if (whole()) kernels.widen(columns_[term].data(), width, radius_px_, sums_[term].data());
+        if (whole()) widen_row(columns_[term].data(), width, radius_px_, sums_[term].data());
     }
 }
 

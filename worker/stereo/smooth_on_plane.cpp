@@ -50,10 +50,7 @@ mean_on_plane(const float* const* rows, int x, int stride, Floats center, Floats
     return {center + where(center > 0.0F, sum / (1.0F + count)), count};
 }
 
-DIVEMESH_INLINE_BODY void smooth_row_body(const float* const* rows,
-                                          float gate,
-                                          int width,
-                                          float* out) {
+DIVEMESH_INLINE_BODY void smooth_row(const float* const* rows, float gate, int width, float* out) {
     for (int x = 0; x < width; x += kLanes) {
         const Floats center = load(rows[kRadius] + x);
         store(out + x,
@@ -61,7 +58,7 @@ DIVEMESH_INLINE_BODY void smooth_row_body(const float* const* rows,
     }
 }
 
-DIVEMESH_INLINE_BODY void smooth_uncertain_body(
+DIVEMESH_INLINE_BODY void smooth_uncertain_row(
     const float* const* rows, const float* sigmas, int width, float* out, float* out_sigmas) {
     for (int x = 0; x < width; x += kLanes) {
         const Floats center = load(rows[kRadius] + x);
@@ -80,24 +77,6 @@ DIVEMESH_INLINE_BODY void smooth_uncertain_body(
     }
 }
 
-void smooth_row(const float* const* rows, float gate, int width, float* out) {
-    smooth_row_body(rows, gate, width, out);
-}
-DIVEMESH_FOR_AVX2 void smooth_row_avx2(const float* const* rows,
-                                       float gate,
-                                       int width,
-                                       float* out) {
-    smooth_row_body(rows, gate, width, out);
-}
-void smooth_uncertain_row(
-    const float* const* rows, const float* sigmas, int width, float* out, float* out_sigmas) {
-    smooth_uncertain_body(rows, sigmas, width, out, out_sigmas);
-}
-DIVEMESH_FOR_AVX2 void smooth_uncertain_row_avx2(
-    const float* const* rows, const float* sigmas, int width, float* out, float* out_sigmas) {
-    smooth_uncertain_body(rows, sigmas, width, out, out_sigmas);
-}
-
 struct Rows {
     Rows(const DisparityPlane& plane, int y, int stride) {
         for (int i = 0; i < kNumRows; ++i) begin[i] = plane.row(y + (i - kRadius) * stride);
@@ -111,7 +90,7 @@ void smooth_on_plane(const DisparityPlane& disparity_px,
                      float gate_px,
                      DisparityPlane& smooth_px,
                      Instructions instructions) {
-    const auto smooth = instructions == Instructions::Baseline ? smooth_row : smooth_row_avx2;
+    const auto smooth = compiled_for<smooth_row>(instructions);
     smooth_px.resize(disparity_px.size());
     for (int y = 0; y < disparity_px.height(); ++y)
         smooth(Rows(disparity_px, y, 1).begin, gate_px, disparity_px.width(), smooth_px.row(y));
@@ -122,8 +101,7 @@ void smooth_uncertain(const DisparityPlane& disparity_px,
                       DisparityPlane& smooth_px,
                       DisparityPlane& smooth_sigma_px,
                       Instructions instructions) {
-    const auto smooth =
-        instructions == Instructions::Baseline ? smooth_uncertain_row : smooth_uncertain_row_avx2;
+    const auto smooth = compiled_for<smooth_uncertain_row>(instructions);
     smooth_px.resize(disparity_px.size());
     smooth_sigma_px.resize(disparity_px.size());
     for (int y = 0; y < disparity_px.height(); ++y)

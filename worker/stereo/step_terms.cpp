@@ -72,10 +72,10 @@ DIVEMESH_INLINE_BODY Values values_at(const Read& in, int x) {
 }
 
 // The values of a row take the place of the oldest ones, in `rows` and in the sums.
-DIVEMESH_INLINE_BODY void exchange_body(const Read& in,
-                                        int width,
-                                        std::int16_t* const (&rows)[4],
-                                        std::int32_t* const (&columns)[kNumTerms]) {
+DIVEMESH_INLINE_BODY void exchange_row(const Read& in,
+                                       int width,
+                                       std::int16_t* const (&rows)[4],
+                                       std::int32_t* const (&columns)[kNumTerms]) {
     for (int x = 0; x < width; x += kLanes) {
         const Values now = values_at(in, x);
         const Values old = {load_shorts(rows[0] + x),
@@ -100,24 +100,6 @@ DIVEMESH_INLINE_BODY void exchange_body(const Read& in,
         add(kRE, now.r * now.e - old.r * old.e);
         add(kEE, now.e * now.e - old.e * old.e);
     }
-}
-
-using Exchange = void (*)(const Read&,
-                          int,
-                          std::int16_t* const (&)[4],
-                          std::int32_t* const (&)[kNumTerms]);
-
-void exchange_baseline(const Read& in,
-                       int width,
-                       std::int16_t* const (&rows)[4],
-                       std::int32_t* const (&columns)[kNumTerms]) {
-    exchange_body(in, width, rows, columns);
-}
-DIVEMESH_FOR_AVX2 void exchange_avx2(const Read& in,
-                                     int width,
-                                     std::int16_t* const (&rows)[4],
-                                     std::int32_t* const (&columns)[kNumTerms]) {
-    exchange_body(in, width, rows, columns);
 }
 
 }  // namespace
@@ -170,8 +152,7 @@ void StepTerms::exchange() {
     for (int i = 0; i < 4; ++i) rows[i] = rows_[oldest_][i].data();
     std::int32_t* columns[kNumTerms];
     for (int term = 0; term < kNumTerms; ++term) columns[term] = columns_[term].data() + kMargin_px;
-    (instructions_ == Instructions::Baseline ? exchange_baseline : exchange_avx2)(
-        read, width_, rows, columns);
+    compiled_for<exchange_row>(instructions_)(read, width_, rows, columns);
     oldest_ = (oldest_ + 1) % kWindow_px;
 }
 

@@ -22,7 +22,7 @@ struct Products {
 };
 
 // The products of `row` take the place of those of five rows before, in the sums too.
-DIVEMESH_INLINE_BODY void add_row_body(
+DIVEMESH_INLINE_BODY void add_row(
     const std::uint8_t* row, std::ptrdiff_t step, int width, Products kept, Products sums) {
     const std::uint8_t* __restrict above = row - step;
     const std::uint8_t* __restrict here = row;
@@ -55,7 +55,7 @@ DIVEMESH_INLINE_BODY float sum_of_five(const std::int32_t* middle) {
     return static_cast<float>(middle[-2] + middle[-1] + middle[0] + middle[1] + middle[2]);
 }
 
-DIVEMESH_INLINE_BODY void score_row_body(Products sums, int width, float* __restrict scores) {
+DIVEMESH_INLINE_BODY void score_row(Products sums, int width, float* __restrict scores) {
     const std::int32_t* __restrict x_x = sums.x_x;
     const std::int32_t* __restrict x_y = sums.x_y;
     const std::int32_t* __restrict y_y = sums.y_y;
@@ -67,26 +67,11 @@ DIVEMESH_INLINE_BODY void score_row_body(Products sums, int width, float* __rest
     }
 }
 
-void add_row_baseline(
-    const std::uint8_t* row, std::ptrdiff_t step, int width, Products kept, Products sums) {
-    add_row_body(row, step, width, kept, sums);
-}
-void score_row_baseline(Products sums, int width, float* scores) {
-    score_row_body(sums, width, scores);
-}
-
-DIVEMESH_FOR_AVX2 void add_row_avx2(
-    const std::uint8_t* row, std::ptrdiff_t step, int width, Products kept, Products sums) {
-    add_row_body(row, step, width, kept, sums);
-}
-DIVEMESH_FOR_AVX2 void score_row_avx2(Products sums, int width, float* scores) {
-    score_row_body(sums, width, scores);
-}
-
 }  // namespace
 
 const cv::Mat& CornerScores::of(const cv::Mat& image) {
-    const bool avx2 = instructions_ != Instructions::Baseline;
+    const auto add = compiled_for<add_row>(instructions_);
+    const auto score = compiled_for<score_row>(instructions_);
     const auto width = static_cast<std::size_t>(image.cols);
     products_.assign((kBlock_px + 1) * 3 * width, 0);
     const Products sums(products_.data() + kBlock_px * 3 * width, width);
@@ -95,14 +80,14 @@ const cv::Mat& CornerScores::of(const cv::Mat& image) {
     for (int v = 1; v < image.rows - 1; ++v) {
         const Products kept(products_.data() + static_cast<std::size_t>(v % kBlock_px) * 3 * width,
                             width);
-        (avx2 ? add_row_avx2 : add_row_baseline)(image.ptr<std::uint8_t>(v),
-                                                 static_cast<std::ptrdiff_t>(image.step[0]),
-                                                 image.cols,
-                                                 kept,
-                                                 sums);
+        add(image.ptr<std::uint8_t>(v),
+            static_cast<std::ptrdiff_t>(image.step[0]),
+            image.cols,
+            kept,
+            sums);
         const int middle = v - kBlock_px / 2;
         if (middle < kBorder_px) continue;
-        (avx2 ? score_row_avx2 : score_row_baseline)(sums, image.cols, scores_.ptr<float>(middle));
+        score(sums, image.cols, scores_.ptr<float>(middle));
     }
     return scores_;
 }

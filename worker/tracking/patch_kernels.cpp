@@ -34,8 +34,8 @@ DIVEMESH_INLINE_BODY void read_square(const SquarePlace& place, Value* __restric
     }
 }
 
-DIVEMESH_INLINE_BODY ColumnProducts make_columns_body(const Value* __restrict outer,
-                                                      PatchColumns& columns) {
+DIVEMESH_INLINE_BODY ColumnProducts make_columns(const Value* __restrict outer,
+                                                 PatchColumns& columns) {
     std::int32_t sum = 0;
     for (int v = 1; v <= kPatchSide_px; ++v)
         for (int u = 1; u <= kPatchSide_px; ++u) sum += outer[v * kOuterSide_px + u];
@@ -67,8 +67,7 @@ DIVEMESH_INLINE_BODY ColumnProducts make_columns_body(const Value* __restrict ou
     return sums;
 }
 
-DIVEMESH_INLINE_BODY SeenProducts compare_body(const PatchColumns& columns,
-                                               const SquarePlace& place) {
+DIVEMESH_INLINE_BODY SeenProducts compare(const PatchColumns& columns, const SquarePlace& place) {
     Value seen[kPatchPixels];
     read_square<kPatchSide_px>(place, seen);
     const Value* __restrict value = columns.value;
@@ -91,32 +90,12 @@ DIVEMESH_INLINE_BODY SeenProducts compare_body(const PatchColumns& columns,
     return sums;
 }
 
-void read_outer_baseline(const SquarePlace& place, Value* outer) {
-    read_square<kOuterSide_px>(place, outer);
-}
-ColumnProducts make_columns_baseline(const Value* outer, PatchColumns& columns) {
-    return make_columns_body(outer, columns);
-}
-SeenProducts compare_baseline(const PatchColumns& columns, const SquarePlace& place) {
-    return compare_body(columns, place);
-}
-
-DIVEMESH_FOR_AVX2 void read_outer_avx2(const SquarePlace& place, Value* outer) {
-    read_square<kOuterSide_px>(place, outer);
-}
-DIVEMESH_FOR_AVX2 ColumnProducts make_columns_avx2(const Value* outer, PatchColumns& columns) {
-    return make_columns_body(outer, columns);
-}
-DIVEMESH_FOR_AVX2 SeenProducts compare_avx2(const PatchColumns& columns, const SquarePlace& place) {
-    return compare_body(columns, place);
-}
-
 }  // namespace
 
 PatchKernels patch_kernels(Instructions instructions) {
-    if (instructions != Instructions::Baseline)
-        return {read_outer_avx2, make_columns_avx2, compare_avx2};
-    return {read_outer_baseline, make_columns_baseline, compare_baseline};
+    return {compiled_for<read_square<kOuterSide_px>>(instructions),
+            compiled_for<make_columns>(instructions),
+            compiled_for<compare>(instructions)};
 }
 
 }  // namespace divemesh::worker

@@ -23,7 +23,7 @@ struct Strip {
     std::uint16_t* costs;
 };
 
-DIVEMESH_INLINE_BODY void compare_body(const Strip& strip) {
+DIVEMESH_INLINE_BODY void compare(const Strip& strip) {
     const int num = strip.num;
     std::uint16_t* __restrict columns = strip.columns;
     std::int16_t* __restrict offsets = strip.offsets;
@@ -53,9 +53,6 @@ DIVEMESH_INLINE_BODY void compare_body(const Strip& strip) {
     }
 }
 
-void compare_baseline(const Strip& strip) { compare_body(strip); }
-DIVEMESH_FOR_AVX2 void compare_avx2(const Strip& strip) { compare_body(strip); }
-
 }  // namespace
 
 int RowSearch::find(
@@ -77,7 +74,7 @@ int RowSearch::find(
                       columns_.data(),
                       offsets_.data(),
                       costs_.data()};
-    (instructions_ != Instructions::Baseline ? compare_avx2 : compare_baseline)(strip);
+    compiled_for<compare>(instructions_)(strip);
 
     const int best =
         static_cast<int>(std::min_element(costs_.rbegin(), costs_.rend()) - costs_.rbegin());

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/lanes.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -17,11 +18,11 @@ constexpr float kDeadRim_px = 2.0F;
 constexpr float kFullWeight_px = 5.0F;  // from a jump or the unknown
 constexpr float kLeastCosine = 0.15F;   // of the angle of incidence
 
-DIVEMESH_INLINE_BODY void mark_inside_body(const float* __restrict above,
-                                           const float* __restrict row,
-                                           const float* __restrict below,
-                                           int width,
-                                           std::uint8_t* __restrict inside) {
+DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
+                                      const float* __restrict row,
+                                      const float* __restrict below,
+                                      int width,
+                                      std::uint8_t* __restrict inside) {
     for (int x = 1; x + 1 < width; ++x) {
         const float d = row[x];
         const int near = static_cast<int>(std::abs(row[x - 1] - d) < kLargestSlope) &
@@ -81,9 +82,9 @@ DIVEMESH_INLINE_BODY Masks colors(const std::uint8_t* bgr) {
 
 // The tangent planes of a row: n ~ (f d_u, f d_v, d - (u - cx) d_u - (v - cy) d_v), scaled so that
 // n . p = f b on the plane.
-DIVEMESH_INLINE_BODY void fit_planes_body(const DepthRow& row,
-                                          const Optics& optics,
-                                          SurfacePixel* pixels) {
+DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
+                                     const Optics& optics,
+                                     SurfacePixel* pixels) {
     const int furthest = kReach_px / optics.step_px;
     const float bend_px = kLargestBend_px / static_cast<float>(optics.step_px);
     for (int start = furthest; start < row.width - furthest; start += kLanes) {
@@ -140,23 +141,6 @@ struct Kernels {
     void (*mark_inside)(const float*, const float*, const float*, int, std::uint8_t*);
     void (*fit_planes)(const DepthRow&, const Optics&, SurfacePixel*);
 };
-
-void mark_inside(
-    const float* above, const float* row, const float* below, int width, std::uint8_t* inside) {
-    mark_inside_body(above, row, below, width, inside);
-}
-DIVEMESH_FOR_AVX2 void mark_inside_avx2(
-    const float* above, const float* row, const float* below, int width, std::uint8_t* inside) {
-    mark_inside_body(above, row, below, width, inside);
-}
-void fit_planes(const DepthRow& row, const Optics& optics, SurfacePixel* pixels) {
-    fit_planes_body(row, optics, pixels);
-}
-DIVEMESH_FOR_AVX2 void fit_planes_avx2(const DepthRow& row,
-                                       const Optics& optics,
-                                       SurfacePixel* pixels) {
-    fit_planes_body(row, optics, pixels);
-}
 
 // What of a row is inside still when everything loses its outermost pixels; by turns with those at
 // the corners and without, which goes inward about as fast along the diagonals as straight on.
@@ -260,10 +244,8 @@ Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double 
             const float disparity = depth.disparity_px.at<float>(v, u);
             if (disparity > 0.0F) disparities.push_back(disparity);
         }
-    if (disparities.empty()) return Sampling::Full;
-    const auto middle = disparities.begin() + std::ssize(disparities) / 2;
-    std::nth_element(disparities.begin(), middle, disparities.end());
-    return *middle * voxel_m / rig.baseline_m >= kPixels ? Sampling::Half : Sampling::Full;
+    const float disparity_px = upper_median(std::move(disparities));
+    return disparity_px * voxel_m / rig.baseline_m >= kPixels ? Sampling::Half : Sampling::Full;
 }
 
 DepthView::DepthView(const RectifiedRig& rig,
@@ -278,9 +260,8 @@ DepthView::DepthView(const RectifiedRig& rig,
     if (images.depth.disparity_px.empty() || rig_.width_px < 2 * reach + kLanes ||
         rig_.height_px <= 2 * reach)
         return;
-    const Kernels kernels = instructions == Instructions::Baseline
-                                ? Kernels{mark_inside, fit_planes}
-                                : Kernels{mark_inside_avx2, fit_planes_avx2};
+    const Kernels kernels{compiled_for<mark_inside>(instructions),
+                          compiled_for<fit_planes>(instructions)};
     DepthPicture picture{images.depth.disparity_px,
                          images.depth.sigma_disparity_px,
                          distance_from_rim(images.depth.disparity_px, kernels),

@@ -195,11 +195,11 @@ DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
     return places;
 }
 
-DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
-                                            const DepthRanges& ranges,
-                                            const Eigen::Vector3i& first,
-                                            BlockPlace place,
-                                            TsdfBlock& block) {
+DIVEMESH_INLINE_BODY void update_samples(const TsdfView& view,
+                                         const DepthRanges& ranges,
+                                         const Eigen::Vector3i& first,
+                                         BlockPlace place,
+                                         TsdfBlock& block) {
     const Eigen::Matrix3f R = view.voxel_m * view.R_cam_world;
     const auto p_cam = [&](int y, int z) -> Eigen::Vector3f {
         const Eigen::Vector3f sample = (first + Eigen::Vector3i(0, y, z)).cast<float>();
@@ -223,21 +223,6 @@ DIVEMESH_INLINE_BODY void update_block_body(const TsdfView& view,
     }
 }
 
-void update_block_baseline(const TsdfView& view,
-                           const DepthRanges& ranges,
-                           const Eigen::Vector3i& first,
-                           BlockPlace place,
-                           TsdfBlock& block) {
-    update_block_body(view, ranges, first, place, block);
-}
-DIVEMESH_FOR_AVX2 void update_block_avx2(const TsdfView& view,
-                                         const DepthRanges& ranges,
-                                         const Eigen::Vector3i& first,
-                                         BlockPlace place,
-                                         TsdfBlock& block) {
-    update_block_body(view, ranges, first, place, block);
-}
-
 }  // namespace
 
 void update_block(const TsdfView& view,
@@ -246,10 +231,7 @@ void update_block(const TsdfView& view,
                   BlockPlace place,
                   TsdfBlock& block,
                   Instructions instructions) {
-    if (instructions == Instructions::Baseline)
-        update_block_baseline(view, ranges, first, place, block);
-    else
-        update_block_avx2(view, ranges, first, place, block);
+    compiled_for<update_samples>(instructions)(view, ranges, first, place, block);
 }
 
 }  // namespace divemesh::worker

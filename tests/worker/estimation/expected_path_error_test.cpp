@@ -88,14 +88,13 @@ TEST(PathUncertaintyTest, AWalkThatIsNotAlignedHasTheVarianceOfItsSteps) {
     const Eigen::Matrix3d end = random_walk_covariance().bottomRightCorner<3, 3>();
     // 7.8147: 95 % of chi-square with three degrees of freedom.
     const double expected = 7.8147 * 39 * kStepSigma_m * kStepSigma_m;
-    EXPECT_NEAR(squared_length_95(end), expected, 0.01 * expected);
+    EXPECT_NEAR(squared_length_95(end), expected, 1e-4 * expected);
 }
 
 TEST(PathUncertaintyTest, AnErrorAlongOneAxisIsBoundedAsANormalNumber) {
     Eigen::Matrix3d along = Eigen::Matrix3d::Zero();
     along(0, 0) = 0.04;
-    // Wilson and Hilferty are 1.3 % low with one degree of freedom.
-    EXPECT_NEAR(std::sqrt(squared_length_95(along)), 1.96 * 0.2, 0.015 * 1.96 * 0.2);
+    EXPECT_NEAR(std::sqrt(squared_length_95(along)), 1.959964 * 0.2, 1e-6);
 }
 
 // The slope of true heights over estimated ones, a tilt beside it.

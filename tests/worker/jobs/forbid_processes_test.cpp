@@ -64,6 +64,19 @@ TEST(ForbidProcessesTest, ForkingAndExecutingFail) {
               EPERM);
 }
 
+#if defined(__x86_64__)
+TEST(ForbidProcessesTest, TheOtherInterfacesToTheKernelAreClosed) {
+    EXPECT_EQ(error_after([] { return syscall(0x4000'0000 | SYS_getpid); }), EPERM);  // x32
+    EXPECT_EQ(error_after([] {
+                  int pid = 20;  // getpid of 32 bits
+                  asm volatile("int $0x80" : "+a"(pid) : : "memory");
+                  errno = -pid;
+                  return pid;
+              }),
+              EPERM);
+}
+#endif
+
 TEST(ForbidProcessesTest, ThreadsGoOnWorking) {
     EXPECT_EQ(exit_code_of([] {
                   if (!forbid_processes()) return 200;

@@ -45,7 +45,7 @@ bool left_out(const ExpectedAccuracy& expected, const std::string& figure) {
 TEST(ExpectedAccuracyTest, BoundsTheEndByItsCovariance) {
     const ExpectedAccuracy expected = Known().expected();
     ASSERT_TRUE(expected.end_bound_m.has_value());
-    EXPECT_NEAR(*expected.end_bound_m, std::sqrt(7.8147e-4), 1e-4);
+    EXPECT_NEAR(*expected.end_bound_m, std::sqrt(7.814728e-4), 1e-8);
     EXPECT_TRUE(left_out(expected, "trajectory.loops"));
 }
 

@@ -198,12 +198,6 @@ TEST(HeightGrid, BlurringIsTheMeanOfWhatIsSeenWithinTheSquare) {
         }
 }
 
-TEST(Estimate, StudentsQuantilesAreThoseOfTheTables) {
-    EXPECT_NEAR(student_t_975(5), 2.571, 5e-3);
-    EXPECT_NEAR(student_t_975(10), 2.228, 1e-3);
-    EXPECT_NEAR(student_t_975(99), 1.984, 1e-3);
-}
-
 // Of a patch whose noise is a share of the one that its vertices state.
 double shown_share(const HeightOf& height, double noise_share) {
     const Setting setting;

@@ -9,11 +9,11 @@ namespace {
 TEST(Population, DensityHasThePoissonIntervalOfTheTables) {
     const Population ten{std::vector<double>(10, 0.01), std::vector<double>(10, 0.1), 2.0};
     EXPECT_DOUBLE_EQ(density_per_m2(ten).value, 5.0);
-    EXPECT_NEAR(density_per_m2(ten).low, 4.795 / 2.0, 0.01);
-    EXPECT_NEAR(density_per_m2(ten).high, 18.391 / 2.0, 0.01);
+    EXPECT_NEAR(density_per_m2(ten).low, 4.795 / 2.0, 5e-4);
+    EXPECT_NEAR(density_per_m2(ten).high, 18.391 / 2.0, 5e-4);
     const Population one{{0.01}, {0.1}, 1.0};
-    EXPECT_NEAR(density_per_m2(one).low, 0.0253, 0.02);
-    EXPECT_NEAR(density_per_m2(one).high, 5.572, 0.02);
+    EXPECT_NEAR(density_per_m2(one).low, 0.0253, 5e-5);
+    EXPECT_NEAR(density_per_m2(one).high, 5.572, 5e-4);
 }
 
 TEST(Population, CoverIsTheShareOfTheGroundAndAFewLargeColoniesMakeItLessCertain) {

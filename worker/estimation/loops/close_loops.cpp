@@ -8,6 +8,7 @@
 #include "worker/estimation/loops/adjust_poses.hpp"
 #include "worker/estimation/loops/pieces.hpp"
 #include "worker/estimation/loops/strongest_loops.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -37,9 +38,7 @@ double worst_error_px(const RectifiedRig& rig,
                     : (rig.pixel(p_cam) - Eigen::Vector2d(again.seen.u_px, again.seen.v_px))
                           .norm());
         }
-        const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
-        std::nth_element(errors_px.begin(), middle, errors_px.end());
-        worst = std::max(worst, *middle);
+        worst = std::max(worst, upper_median(std::move(errors_px)));
     }
     return worst;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/estimation/loops/place_index.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -27,10 +28,7 @@ Sight sight_of(const RectifiedRig& rig, const Keyframe& keyframe, const Describe
         if (point.disparity_px > 0.0F) disparities_px.push_back(point.disparity_px);
     Sight sight;
     if (disparities_px.empty()) return sight;
-    const auto middle =
-        disparities_px.begin() + static_cast<std::ptrdiff_t>(disparities_px.size() / 2);
-    std::nth_element(disparities_px.begin(), middle, disparities_px.end());
-    const double depth_m = rig.depth_m(*middle);
+    const double depth_m = rig.depth_m(upper_median(std::move(disparities_px)));
     sight.centre_world = keyframe.T_world_cam * Eigen::Vector3d(0.0, 0.0, depth_m);
     sight.axis_world = keyframe.T_world_cam.linear().col(2);
     sight.radius_m = depth_m * rig.width_px / (2.0 * rig.focal_px);

@@ -1,8 +1,7 @@
 #include "worker/estimation/loops/measure_loop.hpp"
 
-#include <algorithm>
-
 #include "worker/estimation/loops/match_views.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -14,9 +13,7 @@ constexpr std::size_t kMostPictures = 16;
 double median_depth_m(const std::vector<KnownPoint>& points) {
     std::vector<double> depths_m;
     for (const KnownPoint& point : points) depths_m.push_back(point.p_cam.z());
-    const auto middle = depths_m.begin() + static_cast<std::ptrdiff_t>(depths_m.size() / 2);
-    std::nth_element(depths_m.begin(), middle, depths_m.end());
-    return *middle;
+    return upper_median(std::move(depths_m));
 }
 
 // The same motion, measured by the points of either.
