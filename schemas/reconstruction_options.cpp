@@ -34,7 +34,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
     visit("simplify", options.simplify, "share of the triangles that stays, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error that ends simplifying sooner, m; 0: no limit");
-    visit("texture", options.texture, "make texture and mosaic");
+    visit("texture", options.texture, "make the mosaic (no texture is made yet)");
     visit("marker_family", options.marker_family, "look for AprilTags: tag36h11, tag25h9, tagStandard41h12; empty: as markers.json says");
     visit("marker_size_m", options.marker_size_m, "printed size of the tags, m (docs/markers.md says from where to where); 0: as markers.json says");
     visit("correct_scale", options.correct_scale, "scale the whole result by the known distances between markers");
