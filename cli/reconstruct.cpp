@@ -103,7 +103,7 @@ void add_reconstruct(CLI::App& app, Context& context) {
         *command, options, "--voxel-m", "voxel_m", "edge of a voxel, m; 0: from rig and range");
     add_override<double>(
         *command, options, "--simplify", "simplify", "share of the triangles to keep, 0 to 1");
-    command->add_flag("--no-texture", options->no_texture, "leave out texture and mosaic");
+    command->add_flag("--no-texture", options->no_texture, "leave out the mosaic");
     command->add_flag(
         "--explain", options->explain, "print every option with its value and meaning");
     command->callback([options, &context] {

@@ -34,7 +34,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
-    visit("texture", options.texture, "make texture and mosaic");
+    visit("texture", options.texture, "make the mosaic (no texture is made yet)");
     visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
     visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
     visit("correct_scale", options.correct_scale, "scale the whole result by the known distances between markers");

@@ -39,7 +39,7 @@ struct ReconstructionOptions {
     std::string mesher = "surface_nets";  // surface_nets | marching_cubes
     double simplify = 1.0;                // share of the triangles that stays
     double simplify_error_m = 0;          // quadric error that ends simplifying sooner; 0: no limit
-    bool texture = true;                  // texture and mosaic
+    bool texture = true;                  // the mosaic; no texture is made yet
     // markers in the scene; what markers.json says of them, these say in its place
     std::string marker_family;   // tag36h11 | tag25h9 | tagStandard41h12; empty: as the dive says
     double marker_size_m = 0.0;  // of all tags; 0: as the dive says

@@ -7,8 +7,8 @@
 namespace divemesh::worker {
 namespace {
 
-ExpectedAccuracy expected(const Reconstruction& made, const Evaluation& evaluation) {
-    const auto& known = evaluation.known_distances;
+ExpectedAccuracy expected(const Reconstruction& made) {
+    const auto& known = made.evaluation.known_distances;
     return expected_accuracy(
         {.recording = made.dive,
          .trajectory = made.optimised.trajectory,
@@ -49,7 +49,7 @@ Evaluation compare_with_truth(const Reconstruction& made) {
          .num_threads = made.request.options.num_threads});
 }
 
-nlohmann::json metrics_of(const Reconstruction& made, const Evaluation& evaluation) {
+nlohmann::json metrics_of(const Reconstruction& made) {
     return metrics_document(
         {.version = DIVEMESH_VERSION,
          .preset = made.request.preset,
@@ -73,8 +73,8 @@ nlohmann::json metrics_of(const Reconstruction& made, const Evaluation& evaluati
          .mesh = mesh_figures(made),
          .markers = made.markers,
          .stages = made.stages,
-         .evaluation = evaluation,
-         .expected = expected(made, evaluation),
+         .evaluation = made.evaluation,
+         .expected = expected(made),
          .findings = made.dive.findings()});
 }
 

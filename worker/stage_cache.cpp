@@ -13,6 +13,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "schemas/file_descriptor.hpp"
+#include "worker/link_or_copy.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -137,14 +138,6 @@ private:
 
 }  // namespace
 
-void link_or_copy(const fs::path& from, const fs::path& to) {
-    fs::create_directories(to.parent_path());
-    std::error_code failure;
-    fs::remove(to, failure);
-    fs::create_hard_link(from, to, failure);
-    if (failure) fs::copy_file(from, to);
-}
-
 struct StageCache::Entry {
     fs::path path;
     fs::file_time_type used;
@@ -158,7 +151,7 @@ StageCache::StageCache(fs::path folder, std::int64_t max_bytes)
     if (failure) folder_.clear();
 }
 
-bool StageCache::fetch(const std::string& key, const fs::path& into) const {
+bool StageCache::fetch(const std::string& key, const fs::path& into) {
     if (!is_open()) return false;
     const fs::path entry = folder_ / key;
     std::vector<fs::path> fetched;
@@ -183,7 +176,7 @@ bool StageCache::fetch(const std::string& key, const fs::path& into) const {
 
 void StageCache::store(const std::string& key,
                        const fs::path& from,
-                       const std::vector<std::string>& names) const {
+                       const std::vector<std::string>& names) {
     if (!is_open()) return;
     try {
         write(key, from, names);
@@ -219,7 +212,7 @@ void StageCache::write(const std::string& key,
     }
 }
 
-void StageCache::drop(const std::string& key) const {
+void StageCache::drop(const std::string& key) {
     if (is_open()) remove(folder_ / key);
 }
 

@@ -5,28 +5,26 @@
 #include <string>
 #include <vector>
 
+#include "worker/stage_store.hpp"
+
 namespace divemesh::worker {
 
-// What stages made, kept beyond the attempt by content key, so that a retry or a run with other
-// options starts where it can. An entry is a folder with the stage's files and a list of their
-// sizes and hashes; it is written beside, synced and renamed. Any number of processes may use one
-// cache folder. What does not fit its list is removed and counts as missing. When there are more
-// than `max_bytes`, the entries that were not used for longest go.
-class StageCache {
+// The store of stages as a folder on this machine. An entry is a folder with the stage's files and
+// a list of their sizes and hashes; it is written beside, synced and renamed. Files are linked in
+// and out where the file system allows. Any number of processes may use one folder. An entry that
+// does not fit its list is removed and counts as missing. When there are more than `max_bytes`, the
+// entries that were not used for longest go.
+class StageCache final : public StageStore {
 public:
     StageCache() = default;  // keeps nothing
+    // Keeps nothing when `folder` is empty or cannot be made, or `max_bytes` is 0.
     StageCache(std::filesystem::path folder, std::int64_t max_bytes);
 
-    // Puts the files of the entry into the folder `into`, as links where the file system allows:
-    // they must not be changed in place. False: there is no such entry, or it is damaged.
-    bool fetch(const std::string& key, const std::filesystem::path& into) const;
-
-    // Keeps `names`, files or folders in `from`. Never throws: what cannot be kept is made again.
+    bool fetch(const std::string& key, const std::filesystem::path& into) override;
     void store(const std::string& key,
                const std::filesystem::path& from,
-               const std::vector<std::string>& names) const;
-
-    void drop(const std::string& key) const;
+               const std::vector<std::string>& names) override;
+    void drop(const std::string& key) override;
 
 private:
     struct Entry;
@@ -41,8 +39,5 @@ private:
     std::filesystem::path folder_;
     std::int64_t max_bytes_ = 0;
 };
-
-// `to` is what `from` is, its folder made when missing; neither may be changed in place after that.
-void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace divemesh::worker

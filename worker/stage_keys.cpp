@@ -1,60 +1,46 @@
 #include "worker/stage_keys.hpp"
 
-#include <initializer_list>
+#include <nlohmann/json.hpp>
 
 #include "schemas/content_hash.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-// The options that a stage is the first to read. One that is named nowhere counts as read by track:
-// forgotten here, a new option costs time, never a wrong result.
-constexpr std::initializer_list<const char*> kOptimiseReads = {"adjust_whole_dive",
-                                                               "refine_lenses"};
-constexpr std::initializer_list<const char*> kFuseReads = {
-    "fusion", "voxel_m", "max_depth_m", "cloud_spacing_m"};
-constexpr std::initializer_list<const char*> kMeshReads = {
-    "mesher", "simplify", "simplify_error_m"};
-constexpr std::initializer_list<const char*> kTextureReads = {"texture"};
-// Read between optimise and fuse; fuse reads them through the scale that they lead to.
-constexpr std::initializer_list<const char*> kScaleReads = {
-    "correct_scale", "marker_family", "marker_size_m"};
-// Change no byte of what stages make.
-constexpr std::initializer_list<const char*> kNobodyReads = {
-    "num_threads", "fusion_memory_bytes", "exports"};
-
-nlohmann::json take_out(nlohmann::json& options, std::initializer_list<const char*> names) {
+nlohmann::json take_out(nlohmann::json& options, const std::vector<std::string>& names) {
     nlohmann::json taken = nlohmann::json::object();
-    for (const char* name : names) {
+    for (const std::string& name : names) {
         taken[name] = options.at(name);
         options.erase(name);
     }
     return taken;
 }
 
-std::string chained(const std::string& before, const nlohmann::json& options) {
-    return sha256_hex(before + "\n" + options.dump());
+bool reads_count(const StageSpec& stage, const ReconstructionOptions& options) {
+    return stage.reads_count == nullptr || stage.reads_count(options);
 }
 
 }  // namespace
 
-StageKeys stage_keys(const std::string& program,
+StageKeys stage_keys(const std::vector<StageSpec>& stages,
+                     const std::string& program,
                      const std::string& content_sha256,
                      const ReconstructionOptions& options) {
     nlohmann::json rest = options_to_json(options);
-    take_out(rest, kNobodyReads);
-    const auto optimise = take_out(rest, kOptimiseReads);
-    auto fuse = take_out(rest, kFuseReads);
-    const auto scale = take_out(rest, kScaleReads);
-    if (options.correct_scale) fuse["scale"] = scale;
-    const auto mesh = take_out(rest, kMeshReads);
-    const auto texture = take_out(rest, kTextureReads);
+    for (const std::string_view name : kOptionsOfTheMachine) rest.erase(std::string(name));
+    std::vector<nlohmann::json> read;
+    for (const StageSpec& stage : stages) {
+        read.push_back(take_out(rest, stage.reads));
+        if (!reads_count(stage, options)) read.back().clear();
+    }
+    if (!read.empty()) read.front().update(rest);
+
     StageKeys keys;
-    keys.track = chained(program + "\n" + content_sha256, rest);
-    keys.optimise = chained(keys.track, optimise);
-    keys.fuse = chained(keys.optimise, fuse);
-    keys.mesh = chained(keys.fuse, mesh);
-    keys.texture = chained(keys.mesh, texture);
+    std::string key = program + "\n" + content_sha256;
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        key = sha256_hex(key + "\n" + read[i].dump());
+        keys[stages[i].name] = key;
+    }
     return keys;
 }
 

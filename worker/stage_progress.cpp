@@ -21,7 +21,7 @@ ProgressCallback StageProgress::begin(const std::string& stage, double share) {
 }
 
 void StageProgress::finish() {
-    end_stage();
+    share_begun_ = 1.0;
     share_ = 0.0;
     forward({});
 }

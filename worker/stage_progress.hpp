@@ -17,7 +17,7 @@ public:
     // Ends the stage before; `share` is the part of the whole that this one is expected to take.
     // What is returned goes into the stage; it may throw Error{Cancelled}.
     ProgressCallback begin(const std::string& stage, double share);
-    // Ends the last stage.
+    // Ends the last stage: everything is done.
     void finish();
 
 private:

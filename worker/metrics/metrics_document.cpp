@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <iomanip>
 #include <optional>
@@ -19,12 +18,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kDegPerRad = 57.29577951308232;
-
-double clock_s(clockid_t clock) {
-    timespec now{};
-    clock_gettime(clock, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 double rate(std::int64_t count, double seconds) {
     return seconds > 0.0 ? static_cast<double>(count) / seconds : 0.0;
@@ -311,15 +304,7 @@ json metrics_document(const MetricsInput& input) {
     return document;
 }
 
-Stopwatch::Stopwatch()
-    : wall_start_s_(clock_s(CLOCK_MONOTONIC)), cpu_start_s_(clock_s(CLOCK_PROCESS_CPUTIME_ID)) {}
-
-StageTime Stopwatch::stop(std::string stage) const {
-    return {std::move(stage),
-            clock_s(CLOCK_MONOTONIC) - wall_start_s_,
-            clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_};
-}
-
+// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
 std::int64_t peak_memory_bytes() {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);) {

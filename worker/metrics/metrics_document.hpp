@@ -18,28 +18,11 @@
 #include "worker/optimised_track.hpp"
 #include "worker/stage_files.hpp"
 #include "worker/track.hpp"
+#include "worker/stage_time.hpp"
 #include "worker/volume/mesh_borders.hpp"
 #include "worker/volume/simplify_mesh.hpp"
 
 namespace divemesh::worker {
-
-struct StageTime {
-    std::string stage;  // track, optimise, fuse, mesh, texture, evaluate
-    double wall_s = 0.0;
-    double cpu_s = 0.0;   // of all threads
-    bool reused = false;  // taken from an earlier attempt's files
-};
-
-// Wall clock and CPU time of the process since it was made.
-class Stopwatch {
-public:
-    Stopwatch();
-    StageTime stop(std::string stage) const;
-
-private:
-    double wall_start_s_;
-    double cpu_start_s_;
-};
 
 struct MeshFigures {
     std::int64_t num_vertices = 0;

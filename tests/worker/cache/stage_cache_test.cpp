@@ -24,10 +24,10 @@ protected:
         std::ofstream(folder_ / name / "keyframes/1.keyframe") << std::string(1000, content);
         return folder_ / name;
     }
-    void store(const StageCache& cache, const std::string& key, char content = 'a') {
+    void store(StageCache& cache, const std::string& key, char content = 'a') {
         cache.store(key, make("from-" + key, content), {"track.stage", "keyframes"});
     }
-    bool fetch(const StageCache& cache, const std::string& key) {
+    bool fetch(StageCache& cache, const std::string& key) {
         const fs::path into = folder_ / ("into-" + std::to_string(++num_fetches_));
         fs::create_directories(into);
         if (cache.fetch(key, into)) {
@@ -58,15 +58,16 @@ TEST_F(StageCacheTest, GivesBackWhatWasStored) {
     store(cache_, "track-1");
 
     EXPECT_TRUE(fetch(cache_, "track-1"));
-    EXPECT_TRUE(fetch(StageCache(cache_folder_, 1'000'000), "track-1"));
+    StageCache again(cache_folder_, 1'000'000);
+    EXPECT_TRUE(fetch(again, "track-1"));
     EXPECT_FALSE(fetch(cache_, "track-2"));
 }
 
 TEST_F(StageCacheTest, WithoutAFolderOrRoomNothingIsKept) {
-    const StageCache none;
+    StageCache none;
     store(none, "track-1");
     EXPECT_FALSE(fetch(none, "track-1"));
-    const StageCache no_room(folder_ / "no-room", 0);
+    StageCache no_room(folder_ / "no-room", 0);
     store(no_room, "track-1");
     EXPECT_FALSE(fs::exists(folder_ / "no-room"));
 }
@@ -93,7 +94,7 @@ TEST_F(StageCacheTest, ADamagedEntryIsMissingAndGone) {
 }
 
 TEST_F(StageCacheTest, WhatWasNotUsedForLongestGoesFirst) {
-    const StageCache small(cache_folder_, 7000);
+    StageCache small(cache_folder_, 7000);
     for (const char* key : {"a", "b", "c"}) store(small, key);
     age("a", 1);
     age("b", 3);
@@ -109,7 +110,7 @@ TEST_F(StageCacheTest, WhatWasNotUsedForLongestGoesFirst) {
 }
 
 TEST_F(StageCacheTest, AnEntryLargerThanTheCacheIsNotKept) {
-    const StageCache small(cache_folder_, 1500);
+    StageCache small(cache_folder_, 1500);
     store(small, "a");
 
     EXPECT_FALSE(fetch(small, "a"));
@@ -135,7 +136,7 @@ TEST_F(StageCacheTest, ManyAtOnceSeeWholeEntriesAlone) {
     std::atomic<int> num_hits = 0;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&, t] {
-            const StageCache cache(cache_folder_, 4500);
+            StageCache cache(cache_folder_, 4500);
             const fs::path own = folder_ / ("thread-" + std::to_string(t));
             for (int i = 0; i < 15; ++i) {
                 const auto letter = static_cast<char>('a' + (i + t) % 5);

@@ -2,14 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "storage/blob_store.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/worker/cache/blob_stage_store.hpp"
+#include "worker/link_or_copy.hpp"
+#include "worker/reconstruction_stages.hpp"
 #include "worker/simulator/simulate.hpp"
+#include "worker/stage_key_file.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -38,20 +44,29 @@ protected:
                   .height_px = 120});
         fs::remove(folder_ / "dive" / "reference.ply");  // a million samples take too long here
     }
-    nlohmann::json reconstruct(const std::string& name, const nlohmann::json& overrides) {
+    ReconstructionRequest request(const std::string& name, const nlohmann::json& overrides) const {
+        return {.dive = folder_ / "dive",
+                .out = folder_ / name,
+                .scratch = folder_ / (name + "-scratch"),
+                .cache = cache_,
+                .cache_bytes = std::int64_t{1} << 30,
+                .options = make_options("standard", overrides)};
+    }
+    // Whatever runs with the progress that it is given has to bring it to 1.
+    template <typename Run>
+    nlohmann::json with_progress(const Run& run) {
         double last_fraction = 0.0;
-        const auto metrics = reconstruct_dive({.dive = folder_ / "dive",
-                                               .out = folder_ / name,
-                                               .scratch = folder_ / (name + "-scratch"),
-                                               .cache = cache_,
-                                               .cache_bytes = std::int64_t{1} << 30,
-                                               .options = make_options("standard", overrides)},
-                                              [&](const Progress& progress) {
-                                                  EXPECT_GE(progress.fraction, last_fraction);
-                                                  last_fraction = progress.fraction;
-                                              });
+        auto metrics = run([&](const Progress& progress) {
+            EXPECT_GE(progress.fraction, last_fraction);
+            last_fraction = progress.fraction;
+        });
         EXPECT_NEAR(last_fraction, 1.0, 1e-9);
         return metrics;
+    }
+    nlohmann::json reconstruct(const std::string& name, const nlohmann::json& overrides) {
+        return with_progress([&](const ProgressCallback& progress) {
+            return reconstruct_dive(request(name, overrides), progress);
+        });
     }
 
     std::set<std::string> reused(const nlohmann::json& metrics) {
@@ -118,6 +133,67 @@ TEST_F(ReconstructDiveTest, ARunStartsWhereItDiffersFromAnEarlierOne) {
     expect_same_files("fresh-coarse", "coarse");
     expect_same_files("fresh-meshed", "meshed");
     expect_same_files("fresh-stated", "stated");
+}
+
+TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchFolder) {
+    const nlohmann::json options = {{"voxel_m", 0.02}};
+    reconstruct("first", options);
+    fs::rename(folder_ / "first-scratch", folder_ / "again-scratch");
+    fs::remove(folder_ / "again-scratch/mesh.stage");
+
+    EXPECT_EQ(reused(reconstruct("again", options)),
+              (std::set<std::string>{"track", "optimise", "fuse", "texture"}));
+
+    expect_same_files("first", "again");
+}
+
+// A stage of its own between mesh and texture: how many triangles there are, for a file of its own.
+bool load_count(Reconstruction& made, const std::string& key) {
+    return has_stage_key(made.scratch("count.stage"), key);
+}
+void run_count(Reconstruction& made, const ProgressCallback&) {
+    std::ofstream(made.scratch("count.txt")) << made.surface.mesh.triangles.size();
+}
+void save_count(Reconstruction& made, const std::string& key) {
+    save_stage_key(made.scratch("count.stage"), key);
+}
+void finish_count(Reconstruction& made) {
+    link_or_copy(made.scratch("count.txt"), made.artifact("count.txt"));
+}
+
+std::vector<Stage<Reconstruction>> stages_with_count() {
+    auto stages = reconstruction_stages();
+    const auto texture = std::ranges::find_if(
+        stages, [](const auto& stage) { return stage.spec.name == "texture"; });
+    stages.insert(texture,
+                  {.spec = {.name = "count", .share = 0.1, .files = {"count.txt", "count.stage"}},
+                   .load = load_count,
+                   .run = run_count,
+                   .save = save_count,
+                   .finish = finish_count});
+    return stages;
+}
+
+// What each stage made goes into blobs and out of them, that of the added one too.
+TEST_F(ReconstructDiveTest, AStageMoreAndAStoreOfBlobsMakeTheSameFiles) {
+    const nlohmann::json options = {{"voxel_m", 0.02}};
+    const auto plain = reconstruct("plain", options);
+    const auto blobs = storage::open_blob_store(folder_ / "blobs");
+    BlobStageStore store(*blobs);
+    const auto counted = [&](const std::string& name) {
+        return with_progress([&](const ProgressCallback& progress) {
+            return reconstruct_dive(request(name, options), stages_with_count(), store, progress);
+        });
+    };
+
+    EXPECT_TRUE(reused(counted("first")).empty());
+    EXPECT_EQ(reused(counted("again")),
+              (std::set<std::string>{"track", "optimise", "fuse", "mesh", "count", "texture"}));
+
+    for (const char* name : {"first", "again"}) {
+        expect_same_files("plain", name);
+        EXPECT_EQ(content(folder_ / name / "count.txt"), plain["mesh"]["num_triangles"].dump());
+    }
 }
 
 }  // namespace
