@@ -39,6 +39,7 @@
 #include "worker/stage_progress.hpp"
 #include "worker/volume/confirmed_points.hpp"
 #include "worker/volume/mesh_borders.hpp"
+#include "worker/volume/simplify_mesh.hpp"
 #include "worker/volume/vertex_sigma.hpp"
 
 namespace divemesh::worker {

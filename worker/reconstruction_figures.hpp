@@ -10,8 +10,10 @@
 #include "worker/markers/world_scale.hpp"
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/metrics_document.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/optimised_track.hpp"
 #include "worker/reconstruct_dive.hpp"
+#include "worker/surface.hpp"
+#include "worker/track.hpp"
 #include "worker/volume/mesh_borders.hpp"
 
 namespace divemesh::worker {

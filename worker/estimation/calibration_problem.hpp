@@ -11,8 +11,8 @@
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/geometry/rectified_lens.hpp"
 #include "worker/observer.hpp"
-#include "worker/reconstruct.hpp"
 #include "worker/residuals/lens_reprojection.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

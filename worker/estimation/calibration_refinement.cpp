@@ -59,13 +59,6 @@ void take_imu(const CalibrationProblem& problem, RefinedCalibration& result) {
 
 }  // namespace
 
-ImuAlignment RefinedCalibration::applied_alignment() const {
-    ImuAlignment applied;
-    if (time_offset_applied) applied.time_offset_s = imu.time_offset_s;
-    if (rotation_applied) applied.q_body_imu = imu.q_body_imu;
-    return applied;
-}
-
 RefinedCalibration refine_calibration(const Track& track,
                                       const Recording& recording,
                                       const ReconstructionOptions& options,

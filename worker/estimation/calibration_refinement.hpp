@@ -3,7 +3,7 @@
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/refined_calibration.hpp"
 #include "worker/observer.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

@@ -6,7 +6,7 @@
 #include "worker/estimation/path_uncertainty.hpp"
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/observer.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

@@ -5,17 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "worker/imu_alignment.hpp"
 #include "worker/recording.hpp"
 
 namespace divemesh::worker {
-
-// How the inertial unit stands beside the cameras' clock and frame: what the calibration misses.
-// Frame `body` is the imu as calibrated, fixed to the cameras; `imu` is how the unit really sits.
-// Both have one origin.
-struct ImuAlignment {
-    double time_offset_s = 0.0;  // t_imu = t_cam + offset, as Kalibr has it
-    Eigen::Quaterniond q_body_imu = Eigen::Quaterniond::Identity();
-};
 
 // What a unit that sits as calibrated would have said, on the cameras' clock.
 std::vector<ImuSample> aligned(const std::vector<ImuSample>& samples,

@@ -3,25 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "worker/estimation/pose_covariance.hpp"
+#include "worker/path_uncertainty.hpp"
+#include "worker/pose_covariance.hpp"
 
 namespace divemesh::worker {
-
-// How far a path is expected to be from the true one when it is laid on it by the best SE(3) of
-// positions, as its absolute trajectory error is measured. With P the covariance of all n positions
-// and N the projection across the six rigid motions, which such an alignment takes away,
-//
-//     ATE^2 = e' N e / n,   E = tr(N P) / n
-//
-// a weighted sum of squares of normal numbers, about as E chi^2_h / h with
-// h = tr(N P)^2 / tr(N P N P) degrees of freedom (Satterthwaite 1946).
-struct PathUncertainty {
-    double mean_square_m2 = 0.0;        // E; 0: not known
-    double freedom = 0.0;               // h
-    double vertical_scale_sigma = 0.0;  // see below; 0: not known
-
-    bool is_known() const { return freedom > 0.0; }
-};
 
 // `covariance_m2`: three rows a position, in the axes of the positions.
 PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,

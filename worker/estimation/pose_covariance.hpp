@@ -1,21 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
 #include "worker/keyframe.hpp"
+#include "worker/pose_covariance.hpp"
 #include "worker/recording.hpp"
 
 namespace divemesh::worker {
-
-// How uncertain a pose is relative to the first one, in the axes of the body at the first pose.
-struct PoseCovariance {
-    std::int64_t timestamp_ns = 0;
-    Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();
-    Eigen::Matrix3d rotation_rad2 = Eigen::Matrix3d::Zero();
-};
-using CovarianceTrack = std::vector<PoseCovariance>;  // stamps strictly rising
 
 // Linearly between those of the keyframes, beyond their ends as at the end.
 PoseCovariance covariance_between(const CovarianceTrack& keyframes, std::int64_t timestamp_ns);

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "worker/estimation/imu_alignment.hpp"
-#include "worker/geometry/rectified_lens.hpp"
+#include "worker/imu_alignment.hpp"
+#include "worker/lens_change.hpp"
 
 namespace divemesh::worker {
 
@@ -26,7 +26,12 @@ struct RefinedCalibration {
     double lens_shift_px = 0.0;  // root mean square over the picture, of what they move
     bool lenses_applied = false;
 
-    ImuAlignment applied_alignment() const;
+    ImuAlignment applied_alignment() const {
+        ImuAlignment applied;
+        if (time_offset_applied) applied.time_offset_s = imu.time_offset_s;
+        if (rotation_applied) applied.q_body_imu = imu.q_body_imu;
+        return applied;
+    }
     // False when there was nothing to estimate it from.
     bool is_known() const { return lens_sigmas[0][0] > 0.0; }
 };

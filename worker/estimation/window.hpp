@@ -11,9 +11,9 @@
 #include "worker/estimation/inertial_factors.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/marginalisation.hpp"
-#include "worker/reconstruct.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

@@ -5,6 +5,7 @@
 
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/geometry/rig.hpp"
+#include "worker/lens_change.hpp"
 
 namespace divemesh::worker {
 
@@ -20,17 +21,6 @@ struct RectifiedLens {
 
 // Half of the rotation between the cameras each, then the row axis along the baseline (Bouguet).
 std::array<RectifiedLens, 2> rectified_lenses(const Rig& rig);  // left, right
-
-// How a calibration errs, of one camera: relative focal length (both axes), principal point (px)
-// and the first two coefficients of the distortion.
-struct LensChange {
-    static constexpr int kSize = 5;
-    using Vector = Eigen::Matrix<double, kSize, 1>;
-
-    Vector values = Vector::Zero();  // focal length, cx, cy, k1, k2
-
-    Camera applied(const Camera& camera) const;
-};
 
 // d(u, v)/d(change): how far the picture of a ray moves, in the rectified picture as it was made,
 // when the camera is not what rectification took it for. Linear in the change.

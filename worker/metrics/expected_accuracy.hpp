@@ -8,7 +8,9 @@
 #include "schemas/finding.hpp"
 #include "worker/metrics/expected_surface.hpp"
 #include "worker/metrics/scale_check.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/optimised_track.hpp"
+#include "worker/recording.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

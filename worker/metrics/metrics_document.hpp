@@ -8,6 +8,7 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "worker/cloud_figures.hpp"
 #include "worker/geometry/geographic_position.hpp"
 #include "worker/geometry/rig.hpp"
 #include "worker/markers/marker_figures.hpp"
@@ -15,10 +16,10 @@
 #include "worker/metrics/expected_accuracy.hpp"
 #include "worker/metrics/imu_check.hpp"
 #include "worker/metrics/pieces.hpp"
-#include "worker/reconstruct.hpp"
-#include "worker/stage_files.hpp"
+#include "worker/optimised_track.hpp"
+#include "worker/surface.hpp"
+#include "worker/track.hpp"
 #include "worker/volume/mesh_borders.hpp"
-#include "worker/volume/simplify_mesh.hpp"
 
 namespace divemesh::worker {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/volume/simplify_mesh.hpp"
+#include "worker/surface.hpp"
 
 namespace divemesh::worker {
 

@@ -5,7 +5,8 @@
 #include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/geometry/rectified_rig.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/loop_statistics.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

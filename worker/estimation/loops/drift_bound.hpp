@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "worker/estimation/inertial_prior.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

@@ -6,8 +6,9 @@
 #include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/keyframe_store.hpp"
+#include "worker/loop_statistics.hpp"
 #include "worker/observer.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

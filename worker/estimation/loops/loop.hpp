@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

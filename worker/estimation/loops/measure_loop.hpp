@@ -9,7 +9,7 @@
 #include "worker/estimation/loops/observe_again.hpp"
 #include "worker/estimation/loops/stored_views.hpp"
 #include "worker/keyframe_store.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 

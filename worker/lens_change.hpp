@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "worker/geometry/camera.hpp"
+
+namespace divemesh::worker {
+
+// How a calibration errs, of one camera: relative focal length (both axes), principal point (px)
+// and the first two coefficients of the distortion.
+struct LensChange {
+    static constexpr int kSize = 5;
+    using Vector = Eigen::Matrix<double, kSize, 1>;
+
+    Vector values = Vector::Zero();  // focal length, cx, cy, k1, k2
+
+    Camera applied(const Camera& camera) const;
+};
+
+}  // namespace divemesh::worker

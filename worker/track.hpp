@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "worker/geometry/rectified_rig.hpp"
+#include "worker/imu_alignment.hpp"
+#include "worker/keyframe.hpp"
+#include "worker/recording.hpp"
+#include "worker/stereo/search_outcome.hpp"
+
+namespace divemesh::worker {
+
+// A feature as a keyframe saw it, in the rectified pair.
+struct LandmarkObservation {
+    std::int32_t keyframe = 0;  // index into Track::keyframes
+    float u_px = 0.0F;
+    float v_px = 0.0F;
+    float disparity_px = 0.0F;  // <= 0: seen by the left camera alone
+};
+
+struct Landmark {
+    Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+    std::vector<LandmarkObservation> observations;
+};
+
+struct TrackStatistics {
+    std::int64_t num_frames = 0;             // that decoded
+    std::int64_t num_skipped_frames = 0;     // that did not
+    std::int64_t num_frames_tracked = 0;     // constrained by vision
+    std::int64_t num_degenerate_frames = 0;  // that saw too little, too far or on one line
+    double mean_tracked_features = 0.0;
+    double inlier_share = 0.0;                 // of the tracked features, after RANSAC
+    double imu_vision_disagreement_deg = 0.0;  // RMS per frame of gyro against vision; 0: no IMU
+    double horn_scale_median = 1.0;            // Horn's s, estimated and reported, never applied
+    double median_depth_m = 0.0;               // of the features
+    double median_track_life_frames = 0.0;
+    SearchStatistics dense;  // of the frames whose depth is in the store
+};
+
+// Steps 1 to 6 over all frames.
+struct Track {
+    RectifiedRig rig;
+    Trajectory causal;    // every frame, as known at its time
+    Trajectory odometry;  // the motion from frame to frame, chained: drifts but never jumps
+    std::vector<Keyframe> keyframes;
+    std::vector<Keyframe> mapped;  // whose depth is in the store: keyframes and some between
+    std::vector<Landmark> landmarks;
+    ImuAlignment imu_alignment;  // as found on the way
+    TrackStatistics statistics;
+};
+
+}  // namespace divemesh::worker
