@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "worker/cloud_figures.hpp"
 #include "worker/optimised_track.hpp"
 #include "worker/surface.hpp"
 #include "worker/track.hpp"
@@ -23,13 +24,6 @@ void save_optimised_track(const std::filesystem::path& file,
 std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& file,
                                                    const std::string& key);
 
-// What was found about the cloud when it was written.
-struct CloudFigures {
-    std::int64_t num_points = 0;  // written
-    double spacing_m = 0.0;
-    std::int64_t num_octree_points = 0;
-    std::int64_t octree_bytes = 0;  // in memory and on disk
-};
 void save_cloud_figures(const std::filesystem::path& file,
                         const std::string& key,
                         const CloudFigures& figures);

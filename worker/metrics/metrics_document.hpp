@@ -16,7 +16,7 @@
 #include "worker/metrics/imu_check.hpp"
 #include "worker/metrics/pieces.hpp"
 #include "worker/optimised_track.hpp"
-#include "worker/stage_files.hpp"
+#include "worker/cloud_figures.hpp"
 #include "worker/track.hpp"
 #include "worker/stage_time.hpp"
 #include "worker/volume/mesh_borders.hpp"
