@@ -4,9 +4,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "worker/reconstruct.hpp"
 #include "worker/steps/predict_orientation.hpp"
 #include "worker/steps/register_points.hpp"
+#include "worker/track.hpp"
 
 namespace divemesh::worker {
 
@@ -20,7 +20,8 @@ public:
         ++num_tracked_;
     }
 
-    TrackStatistics statistics(std::int64_t num_skipped_frames) const;
+    // Without skipped frames and the dense search, which are counted elsewhere.
+    TrackStatistics statistics() const;
 
 private:
     void follow(const Features& features);
