@@ -1,6 +1,5 @@
 #include "worker/reconstruct.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "worker/background.hpp"
@@ -8,53 +7,24 @@
 #include "worker/estimation/expected_path_error.hpp"
 #include "worker/estimation/follow_keyframes.hpp"
 #include "worker/estimation/frame_covariances.hpp"
-#include "worker/estimation/frame_features.hpp"
 #include "worker/estimation/global_adjustment.hpp"
-#include "worker/estimation/imu_aligner.hpp"
 #include "worker/estimation/inertial_prior.hpp"
-#include "worker/estimation/keyframe_map.hpp"
 #include "worker/estimation/loops/close_loops.hpp"
 #include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/find_loops.hpp"
 #include "worker/estimation/loops/pieces.hpp"
-#include "worker/estimation/loops/scene_memory.hpp"
-#include "worker/estimation/mapping_rule.hpp"
-#include "worker/estimation/motion.hpp"
-#include "worker/estimation/track_summary.hpp"
-#include "worker/frames_ahead.hpp"
 #include "worker/free_memory.hpp"
-#include "worker/geometry/rectifier.hpp"
-#include "worker/keyframe_writer.hpp"
-#include "worker/steps/choose_range.hpp"
+#include "worker/pairwise_tracker.hpp"
 #include "worker/steps/extract_surface.hpp"
-#include "worker/steps/match_features.hpp"
-#include "worker/steps/match_stereo.hpp"
-#include "worker/steps/predict_orientation.hpp"
-#include "worker/steps/refine_pose.hpp"
-#include "worker/steps/refine_pose_by_ceres.hpp"
-#include "worker/steps/register_points.hpp"
-#include "worker/steps/register_with_turn.hpp"
-#include "worker/steps/track_features.hpp"
-#include "worker/steps/with_depth_at_both_times.hpp"
-#include "worker/tracking/moving_features.hpp"
 #include "worker/views_ahead.hpp"
+#include "worker/window_tracker.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-// A pair agrees with a motion within this.
-constexpr double kInlierTolerance_px = 2.0;
 constexpr std::size_t kCloudStep = 6;  // of the mapped frames
 // How far a camera sees, in median depths of the dive.
 constexpr double kReach = 3.0;
-
-void report(const ProgressCallback& progress, std::size_t num_done, const Recording& recording) {
-    Progress at;
-    at.frames_done = static_cast<std::int64_t>(num_done);
-    at.num_frames = recording.num_frames();
-    at.fraction = static_cast<double>(num_done) / std::max(1, recording.num_frames());
-    progress(at);
-}
 
 }  // namespace
 
@@ -62,95 +32,8 @@ Track track(Recording& recording,
             const ReconstructionOptions& options,
             const KeyframeStore& store,
             const ProgressCallback& progress) {
-    const Rectifier rectifier(recording.rig());
-    const RectifiedRig& rig = rectifier.rig();
-    // The paper; else depth is measured at the features alone.
-    const bool pairwise = options.estimator == "pairwise";
-    Workers workers(options.num_threads);
-    FramesAhead frames(recording, rectifier, workers);
-    KeyframeWriter writer(rig, options, store, workers);
-    StereoMatcher stereo(rig, options);
-    FeatureTracker tracker(rig, options);
-    InertialPrior inertial(recording, options);
-    ImuAligner aligner(recording);
-    KeyframeMap map(rig, options, inertial);
-    SceneMemory memory(rig, options);
-    MappingRule mapping(rig, options.surface ? options.map_step : 0.0);
-    Motion motion(rig, inertial);
-    MovingFeatures moving(rig);
-    Features features;
-    TrackSummary summary;
-    Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
-    Track result;
-    result.rig = rig;
-
-    while (const auto next = frames.next()) {
-        const RectifiedFrame& frame = *next;
-        const std::int64_t now_ns = frame.timestamp_ns;
-        if (!motion.started()) motion.start(now_ns, first_pose(inertial, rig, now_ns));
-        const std::int64_t before_ns = motion.timestamp_ns();
-        const auto turn = motion.turn(now_ns);
-        const auto expected = motion.expect(turn, now_ns);
-
-        const DepthMap depth = pairwise ? stereo.match(frame) : DepthMap{};             // 1
-        Features tracks = tracker.track(frame.left, moving.among(features), expected);  // 2
-        match_features(frame, depth.disparity_px, options.num_disparities_px, tracks);  // 1
-        moving.take_from(tracks);
-        const PointPairs measured = with_depth_at_both_times(rig, features, tracks);  // 3
-        PointPairs pairs = measured;
-        map.use_landmarks(motion.T_world_cam(), pairs);
-        const auto seed = seed_of(options, frame);
-        const auto vision =  // 4
-            pairwise ? register_points(rig, pairs, kInlierTolerance_px, seed)
-                     : register_with_turn(rig, pairs, turn, expected, kInlierTolerance_px, seed);
-        const auto guess = predict_orientation(turn, vision);  // 5
-        const Eigen::Isometry3d T_current_previous =           // 6
-            !vision.found ? expected
-            : pairwise    ? refine_pose_by_ceres(rig, vision.inliers, guess)
-                          : refine_pose(rig, vision.inliers, guess);
-        motion.advance(T_current_previous, now_ns);
-        T_start_cam = T_start_cam * T_current_previous.inverse();
-        if (pairwise)
-            learn_bias(inertial, rig, vision, before_ns, now_ns);
-        else if (options.align_imu)
-            aligner.watch(rig, measured, vision, before_ns, now_ns, inertial);
-
-        if (map.empty())
-            summary.add_first_frame();
-        else
-            summary.add_frame(tracks, vision, guess);
-        moving.judge(pairs, vision);
-        writer.go_on(moving.before());
-        features = consistent(tracks, pairs, vision);
-        if (!pairwise)
-            add_lost_features(
-                frame, T_current_previous, options.num_disparities_px, tracker, features);
-        const bool keep = map.empty() || (vision.found && map.due(features, now_ns));
-        if (keep || !vision.found)
-            add_new_features(rig, frame, depth, options.num_disparities_px, tracker, features);
-        if (!vision.found) memory.lose_sight();
-        std::optional<DescribedView> view;
-        if (keep) {
-            memory.recognise(frame, seed, features, motion);
-            map.add(frame, features, motion, inertial);
-            view = memory.keep(frame, features, motion.T_world_cam());
-        }
-        if (keep || (vision.found && mapping.due(features))) {
-            mapping.taken(features);
-            const DisparityRange range = choose_range(features, options.num_disparities_px);  // 1
-            writer.write(frame, depth, {std::move(view), moving.now(), gone_along(vision), range});
-            result.mapped.push_back({frame.index, now_ns, motion.T_world_cam()});
-        }
-        result.causal.push_back({now_ns, motion.T_world_cam() * rig.T_imu_cam.inverse()});
-        result.odometry.push_back({now_ns, T_start_cam * rig.T_imu_cam.inverse()});
-        report(progress, result.causal.size(), recording);
-    }
-    writer.finish();
-    map.move_to(result);
-    result.imu_alignment = aligner.alignment();
-    result.statistics = summary.statistics(recording.num_skipped_frames());
-    result.statistics.dense = writer.statistics();
-    return result;
+    return options.estimator == "pairwise" ? track_pairwise(recording, options, store, progress)
+                                           : track_window(recording, options, store, progress);
 }
 
 OptimisedTrack optimise(const Track& track,

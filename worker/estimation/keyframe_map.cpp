@@ -8,23 +8,6 @@ constexpr double kWindowBiasSigma = 3e-4;     // rad/s, of the bias that a windo
 
 }  // namespace
 
-KeyframeMap::KeyframeMap(const RectifiedRig& rig,
-                         const ReconstructionOptions& options,
-                         const InertialPrior& inertial)
-    : rig_(rig),
-      pairwise_(options.estimator == "pairwise"),
-      rule_(rig),
-      window_(rig, inertial.noise()) {}
-
-void KeyframeMap::use_landmarks(const Eigen::Isometry3d& T_world_previous,
-                                PointPairs& pairs) const {
-    if (!pairwise_) window_.use_landmarks(T_world_previous, pairs);
-}
-
-bool KeyframeMap::due(const Features& features, std::int64_t timestamp_ns) {
-    return rule_.due(features, timestamp_ns);
-}
-
 void KeyframeMap::add(const RectifiedFrame& frame,
                       const Features& features,
                       Motion& motion,
@@ -33,10 +16,6 @@ void KeyframeMap::add(const RectifiedFrame& frame,
     const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
     const std::int64_t before_ns = empty() ? frame.timestamp_ns : last_ns_;
     last_ns_ = frame.timestamp_ns;
-    if (pairwise_) {
-        keyframes_.push_back(keyframe);
-        return;
-    }
     const bool first = window_.empty();
     window_.add_keyframe(keyframe, features, inertial.readings(before_ns, frame.timestamp_ns));
     if (first) return;
@@ -47,9 +26,9 @@ void KeyframeMap::add(const RectifiedFrame& frame,
     inertial.set_bias(window_.state().bias, kWindowBiasSigma);
 }
 
-void KeyframeMap::move_to(Track& track) {
-    track.keyframes = pairwise_ ? std::move(keyframes_) : window_.keyframes();
-    if (!pairwise_) track.landmarks = window_.landmarks();
+void KeyframeMap::move_to(Track& track) const {
+    track.keyframes = window_.keyframes();
+    track.landmarks = window_.landmarks();
 }
 
 }  // namespace divemesh::worker

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <limits>
-#include <vector>
 
-#include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_rule.hpp"
 #include "worker/estimation/motion.hpp"
@@ -12,38 +10,36 @@
 
 namespace divemesh::worker {
 
-// The frames that are kept, and what they saw. With the pairwise estimator (the paper) they are
-// frames like any other; with the window estimator each of them adjusts the last ones together.
+// The frames that are kept, and what they saw: each of them adjusts the last ones together.
 class KeyframeMap {
 public:
-    KeyframeMap(const RectifiedRig& rig,
-                const ReconstructionOptions& options,
-                const InertialPrior& inertial);
+    KeyframeMap(const RectifiedRig& rig, const InertialPrior& inertial)
+        : rule_(rig), window_(rig, inertial.noise()) {}
 
-    // Landmarks take the place of the points measured at t-1 (window estimator).
-    void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const;
+    // Landmarks take the place of the points measured at t-1.
+    void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const {
+        window_.use_landmarks(T_world_previous, pairs);
+    }
 
     bool empty() const { return last_ns_ == kNever; }
-    bool due(const Features& features, std::int64_t timestamp_ns);
+    bool due(const Features& features, std::int64_t timestamp_ns) {
+        return rule_.due(features, timestamp_ns);
+    }
 
-    // With the window estimator gives back a better pose to `motion` and a better bias to
-    // `inertial`.
+    // Gives a better pose back to `motion` and a better bias to `inertial`.
     void add(const RectifiedFrame& frame,
              const Features& features,
              Motion& motion,
              InertialPrior& inertial);
 
-    // Keyframes and landmarks as last estimated.
-    void move_to(Track& track);
+    // Hands over keyframes and landmarks as last estimated.
+    void move_to(Track& track) const;
 
 private:
     static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
-    RectifiedRig rig_;
-    bool pairwise_;
     KeyframeRule rule_;
     Window window_;
-    std::vector<Keyframe> keyframes_;  // of the pairwise estimator
     std::int64_t last_ns_ = kNever;
 };
 

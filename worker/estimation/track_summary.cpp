@@ -46,10 +46,9 @@ void TrackSummary::follow(const Features& features) {
     age_ = std::move(alive);
 }
 
-TrackStatistics TrackSummary::statistics(std::int64_t num_skipped_frames) const {
+TrackStatistics TrackSummary::statistics() const {
     TrackStatistics result;
     result.num_frames = num_frames_;
-    result.num_skipped_frames = num_skipped_frames;
     result.num_frames_tracked = num_tracked_;
     result.num_degenerate_frames = num_degenerate_;
     result.mean_tracked_features =

@@ -20,7 +20,8 @@ public:
         ++num_tracked_;
     }
 
-    TrackStatistics statistics(std::int64_t num_skipped_frames) const;
+    // Without skipped frames and the dense search, which are counted elsewhere.
+    TrackStatistics statistics() const;
 
 private:
     void follow(const Features& features);

@@ -18,6 +18,8 @@ struct Registration {
 };
 
 inline constexpr std::size_t kFewestInliers = 8;
+// A pair agrees with a motion within this.
+inline constexpr double kInlierTolerance_px = 2.0;
 
 // Step 4: RANSAC over Horn's absolute orientation, three pairs a try: vision alone, and whatever
 // moves by itself (fish, snow) left out. A pair agrees when the moved point projects to within

@@ -33,9 +33,7 @@ void join(const Features& known, Features& features) {
 }  // namespace
 
 SceneMemory::SceneMemory(const RectifiedRig& rig, const ReconstructionOptions& options)
-    : rig_(rig),
-      used_(options.close_loops && options.estimator != "pairwise"),
-      num_disparities_px_(options.num_disparities_px) {}
+    : rig_(rig), used_(options.close_loops), num_disparities_px_(options.num_disparities_px) {}
 
 void SceneMemory::recognise(const RectifiedFrame& frame,
                             std::uint64_t seed,
