@@ -13,6 +13,7 @@
 #include "worker/background.hpp"
 #include "worker/build_id.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/estimation/path_uncertainty.hpp"
 #include "worker/free_memory.hpp"
 #include "worker/geometry/rectifier.hpp"
 #include "worker/keyframe_store.hpp"

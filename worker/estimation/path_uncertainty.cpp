@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/estimation/pose_covariance.hpp"
+
 namespace divemesh::worker {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "worker/estimation/path_uncertainty.hpp"
 #include "worker/metrics/metrics_document.hpp"
 
 namespace divemesh::worker {
