@@ -13,6 +13,8 @@
 #include "worker/estimation/loops/drift_bound.hpp"
 #include "worker/estimation/loops/find_loops.hpp"
 #include "worker/estimation/loops/pieces.hpp"
+#include "worker/estimation/path_uncertainty.hpp"
+#include "worker/estimation/pose_covariance.hpp"
 #include "worker/free_memory.hpp"
 #include "worker/pairwise_tracker.hpp"
 #include "worker/steps/extract_surface.hpp"
