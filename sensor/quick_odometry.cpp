@@ -22,12 +22,6 @@ constexpr int kNumFeatures = 200;
 constexpr int kFewestChanges = 4;  // that say how restless a camera is
 constexpr double kUnrest = 0.01;   // until then: 0.1 m/s, 6 deg/s within a second
 
-ReconstructionOptions options() {
-    ReconstructionOptions options;
-    options.num_features = kNumFeatures;
-    return options;
-}
-
 double seconds_between(std::int64_t before_ns, std::int64_t after_ns) {
     return static_cast<double>(after_ns - before_ns) * 1e-9;
 }
@@ -48,7 +42,7 @@ Eigen::Isometry3d motion_of(const Vector6d& vector) {
 }  // namespace
 
 QuickOdometry::QuickOdometry(const Rig& rig)
-    : rectifier_(rig), tracker_(rectifier_.rig(), options()) {}
+    : rectifier_(rig), tracker_(rectifier_.rig(), kNumFeatures) {}
 
 void QuickOdometry::add(const StereoFrame& before, const StereoFrame& now) {
     const double interval_s = seconds_between(before.timestamp_ns, now.timestamp_ns);

@@ -17,7 +17,7 @@ PairwiseTracker::PairwiseTracker(const RectifiedRig& rig,
     : rig_(rig),
       options_(options),
       stereo_(rig, options),
-      tracker_(rig, options),
+      tracker_(rig, options.num_features),
       inertial_(recording, options),
       motion_(rig, inertial_),
       moving_(rig),
@@ -38,7 +38,7 @@ TrackedFrame PairwiseTracker::process(const RectifiedFrame& frame) {
     moving_.take_from(tracks);
     const PointPairs pairs = with_depth_at_both_times(rig_, features_, tracks);  // 3
     const auto vision =                                                          // 4
-        register_points(rig_, pairs, kInlierTolerance_px, seed_of(options_, frame));
+        register_points(rig_, pairs, kInlierTolerance_px, seed_of(options_.seed, frame));
     const auto guess = predict_orientation(turn, vision);  // 5
     const auto T_current_previous =                        // 6
         vision.found ? refine_pose_by_ceres(rig_, vision.inliers, guess) : expected;

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "schemas/finding.hpp"
 #include "worker/geometry/rig.hpp"
 
 namespace divemesh::worker {

@@ -17,11 +17,11 @@ WindowTracker::WindowTracker(const RectifiedRig& rig,
                              const ReconstructionOptions& options)
     : rig_(rig),
       options_(options),
-      tracker_(rig, options),
+      tracker_(rig, options.num_features),
       inertial_(recording, options),
       aligner_(recording),
       map_(rig, inertial_),
-      memory_(rig, options),
+      memory_(rig, options.close_loops, options.num_disparities_px),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0),
       motion_(rig, inertial_),
       moving_(rig) {}
@@ -45,7 +45,7 @@ TrackedFrame WindowTracker::process(const RectifiedFrame& frame) {
         turn,
         expected,
         kInlierTolerance_px,
-        seed_of(options_, frame));
+        seed_of(options_.seed, frame));
     const auto guess = predict_orientation(turn, vision);  // 5
     const auto T_current_previous =                        // 6
         vision.found ? refine_pose(rig_, vision.inliers, guess) : expected;
@@ -73,7 +73,7 @@ TrackedFrame WindowTracker::process(const RectifiedFrame& frame) {
 }
 
 std::optional<DescribedView> WindowTracker::keep_keyframe(const RectifiedFrame& frame) {
-    memory_.recognise(frame, seed_of(options_, frame), features_, motion_);
+    memory_.recognise(frame, seed_of(options_.seed, frame), features_, motion_);
     map_.add(frame, features_, motion_, inertial_);
     return memory_.keep(frame, features_, motion_.T_world_cam());
 }

@@ -11,9 +11,8 @@
 
 namespace divemesh::worker {
 
-std::uint64_t seed_of(const ReconstructionOptions& options, const RectifiedFrame& frame) {
-    return static_cast<std::uint64_t>(options.seed) * 1'000'003U +
-           static_cast<std::uint64_t>(frame.index);
+std::uint64_t seed_of(std::int64_t seed, const RectifiedFrame& frame) {
+    return static_cast<std::uint64_t>(seed) * 1'000'003U + static_cast<std::uint64_t>(frame.index);
 }
 
 Eigen::Isometry3d first_pose(const InertialPrior& inertial,

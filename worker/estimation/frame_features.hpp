@@ -2,7 +2,6 @@
 
 #include <cstdint>
 
-#include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/keyframe.hpp"
@@ -14,7 +13,7 @@
 namespace divemesh::worker {
 
 // Of this frame's random numbers, whatever was drawn before.
-std::uint64_t seed_of(const ReconstructionOptions& options, const RectifiedFrame& frame);
+std::uint64_t seed_of(std::int64_t seed, const RectifiedFrame& frame);
 
 // T_world_cam where the dive begins: the body at the origin, gravity down.
 Eigen::Isometry3d first_pose(const InertialPrior& inertial,

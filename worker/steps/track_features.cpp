@@ -59,11 +59,11 @@ private:
 
 }  // namespace
 
-FeatureTracker::FeatureTracker(const RectifiedRig& rig, const ReconstructionOptions& options)
+FeatureTracker::FeatureTracker(const RectifiedRig& rig, int num_features)
     : rig_(rig),
       cell_px_(std::max(8,
                         static_cast<int>(std::sqrt(rig.width_px * rig.height_px /
-                                                   static_cast<double>(options.num_features))))),
+                                                   static_cast<double>(num_features))))),
       lost_(rig) {}
 
 Features FeatureTracker::track(const cv::Mat& left,

@@ -7,7 +7,6 @@
 #include <optional>
 #include <unordered_map>
 
-#include "schemas/reconstruction_options.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/steps/align_patch.hpp"
 #include "worker/steps/feature.hpp"
@@ -21,7 +20,8 @@ namespace divemesh::worker {
 // Step 2: salient features followed from picture to picture (Kanade-Lucas-Tomasi).
 class FeatureTracker {
 public:
-    FeatureTracker(const RectifiedRig& rig, const ReconstructionOptions& options);
+    // About `num_features` features are followed at a time.
+    FeatureTracker(const RectifiedRig& rig, int num_features);
 
     // Finds `previous`, features of the picture before, in `left`; the camera's expected motion
     // says where to look. Each pyramid level aligns the patch around a feature with a gain and a

@@ -9,6 +9,8 @@
 namespace divemesh::worker {
 namespace {
 
+constexpr int kNumFeatures = 300;
+
 RectifiedRig small_rig() { return synthetic::ideal_rig(320, 240, 500.0); }
 
 TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
@@ -51,8 +53,7 @@ TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
 }
 
 TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
-    ReconstructionOptions options;
-    FeatureTracker tracker(small_rig(), options);
+    FeatureTracker tracker(small_rig(), kNumFeatures);
     tracker.track(synthetic::picture(0.0, 0.0), {}, Eigen::Isometry3d::Identity());
     const Features before = tracker.detect({});
     ASSERT_GE(before.size(), 100U);
@@ -68,7 +69,7 @@ TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
 }
 
 TEST(FeatureTrackerTest, ADarkPictureGivesNoFeatures) {
-    FeatureTracker tracker(small_rig(), {});
+    FeatureTracker tracker(small_rig(), kNumFeatures);
     const cv::Mat black(240, 320, CV_8U, cv::Scalar(0));
     tracker.track(black, {}, Eigen::Isometry3d::Identity());
     EXPECT_TRUE(tracker.detect({}).empty());

@@ -43,7 +43,7 @@ TEST(FirstLookTest, AFeatureStaysInItsPlaceWhileTheCameraTurnsAndComesNearer) {
     constexpr int kNumFrames = 20;
     const RectifiedRig rig = synthetic::small_rig();
     const SeaFloor floor;
-    FeatureTracker tracker(rig, {});
+    FeatureTracker tracker(rig, 300);
     tracker.track(look(floor, 0), {}, Eigen::Isometry3d::Identity());
     Features features = tracker.detect({});
     measure(0, features);

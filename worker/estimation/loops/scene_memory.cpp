@@ -32,8 +32,8 @@ void join(const Features& known, Features& features) {
 
 }  // namespace
 
-SceneMemory::SceneMemory(const RectifiedRig& rig, const ReconstructionOptions& options)
-    : rig_(rig), used_(options.close_loops), num_disparities_px_(options.num_disparities_px) {}
+SceneMemory::SceneMemory(const RectifiedRig& rig, bool used, int num_disparities_px)
+    : rig_(rig), used_(used), num_disparities_px_(num_disparities_px) {}
 
 void SceneMemory::recognise(const RectifiedFrame& frame,
                             std::uint64_t seed,

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "schemas/reconstruction_options.hpp"
 #include "worker/estimation/loops/described_view.hpp"
 #include "worker/estimation/loops/observe_again.hpp"
 #include "worker/estimation/motion.hpp"
@@ -19,7 +18,8 @@ namespace divemesh::worker {
 // what comes into sight again overlaps with it, the dive goes on where it is.
 class SceneMemory {
 public:
-    SceneMemory(const RectifiedRig& rig, const ReconstructionOptions& options);
+    // Remembers nothing unless `used`.
+    SceneMemory(const RectifiedRig& rig, bool used, int num_disparities_px);
 
     // A frame was not constrained by vision.
     void lose_sight() { lost_ = true; }
