@@ -2,8 +2,8 @@
 
 #include <boost/beast/core/string.hpp>
 
-#include "api/at_once.hpp"
 #include "api/in_pool.hpp"
+#include "api/read_nonblocking.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "storage/token_store.hpp"
@@ -56,7 +56,7 @@ Awaitable<Token> find_token(std::string secret, Services services) {
     auto find = [secret = std::move(secret)](storage::Catalog& catalog) {
         return storage::TokenStore(catalog).find(secret);
     };
-    auto token = co_await at_once(services, std::move(find));
+    auto token = co_await read_nonblocking(services, std::move(find));
     if (!token)
         throw Error(ErrorCode::Unauthorized,
                     "this token is unknown, revoked or expired: use a valid one");

@@ -5,7 +5,7 @@
 #include "api/audit.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/make_truth.hpp"
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 #include "schemas/log.hpp"
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
@@ -70,8 +70,8 @@ void clean_up(const Services& services) {
 void watch_sensors(const Services& services) {
     attempt("sensors' silence", services, [&] {
         for (const Sensor& sensor : storage::SensorStore(services.catalog).look_at_the_time())
-            services.desk.publish(sensor);
-        services.desk.look_at_the_time();
+            services.sensor_hub.publish(sensor);
+        services.sensor_hub.look_at_the_time();
     });
 }
 

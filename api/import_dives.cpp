@@ -185,7 +185,7 @@ Awaitable<void> import_one(Services services, const ImportRequest& request, fs::
     }
     auto enter = [import] { return import->enter(); };
     const std::string upload_id = co_await in_pool(services.pool, std::move(enter));
-    const auto turn = co_await services.turns.take(upload_id, [] {});
+    const auto lock = co_await services.locks.take(upload_id, [] {});
     auto begin = [import, upload_id] { import->begin(upload_id); };
     co_await in_pool(services.pool, std::move(begin));
     for (bool more = true; more;) {

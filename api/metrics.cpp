@@ -153,7 +153,7 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
         {"divemesh_connections", "gauge", "open connections", connections},
         {"divemesh_connections_refused_total", "counter", "connections refused because there were too many", refused_connections},
         {"divemesh_event_streams", "gauge", "open event streams", watchers},
-        {"divemesh_events_told_total", "counter", "frames sent to event streams", told_events},
+        {"divemesh_events_told_total", "counter", "frames sent to event streams", serialised_events},
         {"divemesh_event_streams_dropped_total", "counter", "event streams closed because the client did not read or answer", dropped_watchers},
         {"divemesh_sensor_streams", "gauge", "open streams of sensors", sensor_streams},
         {"divemesh_sensor_messages_total", "counter", "new messages of sensors, stored durably", sensor_messages},

@@ -51,7 +51,7 @@ public:
     std::atomic<std::int64_t> connections = 0;     // open now
     std::atomic<std::int64_t> refused_connections = 0;
     std::atomic<std::int64_t> watchers = 0;  // event streams open now
-    std::atomic<std::int64_t> told_events = 0;
+    std::atomic<std::int64_t> serialised_events = 0;
     std::atomic<std::int64_t> dropped_watchers = 0;  // that fell silent or did not read
     std::atomic<std::int64_t> sensor_streams = 0;    // open now
     std::atomic<std::int64_t> sensor_messages = 0;   // that were new

@@ -41,7 +41,7 @@ Readiness::Result Readiness::look(storage::Catalog& catalog,
                                   storage::BlobStore& blobs,
                                   std::int64_t min_free_bytes) {
     const std::lock_guard lock(mutex_);
-    if (std::chrono::steady_clock::now() < next_look_) return last_;
+    if (std::chrono::steady_clock::now() < next_poll_) return last_;
     Result result;
     result.failure = failure_of("catalog", [&] { catalog.require_writable(); });
     if (result.failure.empty())
@@ -57,7 +57,7 @@ Readiness::Result Readiness::look(storage::Catalog& catalog,
                                 " MiB to keep free: free some space");
         });
     last_ = result;
-    next_look_ = std::chrono::steady_clock::now() + 1s;
+    next_poll_ = std::chrono::steady_clock::now() + 1s;
     return result;
 }
 

@@ -28,7 +28,7 @@ public:
 private:
     std::mutex mutex_;
     Result last_;
-    std::chrono::steady_clock::time_point next_look_;
+    std::chrono::steady_clock::time_point next_poll_;
 };
 
 }  // namespace divemesh::api

@@ -15,7 +15,7 @@ namespace {
 using namespace boost::asio::experimental::awaitable_operators;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kPieceBytes = std::size_t{128} << 10;  // two of them a request
+constexpr std::size_t kChunkBytes = std::size_t{128} << 10;  // two of them a request
 
 enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
 
@@ -44,10 +44,10 @@ private:
 };
 
 // A write that fails ends the read beside it, which could last a minute.
-Awaitable<void> write_piece(std::shared_ptr<BodyStream> stream,
-                            Services services,
-                            std::shared_ptr<ByteSink> sink,
-                            std::span<const char> bytes) {
+Awaitable<void> write_received_chunk(std::shared_ptr<BodyStream> stream,
+                                     Services services,
+                                     std::shared_ptr<ByteSink> sink,
+                                     std::span<const char> bytes) {
     auto write = [stream, sink, bytes] {
         try {
             sink->write(bytes);
@@ -73,8 +73,8 @@ std::optional<Ending> ending_of(BodyRead::State state) {
 Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
                               std::shared_ptr<BodyStream> stream,
                               Services services) {
-    std::vector<char> reading(kPieceBytes);
-    std::vector<char> writing(kPieceBytes);
+    std::vector<char> reading(kChunkBytes);
+    std::vector<char> writing(kChunkBytes);
     RateGuard rate(services.limits);
     BodyRead read = co_await stream->read(reading);
     for (;;) {
@@ -85,10 +85,11 @@ Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
         std::swap(reading, writing);
         const std::span<const char> bytes(writing.data(), std::min(read.num_bytes, room));
         if (ending) {
-            co_await write_piece(stream, services, sink, bytes);
+            co_await write_received_chunk(stream, services, sink, bytes);
             co_return *ending;
         }
-        read = co_await (write_piece(stream, services, sink, bytes) && stream->read(reading));
+        read =
+            co_await (write_received_chunk(stream, services, sink, bytes) && stream->read(reading));
     }
 }
 

@@ -17,14 +17,14 @@ namespace {
 
 namespace asio = boost::asio;
 
-constexpr std::size_t kMostWaiting = 2000;
+constexpr std::size_t kMaxWaiting = 2000;
 // A transaction stays short: others write to the catalog too.
-constexpr std::size_t kMostTogether = 200;
-constexpr std::size_t kMostMessagesTogether = 2000;
-constexpr std::size_t kMostWaitingBytes = std::size_t{48} << 20;
-constexpr std::size_t kMostBytesTogether = std::size_t{8} << 20;
+constexpr std::size_t kMaxTogether = 200;
+constexpr std::size_t kMaxMessagesTogether = 2000;
+constexpr std::size_t kMaxWaitingBytes = std::size_t{48} << 20;
+constexpr std::size_t kMaxBytesTogether = std::size_t{8} << 20;
 
-std::size_t picture_bytes(const SensorReport& report) {
+std::size_t image_bytes(const SensorReport& report) {
     std::size_t num_bytes = 0;
     for (const SensorMessage& message : report.messages) num_bytes += message.jpeg.size();
     return num_bytes;
@@ -49,9 +49,9 @@ asio::awaitable<SensorAnswer> ReportQueue::submit(storage::IncomingReport report
 }
 
 void ReportQueue::enqueue(storage::IncomingReport report, Done done) {
-    const std::size_t num_bytes = picture_bytes(report.report);
+    const std::size_t num_bytes = image_bytes(report.report);
     const std::unique_lock lock(mutex_);
-    if (waiting_.size() >= kMostWaiting || waiting_bytes_ + num_bytes > kMostWaitingBytes)
+    if (waiting_.size() >= kMaxWaiting || waiting_bytes_ + num_bytes > kMaxWaitingBytes)
         return done(std::make_exception_ptr(
                         Error(ErrorCode::Unavailable,
                               "more sensor reports arrive than can be written: try again later")),
@@ -67,11 +67,11 @@ std::vector<ReportQueue::Waiting> ReportQueue::take_some() {
     std::size_t num = 0;
     std::size_t num_messages = 0;
     std::size_t num_bytes = 0;
-    for (; num < std::min(waiting_.size(), kMostTogether); ++num) {
+    for (; num < std::min(waiting_.size(), kMaxTogether); ++num) {
         const Waiting& next = waiting_[num];
         const bool fits =
-            num_messages + next.report.report.messages.size() <= kMostMessagesTogether &&
-            num_bytes + next.num_bytes <= kMostBytesTogether;
+            num_messages + next.report.report.messages.size() <= kMaxMessagesTogether &&
+            num_bytes + next.num_bytes <= kMaxBytesTogether;
         if (num > 0 && !fits) break;
         num_messages += next.report.report.messages.size();
         num_bytes += next.num_bytes;
@@ -96,12 +96,12 @@ void ReportQueue::commit(std::vector<Waiting> group) {
     std::exception_ptr failure;
     try {
         outcomes = storage::SensorStore(catalog_).receive(
-            reports, has_room_() ? storage::kMostPreviews : storage::kFewPreviews);
+            reports, has_room_() ? storage::kMaxPreviews : storage::kFewPreviews);
     } catch (...) {
         failure = std::current_exception();
     }
     for (std::size_t i = 0; i < group.size(); ++i) {
-        if (!failure && !outcomes[i].failure) desk_.publish(outcomes[i].sensor);
+        if (!failure && !outcomes[i].failure) sensor_hub_.publish(outcomes[i].sensor);
         if (failure)
             group[i].done(failure, {});
         else if (outcomes[i].failure)

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 #include "storage/sensor_store.hpp"
 
 namespace divemesh::api {
@@ -21,9 +21,9 @@ public:
     // previews of a sensor are kept; in the pool.
     ReportQueue(storage::Catalog& catalog,
                 boost::asio::thread_pool& pool,
-                SensorDesk& desk,
+                SensorHub& sensor_hub,
                 std::function<bool()> has_room)
-        : catalog_(catalog), pool_(pool), desk_(desk), has_room_(std::move(has_room)) {}
+        : catalog_(catalog), pool_(pool), sensor_hub_(sensor_hub), has_room_(std::move(has_room)) {}
 
     // When it is durable. Throws what storage::SensorStore::receive() gives as failure, what the
     // transaction throws, and Error{Unavailable} when too many are waiting already.
@@ -44,7 +44,7 @@ private:
 
     storage::Catalog& catalog_;
     boost::asio::thread_pool& pool_;
-    SensorDesk& desk_;
+    SensorHub& sensor_hub_;
     std::function<bool()> has_room_;
     std::mutex mutex_;
     std::vector<Waiting> waiting_;

@@ -10,7 +10,7 @@
 #include "api/hash_cache.hpp"
 #include "api/rate_limiter.hpp"
 #include "api/token_cache.hpp"
-#include "api/upload_turns.hpp"
+#include "api/upload_locks.hpp"
 #include "api/webhook_target.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
@@ -23,7 +23,7 @@ class KeysInFlight;
 class Metrics;
 class Readiness;
 class ReportQueue;
-class SensorDesk;
+class SensorHub;
 
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
@@ -45,7 +45,7 @@ struct Services {
     storage::Catalog& catalog;
     storage::BlobStore& blobs;
     boost::asio::thread_pool& pool;  // for SQL, disk and hashing; see in_pool()
-    UploadTurns& turns;
+    UploadLocks& locks;
     HashCache& hashes;
     storage::QueueForecast& forecast;
     KeysInFlight& keys;
@@ -56,7 +56,7 @@ struct Services {
     Readiness& readiness;
     DiskReserve& reserve;
     ReportQueue& reports;  // of sensors
-    SensorDesk& desk;
+    SensorHub& sensor_hub;
     const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
     const ServiceLimits& limits;
     bool no_auth = false;

@@ -21,8 +21,8 @@ void log_failure(const std::string& upload_id, const std::exception& error) {
 // `work` with the upload's turn, unless a request has it.
 template <typename Work>
 Awaitable<void> when_free(Services services, std::string upload_id, Work work) {
-    const auto turn = co_await services.turns.take_if_free(upload_id);
-    if (!turn) co_return;
+    const auto lock = co_await services.locks.take_if_free(upload_id);
+    if (!lock) co_return;
     auto guarded = [upload_id, work] {
         try {
             work();

@@ -10,8 +10,8 @@
 namespace divemesh::cli {
 namespace {
 
-int print(const nlohmann::json& figures, const Context& context) {
-    std::cout << (context.json ? figures.dump(2) + "\n" : metrics_table(figures));
+int print(const nlohmann::json& metrics, const Context& context) {
+    std::cout << (context.json ? metrics.dump(2) + "\n" : metrics_table(metrics));
     return kExitDone;
 }
 

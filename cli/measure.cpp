@@ -38,19 +38,19 @@ std::string area_line(const json& area) {
     return line + "\n";
 }
 
-std::vector<std::string> figure_row(const json& figure) {
-    std::string name = "  " + figure["figure"].get<std::string>();
-    if (figure.contains("label")) name += " of " + figure["label"].get<std::string>();
+std::vector<std::string> metric_row(const json& metric) {
+    std::string name = "  " + metric["figure"].get<std::string>();
+    if (metric.contains("label")) name += " of " + metric["label"].get<std::string>();
     const std::string resolution =
-        figure.contains("resolution_m")
-            ? "at " + number_text(1000.0 * figure["resolution_m"].get<double>()) + " mm"
+        metric.contains("resolution_m")
+            ? "at " + number_text(1000.0 * metric["resolution_m"].get<double>()) + " mm"
             : "";
-    if (figure.contains("refused"))
-        return {name, resolution, "refused: " + figure["refused"].get<std::string>()};
-    const auto number = [&](const char* key) { return number_text(figure[key].get<double>()); };
+    if (metric.contains("refused"))
+        return {name, resolution, "refused: " + metric["refused"].get<std::string>()};
+    const auto number = [&](const char* key) { return number_text(metric[key].get<double>()); };
     return {name,
             resolution,
-            number("value") + " " + figure["unit"].get<std::string>(),
+            number("value") + " " + metric["unit"].get<std::string>(),
             "[" + number("low") + ", " + number("high") + "]"};
 }
 
@@ -62,13 +62,13 @@ std::string report_text(const json& result) {
         const std::string name = area["name"];
         shown.insert(name);
         std::vector<std::vector<std::string>> rows;
-        for (const json& figure : result["figures"])
-            if (figure["area"] == name) rows.push_back(figure_row(figure));
+        for (const json& metric : result["figures"])
+            if (metric["area"] == name) rows.push_back(metric_row(metric));
         text += area_line(area) + table_text(rows);
     }
     std::vector<std::vector<std::string>> rows;
-    for (const json& figure : result["figures"])
-        if (!shown.contains(figure["area"].get<std::string>())) rows.push_back(figure_row(figure));
+    for (const json& metric : result["figures"])
+        if (!shown.contains(metric["area"].get<std::string>())) rows.push_back(metric_row(metric));
     if (!rows.empty()) text += "quadrats together:\n" + table_text(rows);
     return text;
 }
@@ -90,7 +90,7 @@ int measure(const Options& options, const Context& context) {
     if (!options.draw.empty()) return write_drawing_page(options);
     const json result = worker::measure_reconstruction(options.request);
     if (!options.csv.empty())
-        worker::write_file(options.csv, worker::figures_csv(result["figures"]));
+        worker::write_file(options.csv, worker::metrics_csv(result["figures"]));
     std::cout << (context.json ? result.dump(2) + "\n" : report_text(result));
     return kExitDone;
 }

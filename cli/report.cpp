@@ -52,9 +52,9 @@ std::string value_text(const nlohmann::json& value) {
     return text;
 }
 
-std::string unit_text(const nlohmann::json& figure) {
-    const auto unit = figure.at("unit").get<std::string>();
-    return unit == "1" || !figure.at("value").is_number() ? "" : " " + unit;
+std::string unit_text(const nlohmann::json& metric) {
+    const auto unit = metric.at("unit").get<std::string>();
+    return unit == "1" || !metric.at("value").is_number() ? "" : " " + unit;
 }
 
 // Lever arm and offset where they were solved.
@@ -93,13 +93,13 @@ std::string summary(const nlohmann::json& report) {
                         regression.at("figure").get<std::string>(),
                         value_text(regression.at("value")) + ", limit from its history " +
                             value_text(regression.at("limit"))});
-    for (const auto& figure : report.at("figures"))
+    for (const auto& metric : report.at("figures"))
         if (std::find(std::begin(kQuoted),
                       std::end(kQuoted),
-                      figure.at("figure").get<std::string>()) != std::end(kQuoted))
+                      metric.at("figure").get<std::string>()) != std::end(kQuoted))
             rows.push_back({"",
-                            figure.at("figure").get<std::string>(),
-                            value_text(figure.at("value")) + unit_text(figure)});
+                            metric.at("figure").get<std::string>(),
+                            value_text(metric.at("value")) + unit_text(metric)});
     add_truth(report, rows);
     return table_text(rows);
 }

@@ -38,9 +38,9 @@ struct SensorOptions {
 };
 
 // What happens is told by several threads, line by line.
-class Told {
+class Printer {
 public:
-    explicit Told(bool as_json) : as_json_(as_json) {}
+    explicit Printer(bool as_json) : as_json_(as_json) {}
     void operator()(const std::string& what) const {
         const std::lock_guard lock(*mutex_);
         if (as_json_)
@@ -79,18 +79,18 @@ sensor::View view_of(const std::string& name) {
     throw Error(ErrorCode::InvalidArgument, "--view must be cam0, cam1 or pair");
 }
 
-sensor::DiveUploadSettings upload_of(const SensorOptions& options, const Told& told) {
+sensor::DiveUploadSettings upload_of(const SensorOptions& options, const Printer& print) {
     sensor::DiveUploadSettings settings;
     ServerOptions server = options.server;
     if (!options.upload_token_file.empty()) server.token_file = options.upload_token_file;
     settings.account = account_of(server);
     settings.max_bytes_per_s = options.agent.link.max_bytes_per_s;
     settings.job = options.upload_job;
-    settings.on_event = told;
+    settings.on_event = print;
     return settings;
 }
 
-sensor::AgentSettings settings_of(const SensorOptions& options, const Told& told) {
+sensor::AgentSettings settings_of(const SensorOptions& options, const Printer& print) {
     sensor::AgentSettings settings = options.agent;
     settings.account = account_of(options.server);
     settings.sensor_id = options.id;
@@ -98,9 +98,9 @@ sensor::AgentSettings settings_of(const SensorOptions& options, const Told& told
     settings.view = view_of(options.view);
     settings.quick_look = settings.quick_look || settings.draw_tracks;
     if (options.back_in_s > 0.0) settings.back_in_s = options.back_in_s;
-    settings.link.on_event = told;
+    settings.link.on_event = print;
     settings.over_after = over_after(options);
-    if (options.upload) settings.upload = upload_of(options, told);
+    if (options.upload) settings.upload = upload_of(options, print);
     return settings;
 }
 
@@ -114,11 +114,11 @@ bool is_all_said(const sensor::Agent& agent,
 
 int run_sensor(const SensorOptions& options, const Context& context) {
     std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of the write, not the end
-    const Told told(context.json);
+    const Printer print(context.json);
     std::optional<sensor::Clock::time_point> over_at;
-    sensor::AgentSettings settings = settings_of(options, told);
+    sensor::AgentSettings settings = settings_of(options, print);
     settings.on_dive_over = [&](const fs::path& dive) {
-        told(dive.string() + " has ended");
+        print(dive.string() + " has ended");
         over_at = sensor::Clock::now();
     };
     const StopSignal stop;

@@ -121,7 +121,7 @@ Dive make_dive(client::RestClient& rest,
         .post_once("/api/v1/dives",
                    {{"upload_id", upload_id}},
                    backoff,
-                   client::hashing_patience(archive_bytes))
+                   client::hashing_timeout(archive_bytes))
         .get<Dive>();
 }
 

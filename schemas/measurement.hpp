@@ -8,7 +8,7 @@
 namespace divemesh {
 
 // A figure as a job found it, see schemas/figure.hpp for the names.
-struct MeasuredFigure {
+struct MeasuredMetric {
     std::string name;
     double value = 0.0;
     std::string unit;
@@ -18,7 +18,7 @@ struct MeasuredFigure {
 // What was asked of a report, and whether it was so.
 struct RequirementResult {
     std::string text;             // as written: "drift_percent<=0.5"
-    std::string figure;           // its full name
+    std::string metric;           // its full name
     std::optional<double> value;  // nothing: there is no such figure, which is not met
     bool met = false;
     std::string reason;  // why it is not met; "" when it is
@@ -26,7 +26,7 @@ struct RequirementResult {
 
 // A figure that is worse than its earlier values allow.
 struct Regression {
-    std::string figure;
+    std::string metric;
     double value = 0.0;
     double median = 0.0;  // of the earlier ones
     double limit = 0.0;   // what they allow
@@ -35,7 +35,7 @@ struct Regression {
 
 // What a job measured, written with its success.
 struct Measurement {
-    std::vector<MeasuredFigure> figures;
+    std::vector<MeasuredMetric> metrics;
     std::vector<RequirementResult> requirements;  // of a report
     std::vector<Regression> regressions;          // the same
     std::string version;                          // of the program that measured
@@ -43,7 +43,7 @@ struct Measurement {
 };
 
 // One value of a series over dives and time.
-struct FigurePoint {
+struct MetricPoint {
     std::int64_t number = 0;  // rises with time; not shown over HTTP
     std::string dive_id;
     std::string job_id;

@@ -27,23 +27,23 @@ void from_json(const nlohmann::json& json, TruthFile& truth) {
     truth.problem = json.value("problem", "");
 }
 
-void to_json(nlohmann::json& json, const MeasuredFigure& figure) {
-    json = {{"name", figure.name},
-            {"value", figure.value},
-            {"unit", figure.unit},
-            {"method", figure.method}};
+void to_json(nlohmann::json& json, const MeasuredMetric& metric) {
+    json = {{"name", metric.name},
+            {"value", metric.value},
+            {"unit", metric.unit},
+            {"method", metric.method}};
 }
 
-void from_json(const nlohmann::json& json, MeasuredFigure& figure) {
-    json.at("name").get_to(figure.name);
-    json.at("value").get_to(figure.value);
-    json.at("unit").get_to(figure.unit);
-    json.at("method").get_to(figure.method);
+void from_json(const nlohmann::json& json, MeasuredMetric& metric) {
+    json.at("name").get_to(metric.name);
+    json.at("value").get_to(metric.value);
+    json.at("unit").get_to(metric.unit);
+    json.at("method").get_to(metric.method);
 }
 
 void to_json(nlohmann::json& json, const RequirementResult& result) {
     json = {{"text", result.text},
-            {"figure", result.figure},
+            {"figure", result.metric},
             {"value", nullptr},
             {"met", result.met},
             {"reason", result.reason}};
@@ -52,7 +52,7 @@ void to_json(nlohmann::json& json, const RequirementResult& result) {
 
 void from_json(const nlohmann::json& json, RequirementResult& result) {
     json.at("text").get_to(result.text);
-    json.at("figure").get_to(result.figure);
+    json.at("figure").get_to(result.metric);
     result.value.reset();
     if (!json.at("value").is_null()) result.value = json.at("value").get<double>();
     json.at("met").get_to(result.met);
@@ -60,7 +60,7 @@ void from_json(const nlohmann::json& json, RequirementResult& result) {
 }
 
 void to_json(nlohmann::json& json, const Regression& regression) {
-    json = {{"figure", regression.figure},
+    json = {{"figure", regression.metric},
             {"value", regression.value},
             {"median", regression.median},
             {"limit", regression.limit},
@@ -68,7 +68,7 @@ void to_json(nlohmann::json& json, const Regression& regression) {
 }
 
 void from_json(const nlohmann::json& json, Regression& regression) {
-    json.at("figure").get_to(regression.figure);
+    json.at("figure").get_to(regression.metric);
     json.at("value").get_to(regression.value);
     json.at("median").get_to(regression.median);
     json.at("limit").get_to(regression.limit);
@@ -76,7 +76,7 @@ void from_json(const nlohmann::json& json, Regression& regression) {
 }
 
 void to_json(nlohmann::json& json, const Measurement& measured) {
-    json = {{"figures", measured.figures},
+    json = {{"figures", measured.metrics},
             {"requirements", measured.requirements},
             {"regressions", measured.regressions},
             {"version", measured.version},
@@ -84,14 +84,14 @@ void to_json(nlohmann::json& json, const Measurement& measured) {
 }
 
 void from_json(const nlohmann::json& json, Measurement& measured) {
-    json.at("figures").get_to(measured.figures);
+    json.at("figures").get_to(measured.metrics);
     json.at("requirements").get_to(measured.requirements);
     json.at("regressions").get_to(measured.regressions);
     json.at("version").get_to(measured.version);
     json.at("calibration_sha256").get_to(measured.calibration_sha256);
 }
 
-void to_json(nlohmann::json& json, const FigurePoint& point) {
+void to_json(nlohmann::json& json, const MetricPoint& point) {
     json = {{"dive_id", point.dive_id},
             {"job_id", point.job_id},
             {"kind", point.kind},

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "schemas/figure.hpp"
+#include "schemas/metric.hpp"
 
 namespace divemesh {
 namespace {
@@ -40,12 +40,12 @@ Requirement parse_requirement(std::string_view text) {
     const auto sign = text.find_last_of("<>");
     if (sign == std::string_view::npos) refuse(text, "it has no <=, >=, < or >");
     const bool or_equal = sign + 1 < text.size() && text[sign + 1] == '=';
-    const auto figure = trimmed(text.substr(0, sign));
-    if (figure.empty()) refuse(text, "it names no metric");
+    const auto metric = trimmed(text.substr(0, sign));
+    if (metric.empty()) refuse(text, "it names no metric");
     Requirement requirement;
     requirement.text = std::string(text);
     requirement.limit = parse_limit(trimmed(text.substr(sign + (or_equal ? 2 : 1))), text);
-    requirement.figure = resolve_figure(figure);
+    requirement.metric = resolve_metric(metric);
     if (text[sign] == '<')
         requirement.comparison = or_equal ? Comparison::LessOrEqual : Comparison::Less;
     else

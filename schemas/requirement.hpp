@@ -12,7 +12,7 @@ enum class Comparison { LessOrEqual, GreaterOrEqual, Less, Greater };
 // What a report has to fulfil: "drift_percent<=0.5".
 struct Requirement {
     std::string text;    // as written
-    std::string figure;  // its full name, see schemas/figure.hpp
+    std::string metric;  // its full name, see schemas/figure.hpp
     Comparison comparison = Comparison::LessOrEqual;
     double limit = 0.0;  // in the figure's unit
 };

@@ -12,7 +12,7 @@ constexpr EnumText<SensorState> kStates[] = {{SensorState::Online, "online"},
                                              {SensorState::Submerged, "submerged"},
                                              {SensorState::Overdue, "overdue"},
                                              {SensorState::Lost, "lost"}};
-constexpr std::size_t kMostToldGaps = 32;
+constexpr std::size_t kMaxReportedGaps = 32;
 
 }  // namespace
 
@@ -38,19 +38,19 @@ Sensor as_of(Sensor sensor, std::int64_t now_ms) {
 
 nlohmann::json newest_word(const Sensor& sensor) {
     nlohmann::json word = sensor.status;
-    std::int64_t told_at_ms = word.contains("pictures") ? sensor.status_at_ms : 0;
+    std::int64_t reported_at_ms = word.contains("pictures") ? sensor.status_at_ms : 0;
     for (const auto& [camera, preview] : sensor.previews) {
         const auto pictures = preview.about.find("pictures");
-        if (pictures == preview.about.end() || preview.time_ms < told_at_ms) continue;
+        if (pictures == preview.about.end() || preview.time_ms < reported_at_ms) continue;
         word["pictures"] = *pictures;
-        told_at_ms = preview.time_ms;
+        reported_at_ms = preview.time_ms;
     }
     return word;
 }
 
 std::vector<SequenceRange> first_gaps(const SequenceRanges& received) {
     auto gaps = received.gaps();
-    gaps.resize(std::min(gaps.size(), kMostToldGaps));
+    gaps.resize(std::min(gaps.size(), kMaxReportedGaps));
     return gaps;
 }
 

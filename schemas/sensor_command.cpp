@@ -19,10 +19,10 @@ constexpr EnumText<CommandState> kStates[] = {{CommandState::Pending, "pending"}
                                               {CommandState::Expired, "expired"}};
 // What a device may say of one.
 constexpr auto kOutcomes = std::span(kStates).subspan(2);
-constexpr std::size_t kMostDetailBytes = 256;
-constexpr std::size_t kMostCameraBytes = 16;
-constexpr std::int64_t kLeastPictureBytes = 1024;
-constexpr std::int64_t kMostPictureBytes = 256 << 10;
+constexpr std::size_t kMaxDetailBytes = 256;
+constexpr std::size_t kMaxCameraBytes = 16;
+constexpr std::int64_t kMinImageBytes = 1024;
+constexpr std::int64_t kMaxImageBytes = 256 << 10;
 constexpr std::int64_t kLatest_ms = std::int64_t{1} << 53;
 
 bool is_whole(const json& value, std::int64_t least, std::int64_t largest) {
@@ -31,8 +31,8 @@ bool is_whole(const json& value, std::int64_t least, std::int64_t largest) {
            value.get<std::int64_t>() >= least;
 }
 
-bool is_short_text(const json& value, std::size_t most_bytes) {
-    return value.is_string() && value.get_ref<const std::string&>().size() <= most_bytes;
+bool is_short_text(const json& value, std::size_t max_num_bytes) {
+    return value.is_string() && value.get_ref<const std::string&>().size() <= max_num_bytes;
 }
 
 struct Argument {
@@ -48,11 +48,11 @@ constexpr Argument kArguments[] = {
     {"preview",
      "camera",
      "the name of a camera",
-     [](const json& value) { return is_short_text(value, kMostCameraBytes); }},
+     [](const json& value) { return is_short_text(value, kMaxCameraBytes); }},
     {"preview",
      "max_bytes",
      "a whole number from 1024 to 262144",
-     [](const json& value) { return is_whole(value, kLeastPictureBytes, kMostPictureBytes); }},
+     [](const json& value) { return is_whole(value, kMinImageBytes, kMaxImageBytes); }},
     {"set_clock",
      "time_ms",
      "a time in Unix milliseconds",
@@ -105,13 +105,13 @@ void check_outcome(const json& outcome, const std::string& pointer) {
     const auto id = outcome.find("command");
     const auto state = outcome.find("state");
     const auto detail = outcome.find("detail");
-    if (id == outcome.end() || !is_short_text(*id, kMostDetailBytes))
+    if (id == outcome.end() || !is_short_text(*id, kMaxDetailBytes))
         throw InvalidInput({{"\"command\" must be the id of a command", pointer + "/command", ""}});
     const auto is_state = [&](const auto& row) { return *state == json(row.text); };
     if (state == outcome.end() || std::none_of(kOutcomes.begin(), kOutcomes.end(), is_state))
         throw InvalidInput(
             {{"\"state\" must be done, failed, refused or expired", pointer + "/state", ""}});
-    if (detail != outcome.end() && !is_short_text(*detail, kMostDetailBytes))
+    if (detail != outcome.end() && !is_short_text(*detail, kMaxDetailBytes))
         throw InvalidInput(
             {{"\"detail\" must be a text of at most 256 bytes", pointer + "/detail", ""}});
 }

@@ -36,8 +36,8 @@ struct SensorCommand {
     std::int64_t ended_at_ms = 0;  // 0: not yet
 };
 
-inline constexpr std::int64_t kLeastCommandLife_ms = 1'000;
-inline constexpr std::int64_t kMostCommandLife_ms = 86'400'000;
+inline constexpr std::int64_t kMinCommandLife_ms = 1'000;
+inline constexpr std::int64_t kMaxCommandLife_ms = 86'400'000;
 
 // Throws InvalidInput for a command that no device knows and arguments that it does not have.
 void check_command(const std::string& name, const nlohmann::json& arguments);

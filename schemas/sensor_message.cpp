@@ -15,8 +15,8 @@ namespace {
 using nlohmann::json;
 
 // Doubles hold whole numbers up to here, and so does every client's JSON.
-constexpr std::int64_t kLargestNumber = std::int64_t{1} << 53;
-constexpr std::size_t kMostCameraLetters = 16;
+constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;
+constexpr std::size_t kMaxCameraLetters = 16;
 
 constexpr EnumText<MessageKind> kKinds[] = {{MessageKind::Hello, "hello"},
                                             {MessageKind::Status, "status"},
@@ -29,7 +29,7 @@ std::string at_most(std::string_view what, std::size_t number) {
 
 // 1 to 64 letters, digits, '.', '_' and '-'.
 bool is_camera(std::string_view name) {
-    return !name.empty() && name.size() <= kMostCameraLetters &&
+    return !name.empty() && name.size() <= kMaxCameraLetters &&
            std::all_of(name.begin(), name.end(), [](char c) {
                return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
            });
@@ -78,8 +78,8 @@ private:
         throw InvalidInput(std::move(faults_));
     }
     void fail(const std::string& what, const std::string& pointer) {
-        constexpr std::size_t kMostFaults = 20;
-        if (faults_.size() < kMostFaults) faults_.push_back({what, pointer, ""});
+        constexpr std::size_t kMaxReportedFaults = 20;
+        if (faults_.size() < kMaxReportedFaults) faults_.push_back({what, pointer, ""});
     }
 
     void read_boot(const json& body) {
@@ -94,8 +94,8 @@ private:
 
     void read_messages(const json& body) {
         const auto messages = body.find("messages");
-        if (messages == body.end() || !messages->is_array() || messages->size() > kMostMessages)
-            return fail(at_most("\"messages\" must be an array of messages", kMostMessages),
+        if (messages == body.end() || !messages->is_array() || messages->size() > kMaxMessages)
+            return fail(at_most("\"messages\" must be an array of messages", kMaxMessages),
                         "/messages");
         for (std::size_t i = 0; i < messages->size(); ++i)
             read_message((*messages)[i], "/messages/" + std::to_string(i));
@@ -124,10 +124,10 @@ private:
         read.body = message.at(kind->text);
         const std::string place = std::string(pointer).append("/").append(kind->text);
         if (!read.body.is_object()) return fail("it must be an object", place);
-        if (read.kind == MessageKind::Preview) take_picture(read, place);
+        if (read.kind == MessageKind::Preview) take_image(read, place);
         if (read.body.dump(-1, ' ', false, json::error_handler_t::replace).size() >
-            kMostMessageBytes)
-            return fail(at_most("it has too many bytes", kMostMessageBytes), place);
+            kMaxSensorMessageBytes)
+            return fail(at_most("it has too many bytes", kMaxSensorMessageBytes), place);
         check_body(read, place);
         report_.messages.push_back(std::move(read));
     }
@@ -149,23 +149,23 @@ private:
             fail("\"capabilities\" must be an array of words", place + "/capabilities");
     }
 
-    void take_picture(SensorMessage& message, const std::string& place) {
+    void take_image(SensorMessage& message, const std::string& place) {
         const auto camera = message.body.find("camera");
         if (camera == message.body.end() || !camera->is_string() ||
             !is_camera(camera->get_ref<const std::string&>()))
             fail("\"camera\" must be 1 to 16 characters of a-z 0-9 _ -", place + "/camera");
         if (jpeg_) {
             message.jpeg = *jpeg_;
-        } else if (!decode_picture(message)) {
+        } else if (!decode_image_base64(message)) {
             return fail("\"jpeg\" must be the image in base64", place + "/jpeg");
         }
         message.body.erase("jpeg");
-        if (message.jpeg.size() > kMostJpegBytes)
-            return fail(at_most("the image has too many bytes", kMostJpegBytes), place + "/jpeg");
+        if (message.jpeg.size() > kMaxJpegBytes)
+            return fail(at_most("the image has too many bytes", kMaxJpegBytes), place + "/jpeg");
         try {
             const JpegSize size = read_jpeg_size(message.jpeg);
-            if (size.width > kLargestPictureSide || size.height > kLargestPictureSide)
-                return fail(at_most("the image has too many pixels per side", kLargestPictureSide),
+            if (size.width > kMaxImageSide || size.height > kMaxImageSide)
+                return fail(at_most("the image has too many pixels per side", kMaxImageSide),
                             place + "/jpeg");
             message.body["width"] = size.width;
             message.body["height"] = size.height;
@@ -174,7 +174,7 @@ private:
         }
     }
 
-    static bool decode_picture(SensorMessage& message) {
+    static bool decode_image_base64(SensorMessage& message) {
         const auto text = message.body.find("jpeg");
         if (text == message.body.end() || !text->is_string()) return false;
         auto jpeg = decode_base64(text->get_ref<const std::string&>());
@@ -190,8 +190,8 @@ private:
             const auto number = value->get<std::int64_t>();
             const bool is_huge =
                 value->is_number_unsigned() &&
-                value->get<std::uint64_t>() > static_cast<std::uint64_t>(kLargestNumber);
-            if (!is_huge && number >= 0 && number <= kLargestNumber) return number;
+                value->get<std::uint64_t>() > static_cast<std::uint64_t>(kMaxNumber);
+            if (!is_huge && number >= 0 && number <= kMaxNumber) return number;
         }
         std::string detail(1, '"');
         fail(detail.append(name).append("\" must be a whole number from 0 to 2^53"),
@@ -206,13 +206,13 @@ private:
             if (!range.is_array() || range.size() != 2) return false;
             for (const json& end : range)
                 if (!end.is_number_unsigned() ||
-                    end.get<std::uint64_t>() > static_cast<std::uint64_t>(kLargestNumber))
+                    end.get<std::uint64_t>() > static_cast<std::uint64_t>(kMaxNumber))
                     return false;
             return range[0].get<std::int64_t>() <= range[1].get<std::int64_t>();
         };
-        if (!lost->is_array() || lost->size() > kMostLost ||
+        if (!lost->is_array() || lost->size() > kMaxLost ||
             !std::all_of(lost->begin(), lost->end(), is_range))
-            return fail(at_most("\"lost\" must be an array of pairs [first, last]", kMostLost),
+            return fail(at_most("\"lost\" must be an array of pairs [first, last]", kMaxLost),
                         "/lost");
         for (const json& range : *lost)
             report_.lost.push_back({range[0].get<std::int64_t>(), range[1].get<std::int64_t>()});

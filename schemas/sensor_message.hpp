@@ -39,13 +39,13 @@ struct SensorReport {
     std::vector<SequenceRange> lost;
 };
 
-inline constexpr std::size_t kMostMessages = 1000;  // of one report
-inline constexpr std::size_t kMostLost = 64;
-inline constexpr std::size_t kMostMessageBytes = 16 << 10;
+inline constexpr std::size_t kMaxMessages = 1000;  // of one report
+inline constexpr std::size_t kMaxLost = 64;
+inline constexpr std::size_t kMaxSensorMessageBytes = 16 << 10;
 
-inline constexpr std::size_t kMostJpegBytes = 256 << 10;
-inline constexpr int kLargestPictureSide = 8192;
-inline constexpr std::size_t kMostFrameBytes = 4 + kMostMessageBytes + kMostJpegBytes;
+inline constexpr std::size_t kMaxJpegBytes = 256 << 10;
+inline constexpr int kMaxImageSide = 8192;
+inline constexpr std::size_t kMaxFrameBytes = 4 + kMaxSensorMessageBytes + kMaxJpegBytes;
 
 // Reads {"boot_id": ..., "messages": [...], "lost": [[first, last], ...]}; the JPEG of a preview is
 // base64 there. Throws InvalidInput that names every fault.

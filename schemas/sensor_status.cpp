@@ -18,9 +18,9 @@ using nlohmann::json;
 constexpr EnumText<Summary> kSummaries[] = {
     {Summary::Ok, "ok"}, {Summary::Attention, "attention"}, {Summary::Stop, "stop"}};
 
-constexpr std::size_t kMostErrors = 32;
-constexpr std::size_t kMostErrorBytes = 256;
-constexpr std::int64_t kLongestDive_s = 7 * 86'400;
+constexpr std::size_t kMaxErrors = 32;
+constexpr std::size_t kMaxErrorBytes = 256;
+constexpr std::int64_t kMaxDive_s = 7 * 86'400;
 
 // Where a team looks, and where it ends the dive.
 struct Limits {
@@ -31,7 +31,7 @@ struct Limits {
 constexpr Limits kBattery{0.2, 0.1};
 constexpr Limits kStorage_bytes{4e9, 5e8};  // some ten minutes of stereo pictures, one
 constexpr Limits kHumidity{0.8, std::numeric_limits<double>::infinity(), true};
-constexpr Limits kUselessPictures{0.1, 0.5, true};  // a share of those lately
+constexpr Limits kUselessImages{0.1, 0.5, true};  // a share of those lately
 // What is raised goes on so far beyond its limit: a figure that trembles about it is told once.
 constexpr double kMargin = 0.1;
 
@@ -63,24 +63,24 @@ public:
         }
         number(*value, std::string(field.name), field.least, field.largest);
     }
-    void text(const char* name, std::size_t most_bytes) {
+    void text(const char* name, std::size_t max_num_bytes) {
         const json* value = find(name);
         if (value != nullptr &&
-            (!value->is_string() || value->get_ref<const std::string&>().size() > most_bytes))
-            fail(name, "must be a text of at most " + std::to_string(most_bytes) + " bytes");
+            (!value->is_string() || value->get_ref<const std::string&>().size() > max_num_bytes))
+            fail(name, "must be a text of at most " + std::to_string(max_num_bytes) + " bytes");
     }
     void errors() {
         const json* value = find("errors");
         if (value == nullptr) return;
         const auto is_short = [](const json& error) {
             return error.is_string() &&
-                   error.get_ref<const std::string&>().size() <= kMostErrorBytes;
+                   error.get_ref<const std::string&>().size() <= kMaxErrorBytes;
         };
-        if (!value->is_array() || value->size() > kMostErrors ||
+        if (!value->is_array() || value->size() > kMaxErrors ||
             !std::all_of(value->begin(), value->end(), is_short))
             fail("errors",
-                 "must be an array of at most " + std::to_string(kMostErrors) +
-                     " texts of at most " + std::to_string(kMostErrorBytes) + " bytes each");
+                 "must be an array of at most " + std::to_string(kMaxErrors) +
+                     " texts of at most " + std::to_string(kMaxErrorBytes) + " bytes each");
     }
     void orientation() {
         const json* value = find("orientation");
@@ -99,7 +99,7 @@ public:
         if (value == nullptr) return;
         if (!value->is_object() || !value->contains("back_in_s"))
             return fail("dive_plan", "must be an object with \"back_in_s\"");
-        number((*value)["back_in_s"], "dive_plan/back_in_s", 0.0, kLongestDive_s);
+        number((*value)["back_in_s"], "dive_plan/back_in_s", 0.0, kMaxDive_s);
     }
     void pictures() {
         const json* value = find("pictures");
@@ -137,7 +137,7 @@ private:
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
-const json& pictures_of(const json& status) {
+const json& images_of(const json& status) {
     static const json kNone = json::object();
     const auto found = status.find("pictures");
     return found == status.end() || !found->is_object() ? kNone : *found;
@@ -149,10 +149,10 @@ bool has_open_dive(const json& status) {
 }
 
 // Which picture there are most of that are of no use, and their share.
-std::pair<std::string, double> worst_pictures(const json& status) {
+std::pair<std::string, double> worst_images(const json& status) {
     std::pair<std::string, double> worst;
     for (const char* name : {"dark", "blurred", "frozen"}) {
-        const auto share = pictures_of(status).value(name, 0.0);
+        const auto share = images_of(status).value(name, 0.0);
         if (share > worst.second) worst = {name, share};
     }
     return worst;
@@ -223,10 +223,10 @@ std::vector<Alarm> alarms_of(const json& status, std::span<const Alarm> before) 
         alarms.push_back({"recording",
                           Summary::Stop,
                           "a dive has started but nothing is recorded: start the recording"});
-    const auto [kind, share] = worst_pictures(status);
+    const auto [kind, share] = worst_images(status);
     judge("pictures",
           share,
-          kUselessPictures,
+          kUselessImages,
           percent(share) + " of the images are " + kind +
               ": check a preview before the dive continues");
     return alarms;

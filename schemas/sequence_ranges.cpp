@@ -29,7 +29,7 @@ void cover(std::map<std::int64_t, std::int64_t>& ranges, std::int64_t first, std
 bool SequenceRanges::add(std::int64_t sequence) {
     if (find_range(ranges_, sequence) != ranges_.end()) return take_back(sequence);
     cover(ranges_, sequence, sequence);
-    if (ranges_.size() > kMostRanges) give_up(gaps().front());
+    if (ranges_.size() > kMaxRanges) give_up(gaps().front());
     return true;
 }
 
@@ -55,7 +55,7 @@ void SequenceRanges::give_up(const SequenceRange& range) {
         cover(lost_, first, last);
     }
     cover(ranges_, range.first, range.last);
-    while (lost_.size() > kMostRanges) lost_.erase(lost_.begin());
+    while (lost_.size() > kMaxRanges) lost_.erase(lost_.begin());
 }
 
 std::int64_t SequenceRanges::acknowledged() const {

@@ -14,10 +14,10 @@ struct SequenceRange {
 
 // Which of the messages 0, 1, 2 ... of one boot have come, in whatever order. Bounded: of more gaps
 // than are kept the lowest is given up, and counts as lost until it comes after all. Of what was
-// given up the last kMostRanges stretches are remembered.
+// given up the last kMaxRanges stretches are remembered.
 class SequenceRanges {
 public:
-    static constexpr std::size_t kMostRanges = 256;
+    static constexpr std::size_t kMaxRanges = 256;
 
     bool add(std::int64_t sequence);  // false: it was there
     // What the sender gave up itself: it does not come any more.

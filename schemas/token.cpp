@@ -5,11 +5,11 @@
 namespace divemesh {
 
 bool is_plain_word(std::string_view text) {
-    constexpr std::size_t kMostBytes = 63;
+    constexpr std::size_t kMaxSizeBytes = 63;
     const auto letter_or_digit = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
     };
-    return !text.empty() && text.size() <= kMostBytes && letter_or_digit(text.front()) &&
+    return !text.empty() && text.size() <= kMaxSizeBytes && letter_or_digit(text.front()) &&
            std::all_of(text.begin(), text.end(), [&](char c) {
                return letter_or_digit(c) || c == '-' || c == '_';
            });

@@ -50,13 +50,13 @@ Agent::Agent(AgentSettings settings, std::unique_ptr<RecordingSource> source)
     : settings_(std::move(settings)),
       source_(std::move(source)),
       ring_(settings_.state_folder / "ring", settings_.ring_bytes, new_boot_id()),
-      desk_({settings_.state_folder / "commands.json",
-             settings_.on_command,
-             std::chrono::seconds(30),
-             settings_.allow_set_clock,
-             [this](const json& arguments) { return preview_as_asked(arguments); },
-             uptime_ms,
-             set_machine_clock}) {
+      executor_({settings_.state_folder / "commands.json",
+                 settings_.on_command,
+                 std::chrono::seconds(30),
+                 settings_.allow_set_clock,
+                 [this](const json& arguments) { return preview_as_asked(arguments); },
+                 uptime_ms,
+                 set_machine_clock}) {
     say_hello();
     link_ = std::make_unique<Link>(settings_.account, settings_.sensor_id, ring_, settings_.link);
     if (!settings_.upload) return;
@@ -71,7 +71,7 @@ Agent::~Agent() = default;
 void Agent::say_hello() {
     const json hello = {{"sensor", settings_.sensor_id},
                         {"firmware", settings_.firmware},
-                        {"capabilities", desk_.capabilities()},
+                        {"capabilities", executor_.capabilities()},
                         {"clock", is_wall_time_synchronised() ? "synchronised" : "free"}};
     say(MessageKind::Hello, text_of(hello));
 }
@@ -99,25 +99,25 @@ void Agent::run(const std::stop_token& stop, const std::function<bool()>& is_eno
 }
 
 void Agent::step(Clock::time_point now) {
-    for (const Command& command : link_->take_commands()) desk_.take(command);
+    for (const Command& command : link_->take_commands()) executor_.take(command);
     const bool shows = is_due(preview_at_, now, settings_.preview_period_s);
     const bool tells = is_due(status_at_, now, settings_.status_period_s);
     const bool looks =
-        settings_.quick_look && is_due(quick_look_at_, now, 1.0 / settings_.quick_look_rate_hz);
+        settings_.quick_look && is_due(assessment_at_, now, 1.0 / settings_.assessment_rate_hz);
     if (shows || tells || looks) {
         source_->update(now);
-        look_at_dives(now);
-        look_at_picture();
-        if (looks) look_quickly();
+        scan_dives(now);
+        check_image();
+        if (looks) assess_dive();
     }
     if (tells) say_status();
     if (shows && source_->state().is_recording)
         say_preview(settings_.view, preview_budget(link_->state().bytes_per_s));
-    for (const json& outcome : desk_.work()) say(MessageKind::Outcome, text_of(outcome));
+    for (const json& outcome : executor_.work()) say(MessageKind::Outcome, text_of(outcome));
     if (tells) ring_.sync();
 }
 
-void Agent::look_at_dives(Clock::time_point now) {
+void Agent::scan_dives(Clock::time_point now) {
     if (const auto dive = source_->take_finished()) {
         if (uploads_) uploads_->over(*dive);
         if (settings_.on_dive_over) settings_.on_dive_over(*dive);
@@ -125,35 +125,35 @@ void Agent::look_at_dives(Clock::time_point now) {
     if (uploads_) uploads_->look(*source_, now);
 }
 
-void Agent::look_at_picture() {
+void Agent::check_image() {
     if (source_->dive_root() != dive_root_) {
         dive_root_ = source_->dive_root();
-        pictures_.forget();
-        quick_look_.reset();
+        images_.forget();
+        assessment_.reset();
         frame_.reset();
     }
     auto newest = source_->newest_frame();
     if (!newest || (frame_ && frame_->timestamp_ns == newest->timestamp_ns)) return;
     frame_ = std::move(newest);
     // Not at each quick look: it takes longer than to decode the picture.
-    const bool is_new_dive = !pictures_.shares();
+    const bool is_new_dive = !images_.shares();
     if (source_->state().is_recording &&
         (is_due(measure_at_, Clock::now(), kMeasurePeriod_s) || is_new_dive))
-        quality_ = pictures_.look(frame_->left, frame_->timestamp_ns);
+        quality_ = images_.look(frame_->left, frame_->timestamp_ns);
 }
 
-void Agent::look_quickly() {
+void Agent::assess_dive() {
     if (!frame_ || !source_->state().is_recording) return;
     const auto before = source_->newest_frame(frame_->timestamp_ns);
     if (!before) return;
-    if (!quick_look_) quick_look_ = std::make_unique<QuickLook>(dive_root_);
-    quick_look_->look(*before, *frame_, quality_);
+    if (!assessment_) assessment_ = std::make_unique<DiveAssessment>(dive_root_);
+    assessment_->look(*before, *frame_, quality_);
 }
 
 void Agent::say_status() {
     StatusParts parts;
     parts.recording = source_->state();
-    parts.pictures = pictures_.shares();
+    parts.pictures = images_.shares();
     parts.link = link_->state();
     parts.battery = battery_level(settings_.battery_file);
     parts.link_rssi_dbm = link_rssi_dbm();
@@ -164,7 +164,7 @@ void Agent::say_status() {
         const double left_s = *settings_.back_in_s - static_cast<double>(parts.uptime_ms) / 1000.0;
         if (left_s > 0.0) parts.back_in_s = left_s;
     }
-    if (quick_look_) parts.quick_look = quick_look_->report();
+    if (assessment_) parts.quick_look = assessment_->report();
     if (const std::string trouble = ring_.trouble(); !trouble.empty())
         parts.errors.push_back("messages are kept only in memory, not on disk: " + trouble);
     if (const std::string trouble = uploads_ ? uploads_->trouble() : ""; !trouble.empty())
@@ -185,29 +185,29 @@ std::string Agent::preview_as_asked(const json& arguments) {
     if (arguments.contains("max_bytes") && arguments["max_bytes"].is_number_integer())
         max_bytes = arguments["max_bytes"].get<std::int64_t>();
     source_->update(Clock::now());
-    look_at_picture();
+    check_image();
     return say_preview(view, max_bytes);
 }
 
 cv::Mat Agent::shown(View view) const {
-    const bool draws = settings_.draw_tracks && view == View::Left && quick_look_ &&
-                       !quick_look_->tracks().empty();
-    if (draws) return with_tracks(quick_look_->picture(), quick_look_->tracks());
-    return picture_of(*frame_, view);
+    const bool draws = settings_.draw_tracks && view == View::Left && assessment_ &&
+                       !assessment_->tracks().empty();
+    if (draws) return with_tracks(assessment_->image(), assessment_->tracks());
+    return image_of(*frame_, view);
 }
 
 // "" or why there is none.
 std::string Agent::say_preview(View view, std::int64_t max_bytes) {
     if (!frame_) return "there is no image yet";
-    const cv::Mat picture = shown(view);
-    if (picture.empty()) return "this camera has no image";
+    const cv::Mat image = shown(view);
+    if (image.empty()) return "this camera has no image";
     try {
-        Preview preview = make_preview(picture, max_bytes);
+        Preview preview = make_preview(image, max_bytes);
         json body = {{"camera", to_string(view)},
                      {"captured_ns", frame_->timestamp_ns},
                      {"width", preview.width_px},
                      {"height", preview.height_px}};
-        if (const auto shares = pictures_.shares())
+        if (const auto shares = images_.shares())
             body["pictures"] = {
                 {"dark", shares->dark}, {"blurred", shares->blurred}, {"frozen", shares->frozen}};
         say(MessageKind::Preview, text_of(body), std::move(preview.jpeg));

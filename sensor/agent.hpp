@@ -8,13 +8,13 @@
 #include <stop_token>
 #include <string>
 
-#include "sensor/command_desk.hpp"
+#include "sensor/command_executor.hpp"
+#include "sensor/dive_assessment.hpp"
 #include "sensor/dive_uploads.hpp"
+#include "sensor/image_check.hpp"
 #include "sensor/link.hpp"
 #include "sensor/message_ring.hpp"
-#include "sensor/picture_check.hpp"
 #include "sensor/preview_maker.hpp"
-#include "sensor/quick_look.hpp"
 #include "sensor/recording_source.hpp"
 
 namespace divemesh::sensor {
@@ -30,7 +30,7 @@ struct AgentSettings {
     View view = View::Left;
     bool draw_tracks = false;  // with the quick look
     bool quick_look = false;
-    double quick_look_rate_hz = 2.0;
+    double assessment_rate_hz = 2.0;
     std::filesystem::path battery_file;  // "": what the machine says
     std::optional<double> back_in_s;     // when the team is expected back, from the start
     std::filesystem::path on_command;    // "": no recording by command
@@ -66,9 +66,9 @@ private:
     void say_hello();
     void say(MessageKind kind, std::string body, std::string jpeg = "");
     void say_status();
-    void look_at_dives(Clock::time_point now);
-    void look_at_picture();
-    void look_quickly();
+    void scan_dives(Clock::time_point now);
+    void check_image();
+    void assess_dive();
     std::string preview_as_asked(const nlohmann::json& arguments);
     std::string say_preview(View view, std::int64_t max_bytes);
     cv::Mat shown(View view) const;
@@ -76,16 +76,16 @@ private:
     AgentSettings settings_;
     std::unique_ptr<RecordingSource> source_;
     MessageRing ring_;
-    CommandDesk desk_;
-    PictureCheck pictures_;
-    std::unique_ptr<QuickLook> quick_look_;  // of the dive below
+    CommandExecutor executor_;
+    ImageCheck images_;
+    std::unique_ptr<DiveAssessment> assessment_;  // of the dive below
     std::filesystem::path dive_root_;
-    std::optional<FramePictures> frame_;  // the newest that was looked at
-    PictureQuality quality_;              // of the last that was measured, once a second
+    std::optional<FrameImages> frame_;  // the newest that was looked at
+    ImageQuality quality_;              // of the last that was measured, once a second
     Clock::time_point measure_at_;
     Clock::time_point status_at_;
     Clock::time_point preview_at_;
-    Clock::time_point quick_look_at_;
+    Clock::time_point assessment_at_;
     std::unique_ptr<Link> link_;            // it reads the ring
     std::unique_ptr<DiveUploads> uploads_;  // last: it asks the link
 };

@@ -5,7 +5,7 @@
 namespace divemesh::sensor {
 
 std::optional<Command> command_of(const nlohmann::json& json) {
-    constexpr std::size_t kMostIdBytes = 256;
+    constexpr std::size_t kMaxIdBytes = 256;
     try {
         Command command;
         json.at("id").get_to(command.id);
@@ -14,7 +14,7 @@ std::optional<Command> command_of(const nlohmann::json& json) {
         if (json.contains("arguments") && json["arguments"].is_object())
             command.arguments = json["arguments"];
         command.came_at_uptime_ms = uptime_ms();
-        if (command.id.empty() || command.id.size() > kMostIdBytes) return std::nullopt;
+        if (command.id.empty() || command.id.size() > kMaxIdBytes) return std::nullopt;
         return command;
     } catch (const nlohmann::json::exception&) {
         return std::nullopt;

@@ -31,7 +31,7 @@ std::optional<CommandNote> CommandJournal::find(const std::string& id) const {
 bool CommandJournal::note(const CommandNote& note) {
     std::erase_if(notes_, [&](const CommandNote& known) { return known.id == note.id; });
     notes_.push_back(note);
-    if (notes_.size() > kMostNotes) notes_.pop_front();
+    if (notes_.size() > kMaxNotes) notes_.pop_front();
     json all = json::array();
     for (const CommandNote& one : notes_)
         all.push_back({{"id", one.id}, {"state", one.state}, {"detail", one.detail}});

@@ -18,7 +18,7 @@ struct CommandNote {
 // after a restart, is known. Begun and not ended: the power went while it was carried out.
 class CommandJournal {
 public:
-    static constexpr std::size_t kMostNotes = 256;
+    static constexpr std::size_t kMaxNotes = 256;
 
     explicit CommandJournal(std::filesystem::path file);
 

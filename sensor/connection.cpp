@@ -25,7 +25,7 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Clock = Connection::Clock;
 
-constexpr std::size_t kMostTextBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxConnectionTextBytes = std::size_t{1} << 20;
 // What waits in the kernel can neither be overtaken nor counted as under way.
 constexpr int kSendBufferBytes = 64 << 10;
 
@@ -78,7 +78,7 @@ struct Connection::Implementation {
             for (const auto& [name, value] : api::client::authorization(account))
                 request.set(name, value);
         }));
-        socket.read_message_max(kMostTextBytes);
+        socket.read_message_max(kMaxConnectionTextBytes);
         socket.control_callback([this](auto, auto) { heard_at = moved_at = Clock::now(); });
         boost::system::error_code ignored;
         socket.next_layer().socket().set_option(

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "sensor/picture_file.hpp"
+#include "sensor/image_file.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/entry_name.hpp"
 
@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostRows = 16;
-constexpr std::int64_t kFurthestPartner_ns = 5'000'000;
+constexpr std::size_t kMaxRows = 16;
+constexpr std::int64_t kMaxPartnerOffset_ns = 5'000'000;
 
 fs::path root_of(const fs::path& folder) {
     std::error_code ignored;
@@ -50,12 +50,12 @@ DiveTail::DiveTail(fs::path folder)
 bool DiveTail::update(std::int64_t until_ns) {
     const auto take_into = [](std::deque<Row>& rows, const Row& row) {
         rows.push_back(row);
-        if (rows.size() > kMostRows) rows.pop_front();
+        if (rows.size() > kMaxRows) rows.pop_front();
     };
     const bool is_there = cam0_.read(until_ns, [&](std::int64_t stamp, auto fields) {
         if (fields.size() < 2) return;
-        ++figures_.num_frames;
-        figures_.num_dropped_frames += frame_stamps_.add(stamp);
+        ++counts_.num_frames;
+        counts_.num_dropped_frames += frame_stamps_.add(stamp);
         take_into(left_, {stamp, std::string(fields[1])});
     });
     cam1_.read(until_ns, [&](std::int64_t stamp, auto fields) {
@@ -63,20 +63,20 @@ bool DiveTail::update(std::int64_t until_ns) {
     });
     imu_.read(until_ns, [&](std::int64_t stamp, auto) { imu_stamps_.add(stamp); });
     ahrs_.read(until_ns, [&](std::int64_t, auto fields) {
-        if (const auto q = unit_quaternion(fields)) figures_.orientation = q;
+        if (const auto q = unit_quaternion(fields)) counts_.orientation = q;
     });
     pressure_.read(until_ns, [&](std::int64_t, auto fields) {
         const auto depth = fields.size() >= 2 ? worker::parse_double(fields[1]) : std::nullopt;
-        if (depth && std::abs(*depth) < 12'000.0) figures_.depth_m = depth;
+        if (depth && std::abs(*depth) < 12'000.0) counts_.depth_m = depth;
     });
-    figures_.frame_rate_hz = frame_stamps_.rate_hz();
-    figures_.imu_rate_hz = imu_stamps_.rate_hz();
+    counts_.frame_rate_hz = frame_stamps_.rate_hz();
+    counts_.imu_rate_hz = imu_stamps_.rate_hz();
     return is_there;
 }
 
 const DiveTail::Row* DiveTail::partner_of(const Row& left) const {
     const Row* nearest = nullptr;
-    std::int64_t least = kFurthestPartner_ns + 1;
+    std::int64_t least = kMaxPartnerOffset_ns + 1;
     for (const Row& right : right_)
         if (const auto away = std::abs(right.timestamp_ns - left.timestamp_ns); away < least) {
             least = away;
@@ -85,20 +85,20 @@ const DiveTail::Row* DiveTail::partner_of(const Row& left) const {
     return nearest;
 }
 
-cv::Mat DiveTail::picture(const char* camera, const Row& row) const {
+cv::Mat DiveTail::image(const char* camera, const Row& row) const {
     if (!worker::entry_name_problem(row.file).empty()) return {};
-    return read_picture(root_ / camera / "data" / row.file);
+    return read_image(root_ / camera / "data" / row.file);
 }
 
-std::optional<FramePictures> DiveTail::newest_frame(std::int64_t before_ns) const {
+std::optional<FrameImages> DiveTail::newest_frame(std::int64_t before_ns) const {
     for (auto row = left_.rbegin(); row != left_.rend(); ++row) {
         if (row->timestamp_ns >= before_ns) continue;
         const Row* partner = partner_of(*row);
         if (partner == nullptr && !right_.empty()) continue;  // is being written
-        FramePictures frame{row->timestamp_ns, picture("cam0", *row), {}};
+        FrameImages frame{row->timestamp_ns, image("cam0", *row), {}};
         if (frame.left.empty()) continue;
         if (partner == nullptr) return frame;
-        frame.right = picture("cam1", *partner);
+        frame.right = image("cam1", *partner);
         if (!frame.right.empty()) return frame;
     }
     return std::nullopt;

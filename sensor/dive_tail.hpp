@@ -15,14 +15,14 @@
 namespace divemesh::sensor {
 
 // The pictures of one moment, as recorded: CV_8UC1 or BGR.
-struct FramePictures {
+struct FrameImages {
     std::int64_t timestamp_ns = 0;
     cv::Mat left;
     cv::Mat right;  // empty: none
 };
 
 // What a recording says of itself while it grows.
-struct DiveFigures {
+struct RecordingCounts {
     std::int64_t num_frames = 0;
     std::int64_t num_dropped_frames = 0;  // gaps in the stamps of cam0
     std::optional<double> frame_rate_hz;
@@ -39,12 +39,12 @@ public:
 
     // Rows stamped until then. False: cam0/data.csv cannot be read.
     bool update(std::int64_t until_ns);
-    const DiveFigures& figures() const { return figures_; }
+    const RecordingCounts& counts() const { return counts_; }
     std::optional<std::int64_t> newest_ns() const { return frame_stamps_.newest_ns(); }
 
     // The newest frame stamped before that, whose pictures are there whole, both where there are
     // two cameras. Nothing when none of the last ones is.
-    std::optional<FramePictures> newest_frame(
+    std::optional<FrameImages> newest_frame(
         std::int64_t before_ns = std::numeric_limits<std::int64_t>::max()) const;
 
     const std::filesystem::path& folder() const { return folder_; }
@@ -56,7 +56,7 @@ private:
         std::string file;
     };
     const Row* partner_of(const Row& left) const;
-    cv::Mat picture(const char* camera, const Row& row) const;
+    cv::Mat image(const char* camera, const Row& row) const;
 
     std::filesystem::path folder_;
     std::filesystem::path root_;
@@ -69,7 +69,7 @@ private:
     std::deque<Row> right_;
     StampWindow frame_stamps_;
     StampWindow imu_stamps_;
-    DiveFigures figures_;
+    RecordingCounts counts_;
 };
 
 }  // namespace divemesh::sensor

@@ -15,7 +15,7 @@ namespace {
 
 namespace client = api::client;
 
-constexpr std::chrono::milliseconds kLook{500};
+constexpr std::chrono::milliseconds kAssessmentScale{500};
 constexpr std::chrono::milliseconds kStall{10'000};
 
 void throw_if(const std::stop_token& stop) {
@@ -28,9 +28,9 @@ void wait_for_link(const DiveUploadSettings& settings, const std::stop_token& st
     std::condition_variable_any never;
     std::chrono::milliseconds good{0};
     while (good < settings.good_for) {
-        never.wait_for(lock, stop, kLook, [] { return false; });
+        never.wait_for(lock, stop, kAssessmentScale, [] { return false; });
         throw_if(stop);
-        good = settings.is_link_good() ? good + kLook : std::chrono::milliseconds(0);
+        good = settings.is_link_good() ? good + kAssessmentScale : std::chrono::milliseconds(0);
     }
 }
 
@@ -92,7 +92,7 @@ void DiveUpload::send(const std::stop_token& stop) {
     const auto dive = rest.post_once("/api/v1/dives",
                                      {{"upload_id", upload.substr(upload.rfind('/') + 1)}},
                                      backoff,
-                                     client::hashing_patience(tar.size_bytes()));
+                                     client::hashing_timeout(tar.size_bytes()));
     // In this order: with the power gone between them the dive is known to be there.
     ledger_.note_sent(dive_, name);
     state.forget();

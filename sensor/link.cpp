@@ -65,10 +65,10 @@ std::vector<Command> Link::take_commands() {
 
 void Link::tell(bool is_connected, const std::string& trouble) {
     const std::lock_guard lock(mutex_);
-    const bool is_news = state_.is_connected != is_connected || state_.trouble != trouble;
+    const bool has_changed = state_.is_connected != is_connected || state_.trouble != trouble;
     state_.is_connected = is_connected;
     state_.trouble = trouble;
-    if (is_news && settings_.on_event) settings_.on_event(is_connected ? "connected" : trouble);
+    if (has_changed && settings_.on_event) settings_.on_event(is_connected ? "connected" : trouble);
 }
 
 void Link::run(const std::stop_token& stop) {
@@ -110,7 +110,7 @@ milliseconds Link::serve(const std::stop_token& stop) {
             state_.bytes_per_s = rate_.bytes_per_s(now);
             state_.server_time = session.server_time();
         }
-        if (session.is_dead(now, settings_.patience)) {
+        if (session.is_dead(now, settings_.timeout)) {
             tell(false, "the server no longer answers");
             return settings_.pause;
         }

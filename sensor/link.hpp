@@ -21,7 +21,7 @@ struct LinkSettings {
     double max_bytes_per_s = 0.0;                      // 0: as fast as it goes
     std::chrono::milliseconds connect_timeout{1'500};  // of each step of connecting
     std::chrono::milliseconds pause{250};              // between tries while there is no link
-    std::chrono::milliseconds patience{3'000};         // with bytes unanswered and nothing moving
+    std::chrono::milliseconds timeout{3'000};          // with bytes unanswered and nothing moving
     std::chrono::milliseconds refused_pause{30'000};   // when the server does not want us
     std::function<void(const std::string& what)> on_event;  // for people; on the link's thread
 };

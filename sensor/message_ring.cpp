@@ -13,7 +13,7 @@ namespace {
 constexpr std::chrono::seconds kDiskPause{10};  // after which a disk that failed is tried again
 
 std::int64_t checked(std::int64_t max_bytes) {
-    if (max_bytes < MessageRing::kLeastBytes)
+    if (max_bytes < MessageRing::kMinBytes)
         throw Error(ErrorCode::InvalidArgument, "the ring is too small: give at least 2 MiB");
     return max_bytes;
 }
@@ -128,7 +128,7 @@ void MessageRing::disk_failed(const std::exception& failure) {
 void MessageRing::keep_in_memory(Key key, MessageKind kind, std::string record) {
     memory_bytes_ += static_cast<std::int64_t>(record.size());
     entries_of(kind).emplace(key, Entry{kind, {}, std::move(record)});
-    while (memory_bytes_ > kMostMemoryBytes) drop_from_memory();
+    while (memory_bytes_ > kMaxMemoryBytes) drop_from_memory();
 }
 
 // Pictures before words.
@@ -176,7 +176,7 @@ void MessageRing::lose(Key key) { lost_[key.boot].add({key.sequence, key.sequenc
 // The segment that said so may be the one that was taken away.
 void MessageRing::write_down_lost() {
     for (const auto& [boot, ranges] : lost_)
-        for (const SequenceRange& range : ranges.first(kMostLost))
+        for (const SequenceRange& range : ranges.first(kMaxLost))
             chain_.append_lost(boots_.at(static_cast<std::size_t>(boot)), range);
 }
 
@@ -279,18 +279,19 @@ std::optional<MessageRing::Lost> MessageRing::lost() const {
     const std::lock_guard lock(mutex_);
     for (const auto& [boot, ranges] : lost_)
         if (!ranges.empty())
-            return Lost{boots_.at(static_cast<std::size_t>(boot)), ranges.first(kMostLost)};
+            return Lost{boots_.at(static_cast<std::size_t>(boot)), ranges.first(kMaxLost)};
     return std::nullopt;
 }
 
 std::vector<SequenceRange> MessageRing::lost_of(const std::string& boot_id) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [boot, ranges] : lost_)
-        if (boots_.at(static_cast<std::size_t>(boot)) == boot_id) return ranges.first(kMostLost);
+        if (boots_.at(static_cast<std::size_t>(boot)) == boot_id) return ranges.first(kMaxLost);
     return {};
 }
 
-void MessageRing::told_lost(const std::string& boot_id, const std::vector<SequenceRange>& ranges) {
+void MessageRing::reported_lost(const std::string& boot_id,
+                                const std::vector<SequenceRange>& ranges) {
     const std::lock_guard lock(mutex_);
     for (auto& [boot, lost] : lost_)
         if (boots_.at(static_cast<std::size_t>(boot)) == boot_id)

@@ -32,11 +32,11 @@ public:
     };
     enum class Pile { Texts, Previews };
 
-    static constexpr std::int64_t kLeastBytes = std::int64_t{2} << 20;
-    static constexpr std::int64_t kMostMemoryBytes = std::int64_t{4} << 20;
+    static constexpr std::int64_t kMinBytes = std::int64_t{2} << 20;
+    static constexpr std::int64_t kMaxMemoryBytes = std::int64_t{4} << 20;
 
     // Throws Error{Conflict} when another process uses the folder, Error{InvalidArgument} for less
-    // room than kLeastBytes.
+    // room than kMinBytes.
     MessageRing(const std::filesystem::path& folder, std::int64_t max_bytes, std::string boot_id);
 
     // Takes a message of this boot and gives it its sequence; its boot and sequence are not looked
@@ -63,11 +63,11 @@ public:
     // The first boot of which something is lost that the server was not told, and what.
     struct Lost {
         std::string boot_id;
-        std::vector<SequenceRange> ranges;  // kMostLost of a report at most
+        std::vector<SequenceRange> ranges;  // kMaxLost of a report at most
     };
     std::optional<Lost> lost() const;
     std::vector<SequenceRange> lost_of(const std::string& boot_id) const;
-    void told_lost(const std::string& boot_id, const std::vector<SequenceRange>& ranges);
+    void reported_lost(const std::string& boot_id, const std::vector<SequenceRange>& ranges);
 
     std::size_t num_waiting() const;
     std::string trouble() const;  // "": the disk takes what is said

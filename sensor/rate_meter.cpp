@@ -6,7 +6,7 @@ namespace divemesh::sensor {
 namespace {
 
 constexpr std::chrono::seconds kMemory{20};
-constexpr std::chrono::milliseconds kShortest{5};  // what comes at once says nothing
+constexpr std::chrono::milliseconds kMinInterval{5};  // what comes at once says nothing
 
 }  // namespace
 
@@ -18,7 +18,8 @@ RateMeter::Stamp RateMeter::sent(Clock::time_point now, bool is_idle) {
 void RateMeter::answered(Clock::time_point now, const Stamp& last, std::int64_t num_bytes) {
     answered_.num_bytes += num_bytes;
     answered_.at = now;
-    const std::chrono::duration<double> took = std::max<Clock::duration>(now - last.at, kShortest);
+    const std::chrono::duration<double> took =
+        std::max<Clock::duration>(now - last.at, kMinInterval);
     samples_.emplace_back(now,
                           static_cast<double>(answered_.num_bytes - last.num_bytes) / took.count());
     while (samples_.front().first + kMemory < now) samples_.pop_front();

@@ -16,13 +16,13 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kAllOfIt = std::numeric_limits<std::int64_t>::max();
 constexpr std::chrono::seconds kScanPause{2};  // between looks for a newer dive
-constexpr std::size_t kMostNameBytes = 64;
+constexpr std::size_t kMaxFileNameBytes = 64;
 
 std::string name_of(const fs::path& folder) {
     std::error_code ignored;
     fs::path path = fs::weakly_canonical(folder, ignored);
     if (path.filename() == "mav0" || path.filename().empty()) path = path.parent_path();
-    return path.filename().string().substr(0, kMostNameBytes);
+    return path.filename().string().substr(0, kMaxFileNameBytes);
 }
 
 // As one that it is known by, wherever the program was started.
@@ -60,14 +60,14 @@ public:
     void update(Clock::time_point now) override {
         state_.errors.clear();
         if (now >= scan_at_) scan(now);
-        look_at_storage(folder_);
+        check_storage(folder_);
         if (!scan_error_.empty()) state_.errors.push_back(scan_error_);
         if (dive_)
             look(now);
         else
             state_.is_recording = false;
     }
-    std::optional<FramePictures> newest_frame(std::int64_t before_ns) const override {
+    std::optional<FrameImages> newest_frame(std::int64_t before_ns) const override {
         return dive_ ? dive_->newest_frame(before_ns) : std::nullopt;
     }
     std::optional<fs::path> take_finished() override { return std::exchange(finished_, {}); }
@@ -87,10 +87,10 @@ private:
     }
     void open(const fs::path& dive) {
         if (grew_at_) finished_ = dive_->folder();  // another began after it
-        const bool is_first = !has_looked_;
+        const bool is_first = !has_scanned_;
         dive_ = std::make_unique<DiveTail>(dive);
         grew_at_ = {};
-        has_looked_ = true;
+        has_scanned_ = true;
         // What lies there when the agent starts may be old; what appears later is being recorded.
         knows_begin_ = !is_first;
     }
@@ -110,8 +110,8 @@ private:
         state_.is_recording = is_open && silence < settings_.silence;
         state_.dive = is_open ? name_of(dive_->folder()) : "";
         state_.open_dive = is_open ? dive_->folder() : fs::path();
-        state_.figures = dive_->figures();
-        if (!state_.is_recording) state_.figures.frame_rate_hz = state_.figures.imu_rate_hz = {};
+        state_.counts = dive_->counts();
+        if (!state_.is_recording) state_.counts.frame_rate_hz = state_.counts.imu_rate_hz = {};
     }
 
     fs::path folder_;
@@ -121,7 +121,7 @@ private:
     Clock::time_point scan_at_ = Clock::time_point::min();
     std::string scan_error_;
     std::optional<Clock::time_point> grew_at_;  // nothing: it is not known to be recorded now
-    bool has_looked_ = false;
+    bool has_scanned_ = false;
     bool knows_begin_ = false;
     std::optional<fs::path> finished_;
 };
@@ -159,7 +159,7 @@ public:
         const std::chrono::duration<double, std::nano> since = now - *began_at_;
         const std::int64_t until_ns = first_ns_ + std::llround(since.count() * speed_);
         state_.errors.clear();
-        look_at_storage(dive_.folder());
+        check_storage(dive_.folder());
         if (!dive_.update(std::min(until_ns, last_ns_)))
             state_.errors.push_back(dive_.folder().string() + ": cam0/data.csv cannot be read");
         state_.is_recording = until_ns <= last_ns_;
@@ -167,10 +167,10 @@ public:
         is_over_ = !state_.is_recording;
         state_.dive = is_over_ ? "" : name_of(dive_.folder());
         state_.open_dive = is_over_ ? fs::path() : dive_.folder();
-        state_.figures = dive_.figures();
-        if (is_over_) state_.figures.frame_rate_hz = state_.figures.imu_rate_hz = {};
+        state_.counts = dive_.counts();
+        if (is_over_) state_.counts.frame_rate_hz = state_.counts.imu_rate_hz = {};
     }
-    std::optional<FramePictures> newest_frame(std::int64_t before_ns) const override {
+    std::optional<FrameImages> newest_frame(std::int64_t before_ns) const override {
         return dive_.newest_frame(before_ns);
     }
     std::optional<fs::path> take_finished() override { return std::exchange(finished_, {}); }
@@ -189,7 +189,7 @@ private:
 
 }  // namespace
 
-void RecordingSource::look_at_storage(const fs::path& folder) {
+void RecordingSource::check_storage(const fs::path& folder) {
     struct statvfs status {};
     if (::statvfs(folder.c_str(), &status) == 0)
         state_.storage_free_bytes =

@@ -19,7 +19,7 @@ struct RecordingState {
     bool is_recording = false;
     std::string dive;                 // "": none is open
     std::filesystem::path open_dive;  // the folder of it, absolute
-    DiveFigures figures;              // of the newest dive
+    RecordingCounts counts;           // of the newest dive
     std::optional<double> storage_free_bytes;
     std::vector<std::string> errors;  // for people
 };
@@ -30,7 +30,7 @@ public:
     virtual ~RecordingSource() = default;
     // Looks again; takes milliseconds.
     virtual void update(Clock::time_point now) = 0;
-    virtual std::optional<FramePictures> newest_frame(
+    virtual std::optional<FrameImages> newest_frame(
         std::int64_t before_ns = std::numeric_limits<std::int64_t>::max()) const = 0;
     // The folder of a dive that is over, each once; for the upload.
     virtual std::optional<std::filesystem::path> take_finished() = 0;
@@ -42,7 +42,7 @@ public:
     const RecordingState& state() const { return state_; }
 
 protected:
-    void look_at_storage(const std::filesystem::path& folder);
+    void check_storage(const std::filesystem::path& folder);
     RecordingState state_;
 };
 

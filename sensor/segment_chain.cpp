@@ -27,7 +27,7 @@ constexpr char kCommitted = 'C';
 constexpr char kLost = 'L';
 
 constexpr std::int64_t kSegments = 16;  // so many at least share the room
-constexpr std::int64_t kLeastSegmentBytes = std::int64_t{64} << 10;
+constexpr std::int64_t kMinSegmentBytes = std::int64_t{64} << 10;
 
 constexpr std::string_view kPrefix = "segment-";
 constexpr std::string_view kSuffix = ".ring";
@@ -154,7 +154,7 @@ std::string SegmentChain::read_message(const Place& place) {
 }
 
 void SegmentChain::append(char word, std::string_view payload) {
-    const std::int64_t most = std::max(kLeastSegmentBytes, max_bytes_ / kSegments);
+    const std::int64_t most = std::max(kMinSegmentBytes, max_bytes_ / kSegments);
     if (is_open_ && (segments_.back()->size_bytes() >= most || segments_.back()->is_removed()))
         is_open_ = false;
     if (!is_open_) begin_segment();

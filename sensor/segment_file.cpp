@@ -57,7 +57,7 @@ std::optional<std::string> record_at(int descriptor, std::int64_t offset) {
     if (bytes.size() < sizeof(Head)) return std::nullopt;
     Head head;
     std::memcpy(&head, bytes.data(), sizeof head);
-    if (head.num_bytes > SegmentFile::kMostRecordBytes) return std::nullopt;
+    if (head.num_bytes > SegmentFile::kMaxRecordBytes) return std::nullopt;
     std::string payload = read_at(descriptor, offset + SegmentFile::kHeadBytes, head.num_bytes);
     if (payload.size() < head.num_bytes || checksum_of(head.num_bytes, payload) != head.checksum)
         return std::nullopt;
@@ -72,13 +72,13 @@ struct FoundRecord {
 // The first whole record from there on.
 std::optional<FoundRecord> find_record(int descriptor, std::int64_t offset) {
     constexpr std::size_t kWindowBytes = std::size_t{64} << 10;
-    const std::int64_t end = offset + SegmentFile::kLongestSearchBytes;
+    const std::int64_t end = offset + SegmentFile::kMaxSearchBytes;
     for (; offset < end; offset += static_cast<std::int64_t>(kWindowBytes)) {
         const std::string window = read_at(descriptor, offset, kWindowBytes + sizeof(Head));
         for (std::size_t i = 0; i < kWindowBytes && i + sizeof(Head) < window.size(); ++i) {
             Head head;
             std::memcpy(&head, window.data() + i, sizeof head);
-            if (head.num_bytes == 0 || head.num_bytes > SegmentFile::kMostRecordBytes) continue;
+            if (head.num_bytes == 0 || head.num_bytes > SegmentFile::kMaxRecordBytes) continue;
             const std::int64_t at = offset + static_cast<std::int64_t>(i);
             if (auto payload = record_at(descriptor, at)) return {{at, std::move(*payload)}};
         }
@@ -124,7 +124,7 @@ SegmentFile SegmentFile::open(const std::filesystem::path& path, const OnRecord&
 }
 
 std::int64_t SegmentFile::append(std::string_view payload) {
-    if (payload.size() > kMostRecordBytes)
+    if (payload.size() > kMaxRecordBytes)
         throw Error(ErrorCode::TooLarge, "a record of the ring is too long");
     const auto num_bytes = static_cast<std::uint32_t>(payload.size());
     const Head head{num_bytes, checksum_of(num_bytes, payload)};

@@ -12,11 +12,11 @@ namespace divemesh::sensor {
 
 // A file that only grows, of records with length and checksum: what a power cut leaves of the last
 // one is recognised and cut off, all before it is kept; what is damaged elsewhere is passed over,
-// up to kLongestSearchBytes for the next whole record. One writer; read() from any thread.
+// up to kMaxSearchBytes for the next whole record. One writer; read() from any thread.
 class SegmentFile {
 public:
-    static constexpr std::size_t kMostRecordBytes = std::size_t{1} << 20;
-    static constexpr std::int64_t kLongestSearchBytes = std::int64_t{2} << 20;
+    static constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 20;
+    static constexpr std::int64_t kMaxSearchBytes = std::int64_t{2} << 20;
     static constexpr std::int64_t kHeadBytes = 8;  // before each record: its length and checksum
 
     using OnRecord = std::function<void(std::int64_t offset, std::string_view payload)>;

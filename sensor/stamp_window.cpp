@@ -9,8 +9,8 @@
 namespace divemesh::sensor {
 namespace {
 
-constexpr std::size_t kMostStamps = 64;
-constexpr std::size_t kFewestStamps = 5;  // that tell a rate
+constexpr std::size_t kMaxStamps = 64;
+constexpr std::size_t kMinStamps = 5;  // that tell a rate
 
 }  // namespace
 
@@ -23,12 +23,12 @@ std::int64_t StampWindow::add(std::int64_t timestamp_ns) {
         if (const auto period = period_ns()) num_missing = std::llround(step / *period) - 1;
     }
     stamps_ns_.push_back(timestamp_ns);
-    if (stamps_ns_.size() > kMostStamps) stamps_ns_.pop_front();
+    if (stamps_ns_.size() > kMaxStamps) stamps_ns_.pop_front();
     return std::max<std::int64_t>(num_missing, 0);
 }
 
 std::optional<double> StampWindow::period_ns() const {
-    if (stamps_ns_.size() < kFewestStamps) return std::nullopt;
+    if (stamps_ns_.size() < kMinStamps) return std::nullopt;
     std::vector<std::int64_t> steps;
     for (std::size_t i = 1; i < stamps_ns_.size(); ++i)
         steps.push_back(stamps_ns_[i] - stamps_ns_[i - 1]);
@@ -36,7 +36,7 @@ std::optional<double> StampWindow::period_ns() const {
 }
 
 std::optional<double> StampWindow::rate_hz() const {
-    if (stamps_ns_.size() < kFewestStamps) return std::nullopt;
+    if (stamps_ns_.size() < kMinStamps) return std::nullopt;
     const auto span = static_cast<double>(stamps_ns_.back() - stamps_ns_.front());
     return static_cast<double>(stamps_ns_.size() - 1) * 1e9 / span;
 }

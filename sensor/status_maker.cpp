@@ -9,9 +9,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostErrors = 32;
-constexpr std::size_t kMostDiveBytes = 64;
-constexpr std::size_t kMostErrorBytes = 256;
+constexpr std::size_t kMaxErrors = 32;
+constexpr std::size_t kMaxDiveBytes = 64;
+constexpr std::size_t kMaxErrorBytes = 256;
 
 template <typename Value>
 void set(json& status, const char* name, const std::optional<Value>& value) {
@@ -19,9 +19,9 @@ void set(json& status, const char* name, const std::optional<Value>& value) {
 }
 
 // As a status may hold it: valid UTF-8, at most so long.
-std::string shortened(const std::string& text, std::size_t most_bytes) {
+std::string shortened(const std::string& text, std::size_t max_num_bytes) {
     std::string clean = worker::printable(text);
-    std::size_t end = std::min(clean.size(), most_bytes);
+    std::size_t end = std::min(clean.size(), max_num_bytes);
     while (end > 0 && end < clean.size() && (clean[end] & 0xC0) == 0x80) --end;
     return clean.substr(0, end);
 }
@@ -30,7 +30,7 @@ void set_errors(const StatusParts& parts, json& status) {
     json errors = json::array();
     for (const auto* list : {&parts.errors, &parts.recording.errors})
         for (const std::string& error : *list)
-            if (errors.size() < kMostErrors) errors.push_back(shortened(error, kMostErrorBytes));
+            if (errors.size() < kMaxErrors) errors.push_back(shortened(error, kMaxErrorBytes));
     status["errors"] = errors;
 }
 
@@ -44,15 +44,15 @@ void set_clock(const StatusParts& parts, json& status) {
 }  // namespace
 
 json make_status(const StatusParts& parts) {
-    const DiveFigures& figures = parts.recording.figures;
+    const RecordingCounts& counts = parts.recording.counts;
     json status = {{"recording", parts.recording.is_recording},
-                   {"dive", shortened(parts.recording.dive, kMostDiveBytes)},
-                   {"num_frames", figures.num_frames},
-                   {"num_dropped_frames", figures.num_dropped_frames}};
-    set(status, "frame_rate_hz", figures.frame_rate_hz);
-    set(status, "imu_rate_hz", figures.imu_rate_hz);
-    set(status, "orientation", figures.orientation);
-    set(status, "depth_m", figures.depth_m);
+                   {"dive", shortened(parts.recording.dive, kMaxDiveBytes)},
+                   {"num_frames", counts.num_frames},
+                   {"num_dropped_frames", counts.num_dropped_frames}};
+    set(status, "frame_rate_hz", counts.frame_rate_hz);
+    set(status, "imu_rate_hz", counts.imu_rate_hz);
+    set(status, "orientation", counts.orientation);
+    set(status, "depth_m", counts.depth_m);
     set(status, "storage_free_bytes", parts.recording.storage_free_bytes);
     set(status, "battery", parts.battery);
     set(status, "link_rssi_dbm", parts.link_rssi_dbm);

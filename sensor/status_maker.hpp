@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sensor/image_check.hpp"
 #include "sensor/link.hpp"
-#include "sensor/picture_check.hpp"
 #include "sensor/recording_source.hpp"
 
 namespace divemesh::sensor {
@@ -15,7 +15,7 @@ namespace divemesh::sensor {
 // All that a status is made of; what is not known is left out.
 struct StatusParts {
     RecordingState recording;
-    std::optional<PictureCheck::Shares> pictures;
+    std::optional<ImageCheck::Shares> pictures;
     LinkState link;
     std::optional<double> battery;  // 0 to 1
     std::optional<double> link_rssi_dbm;

@@ -12,9 +12,9 @@ namespace {
 using nlohmann::json;
 
 // As long as a link's rate is not known, and on the slowest one.
-constexpr double kLeastWindowBytes = 4096.0;
-constexpr double kSlowest_bytes_per_s = 2048.0;  // that a link is believed to be
-constexpr double kLongestPatience_s = 30.0;
+constexpr double kMinWindowBytes = 4096.0;
+constexpr double kMinRate_bytes_per_s = 2048.0;  // that a link is believed to be
+constexpr double kMaxTimeout_s = 30.0;
 constexpr std::chrono::seconds kPingIdleAfter{10};
 
 bool is_range(const json& range) {
@@ -33,13 +33,12 @@ void StreamSession::send(Clock::time_point now, double max_bytes_per_s) {
 
 bool StreamSession::may_send(std::size_t num_bytes, Clock::time_point now) const {
     if (in_flight_.empty()) return true;  // whatever its size
-    const double window = std::max(kLeastWindowBytes, rate_.bytes_per_s(now));
+    const double window = std::max(kMinWindowBytes, rate_.bytes_per_s(now));
     return static_cast<double>(in_flight_bytes_) + static_cast<double>(num_bytes) <= window;
 }
 
 bool StreamSession::send_next(Clock::time_point now, double max_bytes_per_s) {
-    if (now < free_at_ || in_flight_.size() >= kMostInFlight || !connection_.is_open())
-        return false;
+    if (now < free_at_ || in_flight_.size() >= kMaxInFlight || !connection_.is_open()) return false;
     const auto next = order_.next();
     if (!next) return false;
     if (!prepared_ || prepared_->first.key != next->key) {
@@ -134,7 +133,7 @@ void StreamSession::answered(Clock::time_point now, const json& frame) {
     }
     if (num_bytes > 0) rate_.answered(now, last, num_bytes);
     if (const auto lost = lost_in_flight_.find(boot_id); lost != lost_in_flight_.end()) {
-        ring_.told_lost(boot_id, lost->second);
+        ring_.reported_lost(boot_id, lost->second);
         lost_in_flight_.erase(lost);
     }
 }
@@ -170,20 +169,20 @@ void StreamSession::refused(const json& frame) {
     }
 }
 
-bool StreamSession::is_dead(Clock::time_point now, std::chrono::milliseconds patience) {
+bool StreamSession::is_dead(Clock::time_point now, std::chrono::milliseconds timeout) {
     const bool is_waiting = !in_flight_.empty() || !lost_in_flight_.empty() || !is_welcome_;
     const auto quiet = now - connection_.moved_at();
     const auto ping_after =
-        is_waiting ? Clock::duration(patience) / 3 : Clock::duration(kPingIdleAfter);
+        is_waiting ? Clock::duration(timeout) / 3 : Clock::duration(kPingIdleAfter);
     if (quiet > ping_after && now > pinged_at_ + ping_after) {
         connection_.ping();
         pinged_at_ = now;
     }
     // A ping waits behind the bytes that are on the way before it.
-    const double rate = std::max(rate_.bytes_per_s(now), kSlowest_bytes_per_s);
+    const double rate = std::max(rate_.bytes_per_s(now), kMinRate_bytes_per_s);
     const std::chrono::duration<double> on_the_way(
-        std::min(kLongestPatience_s, 1.5 * static_cast<double>(in_flight_bytes_) / rate));
-    auto longest = Clock::duration(patience);
+        std::min(kMaxTimeout_s, 1.5 * static_cast<double>(in_flight_bytes_) / rate));
+    auto longest = Clock::duration(timeout);
     if (!is_waiting)
         longest += kPingIdleAfter;
     else if (!connection_.has_unsent())

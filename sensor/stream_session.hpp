@@ -20,7 +20,7 @@ public:
     using Clock = std::chrono::steady_clock;
     using OnCommand = std::function<void(const Command& command)>;
 
-    static constexpr std::size_t kMostInFlight = 64;
+    static constexpr std::size_t kMaxInFlight = 64;
 
     StreamSession(Connection& connection,
                   MessageRing& ring,
@@ -36,7 +36,7 @@ public:
     void send(Clock::time_point now, double max_bytes_per_s);
     void receive(Clock::time_point now, const OnCommand& on_command);
     // Nothing has moved for too long: there is no link any more.
-    bool is_dead(Clock::time_point now, std::chrono::milliseconds patience);
+    bool is_dead(Clock::time_point now, std::chrono::milliseconds timeout);
 
     std::optional<ServerTime> server_time() const {
         return is_welcome_ ? std::optional(server_time_) : std::nullopt;

@@ -12,35 +12,35 @@
 namespace divemesh::sensor {
 namespace {
 
-constexpr std::size_t kPieceBytes = std::size_t{256} << 10;
-constexpr int kMostPieces = 16;  // at a time: the caller has more to do
-constexpr std::size_t kLongestLine = 4096;
+constexpr std::size_t kChunkBytes = std::size_t{256} << 10;
+constexpr int kMaxReads = 16;  // at a time: the caller has more to do
+constexpr std::size_t kMaxLineLength = 4096;
 
 }  // namespace
 
 bool TableTail::read(std::int64_t until_ns, const OnRow& on_row) {
     is_there_ = true;
-    for (int i = 0; i < kMostPieces; ++i) {
+    for (int i = 0; i < kMaxReads; ++i) {
         while (take_row(until_ns, on_row)) continue;
-        const bool waits = pending_.find('\n', told_) != std::string::npos;  // is in the future
+        const bool waits = pending_.find('\n', returned_) != std::string::npos;  // is in the future
         if (waits || !fetch()) break;
     }
     return is_there_;
 }
 
 bool TableTail::take_row(std::int64_t until_ns, const OnRow& on_row) {
-    const std::size_t end = pending_.find('\n', told_);
+    const std::size_t end = pending_.find('\n', returned_);
     if (end == std::string::npos) return false;
-    const std::string_view line = std::string_view(pending_).substr(told_, end - told_);
+    const std::string_view line = std::string_view(pending_).substr(returned_, end - returned_);
     bool is_due = true;
-    if (line.size() <= kLongestLine)
+    if (line.size() <= kMaxLineLength)
         worker::for_each_csv_row(line, [&](std::int64_t, auto fields) {
             const auto stamp = worker::parse_integer(fields[0]);
             if (!stamp) return;
             is_due = *stamp <= until_ns;
             if (is_due) on_row(*stamp, fields);
         });
-    if (is_due) told_ = end + 1;
+    if (is_due) returned_ = end + 1;
     return is_due;
 }
 
@@ -53,14 +53,14 @@ bool TableTail::fetch() {
         inode_ = status.st_ino;
         offset_ = 0;
         pending_.clear();
-        told_ = 0;
+        returned_ = 0;
     }
-    pending_.erase(0, told_);
-    told_ = 0;
-    if (pending_.size() > kLongestLine) pending_.clear();  // no line of a table
+    pending_.erase(0, returned_);
+    returned_ = 0;
+    if (pending_.size() > kMaxLineLength) pending_.clear();  // no line of a table
     const std::size_t begin = pending_.size();
-    pending_.resize(begin + kPieceBytes);
-    const ssize_t got = ::pread(file.get(), pending_.data() + begin, kPieceBytes, offset_);
+    pending_.resize(begin + kChunkBytes);
+    const ssize_t got = ::pread(file.get(), pending_.data() + begin, kChunkBytes, offset_);
     pending_.resize(begin + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
     if (got > 0) offset_ += got;
     return got > 0;

@@ -31,8 +31,8 @@ private:
     std::filesystem::path file_;
     ino_t inode_ = 0;
     std::int64_t offset_ = 0;
-    std::string pending_;   // read and not told yet
-    std::size_t told_ = 0;  // of it
+    std::string pending_;       // read and not told yet
+    std::size_t returned_ = 0;  // of it
     bool is_there_ = false;
 };
 

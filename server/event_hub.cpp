@@ -18,15 +18,15 @@ namespace asio = boost::asio;
 
 constexpr std::chrono::milliseconds kPollEvery{100};
 constexpr std::size_t kRecentBytes = std::size_t{4} << 20;
-constexpr std::size_t kTurnBytes = std::size_t{64} << 10;
+constexpr std::size_t kSliceBytes = std::size_t{64} << 10;
 constexpr int kPageEvents = 500;
 
 }  // namespace
 
-ToldEvents told(const std::vector<Event>& events) {
-    ToldEvents result;
+SerialisedEvents serialised(const std::vector<Event>& events) {
+    SerialisedEvents result;
     for (const Event& event : events)
-        result.push_back(std::make_shared<const ToldEvent>(ToldEvent{
+        result.push_back(std::make_shared<const SerialisedEvent>(SerialisedEvent{
             event.sequence,
             event.project,
             nlohmann::json(event).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}));
@@ -68,12 +68,12 @@ asio::awaitable<void> EventHub::look() {
         recent_bytes_ = 0;
         complete_after_ = newest;
     }
-    keep(told(events));
+    keep(serialised(events));
     newest_ = newest;
-    for (const auto& [watcher, on_news] : watchers_) on_news();
+    for (const auto& [watcher, on_change] : watchers_) on_change();
 }
 
-void EventHub::keep(const ToldEvents& events) {
+void EventHub::keep(const SerialisedEvents& events) {
     for (const auto& event : events) {
         recent_bytes_ += event->text.size();
         recent_.push_back(event);
@@ -85,14 +85,14 @@ void EventHub::keep(const ToldEvents& events) {
     }
 }
 
-std::optional<ToldEvents> EventHub::recent(std::int64_t sequence,
-                                           const std::string& project) const {
+std::optional<SerialisedEvents> EventHub::recent(std::int64_t sequence,
+                                                 const std::string& project) const {
     const std::lock_guard lock(mutex_);
     if (complete_after_ < 0 || sequence < complete_after_) return std::nullopt;
     const auto later = [](std::int64_t than, const auto& event) { return than < event->sequence; };
     auto next = std::upper_bound(recent_.begin(), recent_.end(), sequence, later);
-    ToldEvents events;
-    for (std::size_t bytes = 0; next != recent_.end() && bytes < kTurnBytes; ++next) {
+    SerialisedEvents events;
+    for (std::size_t bytes = 0; next != recent_.end() && bytes < kSliceBytes; ++next) {
         if (!project.empty() && (*next)->project != project) continue;
         bytes += (*next)->text.size();
         events.push_back(*next);
@@ -100,9 +100,9 @@ std::optional<ToldEvents> EventHub::recent(std::int64_t sequence,
     return events;
 }
 
-std::uint64_t EventHub::watch(std::function<void()> on_news) {
+std::uint64_t EventHub::watch(std::function<void()> on_change) {
     const std::lock_guard lock(mutex_);
-    watchers_.emplace(next_watcher_, std::move(on_news));
+    watchers_.emplace(next_watcher_, std::move(on_change));
     return next_watcher_++;
 }
 

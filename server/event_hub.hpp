@@ -19,14 +19,14 @@
 namespace divemesh::server {
 
 // An event as it is told: one text for all watchers.
-struct ToldEvent {
+struct SerialisedEvent {
     std::int64_t sequence = 0;
     std::string project;
     std::string text;
 };
-using ToldEvents = std::vector<std::shared_ptr<const ToldEvent>>;
+using SerialisedEvents = std::vector<std::shared_ptr<const SerialisedEvent>>;
 
-ToldEvents told(const std::vector<Event>& events);
+SerialisedEvents serialised(const std::vector<Event>& events);
 
 // Reads the events of the catalog once for all watchers, whatever process wrote them: one short
 // query a tenth of a second while anybody watches. Keeps the newest few, bounded in bytes, so that
@@ -44,16 +44,16 @@ public:
 
     // The next events after `sequence`, from memory, 64 KiB of them or a single larger one; nothing
     // when some may be missing there.
-    std::optional<ToldEvents> recent(std::int64_t sequence, const std::string& project) const;
+    std::optional<SerialisedEvents> recent(std::int64_t sequence, const std::string& project) const;
 
-    // Calls `on_news`, on any thread, whenever there is something new, until unwatch().
-    std::uint64_t watch(std::function<void()> on_news);
+    // Calls `on_change`, on any thread, whenever there is something new, until unwatch().
+    std::uint64_t watch(std::function<void()> on_change);
     void unwatch(std::uint64_t watcher);
     std::size_t num_watchers() const;
 
 private:
     boost::asio::awaitable<void> look();
-    void keep(const ToldEvents& events);
+    void keep(const SerialisedEvents& events);
 
     storage::Catalog& catalog_;
     boost::asio::thread_pool& pool_;
@@ -63,7 +63,7 @@ private:
     mutable std::mutex mutex_;
     std::map<std::uint64_t, std::function<void()>> watchers_;
     std::uint64_t next_watcher_ = 1;
-    std::deque<std::shared_ptr<const ToldEvent>> recent_;
+    std::deque<std::shared_ptr<const SerialisedEvent>> recent_;
     std::size_t recent_bytes_ = 0;
     std::int64_t complete_after_ = -1;  // everything later is in recent_; -1: not looked yet
 };

@@ -7,7 +7,7 @@
 
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 #include "schemas/log.hpp"
 #include "server/sensor_feed.hpp"
 #include "server/web_socket.hpp"
@@ -37,36 +37,36 @@ struct EventSocket {
     WebSocket socket;
     asio::steady_timer pause;
     bool closing = false;
-    bool news = true;  // there may be something that it has not been told
+    bool has_pending = true;  // there may be something that it has not been told
 };
 
 // Woken by the hub and the desk, on the socket's strand, for as long as this lives.
 class Watching {
 public:
     Watching(EventHub& hub,
-             api::SensorDesk& desk,
+             api::SensorHub& sensor_hub,
              const api::EventFeed& feed,
              const std::shared_ptr<EventSocket>& events)
-        : hub_(hub), desk_(desk) {
+        : hub_(hub), sensor_hub_(sensor_hub) {
         const auto wake = [events] {
-            events->news = true;
+            events->has_pending = true;
             events->pause.cancel();
         };
         const auto executor = events->socket.get_executor();
-        const auto on_news = [executor, wake] { asio::post(executor, wake); };
-        watcher_ = hub_.watch(on_news);
-        sensor_watcher_ = desk_.watch(feed.sensors, on_news);
+        const auto on_change = [executor, wake] { asio::post(executor, wake); };
+        watcher_ = hub_.watch(on_change);
+        sensor_watcher_ = sensor_hub_.watch(feed.sensors, on_change);
     }
     ~Watching() {
         hub_.unwatch(watcher_);
-        desk_.unwatch(sensor_watcher_);
+        sensor_hub_.unwatch(sensor_watcher_);
     }
     Watching(const Watching&) = delete;
     Watching& operator=(const Watching&) = delete;
 
 private:
     EventHub& hub_;
-    api::SensorDesk& desk_;
+    api::SensorHub& sensor_hub_;
     std::uint64_t watcher_;
     std::uint64_t sensor_watcher_;
 };
@@ -82,22 +82,23 @@ asio::awaitable<void> read_until_closed(std::shared_ptr<EventSocket> events) {
 }
 
 // What the catalog has after `feed.since`, for who has fallen behind.
-asio::awaitable<ToldEvents> stored_events(api::EventFeed feed, api::Services services) {
+asio::awaitable<SerialisedEvents> stored_events(api::EventFeed feed, api::Services services) {
     auto ask = [&catalog = services.catalog, feed] {
-        return told(storage::EventStore(catalog).since(feed.since, feed.project, kPageEvents));
+        return serialised(
+            storage::EventStore(catalog).since(feed.since, feed.project, kPageEvents));
     };
     co_return co_await api::in_pool(services.pool, std::move(ask));
 }
 
 // False: the client is gone, or the socket closes.
 asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
-                           ToldEvents page,
+                           SerialisedEvents page,
                            api::Metrics* metrics) {
     for (const auto& event : page) {
         const auto [error, n] =
             co_await events->socket.async_write(asio::buffer(event->text), kAwaitErrors);
         if (error || events->closing) co_return false;
-        ++metrics->told_events;
+        ++metrics->serialised_events;
     }
     co_return true;
 }
@@ -110,15 +111,15 @@ asio::awaitable<bool> tell_sensors(std::shared_ptr<EventSocket> events,
         const auto [error, n] =
             co_await events->socket.async_write(asio::buffer(*frame), kAwaitErrors);
         if (error || events->closing) co_return false;
-        ++metrics->told_events;
+        ++metrics->serialised_events;
     }
     co_return true;
 }
 
 // Until there is news, or a sensor's turn to be told of.
-asio::awaitable<void> wait_for_news(std::shared_ptr<EventSocket> events,
-                                    Clock::time_point next_at) {
-    if (std::exchange(events->news, false)) co_return;
+asio::awaitable<void> wait_for_change(std::shared_ptr<EventSocket> events,
+                                      Clock::time_point next_at) {
+    if (std::exchange(events->has_pending, false)) co_return;
     events->pause.expires_at(next_at);
     co_await events->pause.async_wait(kAwaitErrors);
 }
@@ -128,12 +129,12 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
                                                     api::EventFeed feed,
                                                     SessionContext context) {
     Clock::time_point trusted_until = Clock::now() + kTokenTrusted;
-    SensorFeed sensors(context.services.desk, feed.sensors);
+    SensorFeed sensors(context.services.sensor_hub, feed.sensors);
     while (!events->closing) {
         const std::int64_t newest = context.events.newest_sequence();
         const bool is_due = sensors.next_at() <= Clock::now();
         if (newest <= feed.since && !is_due) {
-            co_await wait_for_news(events, sensors.next_at());
+            co_await wait_for_change(events, sensors.next_at());
             continue;
         }
         if (Clock::now() >= trusted_until) {
@@ -141,9 +142,9 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
             if (!entitled) co_return websocket::close_code::policy_error;
             trusted_until = Clock::now() + kTokenTrusted;
         }
-        const bool told_sensors =
+        const bool sent_sensors =
             co_await tell_sensors(events, &sensors, &context.services.metrics);
-        if (!told_sensors) break;
+        if (!sent_sensors) break;
         if (newest <= feed.since) continue;
         auto page = context.events.recent(feed.since, feed.project);
         if (!page) page = co_await stored_events(feed, context.services);
@@ -168,7 +169,7 @@ asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
     connection->on_abort = [events] { beast::get_lowest_layer(events->socket).close(); };
     const auto [refused] = co_await events->socket.async_accept(request->message(), kAwaitErrors);
     if (!refused) {
-        const Watching watching(context.events, context.services.desk, feed, events);
+        const Watching watching(context.events, context.services.sensor_hub, feed, events);
         auto& metrics = context.services.metrics;
         ++metrics.watchers;
         auto reason = websocket::close_code::internal_error;

@@ -151,8 +151,8 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
 
 // False: the client speaks no TLS that we do, or takes too long.
 asio::awaitable<bool> shake_hands(std::shared_ptr<Connection> connection,
-                                  std::chrono::milliseconds patience) {
-    connection->stream.expires_after(patience);
+                                  std::chrono::milliseconds timeout) {
+    connection->stream.expires_after(timeout);
     const auto [error] = co_await connection->stream.tls()->async_handshake(
         asio::ssl::stream_base::server, asio::as_tuple(asio::use_awaitable));
     co_return !error;

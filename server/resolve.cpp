@@ -55,9 +55,9 @@ Addresses look_up(const std::string& host, const std::string& port) {
 
 asio::awaitable<Addresses> resolve_within(std::string host,
                                           std::string port,
-                                          std::chrono::milliseconds patience,
+                                          std::chrono::milliseconds timeout,
                                           Lookup lookup) {
-    asio::steady_timer timer(co_await asio::this_coro::executor, patience);
+    asio::steady_timer timer(co_await asio::this_coro::executor, timeout);
     const auto answer = std::make_shared<Answer>();
     const Asking asking(answer);
     std::thread([answer, &timer, host, port, lookup = std::move(lookup)] {

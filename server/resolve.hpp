@@ -21,7 +21,7 @@ Addresses look_up(const std::string& host, const std::string& port);
 // `patience`. Throws Error{Unavailable} then, and what `lookup` throws.
 boost::asio::awaitable<Addresses> resolve_within(std::string host,
                                                  std::string port,
-                                                 std::chrono::milliseconds patience,
+                                                 std::chrono::milliseconds timeout,
                                                  Lookup lookup = look_up);
 
 }  // namespace divemesh::server

@@ -20,7 +20,7 @@ namespace {
 namespace asio = boost::asio;
 namespace http = boost::beast::http;
 
-constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
+constexpr std::size_t kChunkBytes = std::size_t{128} << 10;
 constexpr std::int64_t kDirectBytes = 1 << 20;  // between two pieces, so that others have a turn
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
@@ -50,24 +50,24 @@ asio::awaitable<bool> write_text(std::shared_ptr<Connection> connection,
     co_return !error;
 }
 
-struct Piece {
+struct Chunk {
     std::vector<char> bytes;
     std::size_t size = 0;  // 0: cannot be read
 };
 
-asio::awaitable<Piece> read_piece(api::FilePart part, api::Services services, Piece piece) {
-    piece.bytes.resize(std::min(kPieceBytes, static_cast<std::size_t>(part.length)));
+asio::awaitable<Chunk> read_chunk(api::FilePart part, api::Services services, Chunk chunk) {
+    chunk.bytes.resize(std::min(kChunkBytes, static_cast<std::size_t>(part.length)));
     try {
         auto read =
-            [reader = part.reader, offset = part.offset, bytes = std::span<char>(piece.bytes)] {
+            [reader = part.reader, offset = part.offset, bytes = std::span<char>(chunk.bytes)] {
                 return reader->read_at(offset, bytes);
             };
-        piece.size = co_await api::in_pool(services.pool, std::move(read));
+        chunk.size = co_await api::in_pool(services.pool, std::move(read));
     } catch (const std::exception& error) {
-        piece.size = 0;
+        chunk.size = 0;
         log_warning({{"event", "blob_unreadable"}, {"what", error.what()}});
     }
-    co_return piece;
+    co_return chunk;
 }
 
 // From the file into the socket, as much as that takes now: none over TLS, or of what is no file.
@@ -102,13 +102,13 @@ asio::awaitable<bool> write_file(std::shared_ptr<Connection> connection,
     const auto [error, n] =
         co_await http::async_write_header(connection->stream, serializer, kAwaitErrors);
     if (error || options.head) co_return !error;
-    Piece piece;
+    Chunk chunk;
     while (part.length > 0) {
-        piece = co_await read_piece(part, services, std::move(piece));
-        if (piece.size == 0) co_return false;
+        chunk = co_await read_chunk(part, services, std::move(chunk));
+        if (chunk.size == 0) co_return false;
         connection->stream.expires_after(options.timeout);
         const auto [failure, sent] = co_await asio::async_write(
-            connection->stream, asio::buffer(piece.bytes.data(), piece.size), kAwaitErrors);
+            connection->stream, asio::buffer(chunk.bytes.data(), chunk.size), kAwaitErrors);
         if (failure) co_return false;
         part.offset += static_cast<std::int64_t>(sent);
         part.length -= static_cast<std::int64_t>(sent);

@@ -10,35 +10,35 @@ constexpr std::chrono::seconds kTwoFrames{1};
 
 }  // namespace
 
-SensorFeed::SensorFeed(const api::SensorDesk& desk, const std::vector<std::string>& sensors)
-    : desk_(desk) {
-    for (const std::string& sensor : sensors) told_.push_back({.sensor = sensor});
+SensorFeed::SensorFeed(const api::SensorHub& sensor_hub, const std::vector<std::string>& sensors)
+    : sensor_hub_(sensor_hub) {
+    for (const std::string& sensor : sensors) watched_.push_back({.sensor = sensor});
 }
 
-std::shared_ptr<const api::SensorNews> SensorFeed::unheard(const Told& told) const {
-    auto newest = desk_.find(told.sensor);
-    return newest == told.news ? nullptr : std::move(newest);
+std::shared_ptr<const api::SensorSnapshot> SensorFeed::newer(const WatchedSensor& watched) const {
+    auto newest = sensor_hub_.find(watched.sensor);
+    return newest == watched.snapshot ? nullptr : std::move(newest);
 }
 
-SensorFeed::Clock::time_point SensorFeed::due_at(const Told& told) {
-    const bool has_told_two = told.last_but_one != Clock::time_point::min();
-    return has_told_two ? told.last_but_one + kTwoFrames : Clock::time_point::min();
+SensorFeed::Clock::time_point SensorFeed::due_at(const WatchedSensor& watched) {
+    const bool has_sent_two = watched.last_but_one != Clock::time_point::min();
+    return has_sent_two ? watched.last_but_one + kTwoFrames : Clock::time_point::min();
 }
 
-std::string SensorFeed::frame_of(const Told& told, const api::SensorNews& newest) {
-    if (!told.news) return api::snapshot_text(newest);
-    const bool is_next = newest.previous == told.news->revision && !newest.delta.empty();
-    return is_next ? newest.delta : api::delta_text(*told.news, newest);
+std::string SensorFeed::frame_of(const WatchedSensor& watched, const api::SensorSnapshot& newest) {
+    if (!watched.snapshot) return api::snapshot_text(newest);
+    const bool is_next = newest.previous == watched.snapshot->revision && !newest.delta.empty();
+    return is_next ? newest.delta : api::delta_text(*watched.snapshot, newest);
 }
 
 std::optional<std::string> SensorFeed::next(Clock::time_point now) {
-    for (Told& told : told_) {
-        if (due_at(told) > now) continue;
-        auto newest = unheard(told);
+    for (WatchedSensor& watched : watched_) {
+        if (due_at(watched) > now) continue;
+        auto newest = newer(watched);
         if (!newest) continue;
-        std::string frame = frame_of(told, *newest);
-        told.news = std::move(newest);
-        told.last_but_one = std::exchange(told.last, now);
+        std::string frame = frame_of(watched, *newest);
+        watched.snapshot = std::move(newest);
+        watched.last_but_one = std::exchange(watched.last, now);
         return frame;
     }
     return std::nullopt;
@@ -46,8 +46,8 @@ std::optional<std::string> SensorFeed::next(Clock::time_point now) {
 
 SensorFeed::Clock::time_point SensorFeed::next_at() const {
     auto first = Clock::time_point::max();
-    for (const Told& told : told_)
-        if (unheard(told)) first = std::min(first, due_at(told));
+    for (const WatchedSensor& watched : watched_)
+        if (newer(watched)) first = std::min(first, due_at(watched));
     return first;
 }
 

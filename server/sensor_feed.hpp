@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 
 namespace divemesh::server {
 
@@ -17,7 +17,7 @@ class SensorFeed {
 public:
     using Clock = std::chrono::steady_clock;
 
-    SensorFeed(const api::SensorDesk& desk, const std::vector<std::string>& sensors);
+    SensorFeed(const api::SensorHub& sensor_hub, const std::vector<std::string>& sensors);
 
     // A frame that is due; nothing: none is before next_at().
     std::optional<std::string> next(Clock::time_point now);
@@ -25,19 +25,19 @@ public:
     Clock::time_point next_at() const;
 
 private:
-    struct Told {
+    struct WatchedSensor {
         std::string sensor;
-        std::shared_ptr<const api::SensorNews> news;  // null: nothing yet
+        std::shared_ptr<const api::SensorSnapshot> snapshot;  // null: nothing yet
         Clock::time_point last = Clock::time_point::min();
         Clock::time_point last_but_one = Clock::time_point::min();
     };
 
-    static std::string frame_of(const Told& told, const api::SensorNews& newest);
-    static Clock::time_point due_at(const Told& told);
-    std::shared_ptr<const api::SensorNews> unheard(const Told& told) const;
+    static std::string frame_of(const WatchedSensor& watched, const api::SensorSnapshot& newest);
+    static Clock::time_point due_at(const WatchedSensor& watched);
+    std::shared_ptr<const api::SensorSnapshot> newer(const WatchedSensor& watched) const;
 
-    const api::SensorDesk& desk_;
-    std::vector<Told> told_;
+    const api::SensorHub& sensor_hub_;
+    std::vector<WatchedSensor> watched_;
 };
 
 }  // namespace divemesh::server

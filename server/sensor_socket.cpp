@@ -15,7 +15,7 @@
 #include "api/metrics.hpp"
 #include "api/parse_json.hpp"
 #include "api/report_queue.hpp"
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 #include "api/wall_clock.hpp"
 #include "schemas/log.hpp"
 #include "schemas/sensor_message.hpp"
@@ -31,9 +31,9 @@ namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostFrameTextBytes = std::size_t{1} << 20;
-constexpr std::size_t kMostWaiting = 64;  // frames
-constexpr std::size_t kMostWaitingBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxFrameTextBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxWaiting = 64;  // frames
+constexpr std::size_t kMaxWaitingBytes = std::size_t{1} << 20;
 constexpr websocket::close_code kReplaced{4409};
 
 // A frame as it was read: a report, or the answer to what is none.
@@ -79,7 +79,7 @@ public:
         pause.cancel();
     }
     asio::awaitable<void> wait_for_room() {
-        while (!closing && (waiting_.size() >= kMostWaiting || num_bytes_ >= kMostWaitingBytes))
+        while (!closing && (waiting_.size() >= kMaxWaiting || num_bytes_ >= kMaxWaitingBytes))
             co_await room_.async_wait(kAwaitErrors);
     }
     bool has_frames() const { return !waiting_.empty(); }
@@ -106,8 +106,8 @@ private:
     static bool fits(const Batch& batch, const Incoming& next) {
         if (!next.refusal.empty() || batch.is_empty()) return true;
         return next.report.boot_id == batch.report.boot_id &&
-               batch.report.messages.size() + next.report.messages.size() <= kMostMessages &&
-               batch.report.lost.size() + next.report.lost.size() <= kMostLost;
+               batch.report.messages.size() + next.report.messages.size() <= kMaxMessages &&
+               batch.report.lost.size() + next.report.lost.size() <= kMaxLost;
     }
     static void add(Batch& batch, Incoming next) {
         if (!next.refusal.empty()) return batch.refusals.push_back(std::move(next.refusal));
@@ -125,23 +125,25 @@ private:
 };
 
 // The stream's place at the desk, for as long as this lives.
-class AtDesk {
+class HubConnection {
 public:
-    AtDesk(api::SensorDesk& desk, std::string name, const std::shared_ptr<SensorSocket>& sensor)
-        : desk_(desk), sensor_(std::move(name)) {
+    HubConnection(api::SensorHub& sensor_hub,
+                  std::string name,
+                  const std::shared_ptr<SensorSocket>& sensor)
+        : sensor_hub_(sensor_hub), sensor_(std::move(name)) {
         const auto executor = sensor->socket.get_executor();
         const auto wake = [sensor] { sensor->wake(); };
         const auto end = [sensor] { sensor->close(kReplaced); };
-        connection_ = desk_.connect(sensor_,
-                                    {[executor, wake] { asio::post(executor, wake); },
-                                     [executor, end] { asio::post(executor, end); }});
+        connection_ = sensor_hub_.connect(sensor_,
+                                          {[executor, wake] { asio::post(executor, wake); },
+                                           [executor, end] { asio::post(executor, end); }});
     }
-    ~AtDesk() { desk_.disconnect(sensor_, connection_); }
-    AtDesk(const AtDesk&) = delete;
-    AtDesk& operator=(const AtDesk&) = delete;
+    ~HubConnection() { sensor_hub_.disconnect(sensor_, connection_); }
+    HubConnection(const HubConnection&) = delete;
+    HubConnection& operator=(const HubConnection&) = delete;
 
 private:
-    api::SensorDesk& desk_;
+    api::SensorHub& sensor_hub_;
     std::string sensor_;
     std::uint64_t connection_;
 };
@@ -318,10 +320,10 @@ private:
 websocket::close_reason reason_of(const std::exception& failure) {
     const auto* error = dynamic_cast<const Error*>(&failure);
     const bool is_final = error != nullptr && error->code() == ErrorCode::Conflict;
-    constexpr std::size_t kMostReasonBytes = 120;  // RFC 6455, 5.5
+    constexpr std::size_t kMaxReasonBytes = 120;  // RFC 6455, 5.5
     const std::string why = error != nullptr ? error->what() : "the catalog cannot be written now";
     return {is_final ? websocket::close_code::policy_error : websocket::close_code::try_again_later,
-            why.substr(0, kMostReasonBytes)};
+            why.substr(0, kMaxReasonBytes)};
 }
 
 }  // namespace
@@ -333,13 +335,13 @@ asio::awaitable<void> hear_sensor(std::shared_ptr<Connection> connection,
                                   SessionContext context) {
     connection->stream.expires_never();  // from here on the WebSocket has timeouts of its own
     auto sensor = std::make_shared<SensorSocket>(connection);
-    set_options(sensor->socket, context.timeouts, kMostFrameTextBytes);
+    set_options(sensor->socket, context.timeouts, kMaxFrameTextBytes);
     connection->on_stop = [sensor] { sensor->close(websocket::close_code::going_away); };
     connection->on_abort = [sensor] { beast::get_lowest_layer(sensor->socket).close(); };
     const auto [refused] =
         co_await sensor->socket.async_accept(request_body->message(), kAwaitErrors);
     if (!refused) {
-        const AtDesk at_desk(context.services.desk, stream.sensor, sensor);
+        const HubConnection hub_connection(context.services.sensor_hub, stream.sensor, sensor);
         ++context.services.metrics.sensor_streams;
         asio::co_spawn(sensor->socket.get_executor(), read_frames(sensor, request), asio::detached);
         websocket::close_reason reason;

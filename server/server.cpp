@@ -20,7 +20,7 @@
 #include "api/import_dives.hpp"
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
-#include "api/owed_dives.hpp"
+#include "api/pending_dives.hpp"
 #include "api/readiness.hpp"
 #include "api/report_queue.hpp"
 #include "api/upload_sweeper.hpp"
@@ -44,8 +44,8 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
-constexpr std::chrono::milliseconds kRarestOwedDives = 1h;
-constexpr std::chrono::milliseconds kBusyOwedDives = 1s;
+constexpr std::chrono::milliseconds kMaxPendingDivesPause = 1h;
+constexpr std::chrono::milliseconds kBusyPendingDivesPause = 1s;
 
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
@@ -88,7 +88,7 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
 }
 
 // Says why, as far as that costs nothing: what fits into the socket's buffers, at once.
-void turn_away(tcp::socket& socket) {
+void reject(tcp::socket& socket) {
     static constexpr std::string_view kBody =
         R"({"type":"urn:divemesh:error:unavailable","title":"Service Unavailable","status":503,)"
         R"("detail":"the server has as many connections as it may: try again in a moment"})";
@@ -131,7 +131,7 @@ struct Server::Implementation {
           first_token(admit(config, endpoint.address().is_loopback(), catalog)),
           pool(static_cast<std::size_t>(config.num_blocking_threads)),
           events(catalog, pool),
-          turns(io.get_executor()),
+          locks(io.get_executor()),
           acceptor(open_acceptor(io, endpoint)) {
         acceptor.non_blocking(true);
         catalog.reserve(
@@ -143,7 +143,7 @@ struct Server::Implementation {
         api::Services services{catalog,
                                *blobs,
                                pool,
-                               turns,
+                               locks,
                                hashes,
                                forecast,
                                keys,
@@ -154,7 +154,7 @@ struct Server::Implementation {
                                readiness,
                                reserve,
                                reports,
-                               desk,
+                               sensor_hub,
                                stopping,
                                limits,
                                config.no_auth};
@@ -167,7 +167,7 @@ struct Server::Implementation {
     template <typename Work>
     asio::awaitable<bool> attempt(const char* failed, Work work);
     asio::awaitable<void> sweep();
-    asio::awaitable<void> make_owed_dives();
+    asio::awaitable<void> make_pending_dives();
     asio::awaitable<void> import();
     asio::awaitable<void> repeat(void (*round)(const api::Services&),
                                  std::chrono::milliseconds pause);
@@ -193,11 +193,11 @@ struct Server::Implementation {
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
-    api::SensorDesk desk;
+    api::SensorHub sensor_hub;
     api::ReportQueue reports{
-        catalog, pool, desk, [this] { return blobs->free_bytes() >= config.min_free_bytes; }};
+        catalog, pool, sensor_hub, [this] { return blobs->free_bytes() >= config.min_free_bytes; }};
     EventHub events;
-    api::UploadTurns turns;
+    api::UploadLocks locks;
     WebhookSender webhooks{context().services};
     Connections connections;
     tcp::acceptor acceptor;
@@ -209,7 +209,7 @@ void Server::Implementation::spawn_session(tcp::socket socket) {
     const auto connection = std::make_shared<Connection>(std::move(socket), certificate.current());
     if (!connections.add(connection, static_cast<std::size_t>(config.max_connections))) {
         ++metrics.refused_connections;
-        if (config.tls_certificate.empty()) turn_away(connection->stream.socket());
+        if (config.tls_certificate.empty()) reject(connection->stream.socket());
         return;
     }
     ++metrics.connections;
@@ -264,18 +264,20 @@ asio::awaitable<void> Server::Implementation::sweep() {
 
 // At the start, and again less and less often while any of them cannot be made: each time its
 // bytes are read and hashed.
-asio::awaitable<void> Server::Implementation::make_owed_dives() {
+asio::awaitable<void> Server::Implementation::make_pending_dives() {
     asio::steady_timer timer(io);
-    auto pause = config.timeouts.owed_dives;
+    auto pause = config.timeouts.pending_dives;
     while (!stopping) {
-        auto owed = api::OwedDives::Failed;
-        auto work = [this, &owed]() -> asio::awaitable<void> {
-            owed = co_await api::make_owed_dives(context().services);
+        auto pending = api::PendingDives::Failed;
+        auto work = [this, &pending]() -> asio::awaitable<void> {
+            pending = co_await api::make_pending_dives(context().services);
         };
         co_await attempt("owed_dives_failed", std::move(work));
-        if (owed == api::OwedDives::Made) pause = config.timeouts.owed_dives;
-        if (owed == api::OwedDives::Failed) pause = std::min(2 * pause, kRarestOwedDives);
-        timer.expires_after(owed == api::OwedDives::Busy ? std::min(pause, kBusyOwedDives) : pause);
+        if (pending == api::PendingDives::Made) pause = config.timeouts.pending_dives;
+        if (pending == api::PendingDives::Failed)
+            pause = std::min(2 * pause, kMaxPendingDivesPause);
+        timer.expires_after(
+            pending == api::PendingDives::Busy ? std::min(pause, kBusyPendingDivesPause) : pause);
         co_await timer.async_wait(kAwaitErrors);
     }
 }
@@ -331,7 +333,7 @@ const ServerConfig& Server::config() const { return implementation_->config; }
 void Server::run() {
     std::signal(SIGPIPE, SIG_IGN);  // sendfile() cannot be told to raise none
     Implementation& self = *implementation_;
-    asio::co_spawn(self.io, self.make_owed_dives(), asio::detached);
+    asio::co_spawn(self.io, self.make_pending_dives(), asio::detached);
     asio::co_spawn(self.io, self.accept(), asio::detached);
     asio::co_spawn(self.io, self.sweep(), asio::detached);
     asio::co_spawn(self.io, self.import(), asio::detached);

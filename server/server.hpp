@@ -15,11 +15,11 @@ struct Timeouts {
     std::chrono::milliseconds body = std::chrono::seconds(60);    // between two pieces of a body
     std::chrono::milliseconds rate = std::chrono::seconds(60);    // a body's, to be judged by it
     std::chrono::milliseconds write = std::chrono::seconds(60);   // of one piece of an answer
-    std::chrono::milliseconds web_socket = std::chrono::seconds(30);  // without a sign of life
-    std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
-    std::chrono::milliseconds sweep = std::chrono::seconds(60);       // between two sweeps
-    std::chrono::milliseconds leases = std::chrono::seconds(5);       // between two looks at them
-    std::chrono::milliseconds owed_dives = std::chrono::minutes(1);   // between two attempts
+    std::chrono::milliseconds web_socket = std::chrono::seconds(30);    // without a sign of life
+    std::chrono::milliseconds stop = std::chrono::seconds(8);           // for a graceful end
+    std::chrono::milliseconds sweep = std::chrono::seconds(60);         // between two sweeps
+    std::chrono::milliseconds leases = std::chrono::seconds(5);         // between two looks at them
+    std::chrono::milliseconds pending_dives = std::chrono::minutes(1);  // between two attempts
 };
 
 struct ServerConfig {

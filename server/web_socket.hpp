@@ -21,7 +21,7 @@ inline constexpr auto kAwaitErrors = boost::asio::as_tuple(boost::asio::use_awai
 inline constexpr std::chrono::seconds kTokenTrusted{1};  // before it is looked at again
 
 // Timeouts, pings, and the largest message that the client may send.
-void set_options(WebSocket& socket, const Timeouts& timeouts, std::size_t most_bytes);
+void set_options(WebSocket& socket, const Timeouts& timeouts, std::size_t max_num_bytes);
 
 // Whether the token that opened the socket still does; "": nobody asked for one.
 boost::asio::awaitable<bool> is_entitled(std::string token_id, api::Services services);

@@ -35,9 +35,9 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxUnderWay = 64;
-constexpr auto kLookEvery = 500ms;
-constexpr auto kResolvePatience = 5s;
-constexpr auto kPatience = 15s;
+constexpr auto kCheckEvery = 500ms;
+constexpr auto kResolveTimeout = 5s;
+constexpr auto kTimeout = 15s;
 constexpr auto kLease = 60s;  // longer than an attempt may take
 constexpr std::uint32_t kMaxHeaderBytes = 8 << 10;
 
@@ -94,11 +94,11 @@ asio::awaitable<int> send(storage::DueDelivery due,
     const auto executor = co_await asio::this_coro::executor;
     const api::WebhookTarget target = api::parse_webhook_url(due.url);
     auto message = message_of(due, target);
-    const Addresses found = co_await resolve_within(target.host, target.port, kResolvePatience);
+    const Addresses found = co_await resolve_within(target.host, target.port, kResolveTimeout);
     check_addresses(found, target, services.limits.webhook_networks);
     api::Stream::Tls stream(executor, *tls);
     auto& plain = beast::get_lowest_layer(stream);
-    plain.expires_after(kPatience);
+    plain.expires_after(kTimeout);
     co_await plain.async_connect(found, asio::use_awaitable);
     if (!target.tls) co_return co_await exchange(plain, std::move(message));
     api::client::expect_host(stream, target.host);
@@ -145,7 +145,7 @@ asio::awaitable<void> WebhookSender::run() {
         } catch (const std::exception& error) {
             log_warning({{"event", "webhooks_unavailable"}, {"what", error.what()}});
         }
-        pause.expires_after(kLookEvery);
+        pause.expires_after(kCheckEvery);
         co_await pause.async_wait(asio::use_awaitable);
     }
 }

@@ -18,9 +18,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto kLookEvery = 100ms;
+constexpr auto kCheckEvery = 100ms;
 constexpr Clock::duration kFirstPause = 1s;
-constexpr Clock::duration kLongestPause = 30s;
+constexpr Clock::duration kMaxPause = 30s;
 constexpr auto kSettled = 60s;  // who ran so long starts again with a short pause
 constexpr auto kGrace = 8s;     // between SIGTERM and SIGKILL
 
@@ -71,7 +71,7 @@ bool look_after(Worker& worker) {
                  {"signal", WIFSIGNALED(status) ? WTERMSIG(status) : 0}});
     worker.pid = -1;
     worker.start_at = now + worker.pause;
-    worker.pause = std::min(worker.pause * 2, kLongestPause);
+    worker.pause = std::min(worker.pause * 2, kMaxPause);
     return true;
 }
 
@@ -106,7 +106,7 @@ void WorkerSupervisor::run(const std::stop_token& stop) {
             if (worker.pid <= 0 && Clock::now() >= worker.start_at) start(worker, command_);
         }
         std::unique_lock lock(mutex);
-        stopped.wait_for(lock, stop, kLookEvery, [] { return false; });
+        stopped.wait_for(lock, stop, kCheckEvery, [] { return false; });
     }
     end_all(workers);
 }

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr const char* kCatalogName = "catalog.db";
 constexpr const char* kEndName = "end-of-backup";  // the number of blobs: a cut file lacks it
 constexpr std::string_view kBlobsFolder = "blobs/";
@@ -134,7 +134,7 @@ private:
 
     FileDescriptor file_;
     Archive tar_;
-    std::vector<char> buffer_ = std::vector<char>(kPieceBytes);
+    std::vector<char> buffer_ = std::vector<char>(kChunkBytes);
 };
 
 class FileReader : public BlobReader {
@@ -169,7 +169,7 @@ class TarReader {
 public:
     explicit TarReader(const fs::path& file) : tar_(archive_read_new(), archive_read_free) {
         archive_read_support_format_tar(tar_.get());
-        read(archive_read_open_filename(tar_.get(), file.c_str(), kPieceBytes));
+        read(archive_read_open_filename(tar_.get(), file.c_str(), kChunkBytes));
     }
 
     // The next entry's name; "" at the end.
@@ -198,7 +198,7 @@ private:
     void read(int result) { check(result, tar_.get(), ErrorCode::BadData, "reading the backup"); }
 
     Archive tar_;
-    std::vector<char> buffer_ = std::vector<char>(kPieceBytes);
+    std::vector<char> buffer_ = std::vector<char>(kChunkBytes);
 };
 
 std::int64_t restore_blob(TarReader& tar,

@@ -190,7 +190,7 @@ Catalog::Catalog(std::shared_ptr<Implementation> implementation,
 
 Catalog::~Catalog() = default;
 
-Catalog Catalog::at_once() const { return {implementation_, false, check_, note_}; }
+Catalog Catalog::read_nonblocking() const { return {implementation_, false, check_, note_}; }
 
 void Catalog::reserve(std::size_t num_connections) {
     Pool& pool = implementation_->pool;
@@ -212,7 +212,7 @@ void Catalog::transaction(const Work& work) {
     if (!may_wait_)
         throw Error(ErrorCode::Unavailable, "the catalog cannot be written now: try again");
     Engine& engine = *implementation_->engine;
-    const auto turn = engine.wait_for_turn_to_write();
+    const auto turn = engine.wait_for_write_lock();
     const auto begin = [&](soci::session& session) { engine.begin_write(session); };
     implementation_->run(true, begin, [&](soci::session& session) {
         if (check_) check_();

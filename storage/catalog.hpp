@@ -31,9 +31,9 @@ public:
 
     // The same catalog for whoever must not wait: read() throws Error{Unavailable} where it would
     // have to, for a connection or for another process, and so does every transaction().
-    Catalog at_once() const;
+    Catalog read_nonblocking() const;
     // Opens connections until there are so many (16 at most): one for each thread that may ask, so
-    // that at_once() finds one idle.
+    // that read_nonblocking() finds one idle.
     void reserve(std::size_t num_connections);
     bool may_wait() const { return may_wait_; }
     // The same catalog for a change that leaves a note: `note` runs in every transaction, last.

@@ -12,8 +12,8 @@
 namespace divemesh::storage {
 namespace {
 
-constexpr std::int64_t kMostOpen = 20;    // of a sensor
-constexpr std::int64_t kMostKept = 1000;  // of a sensor
+constexpr std::int64_t kMaxOpen = 20;    // of a sensor
+constexpr std::int64_t kMaxKept = 1000;  // of a sensor
 
 struct CommandRow {
     SensorCommand command;
@@ -68,7 +68,7 @@ void require_room(soci::session& session, const SensorRecord& sensor) {
     std::int64_t num_open = 0;
     session << "SELECT COUNT(*) FROM sensor_commands WHERE sensor = :sensor AND " + kIsOpen,
         soci::into(num_open), soci::use(sensor.number, "sensor");
-    if (num_open >= kMostOpen)
+    if (num_open >= kMaxOpen)
         throw Error(ErrorCode::TooMany,
                     "sensor " + sensor.sensor.id + " has not yet fetched " +
                         std::to_string(num_open) + " commands: wait until it has");
@@ -115,7 +115,7 @@ void insert(soci::session& session, const SensorRecord& sensor, const SensorComm
             "DELETE FROM sensor_commands WHERE number IN (SELECT number FROM sensor_commands"
             " WHERE sensor = :sensor ORDER BY number DESC LIMIT -1 OFFSET :kept)",
             soci::use(sensor.number, "sensor"),
-            soci::use(kMostKept, "kept"));
+            soci::use(kMaxKept, "kept"));
 }
 
 std::vector<SensorCommand> open_commands(soci::session& session,

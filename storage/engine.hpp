@@ -17,7 +17,7 @@ public:
 
     virtual std::unique_ptr<Session> connect() const = 0;
     // Held for the length of a write transaction by engines that have one writer at a time.
-    virtual std::unique_lock<std::mutex> wait_for_turn_to_write() = 0;
+    virtual std::unique_lock<std::mutex> wait_for_write_lock() = 0;
     virtual void begin_write(soci::session& session) const = 0;
     virtual void begin_read(soci::session& session) const = 0;
     virtual void end(soci::session& session, const char* how) const = 0;  // COMMIT, ROLLBACK

@@ -2,9 +2,9 @@
 
 #include "schemas/error.hpp"
 #include "storage/dive_rows.hpp"
-#include "storage/figure_store.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/job_store.hpp"
+#include "storage/metric_store.hpp"
 #include "storage/report_jobs.hpp"
 #include "storage/sql.hpp"
 #include "storage/truth_store.hpp"
@@ -67,7 +67,7 @@ JobInputs JobStore::inputs(const Job& job) {
                 session, read_job(session, sources.back()).dive_id, id->get<std::string>());
         if (job.kind != JobKind::AccuracyReport) return;
         inputs.set_aside = truth_set_aside(session, job);
-        inputs.history = earlier_figures(session,
+        inputs.history = earlier_metrics(session,
                                          {.project = job.project,
                                           .dive_id = job.dive_id,
                                           .tag = job.options.value("tag", ""),

@@ -3,13 +3,13 @@
 #include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
 #include "storage/event_store.hpp"
-#include "storage/figure_store.hpp"
 #include "storage/ids.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_ends.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/job_speeds.hpp"
 #include "storage/job_store.hpp"
+#include "storage/metric_store.hpp"
 #include "storage/report_jobs.hpp"
 #include "storage/sql.hpp"
 #include "storage/stage_seconds.hpp"
@@ -277,7 +277,7 @@ bool JobStore::succeed(const Lease& lease,
                        const Measurement& measured) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         for (const Artifact& artifact : artifacts) insert_artifact(session, lease, artifact);
-        insert_figures(session, job, measured);
+        insert_metrics(session, job, measured);
         write_requirements(session, job, measured.requirements);
         learn_speed(session, job);
         end_attempt(session, job, {});

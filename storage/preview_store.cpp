@@ -63,7 +63,7 @@ Preview insert_preview(soci::session& session,
                        std::int64_t sensor,
                        const SensorMessage& message,
                        std::int64_t time_ms,
-                       int most_kept) {
+                       int max_kept) {
     Preview preview;
     preview.about = message.body;
     preview.camera = message.body.at("camera").get<std::string>();
@@ -94,7 +94,7 @@ Preview insert_preview(soci::session& session,
             "DELETE FROM sensor_previews WHERE number IN (SELECT number FROM sensor_previews"
             " WHERE sensor = :sensor ORDER BY time_ms DESC, number DESC LIMIT -1 OFFSET :kept)",
             soci::use(sensor, "sensor"),
-            soci::use(most_kept, "kept"));
+            soci::use(max_kept, "kept"));
     return preview;
 }
 

@@ -12,8 +12,8 @@
 
 namespace divemesh::storage {
 
-inline constexpr int kMostPreviews = 200;  // that are kept of a sensor
-inline constexpr int kFewPreviews = 10;    // ... while the disk is nearly full
+inline constexpr int kMaxPreviews = 200;  // that are kept of a sensor
+inline constexpr int kFewPreviews = 10;   // ... while the disk is nearly full
 
 // A picture with its bytes.
 struct StoredPreview {
@@ -22,12 +22,12 @@ struct StoredPreview {
     std::int64_t age_ms = 0;  // now
 };
 
-// Of a preview that came, taken at `time_ms`; the oldest beyond `most_kept` go.
+// Of a preview that came, taken at `time_ms`; the oldest beyond `max_kept` go.
 Preview insert_preview(soci::session& session,
                        std::int64_t sensor,
                        const SensorMessage& message,
                        std::int64_t time_ms,
-                       int most_kept);
+                       int max_kept);
 
 // The pictures that devices sent, newest first.
 class PreviewStore {

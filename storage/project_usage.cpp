@@ -45,24 +45,24 @@ ProjectUsage read_usage(Catalog& catalog, const std::string& project) {
 void require_bytes_of_quota(soci::session& session,
                             const std::string& project,
                             std::int64_t more_bytes,
-                            std::int64_t most_bytes) {
-    if (most_bytes == 0) return;
+                            std::int64_t max_num_bytes) {
+    if (max_num_bytes == 0) return;
     const std::int64_t stored = read_usage(session, project).stored_bytes;
-    if (stored > most_bytes || more_bytes > most_bytes - stored)
+    if (stored > max_num_bytes || more_bytes > max_num_bytes - stored)
         throw Error(ErrorCode::OutOfQuota,
                     "project " + project + " has " + std::to_string(stored) + " of " +
-                        std::to_string(most_bytes) + " bytes, " + std::to_string(more_bytes) +
+                        std::to_string(max_num_bytes) + " bytes, " + std::to_string(more_bytes) +
                         " more are too many: delete dives or uploads (the bytes of a deleted dive "
                         "count until it expires), or ask the administrator");
 }
 
 void require_dive_of_quota(soci::session& session,
                            const std::string& project,
-                           std::int64_t most_dives,
+                           std::int64_t max_num_dives,
                            const std::string& remedy) {
-    if (most_dives == 0 || read_usage(session, project).num_dives < most_dives) return;
+    if (max_num_dives == 0 || read_usage(session, project).num_dives < max_num_dives) return;
     throw Error(ErrorCode::OutOfQuota,
-                "project " + project + " has " + std::to_string(most_dives) +
+                "project " + project + " has " + std::to_string(max_num_dives) +
                     " dives, which is its limit: " + remedy);
 }
 

@@ -17,19 +17,19 @@ struct ProjectUsage {
 ProjectUsage read_usage(soci::session& session, const std::string& project);
 ProjectUsage read_usage(Catalog& catalog, const std::string& project);
 
-// Throws Error{OutOfQuota} when a project may not have so many bytes more; `most_bytes` 0: no
+// Throws Error{OutOfQuota} when a project may not have so many bytes more; `max_num_bytes` 0: no
 // limit. Inside the transaction that adds them, so that of two that come at once the second is
 // refused.
 void require_bytes_of_quota(soci::session& session,
                             const std::string& project,
                             std::int64_t more_bytes,
-                            std::int64_t most_bytes);
+                            std::int64_t max_num_bytes);
 
 // Throws Error{OutOfQuota} when a project may not have another dive, saying what to do about it.
 // As above.
 void require_dive_of_quota(soci::session& session,
                            const std::string& project,
-                           std::int64_t most_dives,
+                           std::int64_t max_num_dives,
                            const std::string& remedy);
 
 }  // namespace divemesh::storage

@@ -97,7 +97,7 @@ private:
 }  // namespace
 
 // The queued jobs in the order in which they start.
-struct QueueForecast::Picture {
+struct QueueForecast::Snapshot {
     struct Place {
         std::int64_t rank_ms = 0;
         std::string id;
@@ -106,7 +106,7 @@ struct QueueForecast::Picture {
     };
     std::vector<Place> places;
 
-    static std::shared_ptr<const Picture> taken_of(soci::session& session) {
+    static std::shared_ptr<const Snapshot> taken_of(soci::session& session) {
         const JobSpeeds speeds = read_speeds(session);
         const auto paused = paused_projects(session);
         std::vector<double> running_s;
@@ -116,13 +116,13 @@ struct QueueForecast::Picture {
                                                              : takes_s(speeds, row));
         }
         Slots slots(paused.contains("") ? 0 : num_slots(session), running_s);
-        auto picture = std::make_shared<Picture>();
+        auto snapshot = std::make_shared<Snapshot>();
         for (const WaitingRow& row : rows_in_state(session, "queued")) {
             Place place{.rank_ms = row.rank_ms, .id = row.id, .takes_s = takes_s(speeds, row)};
             if (!paused.contains(row.project)) place.starts_in_s = slots.take(place.takes_s);
-            picture->places.push_back(std::move(place));
+            snapshot->places.push_back(std::move(place));
         }
-        return picture;
+        return snapshot;
     }
 };
 
@@ -131,7 +131,7 @@ QueueForecast::QueueForecast(std::chrono::milliseconds max_age) : max_age_(max_a
 QueueForecast::~QueueForecast() = default;
 
 // One thread takes the new picture; the others go on with the old one meanwhile.
-std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture(Catalog& catalog) {
+std::shared_ptr<const QueueForecast::Snapshot> QueueForecast::snapshot(Catalog& catalog) {
     using Clock = std::chrono::steady_clock;
     {
         const std::lock_guard lock(mutex_);
@@ -140,9 +140,9 @@ std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture(Catalog& ca
             throw Error(ErrorCode::Unavailable, "the forecast needs the queue to be read first");
         being_taken_ = true;
     }
-    std::shared_ptr<const Picture> taken;
+    std::shared_ptr<const Snapshot> taken;
     try {
-        catalog.read([&](soci::session& session) { taken = Picture::taken_of(session); });
+        catalog.read([&](soci::session& session) { taken = Snapshot::taken_of(session); });
     } catch (...) {
         const std::lock_guard lock(mutex_);
         being_taken_ = false;
@@ -157,7 +157,7 @@ std::shared_ptr<const QueueForecast::Picture> QueueForecast::picture(Catalog& ca
 
 std::optional<Forecast> QueueForecast::of(const Job& job, Catalog& catalog) {
     if (job.state != JobState::Queued) return std::nullopt;
-    const auto now = picture(catalog);
+    const auto now = snapshot(catalog);
     const std::int64_t rank_ms = queue_rank_ms(job.created_at_ms, job.priority);
     const auto at = std::lower_bound(
         now->places.begin(), now->places.end(), job, [&](const auto& place, const Job& wanted) {

@@ -24,14 +24,14 @@ public:
     // `catalog`; Error{Unavailable} when one is due and that may not wait.
     std::optional<Forecast> of(const Job& job, Catalog& catalog);
 
-    struct Picture;
+    struct Snapshot;
 
 private:
-    std::shared_ptr<const Picture> picture(Catalog& catalog);
+    std::shared_ptr<const Snapshot> snapshot(Catalog& catalog);
 
     std::chrono::milliseconds max_age_;
     std::mutex mutex_;
-    std::shared_ptr<const Picture> newest_;
+    std::shared_ptr<const Snapshot> newest_;
     std::chrono::steady_clock::time_point taken_;
     bool being_taken_ = false;
 };

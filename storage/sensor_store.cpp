@@ -21,8 +21,8 @@ using nlohmann::json;
 constexpr std::int64_t kBelievedAhead_ms = 60'000;
 constexpr std::int64_t kBelievedBack_ms = std::int64_t{366} * 86'400'000;
 constexpr std::int64_t kTwinForgotten_ms = 60'000;
-constexpr std::int64_t kMostBoots = 1000;  // of a sensor: who makes up more loses the oldest
-constexpr std::size_t kMostCameras = 8;    // that are shown
+constexpr std::int64_t kMaxBoots = 1000;  // of a sensor: who makes up more loses the oldest
+constexpr std::size_t kMaxCameras = 8;    // that are shown
 constexpr int kForgottenAtOnce = 20'000;
 
 void tell_alarm(soci::session& session, const Sensor& sensor, const Alarm& alarm, bool raised) {
@@ -67,12 +67,12 @@ public:
              SensorRecord record,
              BootRecord boot,
              std::int64_t now_ms,
-             int most_previews)
+             int max_previews)
         : session_(session),
           record_(std::move(record)),
           boot_(std::move(boot)),
           now_ms_(now_ms),
-          most_previews_(most_previews) {}
+          max_previews_(max_previews) {}
 
     ReportOutcome receive(const SensorReport& report) {
         answer_.boot_id = boot_.boot_id;
@@ -107,7 +107,7 @@ private:
             }
             case MessageKind::Preview: {
                 const Preview preview = insert_preview(
-                    session_, record_.number, message, time_of(message), most_previews_);
+                    session_, record_.number, message, time_of(message), max_previews_);
                 if (speaks) show(preview);
                 break;
             }
@@ -160,7 +160,7 @@ private:
     void show(const Preview& preview) {
         auto& previews = record_.sensor.previews;
         const auto shown = previews.find(preview.camera);
-        if (shown == previews.end() && previews.size() >= kMostCameras) return;
+        if (shown == previews.end() && previews.size() >= kMaxCameras) return;
         if (shown != previews.end() && shown->second.time_ms > preview.time_ms) return;
         previews[preview.camera] = preview;
         shown_ = true;
@@ -227,7 +227,7 @@ private:
     SensorRecord record_;
     BootRecord boot_;
     std::int64_t now_ms_;
-    int most_previews_ = kMostPreviews;
+    int max_previews_ = kMaxPreviews;
     SensorAnswer answer_;
     bool shown_ = false;
 };
@@ -251,7 +251,7 @@ BootRecord boot_of(soci::session& session, const SensorRecord& record, const std
     boot.boot_id = boot_id;
     session << "SELECT COALESCE(MAX(number), 0) + 1 FROM sensor_boots WHERE sensor = :sensor",
         soci::into(boot.number), soci::use(record.number, "sensor");
-    const std::int64_t forgotten = boot.number - kMostBoots;
+    const std::int64_t forgotten = boot.number - kMaxBoots;
     execute(session,
             "DELETE FROM sensor_boots WHERE sensor = :sensor AND number <= :forgotten"
             " AND number <> :shown",
@@ -264,7 +264,7 @@ BootRecord boot_of(soci::session& session, const SensorRecord& record, const std
 ReportOutcome receive_one(soci::session& session,
                           const IncomingReport& incoming,
                           std::int64_t now_ms,
-                          int most_previews) {
+                          int max_previews) {
     SensorRecord record = sensor_of(session, incoming, now_ms);
     if (record.sensor.project != incoming.project)
         return {{},
@@ -273,12 +273,12 @@ ReportOutcome receive_one(soci::session& session,
                           "\" is a sensor of another project: give this one another id"),
                 {}};
     BootRecord boot = boot_of(session, record, incoming.report.boot_id);
-    return Receiver(session, std::move(record), std::move(boot), now_ms, most_previews)
+    return Receiver(session, std::move(record), std::move(boot), now_ms, max_previews)
         .receive(incoming.report);
 }
 
 // What the time has made of a sensor since it was last told.
-bool is_to_be_told(const SensorRecord& record, std::int64_t now_ms) {
+bool is_reportable(const SensorRecord& record, std::int64_t now_ms) {
     const bool has_twin = find_alarm(record.sensor.alarms, "twin") != nullptr;
     return as_of(record.sensor, now_ms).state != record.sensor.state ||
            (has_twin && now_ms - record.twin_at_ms >= kTwinForgotten_ms);
@@ -304,13 +304,13 @@ Sensor tell_the_time(soci::session& session, SensorRecord record, std::int64_t n
 }  // namespace
 
 std::vector<ReportOutcome> SensorStore::receive(const std::vector<IncomingReport>& reports,
-                                                int most_previews) {
+                                                int max_previews) {
     std::vector<ReportOutcome> outcomes;
     catalog_.transaction([&](soci::session& session) {
         outcomes.clear();
         const std::int64_t now_ms = Catalog::now_ms(session);
         for (const IncomingReport& incoming : reports)
-            outcomes.push_back(receive_one(session, incoming, now_ms, most_previews));
+            outcomes.push_back(receive_one(session, incoming, now_ms, max_previews));
     });
     return outcomes;
 }
@@ -351,7 +351,7 @@ std::vector<Sensor> SensorStore::look_at_the_time() {
         auto records = select_all<SensorRow>(
             session, kSelectSensors + " WHERE state <> 'idle' OR alarms <> '[]'");
         std::erase_if(records,
-                      [&](const SensorRecord& record) { return !is_to_be_told(record, now_ms); });
+                      [&](const SensorRecord& record) { return !is_reportable(record, now_ms); });
         return records;
     };
     bool is_anything = false;

@@ -37,7 +37,7 @@ public:
     // known comes into being. A message that came before changes nothing. Errors of an outcome:
     // Conflict (the id is another project's). Of the previews of a sensor so many are kept.
     std::vector<ReportOutcome> receive(const std::vector<IncomingReport>& reports,
-                                       int most_previews = kMostPreviews);
+                                       int max_previews = kMaxPreviews);
 
     // Throws Error{NotFound}.
     Sensor get(const std::string& id);

@@ -34,7 +34,7 @@ public:
 
     // SQLite has one writer at a time. Threads of one process queue here; only other processes are
     // waited for by polling.
-    std::unique_lock<std::mutex> wait_for_turn_to_write() override {
+    std::unique_lock<std::mutex> wait_for_write_lock() override {
         return std::unique_lock(writer_);
     }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kUseRecordedEveryMs = 60'000;
 constexpr std::size_t kMaxNameBytes = 100;
 constexpr std::size_t kMaxPathBytes = 2048;
-constexpr std::chrono::hours kLongestLifetime{24 * 3660};
+constexpr std::chrono::hours kMaxLifetime{24 * 3660};
 
 #define TOKEN_COLUMNS                                                                   \
     "id, name, project, scopes, sensor, secret_sha256, created_at_ms, last_used_at_ms," \
@@ -86,7 +86,7 @@ void check(const NewToken& wanted) {
         throw Error(ErrorCode::InvalidArgument,
                     "sensor:push must be the only scope of a token: create another token for the "
                     "other scopes");
-    if (wanted.lifetime.count() < 0 || wanted.lifetime > kLongestLifetime)
+    if (wanted.lifetime.count() < 0 || wanted.lifetime > kMaxLifetime)
         throw Error(ErrorCode::InvalidArgument, "a token can be valid for at most ten years");
 }
 

@@ -20,8 +20,8 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
-constexpr double kPiecesPerSecond = 50.0;
-constexpr std::size_t kPieceBytes = std::size_t{64} << 10;
+constexpr double kChunksPerSecond = 50.0;
+constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
 
 void reset(tcp::socket& socket) {
     boost::system::error_code ignored;
@@ -63,9 +63,9 @@ struct FlakyProxy::Implementation {
 
     asio::awaitable<void> pass_up(std::shared_ptr<Link> link) {
         // A slow link passes a little all the time, not much at once and then nothing for long.
-        const auto piece_bytes = static_cast<std::size_t>(bad_link.bytes_per_s / kPiecesPerSecond);
-        std::vector<char> buffer(piece_bytes > 0 ? std::min(piece_bytes, kPieceBytes)
-                                                 : kPieceBytes);
+        const auto write_bytes = static_cast<std::size_t>(bad_link.bytes_per_s / kChunksPerSecond);
+        std::vector<char> buffer(write_bytes > 0 ? std::min(write_bytes, kChunkBytes)
+                                                 : kChunkBytes);
         asio::steady_timer pause(io);
         for (;;) {
             const auto [error, n] =
@@ -91,7 +91,7 @@ struct FlakyProxy::Implementation {
     }
 
     asio::awaitable<void> pass_down(std::shared_ptr<Link> link) {
-        std::vector<char> buffer(kPieceBytes);
+        std::vector<char> buffer(kChunkBytes);
         for (;;) {
             const auto [error, n] =
                 co_await link->server.async_read_some(asio::buffer(buffer), kAwaitErrors);

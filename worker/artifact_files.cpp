@@ -57,8 +57,8 @@ bool is_below(const fs::path& name) {
 }
 
 std::string plain_name(const std::string& file_name) {
-    constexpr std::size_t kMostLetters = 64;
-    const std::size_t too_many = file_name.size() - std::min(file_name.size(), kMostLetters);
+    constexpr std::size_t kMaxLetters = 64;
+    const std::size_t too_many = file_name.size() - std::min(file_name.size(), kMaxLetters);
     std::string name = file_name.substr(too_many);
     for (char& c : name)
         if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';

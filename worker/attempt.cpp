@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "schemas/error.hpp"
-#include "schemas/figure.hpp"
 #include "schemas/json.hpp"
+#include "schemas/metric.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "schemas/truth_file.hpp"
 #include "worker/attempt_protocol.hpp"
@@ -91,23 +91,23 @@ std::string text_at(const nlohmann::json& document, const char* pointer) {
     return document.value(nlohmann::json::json_pointer(pointer), std::string());
 }
 
-std::vector<MeasuredFigure> measured_figures(const nlohmann::json& document) {
-    std::vector<MeasuredFigure> figures;
-    for (const Figure& figure : figures_of(document))
-        if (figure.value)
-            figures.push_back({figure.name, *figure.value, figure.unit, figure.method});
-    return figures;
+std::vector<MeasuredMetric> measured_metrics(const nlohmann::json& document) {
+    std::vector<MeasuredMetric> metrics;
+    for (const Metric& metric : flatten_metrics(document))
+        if (metric.value)
+            metrics.push_back({metric.name, *metric.value, metric.unit, metric.method});
+    return metrics;
 }
 
 // What a report says of itself, for the catalog.
 Measurement measurement_of(const nlohmann::json& report) {
     Measurement measured;
-    for (const auto& figure : report.at("figures"))
-        if (figure.at("value").is_number())
-            measured.figures.push_back({figure.at("figure").get<std::string>(),
-                                        figure.at("value").get<double>(),
-                                        figure.at("unit").get<std::string>(),
-                                        figure.at("method").get<std::string>()});
+    for (const auto& metric : report.at("figures"))
+        if (metric.at("value").is_number())
+            measured.metrics.push_back({metric.at("figure").get<std::string>(),
+                                        metric.at("value").get<double>(),
+                                        metric.at("unit").get<std::string>(),
+                                        metric.at("method").get<std::string>()});
     report.at("requirements").get_to(measured.requirements);
     report.at("regressions").get_to(measured.regressions);
     measured.version = text_at(report, "/version");
@@ -203,7 +203,7 @@ void run_reconstruction(const AttemptRequest& request) {
                           .options = make_options(request.preset, request.options),
                           .stage_done = [](const StageRun& stage) { send(stage); }},
                          reporter());
-    send(Measurement{.figures = measured_figures(metrics),
+    send(Measurement{.metrics = measured_metrics(metrics),
                      .version = text_at(metrics, "/version"),
                      .calibration_sha256 = text_at(metrics, "/calibration/sha256")});
     send(Done{});

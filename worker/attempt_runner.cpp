@@ -22,14 +22,14 @@ using namespace std::chrono_literals;
 constexpr auto kReadTimeout = 100ms;
 constexpr auto kMeasureEvery = 2s;
 constexpr auto kReportEvery = 500ms;
-constexpr std::size_t kMostLogBytes = std::size_t{512} << 10;  // more than is kept
-constexpr int kMostStages = 64;
-constexpr std::int64_t kLeastFusionMemory_bytes = std::int64_t{64} << 20;
+constexpr std::size_t kMaxPendingLogBytes = std::size_t{512} << 10;  // more than is kept
+constexpr int kMaxReportedStages = 64;
+constexpr std::int64_t kMinFusionMemory_bytes = std::int64_t{64} << 20;
 constexpr int kExitOutOfMemory = 137;  // what shells and containers say of SIGKILL
 
-LeaseNews news_of(const storage::Renewal& renewal) {
-    if (!renewal.valid) return LeaseNews::Lost;
-    return renewal.cancel_requested ? LeaseNews::CancelRequested : LeaseNews::Valid;
+LeaseStatus status_of_renewal(const storage::Renewal& renewal) {
+    if (!renewal.valid) return LeaseStatus::Lost;
+    return renewal.cancel_requested ? LeaseStatus::CancelRequested : LeaseStatus::Valid;
 }
 
 // How a child ended that said nothing about it. Without our doing, SIGKILL is the kernel's way to
@@ -76,18 +76,18 @@ Finding set_aside(const TruthFile& file) {
 // What changes no byte of the result and takes the least memory.
 void lower(nlohmann::json& options) {
     options["num_threads"] = 1;
-    options["fusion_memory_bytes"] = kLeastFusionMemory_bytes;
+    options["fusion_memory_bytes"] = kMinFusionMemory_bytes;
 }
 
 }  // namespace
 
 void AttemptRunner::run(const std::stop_token& stop) {
     const LeaseKeeper keeper(
-        {.renew = [this] { return news_of(jobs_.renew(claim_.lease, config_.lease)); },
-         .look = [this] { return news_of(jobs_.look(claim_.lease)); }},
+        {.renew = [this] { return status_of_renewal(jobs_.renew(claim_.lease, config_.lease)); },
+         .look = [this] { return status_of_renewal(jobs_.look(claim_.lease)); }},
         {.lease = config_.lease,
          .renew_every = config_.renew_every,
-         .look_every = config_.poll_every});
+         .check_every = config_.poll_every});
     try {
         const AttemptRequest request = write_request();
         supervise(keeper, stop);
@@ -172,7 +172,7 @@ ProcessLimits AttemptRunner::limits() {
         scratch_bytes_ =
             unknown
                 ? std::numeric_limits<std::int64_t>::max()
-                : std::max(kLeastScratch_bytes,
+                : std::max(kMinScratch_bytes,
                            (static_cast<std::int64_t>(space.available) - config_.min_free_bytes) /
                                10 * 9 / std::max(1, config_.num_slots));
     ProcessLimits limits = config_.limits;
@@ -226,7 +226,7 @@ void AttemptRunner::take(const AttemptMessage& message) {
     if (const auto* progress = std::get_if<Progress>(&message)) {
         progress_ = *progress;
     } else if (const auto* log = std::get_if<LogText>(&message)) {
-        if (num_log_bytes_ <= kMostLogBytes) log_ += log->text;
+        if (num_log_bytes_ <= kMaxPendingLogBytes) log_ += log->text;
         num_log_bytes_ += log->text.size();
     } else if (const auto* stage = std::get_if<StageRun>(&message)) {
         report(*stage);
@@ -241,7 +241,7 @@ void AttemptRunner::take(const AttemptMessage& message) {
 }
 
 void AttemptRunner::report(const StageRun& stage) {
-    if (++num_stages_ > kMostStages)
+    if (++num_stages_ > kMaxReportedStages)
         throw Error(ErrorCode::Unavailable, "an attempt reported more stages than exist");
     report_pending(0ms);
     report([&] { return jobs_.report_stage(claim_.lease, stage); });

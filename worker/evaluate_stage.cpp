@@ -1,4 +1,4 @@
-#include "worker/reconstruction_figures.hpp"
+#include "worker/reconstruction_metrics.hpp"
 #include "worker/stage_functions.hpp"
 
 namespace divemesh::worker {

@@ -30,11 +30,11 @@ void write_cloud(Reconstruction& made, std::shared_ptr<const OctreeVolume> cloud
 bool surface_wanted(const Reconstruction& made) { return made.options().surface; }
 
 bool load_fuse(Reconstruction& made, const std::string& key) {
-    const auto figures = load_cloud_figures(made.scratch("cloud.stage"), key);
-    if (!figures || !std::filesystem::exists(made.scratch("cloud.ply")) ||
+    const auto metrics = load_cloud_metrics(made.scratch("cloud.stage"), key);
+    if (!metrics || !std::filesystem::exists(made.scratch("cloud.ply")) ||
         !std::filesystem::exists(made.scratch("volume.stage")))
         return false;
-    made.cloud = *figures;
+    made.cloud = *metrics;
     link_or_copy(made.scratch("cloud.ply"), made.artifact("cloud.ply"));
     made.volume = load_volume(made.scratch("volume.stage"),
                               {made.request.scratch, made.options().fusion_memory_bytes});
@@ -57,7 +57,7 @@ void save_fuse(Reconstruction& made, const std::string& key) {
     made.cloud_writer.wait();
     made.volume->save(made.scratch("volume.stage"));
     link_or_copy(made.artifact("cloud.ply"), made.scratch("cloud.ply"));
-    save_cloud_figures(made.scratch("cloud.stage"), key, made.cloud);
+    save_cloud_metrics(made.scratch("cloud.stage"), key, made.cloud);
 }
 
 void finish_fuse(Reconstruction& made) {

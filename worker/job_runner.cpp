@@ -105,8 +105,8 @@ public:
         std::error_code unknown;
         const auto space = std::filesystem::space(config_.work_folder, unknown);
         const bool full =
-            !unknown && static_cast<std::int64_t>(space.available) - kLeastScratch_bytes <
-                            config_.min_free_bytes;
+            !unknown &&
+            static_cast<std::int64_t>(space.available) - kMinScratch_bytes < config_.min_free_bytes;
         if (full != was_full_)
             log_warning({{"event", full ? "disk_nearly_full" : "disk_has_room"},
                          {"folder", config_.work_folder.string()}});

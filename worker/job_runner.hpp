@@ -11,7 +11,7 @@
 namespace divemesh::worker {
 
 // Beyond min_free_bytes: what an attempt may take at the least.
-inline constexpr std::int64_t kLeastScratch_bytes = std::int64_t{64} << 20;
+inline constexpr std::int64_t kMinScratch_bytes = std::int64_t{64} << 20;
 
 struct WorkerConfig {
     std::string catalog_url;

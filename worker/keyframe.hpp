@@ -30,7 +30,7 @@ struct Keyframe {
     int frame_index = 0;
     std::int64_t timestamp_ns = 0;
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  // rectified left camera
-    std::int32_t piece = 0;
+    std::int32_t segment = 0;
 };
 
 struct KeyframeImages {

@@ -31,10 +31,10 @@ template <typename Stored>
 void quantise(const cv::Mat& values, float step, std::vector<Stored>& stored) {
     const float* value = values.ptr<float>();
     const float per_step = 1.0F / step;
-    constexpr auto kLargest = static_cast<float>(std::numeric_limits<Stored>::max());
+    constexpr auto kMaxStored = static_cast<float>(std::numeric_limits<Stored>::max());
     stored.resize(values.total());
     for (std::size_t i = 0; i < stored.size(); ++i) {
-        const float scaled = std::min(std::max(0.0F, value[i]) * per_step + 0.5F, kLargest);
+        const float scaled = std::min(std::max(0.0F, value[i]) * per_step + 0.5F, kMaxStored);
         stored[i] = static_cast<Stored>(static_cast<int>(scaled));
     }
 }
@@ -47,9 +47,9 @@ cv::Mat restored(const std::uint8_t* stored, const Header& header, int type, flo
     return values;
 }
 
-std::vector<std::uint8_t> as_jpeg(const cv::Mat& picture) {
+std::vector<std::uint8_t> as_jpeg(const cv::Mat& image) {
     std::vector<std::uint8_t> jpeg;
-    cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});
+    cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});
     return jpeg;
 }
 
@@ -163,20 +163,20 @@ cv::Mat KeyframeStore::read_left(int frame_index) const {
     return left;
 }
 
-void KeyframeStore::write_view(int frame_index, const DescribedView& view) const {
+void KeyframeStore::write_keypoints(int frame_index, const DescribedKeypoints& view) const {
     write_file(file_of(frame_index, "view"),
                {{kViewMagic, sizeof kViewMagic}, {view.data(), view.size() * sizeof view[0]}});
 }
 
-DescribedView KeyframeStore::read_view(int frame_index) const {
+DescribedKeypoints KeyframeStore::read_keypoints(int frame_index) const {
     const std::vector<std::uint8_t> bytes = read_file(file_of(frame_index, "view"));
     const std::size_t num_bytes = bytes.size() - std::min(bytes.size(), sizeof kViewMagic);
     if (bytes.size() < sizeof kViewMagic ||
         std::memcmp(bytes.data(), kViewMagic, sizeof kViewMagic) != 0 ||
-        num_bytes % sizeof(DescribedPoint) != 0)
+        num_bytes % sizeof(DescribedKeypoint) != 0)
         throw Error(ErrorCode::BadData,
                     "keyframe description is damaged: " + file_of(frame_index, "view").string());
-    DescribedView view(num_bytes / sizeof(DescribedPoint));
+    DescribedKeypoints view(num_bytes / sizeof(DescribedKeypoint));
     std::copy(bytes.begin() + sizeof kViewMagic,
               bytes.end(),
               reinterpret_cast<std::uint8_t*>(view.data()));

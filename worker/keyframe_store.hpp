@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "worker/estimation/loops/described_view.hpp"
+#include "worker/estimation/loops/described_keypoints.hpp"
 #include "worker/geometry/rerectifier.hpp"
 #include "worker/keyframe.hpp"
 
@@ -37,8 +37,8 @@ public:
     cv::Mat read_left(int frame_index) const;
 
     // What a keyframe is recognised by.
-    void write_view(int frame_index, const DescribedView& view) const;
-    DescribedView read_view(int frame_index) const;  // throws Error{BadData}
+    void write_keypoints(int frame_index, const DescribedKeypoints& view) const;
+    DescribedKeypoints read_keypoints(int frame_index) const;  // throws Error{BadData}
 
 private:
     std::filesystem::path file_of(int frame_index, const char* extension) const;

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "worker/background.hpp"
+#include "worker/background_task.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/steps/match_stereo.hpp"
@@ -20,14 +20,14 @@ public:
     KeyframeWriter(const RectifiedRig& rig,
                    const ReconstructionOptions& options,
                    const KeyframeStore& store,
-                   Workers& workers);
+                   TaskPool& task_pool);
 
     // What the tracking saw in a frame.
     struct Seen {
-        std::optional<DescribedView> view;    // of a keyframe that loops may be closed with
-        Features moving;                      // by themselves: the surface is kept free of them
-        Features scene;                       // that went with the camera's motion
-        std::optional<DisparityRange> range;  // nothing: the whole one
+        std::optional<DescribedKeypoints> view;  // of a keyframe that loops may be closed with
+        Features dynamic;                        // by themselves: the surface is kept free of them
+        Features scene;                          // that went with the camera's motion
+        std::optional<DisparityRange> range;     // nothing: the whole one
     };
 
     // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked
@@ -35,7 +35,7 @@ public:
     // The frame waits until go_on() or finish().
     void write(const RectifiedFrame& frame, const DepthMap& depth, const Seen& seen);
     // The next frame showed that these moved in the one that waits.
-    void go_on(const Features& moving);
+    void go_on(const Features& dynamic);
     // Every frame is in the store then.
     void finish();
     // Of all frames that were matched; after finish().
@@ -51,11 +51,11 @@ private:
     // that nobody is idle while the caller, made to wait, matches one itself.
     static constexpr std::size_t kNumLanes = 4;
     struct Lane {
-        Lane(const RectifiedRig& rig, const ReconstructionOptions& options, Workers& workers)
-            : stereo(rig, options), background(workers) {}
+        Lane(const RectifiedRig& rig, const ReconstructionOptions& options, TaskPool& task_pool)
+            : stereo(rig, options), task(task_pool) {}
         StereoMatcher stereo;
         SearchStatistics matched;
-        Background background;  // ends before the matcher goes
+        BackgroundTask task;  // ends before the matcher goes
     };
     void store(Waiting& waiting, Lane& lane) const;
 

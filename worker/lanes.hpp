@@ -38,16 +38,18 @@ DIVEMESH_INLINE_BODY void store(Value* to, Vector values) {
     static_assert(sizeof(Vector) == kLanes * sizeof(Value));
     std::memcpy(to, &values, sizeof values);
 }
-DIVEMESH_INLINE_BODY Floats splat(float value) { return Floats{} + value; }
-DIVEMESH_INLINE_BODY Floats size_of(Floats values) {
+DIVEMESH_INLINE_BODY Floats broadcast(float value) { return Floats{} + value; }
+DIVEMESH_INLINE_BODY Floats abs(Floats values) {
     return reinterpret_cast<Floats>(reinterpret_cast<Masks>(values) & 0x7fffffff);
 }
-DIVEMESH_INLINE_BODY Floats where(Masks mask, Floats values) {
+DIVEMESH_INLINE_BODY Floats select(Masks mask, Floats values) {
     return reinterpret_cast<Floats>(mask & reinterpret_cast<Masks>(values));
 }
-DIVEMESH_INLINE_BODY Floats largest_of(Floats a, Floats b) { return a > b ? a : b; }
-DIVEMESH_INLINE_BODY Floats least_of(Floats a, Floats b) { return a < b ? a : b; }
-DIVEMESH_INLINE_BODY Masks whole(Floats values) { return __builtin_convertvector(values, Masks); }
+DIVEMESH_INLINE_BODY Floats max(Floats a, Floats b) { return a > b ? a : b; }
+DIVEMESH_INLINE_BODY Floats min(Floats a, Floats b) { return a < b ? a : b; }
+DIVEMESH_INLINE_BODY Masks to_integers(Floats values) {
+    return __builtin_convertvector(values, Masks);
+}
 DIVEMESH_INLINE_BODY bool any(Masks mask) {
 #if defined(__SSE2__)
     __m128i halves[2];

@@ -21,7 +21,7 @@ void LeaseKeeper::run(const std::stop_token& stop) {
     while (!stop.stop_requested() && !lost_) {
         std::unique_lock lock(mutex_);
         wake_.wait_for(
-            lock, stop, std::min(times_.look_every, times_.renew_every), [] { return false; });
+            lock, stop, std::min(times_.check_every, times_.renew_every), [] { return false; });
         if (!stop.stop_requested()) ask();
     }
 }
@@ -30,9 +30,9 @@ void LeaseKeeper::ask() {
     const auto now = std::chrono::steady_clock::now();
     const bool due = now - renewed_ >= times_.renew_every;
     try {
-        const LeaseNews news = due ? calls_.renew() : calls_.look();
-        if (news == LeaseNews::Lost) lost_ = true;
-        if (news == LeaseNews::CancelRequested) cancel_requested_ = true;
+        const LeaseStatus status = due ? calls_.renew() : calls_.look();
+        if (status == LeaseStatus::Lost) lost_ = true;
+        if (status == LeaseStatus::CancelRequested) cancel_requested_ = true;
         if (due) renewed_ = now;
     } catch (const std::exception& error) {
         log_warning({{"event", "lease_not_renewed"}, {"what", error.what()}});

@@ -10,18 +10,18 @@
 namespace divemesh::worker {
 
 // What renewing a lease brought back.
-enum class LeaseNews { Valid, CancelRequested, Lost };
+enum class LeaseStatus { Valid, CancelRequested, Lost };
 
 // How a lease is asked about. Both functions are called from the keeper's thread.
 struct LeaseCalls {
-    std::function<LeaseNews()> renew;
-    std::function<LeaseNews()> look;  // without renewing: cheap, brings a cancel request soon
+    std::function<LeaseStatus()> renew;
+    std::function<LeaseStatus()> look;  // without renewing: cheap, brings a cancel request soon
 };
 
 struct LeaseTimes {
     std::chrono::milliseconds lease;
     std::chrono::milliseconds renew_every;
-    std::chrono::milliseconds look_every;
+    std::chrono::milliseconds check_every;
 };
 
 // Renews a lease by timer from a thread of its own, so that neither a slow disk nor a busy child

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "worker/estimation/frame_features.hpp"
-#include "worker/steps/match_features.hpp"
+#include "worker/steps/match_sparse_stereo.hpp"
 #include "worker/steps/predict_orientation.hpp"
 #include "worker/steps/refine_pose_by_ceres.hpp"
 #include "worker/steps/register_points.hpp"
@@ -29,26 +29,26 @@ TrackedFrame PairwiseTracker::process(const RectifiedFrame& frame) {
     const std::int64_t now_ns = frame.timestamp_ns;
     if (!motion_.started()) motion_.start(now_ns, first_pose(inertial_, rig_, now_ns));
     const std::int64_t before_ns = motion_.timestamp_ns();
-    const auto turn = motion_.turn(now_ns);
-    const auto expected = motion_.expect(turn, now_ns);
+    const auto rotation = motion_.rotation(now_ns);
+    const auto expected = motion_.predict(rotation, now_ns);
 
-    DepthMap depth = stereo_.match(frame);                                             // 1
-    Features tracks = tracker_.track(frame.left, moving_.among(features_), expected);  // 2
-    match_features(frame, depth.disparity_px, options_.num_disparities_px, tracks);
-    moving_.take_from(tracks);
+    DepthMap depth = stereo_.match(frame);                                                    // 1
+    Features tracks = tracker_.track(frame.left, moving_.with_dynamic(features_), expected);  // 2
+    match_sparse_stereo(frame, depth.disparity_px, options_.num_disparities_px, tracks);
+    moving_.take_dynamic(tracks);
     const PointPairs pairs = with_depth_at_both_times(rig_, features_, tracks);  // 3
     const auto vision =                                                          // 4
         register_points(rig_, pairs, kInlierTolerance_px, seed_of(options_.seed, frame));
-    const auto guess = predict_orientation(turn, vision);  // 5
-    const auto T_current_previous =                        // 6
+    const auto guess = predict_orientation(rotation, vision);  // 5
+    const auto T_current_previous =                            // 6
         vision.found ? refine_pose_by_ceres(rig_, vision.inliers, guess) : expected;
 
     motion_.advance(T_current_previous, now_ns);
     learn_bias(inertial_, rig_, vision, before_ns, now_ns);
     const bool first = keyframes_.empty();
     first ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
-    moving_.judge(pairs, vision);
-    features_ = consistent(tracks, pairs, vision);
+    moving_.classify(pairs, vision);
+    features_ = without_dynamic_features(tracks, pairs, vision);
     const bool keep = first || (vision.found && keyframe_rule_.due(features_, now_ns));
     if (keep || !vision.found)
         add_new_features(rig_, frame, depth, options_.num_disparities_px, tracker_, features_);
@@ -59,7 +59,7 @@ TrackedFrame PairwiseTracker::process(const RectifiedFrame& frame) {
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
     if (keep || (vision.found && mapping_rule_.due(features_))) {
         mapping_rule_.taken(features_);
-        tracked.to_map = {std::move(depth), {{}, moving_.now(), gone_along(vision), {}}};
+        tracked.to_map = {std::move(depth), {{}, moving_.now(), static_features(vision), {}}};
     }
     return tracked;
 }

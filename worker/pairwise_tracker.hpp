@@ -6,13 +6,13 @@
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_rule.hpp"
 #include "worker/estimation/mapping_rule.hpp"
-#include "worker/estimation/motion.hpp"
+#include "worker/estimation/motion_model.hpp"
 #include "worker/estimation/track_summary.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/steps/match_stereo.hpp"
 #include "worker/steps/track_features.hpp"
 #include "worker/track_frames.hpp"
-#include "worker/tracking/moving_features.hpp"
+#include "worker/tracking/dynamic_features.hpp"
 
 namespace divemesh::worker {
 
@@ -33,8 +33,8 @@ private:
     StereoMatcher stereo_;
     FeatureTracker tracker_;
     InertialPrior inertial_;
-    Motion motion_;
-    MovingFeatures moving_;
+    MotionModel motion_;
+    DynamicFeatures moving_;
     KeyframeRule keyframe_rule_;
     MappingRule mapping_rule_;
     Features features_;  // of the scene, as the last frame had them

@@ -2,23 +2,23 @@
 
 #include <utility>
 
-#include "worker/background.hpp"
+#include "worker/background_task.hpp"
+#include "worker/depth_view_prefetcher.hpp"
 #include "worker/estimation/calibration_refinement.hpp"
 #include "worker/estimation/expected_path_error.hpp"
 #include "worker/estimation/follow_keyframes.hpp"
 #include "worker/estimation/frame_covariances.hpp"
-#include "worker/estimation/global_adjustment.hpp"
+#include "worker/estimation/global_bundle_adjustment.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/loops/close_loops.hpp"
-#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/drift_model.hpp"
 #include "worker/estimation/loops/find_loops.hpp"
-#include "worker/estimation/loops/pieces.hpp"
+#include "worker/estimation/loops/separate_segments.hpp"
 #include "worker/estimation/path_uncertainty.hpp"
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/free_memory.hpp"
 #include "worker/pairwise_tracker.hpp"
 #include "worker/steps/extract_surface.hpp"
-#include "worker/views_ahead.hpp"
 #include "worker/window_tracker.hpp"
 
 namespace divemesh::worker {
@@ -55,7 +55,7 @@ OptimisedTrack optimise(const Track& track,
     InertialPrior inertial(recording, options);
     Progress at;
     at.fraction = 0.1;
-    const DriftBound drift(track.keyframes, track.landmarks, &inertial);
+    const DriftModel drift(track.keyframes, track.landmarks, &inertial);
     FoundLoops found;
     if (options.close_loops)
         found = find_loops(track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
@@ -74,10 +74,10 @@ OptimisedTrack optimise(const Track& track,
     apply_calibration(recording.rig(), result.calibration, closed);
     return_freed_memory();
     at.fraction = 0.6;
-    const AdjustedDive adjusted =
-        adjust_dive(closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);
+    const GlobalBundleAdjustment adjusted =
+        adjust_globally(closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);
     result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
-    lay_apart(kReach * track.statistics.median_depth_m, closed.keyframes);
+    separate_segments(kReach * track.statistics.median_depth_m, closed.keyframes);
     result.trajectory = follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
     result.covariances = covariances_at(
         adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
@@ -108,9 +108,9 @@ FusedMap fuse(const RectifiedRig& rig,
     Progress done;
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
-    Workers workers(options.num_threads);
-    ViewsAhead views(rig, map.volume->voxel_m(), frames, store, workers);
-    Background cloud(workers);  // ends before the map goes, also when progress() throws
+    TaskPool task_pool(options.num_threads);
+    DepthViewPrefetcher views(rig, map.volume->voxel_m(), frames, store, task_pool);
+    BackgroundTask cloud(task_pool);  // ends before the map goes, also when progress() throws
     for (std::size_t i = 0; i < frames.size(); ++i) {
         progress(done);
         const auto depth = views.next();

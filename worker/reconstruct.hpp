@@ -11,7 +11,7 @@
 #include "worker/observer.hpp"
 #include "worker/optimised_track.hpp"
 #include "worker/recording.hpp"
-#include "worker/steps/add_points.hpp"
+#include "worker/steps/fusion_volume.hpp"
 #include "worker/track.hpp"
 #include "worker/volume/mesh.hpp"
 #include "worker/volume/octree_volume.hpp"

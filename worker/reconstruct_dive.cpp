@@ -7,7 +7,7 @@
 #include "worker/output/atomic_file.hpp"
 #include "worker/output/exports.hpp"
 #include "worker/output/reconstruction_folder.hpp"
-#include "worker/reconstruction_figures.hpp"
+#include "worker/reconstruction_metrics.hpp"
 #include "worker/reconstruction_stages.hpp"
 #include "worker/report/report.hpp"
 #include "worker/run_stages.hpp"
@@ -33,7 +33,7 @@ nlohmann::json write_documents(const Reconstruction& made) {
                report_html({.metrics = document,
                             .trajectory = made.optimised.trajectory,
                             .evaluation = made.evaluation,
-                            .picture_png = made.thumbnail_png}));
+                            .image_png = made.thumbnail_png}));
     write_exports(made);
     return document;
 }

@@ -36,7 +36,7 @@ Reconstruction::Reconstruction(const ReconstructionRequest& made_for)
       dive(*opened_dive),
       marker_plan(marker_plan_of(dive.markers(), request.options)),
       keyframe_store(scratch("keyframes"), rectified_left_images(dive)),
-      workers(request.options.num_threads) {
+      task_pool(request.options.num_threads) {
     std::filesystem::create_directories(request.out);
 }
 

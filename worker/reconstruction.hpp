@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "worker/background.hpp"
+#include "worker/background_task.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/markers/locate_markers.hpp"
-#include "worker/markers/marker_figures.hpp"
+#include "worker/markers/marker_metrics.hpp"
 #include "worker/markers/marker_plan.hpp"
 #include "worker/markers/world_scale.hpp"
 #include "worker/metrics/evaluation.hpp"
@@ -47,14 +47,14 @@ struct Reconstruction {
     std::int64_t num_landmarks = 0;
 
     // markers
-    std::optional<MarkerFigures> markers;
+    std::optional<MarkerMetrics> markers;
     std::optional<WorldScale> scale;  // that was applied
 
     // fuse
     std::unique_ptr<Volume> volume;  // until the mesh is made of it
     double voxel_m = 0.0;
     std::int64_t volume_memory_bytes = 0;
-    CloudFigures cloud;
+    CloudMetrics cloud;
 
     // mesh
     Surface surface;
@@ -70,10 +70,10 @@ struct Reconstruction {
 
     // Write the cloud while the mesh is made, and the mesh while its images are. They end before
     // what they read goes, so they come last.
-    Workers workers;
-    Background cloud_writer{workers};
-    Background mesh_writer{workers};
-    Background border_finder{workers};
+    TaskPool task_pool;
+    BackgroundTask cloud_writer{task_pool};
+    BackgroundTask mesh_writer{task_pool};
+    BackgroundTask border_finder{task_pool};
 };
 
 }  // namespace divemesh::worker

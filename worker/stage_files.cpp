@@ -40,7 +40,7 @@ void put_keyframes(BinaryWriter& file, const std::vector<Keyframe>& keyframes) {
         file.put(keyframe.frame_index);
         file.put(keyframe.timestamp_ns);
         put_pose(file, keyframe.T_world_cam);
-        file.put(keyframe.piece);
+        file.put(keyframe.segment);
     }
 }
 
@@ -52,7 +52,7 @@ std::vector<Keyframe> get_keyframes(BinaryReader& file) {
         keyframe.frame_index = file.get<int>();
         keyframe.timestamp_ns = file.get<std::int64_t>();
         keyframe.T_world_cam = get_pose(file);
-        keyframe.piece = file.get<std::int32_t>();
+        keyframe.segment = file.get<std::int32_t>();
         keyframes.push_back(keyframe);
     }
     return keyframes;
@@ -227,20 +227,20 @@ std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& 
     return complete(*file, std::move(track));
 }
 
-void save_cloud_figures(const std::filesystem::path& path,
+void save_cloud_metrics(const std::filesystem::path& path,
                         const std::string& key,
-                        const CloudFigures& figures) {
+                        const CloudMetrics& metrics) {
     BinaryWriter file(path);
     file.put_text(key);
-    file.put(figures);
+    file.put(metrics);
     file.commit();
 }
 
-std::optional<CloudFigures> load_cloud_figures(const std::filesystem::path& path,
+std::optional<CloudMetrics> load_cloud_metrics(const std::filesystem::path& path,
                                                const std::string& key) {
     auto file = open_stage(path, key);
     if (!file) return std::nullopt;
-    return complete(*file, file->get<CloudFigures>());
+    return complete(*file, file->get<CloudMetrics>());
 }
 
 void save_surface(const std::filesystem::path& path,

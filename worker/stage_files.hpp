@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "worker/cloud_figures.hpp"
+#include "worker/cloud_metrics.hpp"
 #include "worker/optimised_track.hpp"
 #include "worker/surface.hpp"
 #include "worker/track.hpp"
@@ -24,10 +24,10 @@ void save_optimised_track(const std::filesystem::path& file,
 std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& file,
                                                    const std::string& key);
 
-void save_cloud_figures(const std::filesystem::path& file,
+void save_cloud_metrics(const std::filesystem::path& file,
                         const std::string& key,
-                        const CloudFigures& figures);
-std::optional<CloudFigures> load_cloud_figures(const std::filesystem::path& file,
+                        const CloudMetrics& metrics);
+std::optional<CloudMetrics> load_cloud_metrics(const std::filesystem::path& file,
                                                const std::string& key);
 
 void save_surface(const std::filesystem::path& file,

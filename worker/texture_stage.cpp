@@ -2,7 +2,7 @@
 #include <iterator>
 
 #include "worker/link_or_copy.hpp"
-#include "worker/mosaic/keyframe_pictures.hpp"
+#include "worker/mosaic/keyframe_images.hpp"
 #include "worker/mosaic/mosaic.hpp"
 #include "worker/output/atomic_file.hpp"
 #include "worker/output/glb_writer.hpp"
@@ -32,12 +32,12 @@ void run_texture(Reconstruction& made, const ProgressCallback& progress) {
     fs::create_directories(folder);
     write_glb(folder / "mesh.glb", made.surface.mesh);
     progress({});
-    write_keyframe_pictures(folder,
-                            made.optimised.rig,
-                            made.optimised.keyframes,
-                            made.keyframe_store,
-                            made.options().num_threads,
-                            progress);
+    write_keyframe_images(folder,
+                          made.optimised.rig,
+                          made.optimised.keyframes,
+                          made.keyframe_store,
+                          made.options().num_threads,
+                          progress);
     if (!made.options().texture) return;
     const Mosaic mosaic = render_mosaic(made.surface.mesh);
     write_mosaic(folder, mosaic);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "worker/background.hpp"
-#include "worker/frames_ahead.hpp"
+#include "worker/background_task.hpp"
+#include "worker/frame_prefetcher.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -27,9 +27,9 @@ Track track_frames(Recording& recording,
     Track result;
     result.rig = rectifier.rig();
     const Eigen::Isometry3d T_cam_imu = result.rig.T_imu_cam.inverse();
-    Workers workers(options.num_threads);
-    FramesAhead frames(recording, rectifier, workers);
-    KeyframeWriter writer(result.rig, options, store, workers);
+    TaskPool task_pool(options.num_threads);
+    FramePrefetcher frames(recording, rectifier, task_pool);
+    KeyframeWriter writer(result.rig, options, store, task_pool);
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
     while (const auto frame = frames.next()) {
         const TrackedFrame tracked = tracker.process(*frame);

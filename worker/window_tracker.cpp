@@ -3,11 +3,11 @@
 #include <utility>
 
 #include "worker/estimation/frame_features.hpp"
-#include "worker/steps/choose_range.hpp"
-#include "worker/steps/match_features.hpp"
+#include "worker/steps/disparity_search_range.hpp"
+#include "worker/steps/match_sparse_stereo.hpp"
 #include "worker/steps/predict_orientation.hpp"
 #include "worker/steps/refine_pose.hpp"
-#include "worker/steps/register_with_turn.hpp"
+#include "worker/steps/register_with_rotation.hpp"
 #include "worker/steps/with_depth_at_both_times.hpp"
 
 namespace divemesh::worker {
@@ -30,50 +30,51 @@ TrackedFrame WindowTracker::process(const RectifiedFrame& frame) {
     const std::int64_t now_ns = frame.timestamp_ns;
     if (!motion_.started()) motion_.start(now_ns, first_pose(inertial_, rig_, now_ns));
     const std::int64_t before_ns = motion_.timestamp_ns();
-    const auto turn = motion_.turn(now_ns);
-    const auto expected = motion_.expect(turn, now_ns);
+    const auto rotation = motion_.rotation(now_ns);
+    const auto expected = motion_.predict(rotation, now_ns);
 
-    Features tracks = tracker_.track(frame.left, moving_.among(features_), expected);  // 2
-    match_features(frame, {}, options_.num_disparities_px, tracks);                    // 1
-    moving_.take_from(tracks);
+    Features tracks = tracker_.track(frame.left, moving_.with_dynamic(features_), expected);  // 2
+    match_sparse_stereo(frame, {}, options_.num_disparities_px, tracks);                      // 1
+    moving_.take_dynamic(tracks);
     const PointPairs measured = with_depth_at_both_times(rig_, features_, tracks);  // 3
     PointPairs pairs = measured;
     map_.use_landmarks(motion_.T_world_cam(), pairs);
-    const auto vision = register_with_turn(  // 4
+    const auto vision = register_with_rotation(  // 4
         rig_,
         pairs,
-        turn,
+        rotation,
         expected,
         kInlierTolerance_px,
         seed_of(options_.seed, frame));
-    const auto guess = predict_orientation(turn, vision);  // 5
-    const auto T_current_previous =                        // 6
+    const auto guess = predict_orientation(rotation, vision);  // 5
+    const auto T_current_previous =                            // 6
         vision.found ? refine_pose(rig_, vision.inliers, guess) : expected;
 
     motion_.advance(T_current_previous, now_ns);
     if (options_.align_imu) aligner_.watch(rig_, measured, vision, before_ns, now_ns, inertial_);
     const bool first = map_.empty();
     first ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
-    moving_.judge(pairs, vision);
-    features_ = consistent(tracks, pairs, vision);
+    moving_.classify(pairs, vision);
+    features_ = without_dynamic_features(tracks, pairs, vision);
     add_lost_features(frame, T_current_previous, options_.num_disparities_px, tracker_, features_);
     const bool keep = first || (vision.found && map_.due(features_, now_ns));
     if (keep || !vision.found)
         add_new_features(rig_, frame, {}, options_.num_disparities_px, tracker_, features_);
-    if (!vision.found) memory_.lose_sight();
-    std::optional<DescribedView> view;
+    if (!vision.found) memory_.mark_lost();
+    std::optional<DescribedKeypoints> view;
     if (keep) view = keep_keyframe(frame);
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
     if (keep || (vision.found && mapping_rule_.due(features_))) {
         mapping_rule_.taken(features_);
-        const DisparityRange range = choose_range(features_, options_.num_disparities_px);  // 1
-        tracked.to_map = {{}, {std::move(view), moving_.now(), gone_along(vision), range}};
+        const DisparityRange range =
+            disparity_search_range(features_, options_.num_disparities_px);  // 1
+        tracked.to_map = {{}, {std::move(view), moving_.now(), static_features(vision), range}};
     }
     return tracked;
 }
 
-std::optional<DescribedView> WindowTracker::keep_keyframe(const RectifiedFrame& frame) {
-    memory_.recognise(frame, seed_of(options_.seed, frame), features_, motion_);
+std::optional<DescribedKeypoints> WindowTracker::keep_keyframe(const RectifiedFrame& frame) {
+    memory_.relocalise(frame, seed_of(options_.seed, frame), features_, motion_);
     map_.add(frame, features_, motion_, inertial_);
     return memory_.keep(frame, features_, motion_.T_world_cam());
 }

@@ -6,14 +6,14 @@
 #include "worker/estimation/imu_aligner.hpp"
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_map.hpp"
-#include "worker/estimation/loops/scene_memory.hpp"
+#include "worker/estimation/loops/relocaliser.hpp"
 #include "worker/estimation/mapping_rule.hpp"
-#include "worker/estimation/motion.hpp"
+#include "worker/estimation/motion_model.hpp"
 #include "worker/estimation/track_summary.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/steps/track_features.hpp"
 #include "worker/track_frames.hpp"
-#include "worker/tracking/moving_features.hpp"
+#include "worker/tracking/dynamic_features.hpp"
 
 namespace divemesh::worker {
 
@@ -30,7 +30,7 @@ public:
 
 private:
     // Returns what the keyframe is recognised by; nullopt: no loop is looked for.
-    std::optional<DescribedView> keep_keyframe(const RectifiedFrame& frame);
+    std::optional<DescribedKeypoints> keep_keyframe(const RectifiedFrame& frame);
 
     RectifiedRig rig_;
     ReconstructionOptions options_;
@@ -38,10 +38,10 @@ private:
     InertialPrior inertial_;
     ImuAligner aligner_;
     KeyframeMap map_;
-    SceneMemory memory_;
+    Relocaliser memory_;
     MappingRule mapping_rule_;
-    Motion motion_;
-    MovingFeatures moving_;
+    MotionModel motion_;
+    DynamicFeatures moving_;
     Features features_;  // of the scene, as the last frame had them
     TrackSummary summary_;
 };

@@ -10,8 +10,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kFirstPause{100};
-constexpr milliseconds kLongestPause{30'000};
-constexpr int kMostDoublings = 9;
+constexpr milliseconds kMaxPause{30'000};
+constexpr int kMaxDoublings = 9;
 
 void sleep_for(milliseconds pause, const std::stop_token& stop) {
     std::mutex mutex;
@@ -39,7 +39,7 @@ void Backoff::wait(const Error& reason) {
     const bool gives_up = give_up_after_ > milliseconds(0);
     if (gives_up && idle >= give_up_after_) throw reason;
     const auto longest =
-        std::min(kLongestPause, kFirstPause * (1 << std::min(num_tries_, kMostDoublings)));
+        std::min(kMaxPause, kFirstPause * (1 << std::min(num_tries_, kMaxDoublings)));
     ++num_tries_;
     std::uniform_int_distribution<std::int64_t> jitter(longest.count() / 2, longest.count());
     milliseconds pause(jitter(random_));

@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 
-constexpr std::size_t kPieceBytes = std::size_t{128} << 10;
+constexpr std::size_t kChunkBytes = std::size_t{128} << 10;
 constexpr std::uint64_t kMaxBufferedBody = std::uint64_t{64} << 20;
 
 std::string lower(std::string_view text) {
@@ -59,8 +59,8 @@ struct HttpConnection::Implementation {
 
     // Runs one asynchronous operation to its end: the only way Beast has timeouts.
     template <typename Start>
-    auto run(Start&& start, std::chrono::milliseconds patience = {}) {
-        stream->expires_after(stall + patience);
+    auto run(Start&& start, std::chrono::milliseconds timeout = {}) {
+        stream->expires_after(stall + timeout);
         auto result = start();
         context.restart();
         context.run();
@@ -100,7 +100,7 @@ struct HttpConnection::Implementation {
         message.content_length(static_cast<std::uint64_t>(body.length));
         http::request_serializer<http::empty_body> header(message);
         run([&] { return http::async_write_header(*stream, header, asio::use_future); });
-        std::vector<char> piece(body.piece_bytes);
+        std::vector<char> chunk(body.write_bytes);
         for (std::int64_t sent = 0; sent < body.length;) {
             // Refused before all of it was sent. What comes over TLS need not be an answer.
             if (!stream->tls() && stream->available() > 0) {
@@ -108,15 +108,15 @@ struct HttpConnection::Implementation {
                 return;
             }
             const auto wanted = static_cast<std::size_t>(std::min<std::int64_t>(
-                body.length - sent, static_cast<std::int64_t>(piece.size())));
+                body.length - sent, static_cast<std::int64_t>(chunk.size())));
             std::size_t filled = 0;
             while (filled < wanted)
                 filled +=
                     body.source->read_at(body.offset + sent + static_cast<std::int64_t>(filled),
-                                         std::span(piece).subspan(filled, wanted - filled));
+                                         std::span(chunk).subspan(filled, wanted - filled));
             run([&] {
                 return asio::async_write(
-                    *stream, asio::buffer(piece.data(), filled), asio::use_future);
+                    *stream, asio::buffer(chunk.data(), filled), asio::use_future);
             });
             sent += static_cast<std::int64_t>(filled);
             if (body.on_sent) body.on_sent(sent);
@@ -128,16 +128,16 @@ struct HttpConnection::Implementation {
         parser.body_limit(boost::none);
         if (request.method == "HEAD") parser.skip(true);
         run([&] { return http::async_read_header(*stream, buffer, parser, asio::use_future); },
-            request.patience);
+            request.timeout);
         answer_began = true;
         HttpResponse response = header_of(parser.get());
         const bool to_sink = sink != nullptr && sink->on_header(response);
-        std::array<char, kPieceBytes> piece;
+        std::array<char, kChunkBytes> chunk;
         while (!parser.is_done()) {
-            parser.get().body() = {piece.data(), piece.size(), true};
+            parser.get().body() = {chunk.data(), chunk.size(), true};
             read_some(parser);
-            const std::span<const char> bytes(piece.data(),
-                                              piece.size() - parser.get().body().size);
+            const std::span<const char> bytes(chunk.data(),
+                                              chunk.size() - parser.get().body().size);
             if (to_sink)
                 sink->on_bytes(bytes);
             else

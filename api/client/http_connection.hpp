@@ -20,7 +20,7 @@ struct HttpRequest {
     std::string target;  // below the server's base path: "/api/v1/dives?state=ready"
     std::vector<std::pair<std::string, std::string>> headers;
     std::string body;
-    std::chrono::milliseconds patience{0};  // for the answer to begin, beyond the usual stall
+    std::chrono::milliseconds timeout{0};  // for the answer to begin, beyond the usual stall
 };
 
 struct HttpResponse {
@@ -36,7 +36,7 @@ struct BodyRange {
     ByteSource* source = nullptr;
     std::int64_t offset = 0;
     std::int64_t length = 0;
-    std::size_t piece_bytes = std::size_t{128} << 10;  // handed to the network at a time
+    std::size_t write_bytes = std::size_t{128} << 10;  // handed to the network at a time
     std::function<void(std::int64_t bytes_sent)> on_sent;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::chrono::minutes kGiveUpAfter{10};
 constexpr std::chrono::seconds kPollPause{1};
-constexpr std::chrono::seconds kEventPatience{5};  // then the job is asked for all the same
+constexpr std::chrono::seconds kEventTimeout{5};  // then the job is asked for all the same
 
 // Says when it is worth asking again; what an event holds beyond its subject is not relied on.
 class Watch {
@@ -21,7 +21,7 @@ public:
     void wait_for(const std::string& subject) {
         try {
             if (!stream_) stream_.emplace(account_, sequence_);
-            const auto end = std::chrono::steady_clock::now() + kEventPatience;
+            const auto end = std::chrono::steady_clock::now() + kEventTimeout;
             while (std::chrono::steady_clock::now() < end) {
                 const auto event = stream_->next(kPollPause);
                 if (!event) continue;

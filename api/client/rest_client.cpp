@@ -106,16 +106,15 @@ nlohmann::json RestClient::get(const std::string& path, const QueryParameters& q
 
 nlohmann::json RestClient::post(const std::string& path,
                                 const nlohmann::json& body,
-                                std::chrono::milliseconds patience) {
-    return post(path, body, patience, "");
+                                std::chrono::milliseconds timeout) {
+    return post(path, body, timeout, "");
 }
 
 nlohmann::json RestClient::post(const std::string& path,
                                 const nlohmann::json& body,
-                                std::chrono::milliseconds patience,
+                                std::chrono::milliseconds timeout,
                                 const std::string& idempotency_key) {
-    HttpRequest request{
-        "POST", path, {{"Content-Type", "application/json"}}, body.dump(), patience};
+    HttpRequest request{"POST", path, {{"Content-Type", "application/json"}}, body.dump(), timeout};
     if (!idempotency_key.empty()) request.headers.emplace_back("Idempotency-Key", idempotency_key);
     const auto response = send(std::move(request));
     return response.body.empty() ? nlohmann::json() : nlohmann::json::parse(response.body);
@@ -129,9 +128,9 @@ nlohmann::json RestClient::patch(const std::string& path, const nlohmann::json& 
 nlohmann::json RestClient::post_once(const std::string& path,
                                      const nlohmann::json& body,
                                      Backoff& backoff,
-                                     std::chrono::milliseconds patience) {
+                                     std::chrono::milliseconds timeout) {
     const std::string key = random_key();
-    return backoff.until_done([&] { return post(path, body, patience, key); });
+    return backoff.until_done([&] { return post(path, body, timeout, key); });
 }
 
 std::string RestClient::get_text(const std::string& path) {

@@ -25,7 +25,7 @@ std::string percent_encode(std::string_view text);
 Error error_of(const HttpResponse& response);
 
 // How long a server may take to hash an archive of that size: 100 MB/s at least.
-constexpr std::chrono::milliseconds hashing_patience(std::int64_t archive_bytes) {
+constexpr std::chrono::milliseconds hashing_timeout(std::int64_t archive_bytes) {
     return std::chrono::milliseconds(archive_bytes / 100'000);
 }
 
@@ -41,14 +41,14 @@ public:
     nlohmann::json get(const std::string& path, const QueryParameters& query = {});
     nlohmann::json post(const std::string& path,
                         const nlohmann::json& body,
-                        std::chrono::milliseconds patience = {});
+                        std::chrono::milliseconds timeout = {});
     nlohmann::json patch(const std::string& path, const nlohmann::json& body);
     // The same with an Idempotency-Key, again until there is an answer: done once, however often
     // it is sent.
     nlohmann::json post_once(const std::string& path,
                              const nlohmann::json& body,
                              Backoff& backoff,
-                             std::chrono::milliseconds patience = {});
+                             std::chrono::milliseconds timeout = {});
     std::string get_text(const std::string& path);
     void remove(const std::string& path);
 
@@ -63,7 +63,7 @@ private:
     HttpResponse send(HttpRequest request);
     nlohmann::json post(const std::string& path,
                         const nlohmann::json& body,
-                        std::chrono::milliseconds patience,
+                        std::chrono::milliseconds timeout,
                         const std::string& idempotency_key);
 
     Account account_;

@@ -109,12 +109,12 @@ private:
         body.offset = start;
         body.length = std::min(context_.settings.chunk_bytes, source_.size_bytes() - start);
         if (context_.settings.max_bytes_per_s > 0.0)  // several a second: silence is a broken link
-            body.piece_bytes =
+            body.write_bytes =
                 static_cast<std::size_t>(std::clamp(context_.settings.max_bytes_per_s / 8.0,
                                                     1024.0,
-                                                    static_cast<double>(body.piece_bytes)));
+                                                    static_cast<double>(body.write_bytes)));
         if (start + body.length == source_.size_bytes())
-            patch.patience = hashing_patience(source_.size_bytes());
+            patch.timeout = hashing_timeout(source_.size_bytes());
         body.on_sent = [this, start, before = std::int64_t{0}](std::int64_t sent) mutable {
             if (context_.stop.stop_requested())
                 throw Error(ErrorCode::Cancelled, "stopped while sending");
@@ -184,7 +184,7 @@ std::string join_by_tus(const TusContext& context,
     std::string concat = "final;";
     for (const auto& part : parts) concat += (part == parts.front() ? "" : " ") + part;
     post.headers.emplace_back("Upload-Concat", concat);
-    post.patience = 2 * hashing_patience(size_bytes);  // it copies them, too
+    post.timeout = 2 * hashing_timeout(size_bytes);  // it copies them, too
     return backoff.until_done([&] {
         const HttpResponse response = connection.send(post);
         if (response.status != 201) refuse(response);

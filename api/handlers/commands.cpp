@@ -4,7 +4,7 @@
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 #include "api/visible.hpp"
 #include "storage/command_store.hpp"
 
@@ -22,7 +22,7 @@ storage::CommandRequest command_request(const Request& request) {
         .life_ms = value_or<std::int64_t>(body, "expires_in_ms", kUsualLife_ms),
         .requested_by = request.token.id};
     check_command(wanted.name, wanted.arguments);
-    if (wanted.life_ms < kLeastCommandLife_ms || wanted.life_ms > kMostCommandLife_ms)
+    if (wanted.life_ms < kMinCommandLife_ms || wanted.life_ms > kMaxCommandLife_ms)
         throw InvalidInput({{"\"expires_in_ms\" must be 1000 to 86400000", "/expires_in_ms", ""}});
     return wanted;
 }
@@ -36,7 +36,7 @@ Awaitable<Response> create_command(Request request, Services services) {
         return storage::CommandStore(catalog).create(command_request(request));
     };
     const SensorCommand command = co_await in_pool(services.pool, std::move(work));
-    services.desk.call(command.sensor);
+    services.sensor_hub.call(command.sensor);
     Response response = json_response(http::status::created, command);
     response.set("Location", request.path + "/" + command.id);
     co_return response;

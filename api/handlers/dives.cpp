@@ -112,7 +112,7 @@ Awaitable<Response> create_dive(Request request, Services services) {
     co_await in_pool(services.pool, std::move(look));
     const StopFlag stopped = std::make_shared<std::atomic<bool>>(false);
     auto stop = [stopped] { *stopped = true; };
-    auto turn = co_await services.turns.take(wanted.upload_id, std::move(stop));
+    auto lock = co_await services.locks.take(wanted.upload_id, std::move(stop));
     auto fresh = [services, request] {
         return reconciled(services, visible_upload(request, services.catalog));
     };

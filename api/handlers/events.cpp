@@ -5,7 +5,7 @@
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
-#include "api/sensor_desk.hpp"
+#include "api/sensor_hub.hpp"
 #include "api/target.hpp"
 #include "api/web_socket.hpp"
 #include "schemas/invalid_input.hpp"
@@ -15,7 +15,7 @@
 namespace divemesh::api {
 namespace {
 
-constexpr std::size_t kMostSensors = 100;
+constexpr std::size_t kMaxSensors = 100;
 
 // After a restored backup a client may have seen more than there is, after a long time less: it
 // would be told nothing, or not all, without a word. Since 0 is from the oldest that there is.
@@ -35,13 +35,13 @@ std::vector<std::string> watched_sensors(const Request& request, const Services&
     auto ids = split_list(query_value(request, "sensors"));
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-    if (ids.size() > kMostSensors)
+    if (ids.size() > kMaxSensors)
         throw InvalidInput(
-            {{"\"sensors\" must name at most " + std::to_string(kMostSensors), "", "sensors"}});
+            {{"\"sensors\" must name at most " + std::to_string(kMaxSensors), "", "sensors"}});
     for (const std::string& id : ids) {
         const Sensor sensor = storage::SensorStore(services.catalog).get(id);
         require_visible(request.token, sensor.project, "sensor " + id);
-        services.desk.introduce(sensor);
+        services.sensor_hub.introduce(sensor);
     }
     return ids;
 }

@@ -12,7 +12,7 @@ namespace divemesh::api {
 namespace {
 
 // Its age is told: a picture that stands still is never taken for what is seen now.
-Response picture_response(storage::StoredPreview stored) {
+Response image_response(storage::StoredPreview stored) {
     Response response = empty_response(http::status::ok);
     response.set("Content-Type", "image/jpeg");
     response.set("Last-Modified", http_date(stored.preview.time_ms / 1000));
@@ -39,7 +39,7 @@ Awaitable<Response> get_preview(Request request, Services services) {
         if (!id) throw Error(ErrorCode::NotFound, "the number of a preview must be a whole number");
         return storage::PreviewStore(catalog).get(sensor, *id);
     };
-    co_return picture_response(co_await in_pool(services.pool, std::move(work)));
+    co_return image_response(co_await in_pool(services.pool, std::move(work)));
 }
 
 Awaitable<Response> get_newest_preview(Request request, Services services) {
@@ -48,7 +48,7 @@ Awaitable<Response> get_newest_preview(Request request, Services services) {
         visible_sensor(request, catalog);
         return storage::PreviewStore(catalog).newest(sensor, query_value(request, "camera"));
     };
-    co_return picture_response(co_await in_pool(services.pool, std::move(work)));
+    co_return image_response(co_await in_pool(services.pool, std::move(work)));
 }
 
 }  // namespace divemesh::api

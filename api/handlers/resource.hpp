@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "api/at_once.hpp"
 #include "api/audit.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
 #include "api/preconditions.hpp"
+#include "api/read_nonblocking.hpp"
 #include "schemas/json.hpp"
 
 namespace divemesh::api {
@@ -14,11 +14,11 @@ namespace divemesh::api {
 // What most handlers do once they know what is asked for. `read` and `remove` take the request and
 // the catalog; they throw where it is not there or the token does not see it.
 
-// Answers with one object, which `read` finds by its keys: see at_once().
+// Answers with one object, which `read` finds by its keys: see read_nonblocking().
 template <typename Read>
 Awaitable<Response> get_resource(Request request, Services services, Read read) {
     auto find = [request, read](storage::Catalog& catalog) { return read(request, catalog); };
-    const auto found = co_await at_once(services, std::move(find));
+    const auto found = co_await read_nonblocking(services, std::move(find));
     co_return resource_response(request, found);
 }
 

@@ -16,8 +16,8 @@
 namespace divemesh::api {
 namespace {
 
-constexpr std::int64_t kMostSteps = 5000;
-constexpr std::size_t kMostFields = 16;
+constexpr std::int64_t kMaxStepCount = 5000;
+constexpr std::size_t kMaxHistoryFields = 16;
 constexpr std::int64_t kLatest_ms = std::int64_t{1} << 52;
 
 std::vector<std::string> fields_of(const Request& request) {
@@ -29,9 +29,9 @@ std::vector<std::string> fields_of(const Request& request) {
                 {"\"fields\" names \"" + field + "\", which is not a number of a status",
                  "",
                  "fields"});
-    if (fields.size() > kMostFields)
+    if (fields.size() > kMaxHistoryFields)
         faults.push_back(
-            {"\"fields\" must name at most " + std::to_string(kMostFields), "", "fields"});
+            {"\"fields\" must name at most " + std::to_string(kMaxHistoryFields), "", "fields"});
     if (!faults.empty()) throw InvalidInput(std::move(faults));
     return fields;
 }
@@ -47,8 +47,8 @@ storage::HistoryRequest history_request(const Request& request) {
     wanted.fields = fields_of(request);
     if (!request.query.contains("steps")) return wanted;
     const auto steps = parse_count(query_value(request, "steps"));
-    if (!steps || *steps < 1 || *steps > kMostSteps)
-        throw InvalidInput({{"steps must be 1 to " + std::to_string(kMostSteps), "", "steps"}});
+    if (!steps || *steps < 1 || *steps > kMaxStepCount)
+        throw InvalidInput({{"steps must be 1 to " + std::to_string(kMaxStepCount), "", "steps"}});
     wanted.num_steps = static_cast<int>(*steps);
     return wanted;
 }

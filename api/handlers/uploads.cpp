@@ -31,7 +31,7 @@ namespace divemesh::api {
 namespace {
 
 constexpr auto kChecksumMismatch = static_cast<http::status>(460);
-constexpr auto kNamingPatience = std::chrono::seconds(2);
+constexpr auto kNamingTimeout = std::chrono::seconds(2);
 
 void check_content_length(const Request& request, const Upload& upload, const Services& services) {
     const std::int64_t room =
@@ -134,7 +134,7 @@ std::function<void()> stopper(const Request& request, const StopFlag& stopped) {
     };
 }
 
-Awaitable<UploadTurns::Turn> take_turn(Request request, Services services, StopFlag stopped) {
+Awaitable<UploadLocks::Lock> take_lock(Request request, Services services, StopFlag stopped) {
     // Whether it exists and may be seen, and takes bytes when there are some, comes first: others'
     // requests are not to be stopped.
     auto look = [services, request] {
@@ -145,7 +145,7 @@ Awaitable<UploadTurns::Turn> take_turn(Request request, Services services, StopF
     };
     co_await in_pool(services.pool, std::move(look));
     auto stop = stopper(request, stopped);
-    co_return co_await services.turns.take(request.parameter("upload_id"), std::move(stop));
+    co_return co_await services.locks.take(request.parameter("upload_id"), std::move(stop));
 }
 
 Awaitable<Response> receive(
@@ -192,7 +192,7 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
     Upload upload = co_await in_pool(services.pool, std::move(enter));
     const StopFlag stopped = new_flag();
     auto stop = [stopped] { *stopped = true; };
-    auto turn = co_await services.turns.take(upload.id, std::move(stop));
+    auto lock = co_await services.locks.take(upload.id, std::move(stop));
     auto fresh = [services, upload] {
         const Upload whole =
             reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
@@ -225,7 +225,7 @@ Response describe(const Upload& upload) {
 
 // A client that lost the last answer asks for the dive here, which mostly is made within moments.
 Awaitable<Upload> once_named(Request request, Services services, Upload upload) {
-    const auto end = std::chrono::steady_clock::now() + kNamingPatience;
+    const auto end = std::chrono::steady_clock::now() + kNamingTimeout;
     boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
     while (becomes_dive(upload) && upload.dive_id.empty() && upload.truth_id.empty() &&
            !services.stopping && std::chrono::steady_clock::now() < end) {
@@ -248,7 +248,7 @@ Response offset_conflict(const Request& request, const Upload& upload) {
 }
 
 // As it would be: a request that is refused must not fix the length.
-Upload with_told_length(const Request& request, Upload upload) {
+Upload with_deferred_length(const Request& request, Upload upload) {
     if (!upload.length_bytes && request.has_header("upload-length"))
         upload.length_bytes = std::max(count_header(request, "upload-length"), upload.offset_bytes);
     return upload;
@@ -300,7 +300,7 @@ Awaitable<Response> create_upload(Request request, Services services) {
     const Upload upload = co_await in_pool(services.pool, std::move(enter));
     const StopFlag stopped = new_flag();
     auto stop = stopper(request, stopped);
-    auto turn = co_await services.turns.take(upload.id, std::move(stop));
+    auto lock = co_await services.locks.take(upload.id, std::move(stop));
     if (with_bytes) co_return co_await receive(created(upload), request, services, upload, stopped);
     co_return co_await arrived(created(upload), request, services, upload, stopped);
 }
@@ -312,7 +312,7 @@ Awaitable<Response> get_upload_offset(Request request, Services services) {
     // Not to be stopped: a join, and the hashing of what is complete.
     if (upload.is_final()) co_return describe(upload);
     if (upload.complete()) co_return describe(co_await once_named(request, services, upload));
-    auto turn = co_await take_turn(request, services, new_flag());
+    auto lock = co_await take_lock(request, services, new_flag());
     auto fresh = [services, request] {
         return reconciled(services, visible_upload(request, services.catalog));
     };
@@ -332,13 +332,13 @@ Awaitable<Response> append_to_upload(Request request, Services services) {
     const std::int64_t offset = count_header(request, "upload-offset");
     checksum_of(request);
     const StopFlag stopped = new_flag();
-    auto turn = co_await take_turn(request, services, stopped);
+    auto lock = co_await take_lock(request, services, stopped);
     auto fresh = [services, request] {
         return reconciled(services, visible_upload(request, services.catalog));
     };
     Upload upload = co_await in_pool(services.pool, std::move(fresh));
     if (offset != upload.offset_bytes) co_return offset_conflict(request, upload);
-    check_content_length(request, with_told_length(request, upload), services);
+    check_content_length(request, with_deferred_length(request, upload), services);
     auto lengthen = [services, request, upload] { return with_length(request, services, upload); };
     upload = co_await in_pool(services.pool, std::move(lengthen));
     Response response = empty_response(http::status::no_content);
@@ -349,7 +349,7 @@ Awaitable<Response> append_to_upload(Request request, Services services) {
 
 Awaitable<Response> terminate_upload(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
-    auto turn = co_await take_turn(request, services, new_flag());
+    auto lock = co_await take_lock(request, services, new_flag());
     auto work = [services, request] {
         const Upload upload = visible_upload(request, services.catalog);
         auto catalog = audited(services, request);

@@ -7,10 +7,10 @@
 namespace divemesh::api {
 namespace {
 
-bool matches(const std::string& header, std::string_view bytes, std::size_t piece) {
+bool matches(const std::string& header, std::string_view bytes, std::size_t chunk) {
     UploadChecksum checksum(header);
-    for (std::size_t at = 0; at < bytes.size(); at += piece)
-        checksum.update(bytes.substr(at, piece));
+    for (std::size_t at = 0; at < bytes.size(); at += chunk)
+        checksum.update(bytes.substr(at, chunk));
     return checksum.matches();
 }
 
@@ -24,8 +24,8 @@ TEST(UploadChecksumTest, AgreesWithThePublishedDigests) {
         {"crc32c 4waSgw==", "123456789"},
         {"crc32c AAAAAA==", ""}};
     for (const auto& [header, bytes] : known)
-        for (const std::size_t piece : {1, 5, 100})
-            EXPECT_TRUE(matches(header, bytes, piece)) << header;
+        for (const std::size_t chunk : {1, 5, 100})
+            EXPECT_TRUE(matches(header, bytes, chunk)) << header;
     EXPECT_FALSE(matches("crc32c 4waSgw==", "123456780", 3));
     EXPECT_FALSE(matches("sha1 qZk+NkcGgWq6PiVxeFDCbJzQ2J0=", "abd", 3));
 }

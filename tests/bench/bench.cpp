@@ -51,17 +51,17 @@ bool wanted(const Names& list, const std::string& item) {
 }
 
 // The median of each figure over the documents that have it.
-json median_figures(const std::vector<json>& documents) {
-    json figures = json::object();
-    for (const Figure& figure : all_figures()) {
-        const json::json_pointer pointer(figure.pointer);
+json median_metrics(const std::vector<json>& documents) {
+    json named_values = json::object();
+    for (const Metric& metric : all_metrics()) {
+        const json::json_pointer pointer(metric.pointer);
         std::vector<double> values;
         for (const json& document : documents)
             if (document.contains(pointer) && document[pointer].is_number())
                 values.push_back(document[pointer].get<double>());
-        if (!values.empty()) figures[figure.name] = median(values);
+        if (!values.empty()) named_values[metric.name] = median(values);
     }
-    return figures;
+    return named_values;
 }
 
 // Of the stages that a trajectory needs; with surface=false nothing dense is in them, but for the
@@ -74,12 +74,12 @@ double cpu_ms_per_frame(const json& metrics) {
     return 1e3 * cpu_s / std::max(1.0, metrics["frames"]["num_frames"].get<double>());
 }
 
-void add_trajectory_figures(const json& metrics, json& result) {
-    json& figures = result["figures"];
-    figures["cpu_ms_per_frame"] = cpu_ms_per_frame(metrics);
-    if (figures.contains("ate_rmse_m"))
-        figures["ate_percent_of_path"] =
-            100.0 * figures["ate_rmse_m"].get<double>() / figures["path_length_m"].get<double>();
+void add_trajectory_metrics(const json& metrics, json& result) {
+    json& named_values = result["figures"];
+    named_values["cpu_ms_per_frame"] = cpu_ms_per_frame(metrics);
+    if (named_values.contains("ate_rmse_m"))
+        named_values["ate_percent_of_path"] = 100.0 * named_values["ate_rmse_m"].get<double>() /
+                                              named_values["path_length_m"].get<double>();
     for (const char* which : {"final", "causal"}) {
         const json::json_pointer pointer(std::string("/trajectory/") + which + "/segments");
         if (metrics.contains(pointer)) result["segments"][which] = metrics[pointer];
@@ -145,7 +145,7 @@ json measure_speed(const Run& run,
         wall_ms.push_back(taken.count() / (*document)["frames"]["num_frames"].get<double>());
         ratios.push_back(wall_ms.back() / sgbm_ms.back());
     }
-    result["figures"] = median_figures(documents);
+    result["figures"] = median_metrics(documents);
     result["figures"]["wall_ms_per_frame"] = median(wall_ms);
     result["figures"]["sgbm_ms_per_frame"] = median(sgbm_ms);
     result["figures"]["wall_to_sgbm"] = median(ratios);
@@ -165,9 +165,9 @@ json reconstruct(const Run& run,
     if (run.group == "speed") return measure_speed(run, dive, options, folder, result);
     const auto document = run_once(run, dive, options, folder, result);
     if (!document) return result;
-    result["figures"] = median_figures({*document});
+    result["figures"] = median_metrics({*document});
     result["stages"] = (*document)["speed"]["stages"];
-    if (run.group == "trajectory") add_trajectory_figures(*document, result);
+    if (run.group == "trajectory") add_trajectory_metrics(*document, result);
     return result;
 }
 
@@ -176,10 +176,10 @@ void add_klt_baseline(const Run& run, const fs::path& dive, json& result) {
     const bool real_cost = run.group == "trajectory" && !run.dive.simulated &&
                            run.preset == "standard" && run.ablation.name == "none";
     if (!real_cost || !result.contains("figures")) return;
-    json& figures = result["figures"];
-    figures["klt_cpu_ms_per_frame"] = klt_cpu_ms_per_frame(dive);
-    figures["cpu_to_klt"] =
-        figures["cpu_ms_per_frame"].get<double>() / figures["klt_cpu_ms_per_frame"].get<double>();
+    json& named_values = result["figures"];
+    named_values["klt_cpu_ms_per_frame"] = klt_cpu_ms_per_frame(dive);
+    named_values["cpu_to_klt"] = named_values["cpu_ms_per_frame"].get<double>() /
+                                 named_values["klt_cpu_ms_per_frame"].get<double>();
 }
 
 // By name, as the program that is measured has them: it may be of another version.
@@ -215,10 +215,10 @@ std::vector<Run> plan_runs(const Options& options, const json& known_options) {
 std::string outline(const json& result) {
     if (result.contains("failed")) return "failed: " + result["failed"].dump();
     std::string line;
-    for (const auto& [figure, value] : result["figures"].items())
-        if (figure.find("ate_rmse_m") != std::string::npos || figure == "coverage" ||
-            figure == "accuracy_median_m" || figure == "cpu_ms_per_frame")
-            line += (line.empty() ? "" : ", ") + figure + " " + value.dump();
+    for (const auto& [metric, value] : result["figures"].items())
+        if (metric.find("ate_rmse_m") != std::string::npos || metric == "coverage" ||
+            metric == "accuracy_median_m" || metric == "cpu_ms_per_frame")
+            line += (line.empty() ? "" : ", ") + metric + " " + value.dump();
     return line;
 }
 

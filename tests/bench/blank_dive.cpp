@@ -41,7 +41,7 @@ void link_tree(const fs::path& from, const fs::path& to) {
 }
 
 // One line of data.csv: "timestamp,file".
-std::pair<std::int64_t, std::string> picture_of(std::string line) {
+std::pair<std::int64_t, std::string> image_of(std::string line) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
     const std::size_t comma = line.find(',');
     if (comma == std::string::npos) throw std::runtime_error("not a line of data.csv: " + line);
@@ -60,7 +60,7 @@ int blank_camera(const fs::path& from, const fs::path& to, const Options& option
             csv << line << "\n";
             continue;
         }
-        auto [timestamp_ns, name] = picture_of(line);
+        auto [timestamp_ns, name] = image_of(line);
         if (first_ns < 0) first_ns = timestamp_ns;
         const double time_s = 1e-9 * static_cast<double>(timestamp_ns - first_ns);
         if (time_s >= options.from_s && time_s < options.from_s + options.for_s) {

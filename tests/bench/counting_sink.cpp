@@ -11,7 +11,7 @@
 namespace divemesh::bench {
 namespace {
 
-constexpr std::size_t kPieceBytes = std::size_t{256} << 10;
+constexpr std::size_t kChunkBytes = std::size_t{256} << 10;
 
 std::size_t content_length(const std::string& header) {
     const auto at = header.find("Content-Length: ");
@@ -19,7 +19,7 @@ std::size_t content_length(const std::string& header) {
 }
 
 void answer_all(int socket) {
-    std::vector<char> piece(kPieceBytes);
+    std::vector<char> piece(kChunkBytes);
     std::string header;
     for (;;) {
         const auto n = recv(socket, piece.data(), piece.size(), 0);

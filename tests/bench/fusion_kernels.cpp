@@ -109,7 +109,8 @@ BENCHMARK(depth_view)
 
 // Step 8 on what the keyframes gave. `of_limit`: the time in which distances, weights and views
 // could be read once from memory, of that which the mesh takes.
-void extract(benchmark::State& state, Mesh (*mesher)(const SignedField&, const MeshingSettings&)) {
+void extract(benchmark::State& state,
+             Mesh (*mesher)(const SignedDistanceField&, const MeshingSettings&)) {
     constexpr double kBytesPerVoxel = 6.0;
     VolumeSettings settings;
     settings.rig = vga_rig();

@@ -12,17 +12,17 @@ using nlohmann::json;
 constexpr double kSimilarLife = 0.3;
 
 // The figure of a run without ablation.
-std::optional<double> find_figure(const json& runs,
+std::optional<double> find_metric(const json& runs,
                                   const std::string& group,
                                   const std::string& dive,
                                   const std::string& preset,
-                                  const std::string& figure) {
+                                  const std::string& metric) {
     for (const json& run : runs) {
         if (run["group"] != group || run["dive"] != dive || run["preset"] != preset ||
             run["ablation"] != "none")
             continue;
-        const json figures = run.value("figures", json::object());
-        if (figures.contains(figure)) return figures[figure].get<double>();
+        const json metrics = run.value("figures", json::object());
+        if (metrics.contains(metric)) return metrics[metric].get<double>();
     }
     return std::nullopt;
 }
@@ -56,11 +56,11 @@ double median(std::vector<double> values) {
 json judge(const Goal& goal, const json& runs) {
     std::vector<double> values;
     for (const std::string& dive : goal.dives)
-        if (const auto value = find_figure(runs, goal.group, dive, goal.preset, goal.figure))
+        if (const auto value = find_metric(runs, goal.group, dive, goal.preset, goal.metric))
             values.push_back(std::abs(*value));
     json judged = {{"dives", goal.dives.size() == 1 ? json(goal.dives[0]) : json(goal.dives)},
                    {"preset", goal.preset},
-                   {"figure", goal.figure},
+                   {"figure", goal.metric},
                    {goal.at_most ? "at_most" : "at_least", goal.value},
                    {"measured", nullptr},
                    {"met", false}};
@@ -78,7 +78,7 @@ json judge(const Goal& goal, const json& runs) {
 
 json compare_track_life(const json& runs) {
     const auto life_of = [&](const std::string& dive) {
-        return find_figure(runs, "trajectory", dive, "standard", "median_track_life_frames");
+        return find_metric(runs, "trajectory", dive, "standard", "median_track_life_frames");
     };
     json result = {{"simulated_frames", json::object()}};
     std::vector<double> simulated;

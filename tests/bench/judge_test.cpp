@@ -7,12 +7,12 @@ namespace {
 
 using nlohmann::json;
 
-json run_of(const std::string& dive, const std::string& figure, double value) {
+json run_of(const std::string& dive, const std::string& metric, double value) {
     return {{"group", "trajectory"},
             {"dive", dive},
             {"preset", "standard"},
             {"ablation", "none"},
-            {"figures", {{figure, value}}}};
+            {"figures", {{metric, value}}}};
 }
 
 Goal goal_over(Goal::Over over, bool at_most, double value) {
@@ -57,12 +57,12 @@ TEST(JudgeTest, AblationsDoNotCount) {
 }
 
 TEST(JudgeTest, TrackLifeIsComparedByTheMedianOfTheSimulatedBarges) {
-    const std::string figure = "median_track_life_frames";
-    const json runs = {run_of("barge", figure, 5.0),
-                       run_of("sim-barge-1", figure, 4.0),
-                       run_of("sim-barge-2", figure, 9.0),
-                       run_of("sim-barge-3", figure, 6.0),
-                       run_of("sim-reef-1", figure, 50.0)};
+    const std::string metric = "median_track_life_frames";
+    const json runs = {run_of("barge", metric, 5.0),
+                       run_of("sim-barge-1", metric, 4.0),
+                       run_of("sim-barge-2", metric, 9.0),
+                       run_of("sim-barge-3", metric, 6.0),
+                       run_of("sim-reef-1", metric, 50.0)};
     const json life = compare_track_life(runs);
     EXPECT_DOUBLE_EQ(life["ratio"].get<double>(), 1.2);
     EXPECT_EQ(life["within_30_percent"], true);

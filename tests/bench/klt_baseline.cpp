@@ -8,14 +8,14 @@
 #include <opencv2/video/tracking.hpp>
 #include <vector>
 
-#include "tests/bench/pictures.hpp"
+#include "tests/bench/images.hpp"
 
 namespace divemesh::bench {
 namespace {
 
 constexpr int kNumFeatures = 300;
 constexpr double kQuality = 0.01;
-constexpr double kLeastDistance_px = 15.0;
+constexpr double kMinDistance_px = 15.0;
 
 double cpu_s() {
     timespec now{};
@@ -47,7 +47,7 @@ double klt_cpu_ms_per_frame(const std::filesystem::path& dive) {
         const cv::Mat now = cv::imread(left.string(), cv::IMREAD_GRAYSCALE);
         cv::imread(right.string(), cv::IMREAD_GRAYSCALE);
         if (!before.empty()) track_both_ways(before, now, features);
-        cv::goodFeaturesToTrack(now, features, kNumFeatures, kQuality, kLeastDistance_px);
+        cv::goodFeaturesToTrack(now, features, kNumFeatures, kQuality, kMinDistance_px);
         before = now;
     }
     return 1e3 * (cpu_s() - start_s) / static_cast<double>(std::max<std::size_t>(1, pairs.size()));

@@ -40,18 +40,18 @@ __attribute__((target("avx512f,avx512bw"))) void operate_avx512() { operate_body
 
 // The best of five.
 template <typename Run>
-double least_cpu_s(Run&& run) {
-    double least_s = 1e9;
+double min_cpu_s(Run&& run) {
+    double min_duration_s = 1e9;
     for (int i = 0; i < 5; ++i) {
         const double start_s = thread_cpu_s();
         run();
-        least_s = std::min(least_s, thread_cpu_s() - start_s);
+        min_duration_s = std::min(min_duration_s, thread_cpu_s() - start_s);
     }
-    return least_s;
+    return min_duration_s;
 }
 
 double operations_per_s(void (*run)(), int num_bytes) {
-    return 2.0 * kNumAccumulators * kNumRounds * num_bytes / least_cpu_s(run);
+    return 2.0 * kNumAccumulators * kNumRounds * num_bytes / min_cpu_s(run);
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ double byte_operations_per_s(worker::Instructions instructions) {
 double bytes_read_per_s() {
     constexpr std::size_t kNumWords = std::size_t{1} << 24;  // 128 MB: more than any cache holds
     const std::vector<std::uint64_t> words(kNumWords, 1);
-    const double read_s = least_cpu_s([&] {
+    const double read_s = min_cpu_s([&] {
         const auto sum = std::accumulate(words.begin(), words.end(), std::uint64_t{0});
         asm volatile("" : : "r"(sum));
     });

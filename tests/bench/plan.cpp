@@ -105,9 +105,9 @@ const std::vector<Goal>& all_goals() {
     return goals;
 }
 
-const std::vector<Figure>& all_figures() {
+const std::vector<Metric>& all_metrics() {
     // clang-format off
-    static const std::vector<Figure> figures = {
+    static const std::vector<Metric> metrics = {
         {"num_frames",               "/frames/num_frames"},
         {"coverage",                 "/frames/coverage"},
         {"mean_tracked_features",    "/tracking/mean_tracked_features"},
@@ -148,7 +148,7 @@ const std::vector<Figure>& all_figures() {
         {"peak_memory_bytes",        "/speed/peak_memory_bytes"},
     };
     // clang-format on
-    return figures;
+    return metrics;
 }
 
 }  // namespace divemesh::bench

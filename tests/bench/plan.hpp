@@ -32,7 +32,7 @@ struct Run {
 };
 
 // A figure by its place in metrics.json.
-struct Figure {
+struct Metric {
     const char* name;
     const char* pointer;
 };
@@ -43,7 +43,7 @@ struct Goal {
     std::string group;
     std::vector<std::string> dives;
     std::string preset;
-    std::string figure;
+    std::string metric;
     Over over = Over::Worst;
     bool at_most = true;  // else at least
     double value = 0.0;
@@ -56,6 +56,6 @@ const std::vector<Ablation>& all_ablations();
 // `standard` every ablation.
 std::vector<Run> runs_of(const std::string& group);
 const std::vector<Goal>& all_goals();
-const std::vector<Figure>& all_figures();
+const std::vector<Metric>& all_metrics();
 
 }  // namespace divemesh::bench

@@ -29,8 +29,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr double kSide_m = 0.6;
-constexpr double kLeastKnown = 0.97;  // of a square, by reference.ply
-constexpr double kLeastSeen = 0.7;    // by the reconstruction
+constexpr double kMinKnownShare = 0.97;  // of a square, by reference.ply
+constexpr double kMinSeenShare = 0.7;    // by the reconstruction
 
 struct Options {
     std::vector<int> seeds;
@@ -95,10 +95,10 @@ std::vector<KnownSquare> known_squares(const worker::Mesh& reference, const work
         for (double x = box.min().x(); x + kSide_m <= box.max().x(); x += kSide_m) {
             KnownSquare square{"square " + std::to_string(squares.size()), {{x, y}, kSide_m}, {}};
             square.truth = heights_of(square.square, truth, above_m);
-            if (square.truth.share_known() < kLeastKnown) continue;
+            if (square.truth.share_known() < kMinKnownShare) continue;
             const SquareHeights measured = heights_of(square.square, seen, above_m);
             square.share_seen = measured.share_known();
-            if (square.share_seen < kLeastSeen) continue;
+            if (square.share_seen < kMinSeenShare) continue;
             square.plane_z_m = true_range(square.truth)->low_m;
             squares.push_back(std::move(square));
         }
@@ -141,25 +141,25 @@ json measured(const std::vector<KnownSquare>& squares,
     return json::parse(std::ifstream(answer));
 }
 
-std::optional<double> truth_of(const std::string& figure,
+std::optional<double> truth_of(const std::string& metric,
                                const json& entry,
                                const KnownSquare& square,
                                const worker::Mesh& reference) {
-    if (figure == "rugosity") return true_rugosity(square.truth, entry["resolution_m"]);
-    if (figure == "height_range") return true_range(square.truth)->size_m();
-    if (figure == "volume") return true_volume_m3(square.truth, square.plane_z_m);
-    if (figure == "slope") return true_slope_deg(square.truth);
-    if (figure == "planar_area") return square.square.side_m * square.square.side_m;
-    if (figure == "surface_area" && square.share_seen >= kLeastKnown)
+    if (metric == "rugosity") return true_rugosity(square.truth, entry["resolution_m"]);
+    if (metric == "height_range") return true_range(square.truth)->size_m();
+    if (metric == "volume") return true_volume_m3(square.truth, square.plane_z_m);
+    if (metric == "slope") return true_slope_deg(square.truth);
+    if (metric == "planar_area") return square.square.side_m * square.square.side_m;
+    if (metric == "surface_area" && square.share_seen >= kMinKnownShare)
         return true_surface_area_m2(square.square, reference);
     return std::nullopt;
 }
 
 std::string label_of(const json& entry) {
-    const std::string figure = entry["figure"];
-    if (figure != "rugosity") return figure;
+    const std::string metric = entry["figure"];
+    if (metric != "rugosity") return metric;
     const long resolution_mm = std::lround(1e3 * entry["resolution_m"].get<double>());
-    return figure + " at " + std::to_string(resolution_mm) + " mm";
+    return metric + " at " + std::to_string(resolution_mm) + " mm";
 }
 
 DiveSamples samples_of(const SimulatedDive& dive, const Options& options) {
@@ -238,26 +238,26 @@ json to_json(const Gathered& gathered) {
 
 json run(const Options& options) {
     json report = {{"machine", describe_machine()}, {"dives", json::array()}};
-    std::map<std::string, Gathered> by_figure;
+    std::map<std::string, Gathered> by_metric;
     for (const int seed : options.seeds)
         for (const SimulatedDive& dive : dives_of_seed(seed)) {
             if (std::find(options.scenes.begin(), options.scenes.end(), dive.scene) ==
                 options.scenes.end())
                 continue;
             std::cerr << dive.name() << std::endl;
-            json figures = json::object();
-            for (const auto& [figure, samples] : samples_of(dive, options)) {
+            json metrics = json::object();
+            for (const auto& [metric, samples] : samples_of(dive, options)) {
                 const json of_dive = summary(samples);
-                Gathered& gathered = by_figure[figure];
+                Gathered& gathered = by_metric[metric];
                 gathered.squares.insert(gathered.squares.end(), samples.begin(), samples.end());
                 gathered.held_by_dive.push_back(of_dive["held"]);
                 gathered.error_by_dive.push_back(of_dive["mean_error"]);
-                figures[figure] = of_dive;
-                if (options.each) figures[figure]["squares"] = each_of(samples);
+                metrics[metric] = of_dive;
+                if (options.each) metrics[metric]["squares"] = each_of(samples);
             }
-            report["dives"].push_back({{"dive", dive.name()}, {"figures", figures}});
+            report["dives"].push_back({{"dive", dive.name()}, {"figures", metrics}});
         }
-    for (const auto& [figure, gathered] : by_figure) report["figures"][figure] = to_json(gathered);
+    for (const auto& [metric, gathered] : by_metric) report["figures"][metric] = to_json(gathered);
     return report;
 }
 

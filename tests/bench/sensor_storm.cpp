@@ -34,7 +34,7 @@ constexpr int kNumWatchers = 1'000;
 constexpr int kNumSilent = 100;
 constexpr int kWatched = 5;  // sensors by each
 constexpr int kPreviewEvery = 5;
-constexpr std::size_t kPictureBytes = 24 << 10;
+constexpr std::size_t kImageBytes = 24 << 10;
 
 std::int64_t now_us() {
     return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch())
@@ -60,10 +60,10 @@ std::string frame_of(std::string_view payload, bool is_binary) {
 }
 
 // 8 x 8 pixels of grey, and a comment that makes it as long as a picture of a camera.
-std::string picture() {
+std::string image() {
     const unsigned char head[] = {0xFF, 0xD8, 0xFF, 0xC0, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
     std::string bytes(reinterpret_cast<const char*>(head), sizeof head);
-    const std::size_t comment = kPictureBytes - bytes.size() - 6;
+    const std::size_t comment = kImageBytes - bytes.size() - 6;
     bytes += "\xFF\xFE";
     bytes += static_cast<char>(comment >> 8);
     bytes += static_cast<char>(comment & 0xFFU);
@@ -241,7 +241,7 @@ private:
             {{"seq", client.sequence},
              {"uptime_ms", now_us() / 1000},
              {"preview", {{"camera", "cam0"}, {"sent_us", now_us()}}}},
-            &picture_);
+            &image_);
         ++client.sequence;
     }
     // As the answers to pings would: an empty pong.
@@ -277,7 +277,7 @@ private:
                                  if (i < kNumSensors)
                                      hear_answer(client, text);
                                  else
-                                     hear_news(text);
+                                     hear_frame(text);
                              });
     }
     void hear_answer(Client& client, std::string_view text) {
@@ -286,7 +286,7 @@ private:
         if (text.find("\"answer\"") != std::string_view::npos && client.sent_us > measures_from_us_)
             answered_ms_.push_back(0.001 * static_cast<double>(now_us() - client.sent_us));
     }
-    void hear_news(std::string_view text) {
+    void hear_frame(std::string_view text) {
         if (text.find("sensor.delta") == std::string_view::npos) return;
         const std::int64_t sent_us = number_after(text, "\"sent_us\":");
         if (sent_us > measures_from_us_)
@@ -320,7 +320,7 @@ private:
     int epoll_;
     std::vector<Client> clients_;
     std::vector<char> buffer_ = std::vector<char>(std::size_t{256} << 10);
-    const std::string picture_ = picture();
+    const std::string image_ = image();
     std::int64_t measures_from_us_ = std::numeric_limits<std::int64_t>::max();
     std::vector<double> told_ms_;
     std::vector<double> answered_ms_;

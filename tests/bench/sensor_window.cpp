@@ -85,7 +85,7 @@ public:
                 {"seconds", setting_.seconds},
                 {"connects", connects(began_ms)},
                 {"statuses_seen_live", statuses_ms_.size()},
-                {"pictures", pictures_ms_.size()},
+                {"pictures", images_ms_.size()},
                 {"backlog_messages", num_stored() - static_cast<int>(statuses_ms_.size())},
                 {"proxy", json::parse(proxy.stdout_text())},
                 {"agent_cpu_share", cpu_s / setting_.seconds},
@@ -173,7 +173,7 @@ private:
             newest = std::max(newest, preview.at("id").get<std::int64_t>());
         if (newest > preview_) {
             preview_ = newest;
-            pictures_ms_.push_back(now);
+            images_ms_.push_back(now);
         }
         std::this_thread::sleep_for(20ms);
     }
@@ -197,7 +197,7 @@ private:
             };
             all.push_back({{"at_s", 0.001 * static_cast<double>(at - began_ms)},
                            {"status_after_s", after(statuses_ms_)},
-                           {"picture_after_s", after(pictures_ms_)}});
+                           {"picture_after_s", after(images_ms_)}});
         }
         return all;
     }
@@ -211,7 +211,7 @@ private:
     std::int64_t status_at_ms_ = 0;
     std::int64_t preview_ = 0;
     std::vector<std::int64_t> statuses_ms_;
-    std::vector<std::int64_t> pictures_ms_;
+    std::vector<std::int64_t> images_ms_;
 };
 
 int run(int argc, char** argv) {

@@ -89,8 +89,8 @@ public:
     Readers& operator=(const Readers&) = delete;
 
     // Until all that read have seen `mark`; how many did.
-    int read_until(const std::string& mark, std::chrono::seconds patience) {
-        const auto end = Clock::now() + patience;
+    int read_until(const std::string& mark, std::chrono::seconds timeout) {
+        const auto end = Clock::now() + timeout;
         auto alive_until = Clock::now();
         std::vector<std::string> tails(sockets_.size());
         std::vector<char> buffer(std::size_t{256} << 10);

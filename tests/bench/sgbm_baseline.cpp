@@ -5,7 +5,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "tests/bench/pictures.hpp"
+#include "tests/bench/images.hpp"
 
 namespace divemesh::bench {
 

@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/calib3d.hpp>
 
-#include "tests/bench/kernel_pictures.hpp"
+#include "tests/bench/kernel_images.hpp"
 #include "tests/bench/measured.hpp"
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
@@ -77,7 +77,7 @@ void census_sgm_refined(benchmark::State& state) {
     worker::DisparityRefiner refiner(set);
     measure_range(state, [&] {
         cv::Mat disparity = matcher.compute(slanted_bed().left, slanted_bed().right);
-        worker::doubt_speckles(disparity, 120, 1.5F);
+        worker::unconfirm_speckles(disparity, 120, 1.5F);
         benchmark::DoNotOptimize(
             refiner.refine(slanted_bed().left, slanted_bed().right, disparity));
         worker::remove_speckles(disparity, 120, 1.5F);

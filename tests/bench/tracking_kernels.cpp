@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "tests/bench/kernel_pictures.hpp"
+#include "tests/bench/kernel_images.hpp"
 #include "tests/bench/measured.hpp"
 #include "worker/steps/align_patch.hpp"
 #include "worker/tracking/corner_scores.hpp"

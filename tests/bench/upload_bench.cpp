@@ -139,7 +139,7 @@ double seconds_of_patch(const client::Account& account,
     client::BodyRange body;
     body.source = &source;
     body.length = source.size_bytes();
-    body.piece_bytes = 1 << 20;
+    body.write_bytes = 1 << 20;
     const auto start = Clock::now();
     tus(connection,
         account,

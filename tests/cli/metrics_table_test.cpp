@@ -5,7 +5,7 @@
 namespace divemesh::cli {
 namespace {
 
-TEST(MetricsTableTest, NamesEveryFigureAsTheFileDoes) {
+TEST(MetricsTableTest, NamesEveryMetricAsTheFileDoes) {
     const nlohmann::json metrics = {
         {"frames", 12},
         {"trajectory", {{"ate_rmse_m", 0.0123456}, {"none", nullptr}}},

@@ -64,8 +64,8 @@ protected:
     }
     // Of the label: what became of its number.
     static json count_of(const json& change) {
-        for (const json& figure : change.at("areas").at("figures"))
-            if (figure.at("figure") == "count") return figure;
+        for (const json& metric : change.at("areas").at("figures"))
+            if (metric.at("figure") == "count") return metric;
         return {};
     }
 

@@ -71,7 +71,7 @@ protected:
     std::optional<Process> server_;
     std::string token_;
     api::client::Account account_;
-    MessageRing ring_{folder_ / "ring", MessageRing::kLeastBytes, "boot-1"};
+    MessageRing ring_{folder_ / "ring", MessageRing::kMinBytes, "boot-1"};
 };
 
 TEST_F(SensorTlsTest, SpeaksToAServerThatItBelieves) {

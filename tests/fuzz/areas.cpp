@@ -10,12 +10,12 @@ namespace {
 using namespace divemesh::worker;
 
 // What is measured, so that an input takes milliseconds.
-constexpr std::size_t kMostMeasured = 4;
-constexpr double kFarthest_m = 4.0;
+constexpr std::size_t kMaxMeasured = 4;
+constexpr double kMaxDistance_m = 4.0;
 
 bool is_far(const Area& area) {
     return std::any_of(area.points.begin(), area.points.end(), [](const Eigen::Vector3d& point) {
-        return point.norm() > kFarthest_m;
+        return point.norm() > kMaxDistance_m;
     });
 }
 
@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         AreaSet set = parse_areas(document);
         set = moved(std::move(set), Eigen::Isometry3d(Eigen::Translation3d(0.1, 0.2, 0.3)));
         std::erase_if(set.areas, is_far);
-        if (set.areas.size() > kMostMeasured) set.areas.resize(kMostMeasured);
+        if (set.areas.size() > kMaxMeasured) set.areas.resize(kMaxMeasured);
         MeasureOptions options;
         options.num_replicates = 0;
         options.num_threads = 1;

@@ -8,7 +8,7 @@ namespace divemesh::fuzz {
 namespace {
 
 constexpr std::size_t kMaxChanges = 4;
-constexpr std::size_t kMaxPieceBytes = 64;
+constexpr std::size_t kMaxChunkBytes = 64;
 
 // Where signs, widths and sizes turn over.
 constexpr std::array kIntegers{std::int64_t{0},
@@ -70,15 +70,15 @@ void Mutator::replace_byte(std::string& input) {
 
 void Mutator::insert_bytes(std::string& input) {
     const auto byte = static_cast<char>(below(256));
-    input.insert(below(input.size() + 1), 1 + below(kMaxPieceBytes), byte);
+    input.insert(below(input.size() + 1), 1 + below(kMaxChunkBytes), byte);
 }
 
 void Mutator::remove_bytes(std::string& input) {
-    input.erase(below(input.size() + 1), 1 + below(kMaxPieceBytes));
+    input.erase(below(input.size() + 1), 1 + below(kMaxChunkBytes));
 }
 
 void Mutator::repeat_bytes(std::string& input) {
-    const auto piece = input.substr(below(input.size() + 1), 1 + below(kMaxPieceBytes));
+    const auto piece = input.substr(below(input.size() + 1), 1 + below(kMaxChunkBytes));
     input.insert(below(input.size() + 1), piece);
 }
 

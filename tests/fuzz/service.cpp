@@ -21,7 +21,7 @@ namespace {
 namespace asio = boost::asio;
 using Local = asio::local::stream_protocol;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
-constexpr std::chrono::seconds kPatience{8};
+constexpr std::chrono::seconds kTimeout{8};
 
 class MemoryBody : public api::BodyStream {
 public:
@@ -82,7 +82,7 @@ api::Services Service::services() {
     return {catalog_,
             *blobs_,
             pool_,
-            turns_,
+            locks_,
             hashes_,
             forecast_,
             keys_,
@@ -93,7 +93,7 @@ api::Services Service::services() {
             readiness_,
             reserve_,
             reports_,
-            desk_,
+            sensor_hub_,
             stopping_,
             limits_,
             true};
@@ -127,7 +127,7 @@ std::string Service::converse(std::string_view sent) {
     asio::co_spawn(io_, say(client, sent), asio::detached);
     asio::co_spawn(io_, listen(client, heard), asio::detached);
     io_.restart();
-    io_.run_for(kPatience);
+    io_.run_for(kTimeout);
     if (!io_.stopped()) std::abort();
     return heard;
 }

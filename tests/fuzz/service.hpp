@@ -44,7 +44,7 @@ private:
     boost::asio::thread_pool pool_{1};
     boost::asio::io_context io_{1};
     server::EventHub events_{catalog_, pool_};
-    api::UploadTurns turns_{io_.get_executor()};
+    api::UploadLocks locks_{io_.get_executor()};
     api::HashCache hashes_;
     storage::QueueForecast forecast_;
     api::KeysInFlight keys_;
@@ -53,8 +53,8 @@ private:
     api::Metrics metrics_;
     api::Readiness readiness_;
     api::DiskReserve reserve_{folder_ / "reserve"};
-    api::SensorDesk desk_;
-    api::ReportQueue reports_{catalog_, pool_, desk_, [] { return true; }};
+    api::SensorHub sensor_hub_;
+    api::ReportQueue reports_{catalog_, pool_, sensor_hub_, [] { return true; }};
     std::atomic<bool> stopping_ = false;
     api::ServiceLimits limits_;
     std::string dive_id_;

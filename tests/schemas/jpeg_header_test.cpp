@@ -12,10 +12,10 @@ namespace divemesh {
 namespace {
 
 std::string encoded(int width, int height, int type, const std::vector<int>& options = {}) {
-    cv::Mat picture(height, width, type);
-    cv::randu(picture, 0, 255);
+    cv::Mat image(height, width, type);
+    cv::randu(image, 0, 255);
     std::vector<unsigned char> bytes;
-    cv::imencode(".jpg", picture, bytes, options);
+    cv::imencode(".jpg", image, bytes, options);
     return {bytes.begin(), bytes.end()};
 }
 

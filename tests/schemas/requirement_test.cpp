@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "schemas/figure.hpp"
+#include "schemas/metric.hpp"
 
 namespace divemesh {
 namespace {
@@ -22,16 +22,16 @@ std::string refusal(const std::string& text) {
 
 TEST(Requirement, AShortNameMeansTheFinalTrajectory) {
     const Requirement requirement = parse_requirement("drift_percent<=0.5");
-    EXPECT_EQ(requirement.figure, "trajectory.final.drift_percent");
+    EXPECT_EQ(requirement.metric, "trajectory.final.drift_percent");
     EXPECT_EQ(requirement.comparison, Comparison::LessOrEqual);
     EXPECT_EQ(requirement.limit, 0.5);
     EXPECT_EQ(requirement.text, "drift_percent<=0.5");
 }
 
 TEST(Requirement, TheWholeNameSaysWhichIsMeant) {
-    EXPECT_EQ(parse_requirement("trajectory.causal.ate_rmse_m<1").figure,
+    EXPECT_EQ(parse_requirement("trajectory.causal.ate_rmse_m<1").metric,
               "trajectory.causal.ate_rmse_m");
-    EXPECT_EQ(parse_requirement("causal.ate_rmse_m<1").figure, "trajectory.causal.ate_rmse_m");
+    EXPECT_EQ(parse_requirement("causal.ate_rmse_m<1").metric, "trajectory.causal.ate_rmse_m");
 }
 
 TEST(Requirement, BlanksAndEveryComparisonAreTaken) {
@@ -48,18 +48,18 @@ TEST(Requirement, LimitsAreHeldAsTheirSignSays) {
 }
 
 TEST(Requirement, EntriesOfListsAreNamedByTheirLabel) {
-    EXPECT_EQ(parse_requirement("segments[2].translation_mean_percent<=1").figure,
+    EXPECT_EQ(parse_requirement("segments[2].translation_mean_percent<=1").metric,
               "trajectory.final.segments[2].translation_mean_percent");
-    EXPECT_EQ(parse_requirement("distances[bar <1> a.b].error_m<=0.003").figure,
+    EXPECT_EQ(parse_requirement("distances[bar <1> a.b].error_m<=0.003").metric,
               "known_distances.distances[bar <1> a.b].error_m");
 }
 
-TEST(Requirement, AMisspeltFigureIsRefusedWithTheOneThatIsMeant) {
+TEST(Requirement, AMisspeltMetricIsRefusedWithTheOneThatIsMeant) {
     EXPECT_NE(refusal("drift_precent<=0.5").find("drift_percent"), std::string::npos);
     EXPECT_NE(refusal("ate_rms_m<=0.5").find("ate_rmse_m"), std::string::npos);
 }
 
-TEST(Requirement, ANameThatCouldBeSeveralFiguresListsThem) {
+TEST(Requirement, ANameThatCouldBeSeveralMetricsListsThem) {
     const std::string message = refusal("median_m<=0.1");
     EXPECT_NE(message.find("surface.accuracy.median_m"), std::string::npos);
     EXPECT_NE(message.find("surface.completeness.median_m"), std::string::npos);
@@ -91,18 +91,18 @@ TEST(Figures, EveryNumberOfADocumentHasUnitMethodAndAlignment) {
             {"segments", {{{"length_m", 2.0}, {"translation_mean_percent", 0.3}}}}}}}},
         {"known_distances", {{"distances", {{{"name", "bar"}, {"measured_m", nullptr}}}}}}};
 
-    const auto figures = figures_of(metrics);
+    const auto flattened = flatten_metrics(metrics);
 
-    ASSERT_EQ(figures.size(), 5U);
+    ASSERT_EQ(flattened.size(), 5U);
     const auto named = [&](const std::string& name) {
-        return *std::find_if(figures.begin(), figures.end(), [&](const Figure& figure) {
-            return figure.name == name;
+        return *std::find_if(flattened.begin(), flattened.end(), [&](const Metric& metric) {
+            return metric.name == name;
         });
     };
     EXPECT_EQ(named("trajectory.final.ate_rmse_m").value, 0.02);
     EXPECT_EQ(named("trajectory.final.ate_rmse_m").unit, "m");
     EXPECT_NE(named("trajectory.final.ate_rmse_m").alignment.find("SE(3)"), std::string::npos);
-    const Figure segment = named("trajectory.final.segments[2].translation_mean_percent");
+    const Metric segment = named("trajectory.final.segments[2].translation_mean_percent");
     EXPECT_EQ(segment.unit, "%");
     EXPECT_EQ(segment.alignment, "none: relative");
     EXPECT_FALSE(segment.method.empty());
@@ -113,9 +113,9 @@ TEST(Figures, EveryNumberOfADocumentHasUnitMethodAndAlignment) {
 TEST(Figures, WhatAParentMeasuresGivesItsPartsTheirUnit) {
     const nlohmann::json metrics = {
         {"calibration", {{"refined", {{"time_offset_s", {{"value", 0.01}, {"sigma", 1e-4}}}}}}}};
-    const auto figures = figures_of(metrics);
-    ASSERT_EQ(figures.size(), 2U);
-    for (const Figure& figure : figures) EXPECT_EQ(figure.unit, "s") << figure.name;
+    const auto flattened = flatten_metrics(metrics);
+    ASSERT_EQ(flattened.size(), 2U);
+    for (const Metric& metric : flattened) EXPECT_EQ(metric.unit, "s") << metric.name;
 }
 
 TEST(Figures, EntriesOfOneNameStayApart) {
@@ -123,9 +123,9 @@ TEST(Figures, EntriesOfOneNameStayApart) {
         {"known_distances",
          {{"distances",
            {{{"name", "bar"}, {"known_m", 1.0}}, {{"name", "bar"}, {"known_m", 2.0}}}}}}};
-    const auto figures = figures_of(metrics);
-    ASSERT_EQ(figures.size(), 2U);
-    EXPECT_NE(figures[0].name, figures[1].name);
+    const auto flattened = flatten_metrics(metrics);
+    ASSERT_EQ(flattened.size(), 2U);
+    EXPECT_NE(flattened[0].name, flattened[1].name);
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST(StatusTest, IsTakenWhateverThePartsAre) {
     StatusParts parts;
     parts.recording.dive = std::string(60, 'x') + "\xC3\xA4\xC3\xA4\xC3\xA4 \xFF\n";
     for (int i = 0; i < 50; ++i) parts.errors.push_back(std::string(300, '\xFF'));
-    parts.recording.figures.orientation = {1.0, 0.0, 0.0, 0.0};
+    parts.recording.counts.orientation = {1.0, 0.0, 0.0, 0.0};
     parts.back_in_s = 60.0;
     EXPECT_NO_THROW(check_status(make_status(parts), ""));
     EXPECT_NO_THROW(make_status(parts).dump());

@@ -57,7 +57,7 @@ TEST(BadLinkTest, AStatusAndAPreviewAreTheFirstAfterEachCut) {
     const std::string url = server.url();
     const BadLink bad{Cut::Stall, 46'000, 2, kLink_bytes_per_s};
     const FlakyProxy proxy(std::stoi(url.substr(url.rfind(':') + 1)), bad);
-    MessageRing ring(folder / "ring", MessageRing::kLeastBytes, "now");
+    MessageRing ring(folder / "ring", MessageRing::kMinBytes, "now");
     Message hello;
     hello.kind = MessageKind::Hello;
     hello.body = "{}";

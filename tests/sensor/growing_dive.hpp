@@ -24,13 +24,13 @@ public:
 
     // A pair with what is seen in it; returns its stamp.
     std::int64_t add_frame() {
-        cv::Mat picture(120, 160, CV_8U);
-        cv::randu(picture, 0, 255);
+        cv::Mat image(120, 160, CV_8U);
+        cv::randu(image, 0, 255);
         std::vector<std::uint8_t> png;
-        cv::imencode(".png", picture, png);
+        cv::imencode(".png", image, png);
         const std::string bytes(png.begin(), png.end());
         for (const char* camera : {"cam0", "cam1"}) {
-            write_picture(camera, bytes);
+            write_image(camera, bytes);
             write(camera, row());
         }
         const std::int64_t stamp = next_ns_;
@@ -42,7 +42,7 @@ public:
     void write(const std::string& camera, const std::string& text) {
         std::ofstream(root_ / camera / "data.csv", std::ios::app) << text;
     }
-    void write_picture(const std::string& camera, const std::string& bytes) {
+    void write_image(const std::string& camera, const std::string& bytes) {
         std::ofstream(root_ / camera / "data" / name(), std::ios::binary) << bytes;
     }
     std::string row() const { return std::to_string(next_ns_) + "," + name() + "\n"; }

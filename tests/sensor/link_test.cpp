@@ -66,7 +66,7 @@ protected:
     }
 
     TemporaryFolder folder_;
-    MessageRing ring_{folder_ / "ring", MessageRing::kLeastBytes, "now"};
+    MessageRing ring_{folder_ / "ring", MessageRing::kMinBytes, "now"};
     StreamServer server_;
     std::mutex mutex_;
     std::vector<std::string> events_;
@@ -93,11 +93,11 @@ TEST_F(LinkTest, SaysWhoAndHowItIsFirstAndThenWhatWas) {
 
 TEST_F(LinkTest, SaysWhatAnEarlierBootSaidAsHistory) {
     {
-        MessageRing before(folder_ / "two", MessageRing::kLeastBytes, "before");
+        MessageRing before(folder_ / "two", MessageRing::kMinBytes, "before");
         before.append(status());
         before.append(preview(100));
     }
-    MessageRing ring(folder_ / "two", MessageRing::kLeastBytes, "now");
+    MessageRing ring(folder_ / "two", MessageRing::kMinBytes, "now");
     ring.append(status());
     const Link link({api::client::parse_server_url(server_.url()), "t"}, "rig-1", ring, {});
     ASSERT_TRUE(server_.wait_for(3));
@@ -147,7 +147,7 @@ TEST_F(LinkTest, KeepsNoMoreThanTheProtocolAllowsUnanswered) {
     server_.answer(false);
     for (int i = 0; i < 200; ++i) ring_.append(message(MessageKind::Status, "{}"));
     for (int i = 0; i < 5; ++i) ring_.append(preview(60'000));
-    connect({.patience = 60s});
+    connect({.timeout = 60s});
     std::this_thread::sleep_for(700ms);
     std::size_t num_bytes = 0;
     const auto heard = server_.heard();
@@ -169,7 +169,7 @@ TEST_F(LinkTest, KeepsToTheLimitOfItsRate) {
 TEST_F(LinkTest, WaitsForAServerThatOnlyWritesSlowly) {
     server_.answer(false);  // but its pongs come
     ring_.append(status());
-    connect({.patience = 500ms});
+    connect({.timeout = 500ms});
     ASSERT_TRUE(server_.wait_for(1));
     std::this_thread::sleep_for(1000ms);
     EXPECT_EQ(server_.num_connections(), 1);
@@ -177,7 +177,7 @@ TEST_F(LinkTest, WaitsForAServerThatOnlyWritesSlowly) {
 
 TEST_F(LinkTest, GivesUpALinkOverWhichNothingComesBack) {
     ring_.append(hello());
-    connect({.patience = 500ms});
+    connect({.timeout = 500ms});
     ASSERT_TRUE(wait_until_empty());
     server_.stall(true);
     ring_.append(status());

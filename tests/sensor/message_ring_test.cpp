@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Pile = MessageRing::Pile;
 
-constexpr std::int64_t kRoom = MessageRing::kLeastBytes;
+constexpr std::int64_t kRoom = MessageRing::kMinBytes;
 
 Message status(std::int64_t number) {
     Message message;
@@ -148,7 +148,7 @@ TEST_F(MessageRingTest, DropsTheOldestAndTellsThem) {
     ASSERT_EQ(lost->ranges.size(), 1u);
     EXPECT_EQ(lost->ranges[0].first, 0);
     EXPECT_EQ(lost->ranges[0].last, 39 - static_cast<std::int64_t>(kept.size()));
-    ring.told_lost("one", lost->ranges);
+    ring.reported_lost("one", lost->ranges);
     EXPECT_FALSE(ring.lost());
 }
 

@@ -11,9 +11,9 @@ namespace divemesh::sensor {
 namespace {
 
 cv::Mat noise(int width, int height, int type = CV_8UC1) {
-    cv::Mat picture(height, width, type);
-    cv::randu(picture, 0, 255);
-    return picture;
+    cv::Mat image(height, width, type);
+    cv::randu(image, 0, 255);
+    return image;
 }
 
 cv::Mat decoded(const Preview& preview) {
@@ -30,26 +30,26 @@ TEST(PreviewTest, TakesThreeSecondsOfTheLink) {
 
 TEST(PreviewTest, KeepsToItsBudgetWhateverIsSeen) {
     for (const std::int64_t budget : {2 << 10, 24 << 10, 100 << 10, 256 << 10, 1 << 30})
-        for (const cv::Mat& picture : {noise(752, 480),
-                                       noise(1920, 1080, CV_8UC3),
-                                       cv::Mat(480, 640, CV_8U, cv::Scalar(7))}) {
-            const Preview preview = make_preview(picture, budget);
-            EXPECT_LE(preview.jpeg.size(), std::min<std::size_t>(budget, kMostPreviewBytes));
+        for (const cv::Mat& image : {noise(752, 480),
+                                     noise(1920, 1080, CV_8UC3),
+                                     cv::Mat(480, 640, CV_8U, cv::Scalar(7))}) {
+            const Preview preview = make_preview(image, budget);
+            EXPECT_LE(preview.jpeg.size(), std::min<std::size_t>(budget, kMaxPreviewBytes));
             const cv::Mat seen = decoded(preview);
             EXPECT_EQ(seen.cols, preview.width_px);
             EXPECT_EQ(seen.rows, preview.height_px);
         }
 }
 
-TEST(PreviewTest, RefusesABudgetThatNoPictureHas) {
+TEST(PreviewTest, RefusesABudgetThatNoImageHas) {
     EXPECT_THROW(make_preview(noise(640, 480), 100), Error);
 }
 
 TEST(PreviewTest, ShowsBothCamerasSideBySide) {
-    const FramePictures frame{1, noise(64, 48), noise(64, 48, CV_8UC3)};
-    const cv::Mat pair = picture_of(frame, View::Pair);
+    const FrameImages frame{1, noise(64, 48), noise(64, 48, CV_8UC3)};
+    const cv::Mat pair = image_of(frame, View::Pair);
     EXPECT_EQ(pair.size(), cv::Size(128, 48));
-    EXPECT_TRUE(picture_of({1, noise(64, 48), {}}, View::Pair).empty());
+    EXPECT_TRUE(image_of({1, noise(64, 48), {}}, View::Pair).empty());
 }
 
 TEST(PreviewTest, DrawsTracks) {

@@ -30,7 +30,7 @@ TEST_F(WatchTest, WaitsForAFolderThatIsNotThereYet) {
     dive.add_frame();
     const RecordingState& state = look(3s);
     EXPECT_TRUE(state.errors.empty());
-    EXPECT_EQ(state.figures.num_frames, 1);
+    EXPECT_EQ(state.counts.num_frames, 1);
     EXPECT_TRUE(state.storage_free_bytes);
 }
 
@@ -43,9 +43,9 @@ TEST_F(WatchTest, TellsADiveThatGrows) {
     const RecordingState& state = look();
     EXPECT_TRUE(state.is_recording);
     EXPECT_EQ(state.dive, "wreck");
-    EXPECT_EQ(state.figures.num_frames, 20);
-    EXPECT_EQ(state.figures.num_dropped_frames, 0);
-    EXPECT_NEAR(state.figures.frame_rate_hz.value_or(0.0), 10.0, 1e-6);
+    EXPECT_EQ(state.counts.num_frames, 20);
+    EXPECT_EQ(state.counts.num_dropped_frames, 0);
+    EXPECT_NEAR(state.counts.frame_rate_hz.value_or(0.0), 10.0, 1e-6);
     ASSERT_TRUE(source_->newest_frame());
     EXPECT_EQ(source_->newest_frame()->timestamp_ns, newest);
     EXPECT_FALSE(source_->newest_frame()->right.empty());
@@ -56,18 +56,18 @@ TEST_F(WatchTest, CountsWhatIsMissing) {
     for (int i = 0; i < 10; ++i) dive.add_frame();
     dive.skip_frames(3);
     dive.add_frame();
-    EXPECT_EQ(look().figures.num_dropped_frames, 3);
+    EXPECT_EQ(look().counts.num_dropped_frames, 3);
 }
 
-TEST_F(WatchTest, LeavesHalfALineAndHalfAPictureForLater) {
+TEST_F(WatchTest, LeavesHalfALineAndHalfAnImageForLater) {
     GrowingDive dive(folder_ / "dives");
     const std::int64_t whole = dive.add_frame();
     dive.write("cam0", dive.row().substr(0, 12));
-    EXPECT_EQ(look().figures.num_frames, 1);
+    EXPECT_EQ(look().counts.num_frames, 1);
     dive.write("cam0", dive.row().substr(12));
     dive.write("cam1", dive.row());
-    dive.write_picture("cam0", "\x89PNG\r\n\x1a\n half a picture");
-    EXPECT_EQ(look().figures.num_frames, 2);
+    dive.write_image("cam0", "\x89PNG\r\n\x1a\n half a picture");
+    EXPECT_EQ(look().counts.num_frames, 2);
     ASSERT_TRUE(source_->newest_frame());
     EXPECT_EQ(source_->newest_frame()->timestamp_ns, whole);
 }
@@ -93,7 +93,7 @@ TEST_F(WatchTest, SurvivesAFolderThatDisappears) {
     GrowingDive dive(folder_ / "dives" / "reef");
     dive.add_frame();
     EXPECT_TRUE(look(3s).errors.empty());
-    EXPECT_EQ(source_->state().figures.num_frames, 1);
+    EXPECT_EQ(source_->state().counts.num_frames, 1);
 }
 
 TEST_F(WatchTest, TellsThatNothingIsRecordedAndThenThatTheDiveIsOver) {
@@ -133,7 +133,7 @@ TEST_F(WatchTest, GoesOnWithTheNewestDive) {
     second.add_frame();
     look(3s);
     EXPECT_EQ(source_->state().dive, "b");
-    EXPECT_EQ(source_->state().figures.num_frames, 2);
+    EXPECT_EQ(source_->state().counts.num_frames, 2);
 }
 
 TEST_F(WatchTest, TakesRubbishInATable) {
@@ -141,7 +141,7 @@ TEST_F(WatchTest, TakesRubbishInATable) {
     dive.write("cam0", std::string(100'000, 'x'));
     dive.write("cam0", "\n,,,\nnan,1.png\n-5,2.png\n99999999999999999999999,3.png\n");
     dive.add_frame();
-    EXPECT_EQ(look().figures.num_frames, 2);
+    EXPECT_EQ(look().counts.num_frames, 2);
 }
 
 TEST(ReplayTest, TakesItsTime) {
@@ -151,13 +151,13 @@ TEST(ReplayTest, TakesItsTime) {
     const auto source = replay_dive(folder.path(), 2.0);
     const auto begin = Clock::now();
     source->update(begin);
-    EXPECT_EQ(source->state().figures.num_frames, 1);
+    EXPECT_EQ(source->state().counts.num_frames, 1);
     source->update(begin + 500ms);
-    EXPECT_EQ(source->state().figures.num_frames, 11);
+    EXPECT_EQ(source->state().counts.num_frames, 11);
     EXPECT_TRUE(source->state().is_recording);
     EXPECT_FALSE(source->take_finished());
     source->update(begin + 10s);
-    EXPECT_EQ(source->state().figures.num_frames, 30);
+    EXPECT_EQ(source->state().counts.num_frames, 30);
     EXPECT_FALSE(source->state().is_recording);
     EXPECT_TRUE(source->take_finished());
     source->update(begin + 11s);
@@ -175,11 +175,11 @@ TEST(ReplayTest, TellsAllThatTheTankHas) {
     const auto begin = Clock::now();
     source->update(begin);
     source->update(begin + 5s);
-    const DiveFigures& figures = source->state().figures;
-    EXPECT_EQ(figures.num_frames, 51);
-    EXPECT_NEAR(figures.frame_rate_hz.value_or(0.0), 10.0, 0.01);
-    EXPECT_NEAR(figures.imu_rate_hz.value_or(0.0), 200.0, 0.1);
-    EXPECT_TRUE(figures.orientation);
+    const RecordingCounts& counts = source->state().counts;
+    EXPECT_EQ(counts.num_frames, 51);
+    EXPECT_NEAR(counts.frame_rate_hz.value_or(0.0), 10.0, 0.01);
+    EXPECT_NEAR(counts.imu_rate_hz.value_or(0.0), 200.0, 0.1);
+    EXPECT_TRUE(counts.orientation);
 }
 
 }  // namespace

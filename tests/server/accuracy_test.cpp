@@ -165,9 +165,9 @@ TEST_F(AccuracyTest, OptionsAreCheckedAtTheDoor) {
 
 TEST_F(AccuracyTest, AVerdictIsNoFailure) {
     report({{"require", {"path_length_m>=3", "path_length_m>=1"}}});
-    succeed({.figures = {{"trajectory.path_length_m", 2.0, "m", ""}}, .version = "1"});
+    succeed({.metrics = {{"trajectory.path_length_m", 2.0, "m", ""}}, .version = "1"});
     const Job job = succeed(
-        {.figures = {{"trajectory.path_length_m", 2.0, "m", ""}},
+        {.metrics = {{"trajectory.path_length_m", 2.0, "m", ""}},
          .requirements = {{"path_length_m>=3", "trajectory.path_length_m", 2.0, false, "is 2"},
                           {"path_length_m>=1", "trajectory.path_length_m", 2.0, true, ""}},
          .version = "1"});
@@ -177,10 +177,10 @@ TEST_F(AccuracyTest, AVerdictIsNoFailure) {
     EXPECT_EQ(shown["requirements"].size(), 2U);
 }
 
-TEST_F(AccuracyTest, FiguresAreSeriesOverDivesAndTime) {
+TEST_F(AccuracyTest, MetricsAreSeriesOverDivesAndTime) {
     report();
     for (const double length_m : {2.0, 2.5})
-        succeed({.figures = {{"trajectory.path_length_m", length_m, "m", "sum"}},
+        succeed({.metrics = {{"trajectory.path_length_m", length_m, "m", "sum"}},
                  .version = "1",
                  .calibration_sha256 = "c"});
     const auto series = [&](const std::string& query) {

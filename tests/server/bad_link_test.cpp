@@ -28,12 +28,12 @@ protected:
         return client::upload_by_tus(account, source, {{"commit", ""}}, state, {}, settings);
     }
 
-    void expect_intact_through(const BadLink& link, int least_cuts) {
+    void expect_intact_through(const BadLink& link, int min_cuts) {
         FlakyProxy proxy(server.port(), link);
         const auto path = upload(proxy.port());
         const auto dive = server.request("GET", path, token).json()["dive_id"];
         EXPECT_EQ(archive_of(dive), whole);
-        EXPECT_GE(proxy.num_cuts(), least_cuts);
+        EXPECT_GE(proxy.num_cuts(), min_cuts);
         EXPECT_LT(static_cast<double>(proxy.num_bytes()),
                   1.2 * static_cast<double>(whole.size()) + 300'000.0);
     }

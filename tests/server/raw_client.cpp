@@ -21,9 +21,9 @@ std::string RawResponse::header(const std::string& name) const {
 
 RawClient::RawClient(int port, int receive_buffer_bytes)
     : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const timeval patience{20, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    const timeval timeout{20, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
+    setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
     if (receive_buffer_bytes > 0)
         setsockopt(
             socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
@@ -55,8 +55,8 @@ std::string RawClient::read_available() {
 bool RawClient::at_end() { return received_.empty() && read_available().empty(); }
 
 void RawClient::reset() {
-    const linger at_once{1, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    const linger read_nonblocking{1, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_LINGER, &read_nonblocking, sizeof read_nonblocking);
     close(socket_);
     socket_ = -1;
 }

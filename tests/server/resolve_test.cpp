@@ -16,13 +16,13 @@ using namespace std::chrono_literals;
 
 // What the awaitable gives, or throws.
 Addresses resolved(const std::string& host,
-                   std::chrono::milliseconds patience,
+                   std::chrono::milliseconds timeout,
                    const Lookup& lookup = look_up) {
     asio::io_context io;
     Addresses addresses;
     std::exception_ptr failure;
     asio::co_spawn(io,
-                   resolve_within(host, "80", patience, lookup),
+                   resolve_within(host, "80", timeout, lookup),
                    [&](const std::exception_ptr& error, const Addresses& found) {
                        failure = error;
                        addresses = found;

@@ -33,7 +33,7 @@ protected:
                    {"outcome", {{"command", command}, {"state", state}, {"detail", "as told"}}}}}}};
     }
     json command(const std::string& id) { return get("/api/v1/sensors/aqua/commands/" + id); }
-    std::vector<std::string> told_states() {
+    std::vector<std::string> sent_states() {
         std::vector<std::string> states;
         for (const Event& event : storage::EventStore(server_.catalog()).since(0, "", 1000))
             if (event.type == "sensor.command") states.push_back(event.data.at("state"));
@@ -59,7 +59,7 @@ TEST_F(SensorCommandTest, IsHandedOverAtOnceAndItsOutcomeIsTold) {
     const json done = command(made.json()["id"]);
     EXPECT_EQ(done["state"], "done");
     EXPECT_EQ(done["detail"], "as told");
-    EXPECT_EQ(told_states(), (std::vector<std::string>{"pending", "sent", "done"}));
+    EXPECT_EQ(sent_states(), (std::vector<std::string>{"pending", "sent", "done"}));
     EXPECT_EQ(get("/api/v1/sensors/aqua/commands")["items"].size(), 1U);
 }
 

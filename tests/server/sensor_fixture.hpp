@@ -61,12 +61,12 @@ protected:
             bytes += static_cast<char>(byte);
         return bytes + "\xFF\xDA" + std::string(200, 'x') + "\xFF\xD9";
     }
-    static std::string preview_frame(const json& header, const std::string& picture) {
+    static std::string preview_frame(const json& header, const std::string& image) {
         const std::string text = header.dump();
         std::string frame;
         for (int shift = 24; shift >= 0; shift -= 8)
             frame += static_cast<char>(text.size() >> shift & 0xFFU);
-        return frame + text + picture;
+        return frame + text + image;
     }
     static json preview_header(int sequence, const json& preview) {
         return {{"boot_id", "boot-1"},

@@ -65,22 +65,22 @@ TEST_F(SensorStreamTest, AFloodIsTakenAndKeepsNobodyElseWaiting) {
 TEST_F(SensorStreamTest, APreviewIsShownWithItsAge) {
     WebSocketClient sensor = stream();
     sensor.next_json();
-    const std::string picture = jpeg();
+    const std::string image = jpeg();
     sensor.say_bytes(preview_frame(
         preview_header(0, {{"camera", "cam0"}, {"exposure_ms", 4}, {"pictures", {{"dark", 0.9}}}}),
-        picture));
+        image));
     EXPECT_EQ(sensor.next_json()["committed"], json::parse("[[0,0]]"));
 
     const json shown = get("/api/v1/sensors/aqua");
     const json& preview = shown["previews"]["cam0"];
     EXPECT_EQ(preview["width"], 64);
     EXPECT_EQ(preview["height"], 48);
-    EXPECT_EQ(preview["sha256"], sha256_hex(picture));
+    EXPECT_EQ(preview["sha256"], sha256_hex(image));
     EXPECT_EQ(preview["about"]["exposure_ms"], 4);
     EXPECT_EQ(shown["summary"], "stop") << "nine of ten pictures are dark";
     const RawResponse newest =
         server_.request("GET", "/api/v1/sensors/aqua/preview.jpg?camera=cam0", server_.admin());
-    EXPECT_EQ(newest.body, picture);
+    EXPECT_EQ(newest.body, image);
     EXPECT_EQ(newest.header("content-type"), "image/jpeg");
     EXPECT_LT(std::stoi(newest.header("age")), 20);
     EXPECT_NE(newest.header("last-modified"), "");
@@ -93,7 +93,7 @@ TEST_F(SensorStreamTest, APreviewIsShownWithItsAge) {
     ASSERT_EQ(all.size(), 1U);
     const std::string address =
         "/api/v1/sensors/aqua/previews/" + std::to_string(all[0]["id"].get<std::int64_t>());
-    EXPECT_EQ(server_.request("GET", address, server_.admin()).body, picture);
+    EXPECT_EQ(server_.request("GET", address, server_.admin()).body, image);
     for (const std::string none :
          {"preview.jpg?camera=cam1", "previews/999", "previews/x", "previews/-1"})
         EXPECT_EQ(server_.request("GET", "/api/v1/sensors/aqua/" + none, server_.admin()).status,
@@ -101,12 +101,12 @@ TEST_F(SensorStreamTest, APreviewIsShownWithItsAge) {
             << none;
 }
 
-TEST_F(SensorStreamTest, TheNewestPicturesAreKept) {
+TEST_F(SensorStreamTest, TheNewestImagesAreKept) {
     WebSocketClient sensor = stream();
     sensor.next_json();
-    const std::string picture = jpeg(16, 16);
+    const std::string image = jpeg(16, 16);
     for (int i = 0; i < 205; ++i)
-        sensor.say_bytes(preview_frame(preview_header(i, {{"camera", "cam0"}}), picture));
+        sensor.say_bytes(preview_frame(preview_header(i, {{"camera", "cam0"}}), image));
     for (std::int64_t acknowledged = -1; acknowledged < 204;)
         acknowledged = sensor.next_json()["answer"]["acknowledged"].get<std::int64_t>();
     const json all = get("/api/v1/sensors/aqua/previews")["items"];

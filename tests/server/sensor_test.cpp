@@ -154,12 +154,12 @@ protected:
 
 // A14 for sensors: what they say goes on, their pictures take no more room.
 TEST_F(SensorOnAFullDiskTest, KeepsFewPreviewsAndEveryStatus) {
-    const json picture = {{"camera", "cam0"}, {"jpeg", base64(jpeg())}};
+    const json image = {{"camera", "cam0"}, {"jpeg", base64(jpeg())}};
     for (int i = 0; i < 30; i += 2) {
         ASSERT_EQ(push(token_, report(i, {{"battery", 0.5}, {"depth_m", i}})).status, 200);
         const json preview = {
             {"boot_id", "boot-1"},
-            {"messages", {{{"seq", i + 1}, {"uptime_ms", 1000 * i}, {"preview", picture}}}}};
+            {"messages", {{{"seq", i + 1}, {"uptime_ms", 1000 * i}, {"preview", image}}}}};
         const RawResponse answer = push(token_, preview);
         ASSERT_EQ(answer.status, 200) << answer.body;
     }

@@ -117,10 +117,10 @@ TEST(StartTest, ReadsBothFamiliesOfAddresses) {
 }
 
 // Entered, received, and the server is killed before the dive.
-std::string owe_dive(const ServerConfig& config,
-                     const std::string& token_id,
-                     const std::string& metadata,
-                     bool is_noted = true) {
+std::string leave_pending_dive(const ServerConfig& config,
+                               const std::string& token_id,
+                               const std::string& metadata,
+                               bool is_noted = true) {
     storage::Catalog catalog(config.catalog_url);
     const auto blobs = storage::open_blob_store(config.blobs_url);
     Upload upload;
@@ -150,11 +150,12 @@ TEST(StartTest, MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHaveThe
         storage::TokenStore tokens(catalog);
         const auto lost = tokens.create({.name = "lost", .scopes = {"dives:write"}}).token.id;
         const auto kept = tokens.create({.name = "kept", .scopes = {"dives:write"}}).token.id;
-        wrong = owe_dive(server.config(), kept, "commit,sha256 " + base64(std::string(64, '0')));
-        revoked = owe_dive(server.config(), lost, "commit");
+        wrong = leave_pending_dive(
+            server.config(), kept, "commit,sha256 " + base64(std::string(64, '0')));
+        revoked = leave_pending_dive(server.config(), lost, "commit");
         tokens.revoke(lost);
-        good = owe_dive(server.config(), kept, "commit");
-        unnoted = owe_dive(server.config(), kept, "commit", false);
+        good = leave_pending_dive(server.config(), kept, "commit");
+        unnoted = leave_pending_dive(server.config(), kept, "commit", false);
     }
     Server server(config);
     std::thread running([&] { server.run(); });
@@ -176,8 +177,8 @@ TEST(StartTest, ADiveThatThereWasNoRoomForIsMadeOnceThereIs) {
     const TemporaryFolder data;
     auto config = config_at(data, "127.0.0.1:0");
     config.max_project_dives = 1;
-    config.timeouts.owed_dives = std::chrono::milliseconds(20);
-    std::string owed;
+    config.timeouts.pending_dives = std::chrono::milliseconds(20);
+    std::string pending;
     std::string token;
     {
         const Server server(config);
@@ -186,21 +187,21 @@ TEST(StartTest, ADiveThatThereWasNoRoomForIsMadeOnceThereIs) {
                     .create({.name = "boat", .scopes = {"dives:write"}})
                     .token.id;
         make_ready_dive(catalog, "default", std::string(64, 'a'));
-        owed = owe_dive(server.config(), token, "commit");
+        pending = leave_pending_dive(server.config(), token, "commit");
     }
     Server server(config);
     std::thread running([&] { server.run(); });
     storage::Catalog catalog(server.config().catalog_url);
     storage::UploadStore uploads(catalog);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));  // some attempts
-    EXPECT_TRUE(uploads.get(owed).dive_id.empty());
+    EXPECT_TRUE(uploads.get(pending).dive_id.empty());
     catalog.transaction(
         [](soci::session& session) { session << "UPDATE dives SET project = 'elsewhere'"; });
-    for (int i = 0; i < 1000 && uploads.get(owed).dive_id.empty(); ++i)
+    for (int i = 0; i < 1000 && uploads.get(pending).dive_id.empty(); ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     server.stop();
     running.join();
-    EXPECT_FALSE(uploads.get(owed).dive_id.empty());
+    EXPECT_FALSE(uploads.get(pending).dive_id.empty());
 }
 
 }  // namespace

@@ -324,12 +324,12 @@ TEST_F(TusTest, APartIsNoDiveAndAFinalUploadTakesNoBytes) {
                      "hello")
                   .status,
               400);
-    const auto owed = create({{"Upload-Length", "5"},
-                              {"Upload-Concat", "partial"},
-                              {"Upload-Metadata", "commit"},
-                              {"Content-Type", "application/offset+octet-stream"}},
-                             "hello");
-    EXPECT_EQ(owed.header("divemesh-dive"), "");
+    const auto pending = create({{"Upload-Length", "5"},
+                                 {"Upload-Concat", "partial"},
+                                 {"Upload-Metadata", "commit"},
+                                 {"Content-Type", "application/offset+octet-stream"}},
+                                "hello");
+    EXPECT_EQ(pending.header("divemesh-dive"), "");
 }
 
 // U13

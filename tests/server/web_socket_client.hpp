@@ -19,12 +19,12 @@ public:
         boost::asio::connect(
             socket_.next_layer(),
             boost::asio::ip::tcp::resolver(context_).resolve("127.0.0.1", std::to_string(port)));
-        const timeval patience{20, 0};
+        const timeval timeout{20, 0};
         setsockopt(socket_.next_layer().native_handle(),
                    SOL_SOCKET,
                    SO_RCVTIMEO,
-                   &patience,
-                   sizeof patience);
+                   &timeout,
+                   sizeof timeout);
         socket_.read_message_max(std::size_t{16} << 20);
         socket_.set_option(boost::beast::websocket::stream_base::decorator(
             [token](boost::beast::websocket::request_type& request) {

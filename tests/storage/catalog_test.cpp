@@ -66,33 +66,36 @@ TEST(Catalog, WhoMustNotWaitReadsBesideAWriterAndNeverForOne) {
     const std::string url = (folder / "catalog.db").string();
     Catalog catalog(url);
     Catalog other(url);
-    Catalog at_once = catalog.at_once();
+    Catalog read_nonblocking = catalog.read_nonblocking();
     other.transaction([&](soci::session& session) {  // another connection holds the write lock
         session << "UPDATE event_sequence SET newest = 7";
-        EXPECT_EQ(text_of(at_once, "SELECT newest FROM event_sequence"), "0");
+        EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "0");
         EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
-                                [&] { at_once.transaction([](soci::session&) {}); }));
+                                [&] { read_nonblocking.transaction([](soci::session&) {}); }));
     });
-    EXPECT_EQ(text_of(at_once, "SELECT newest FROM event_sequence"), "7");
+    EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "7");
 }
 
 TEST(Catalog, WhoMustNotWaitGetsNoConnectionThatIsInUse) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
-    Catalog at_once = catalog.at_once();
+    Catalog read_nonblocking = catalog.read_nonblocking();
     catalog.read([&](soci::session&) {  // has the only one that was opened
-        EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
-                                [&] { text_of(at_once, "SELECT newest FROM event_sequence"); }));
+        EXPECT_TRUE(throws_code(ErrorCode::Unavailable, [&] {
+            text_of(read_nonblocking, "SELECT newest FROM event_sequence");
+        }));
         EXPECT_EQ(text_of(catalog, "SELECT newest FROM event_sequence"), "0");
     });
-    EXPECT_EQ(text_of(at_once, "SELECT newest FROM event_sequence"), "0");
+    EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "0");
 }
 
 TEST(Catalog, WhoMustNotWaitFindsAConnectionOfThoseThatAreReserved) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
-    Catalog at_once = catalog.at_once();
-    const auto newest = [&] { return text_of(at_once, "SELECT newest FROM event_sequence"); };
+    Catalog read_nonblocking = catalog.read_nonblocking();
+    const auto newest = [&] {
+        return text_of(read_nonblocking, "SELECT newest FROM event_sequence");
+    };
     catalog.reserve(2);
     catalog.transaction([&](soci::session&) { EXPECT_EQ(newest(), "0"); });
     catalog.read([&](soci::session&) {
@@ -106,8 +109,8 @@ TEST(Catalog, WhoMustNotWaitFindsAConnectionOfThoseThatAreReserved) {
 TEST(Catalog, AConnectionWaitsAgainAfterSomebodyWhoMustNot) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
-    Catalog at_once = catalog.at_once();
-    EXPECT_EQ(text_of(at_once, "PRAGMA busy_timeout"), "0");
+    Catalog read_nonblocking = catalog.read_nonblocking();
+    EXPECT_EQ(text_of(read_nonblocking, "PRAGMA busy_timeout"), "0");
     EXPECT_EQ(text_of(catalog, "PRAGMA busy_timeout"), "15000");
 }
 

@@ -79,14 +79,14 @@ TEST_F(ReportJobsTest, WithoutOneItsDiveIsReconstructedFirst) {
 TEST_F(ReportJobsTest, AFreshReportIsOfAReconstructionByThisVersion) {
     const Dive dive = ready_dive();
     enqueue(dive);
-    const Job old = succeed({.figures = {{"x", 1.0, "1", ""}}, .version = "1"});
+    const Job old = succeed({.metrics = {{"x", 1.0, "1", ""}}, .version = "1"});
     const NewJob wanted{.dive_id = dive.id,
                         .kind = JobKind::AccuracyReport,
                         .preset = "standard",
                         .fresh_version = "2"};
     const Job job = jobs_.enqueue(wanted).job;
     EXPECT_NE(job.options["job"], old.id);
-    const Job again = succeed({.figures = {{"x", 1.0, "1", ""}}, .version = "2"});
+    const Job again = succeed({.metrics = {{"x", 1.0, "1", ""}}, .version = "2"});
     EXPECT_EQ(job.options["job"], again.id);
     EXPECT_EQ(jobs_.enqueue(wanted).job.id, job.id);
 }

@@ -194,7 +194,7 @@ TEST_F(SensorStoreTest, AlarmsAreToldWhenTheyBeginAndEnd) {
                             "battery over"));
 }
 
-TEST_F(SensorStoreTest, AFigureThatTremblesAboutItsLimitIsToldOnce) {
+TEST_F(SensorStoreTest, AMetricThatTremblesAboutItsLimitIsToldOnce) {
     for (int i = 0; i < 40; ++i)
         send("a", {status(i, 1000 * i, {{"battery", i % 2 == 0 ? 0.201 : 0.199}})});
     EXPECT_THAT(told(), ElementsAre("online", "battery raised"));

@@ -43,10 +43,10 @@ TEST_F(UploadStoreTest, AnUploadOfNothingIsCompleteAtOnce) {
 }
 
 TEST_F(UploadStoreTest, TakesLengthsUpTo63BitsAndNoNegativeOnes) {
-    constexpr auto kLargest = std::numeric_limits<std::int64_t>::max();
+    constexpr auto kMaxInt64 = std::numeric_limits<std::int64_t>::max();
     EXPECT_EQ(
-        uploads_.get(uploads_.create({.project = "p", .length_bytes = kLargest}).id).length_bytes,
-        kLargest);
+        uploads_.get(uploads_.create({.project = "p", .length_bytes = kMaxInt64}).id).length_bytes,
+        kMaxInt64);
     EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument,
                             [&] { uploads_.create({.project = "p", .length_bytes = -1}); }));
 }

@@ -9,11 +9,11 @@ namespace divemesh::synthetic {
 // Says by how many degrees and metres a pose is off.
 MATCHER_P3(IsPoseWithin, expected, degrees, metres, "") {
     const Eigen::Isometry3d difference = expected.inverse() * arg;
-    const double turn_deg =
+    const double rotation_deg =
         Eigen::AngleAxisd(difference.linear()).angle() * 180.0 / std::numbers::pi;
     const double shift_m = difference.translation().norm();
-    *result_listener << "off by " << turn_deg << " degrees and " << shift_m << " m";
-    return turn_deg <= degrees && shift_m <= metres;
+    *result_listener << "off by " << rotation_deg << " degrees and " << shift_m << " m";
+    return rotation_deg <= degrees && shift_m <= metres;
 }
 
 }  // namespace divemesh::synthetic

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/estimation/loops/described_view.hpp"
+#include "worker/estimation/loops/described_keypoints.hpp"
 #include "worker/keyframe.hpp"
 
 namespace divemesh::synthetic {
@@ -57,12 +57,12 @@ public:
     }
 
     // What it is recognised by.
-    static worker::DescribedView view(const Eigen::Isometry3d& T_world_cam,
-                                      const worker::KeyframeImages& images) {
+    static worker::DescribedKeypoints view(const Eigen::Isometry3d& T_world_cam,
+                                           const worker::KeyframeImages& images) {
         cv::Mat gray;
         cv::extractChannel(images.left_color, gray, 0);
-        worker::DescribedView view = worker::describe_view(gray);
-        for (worker::DescribedPoint& point : view)
+        worker::DescribedKeypoints view = worker::describe_keypoints(gray);
+        for (worker::DescribedKeypoint& point : view)
             point.disparity_px = static_cast<float>(
                 small_rig().disparity_px(seen_at(T_world_cam, point.u_px, point.v_px).z()));
         return view;

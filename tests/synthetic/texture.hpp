@@ -20,7 +20,10 @@ inline double texture(double x, double y) {
 }
 
 // The texture moved by (dx, dy), with its contrast and brightness changed.
-inline cv::Mat picture(double dx, double dy, double contrast = 1.0, double brightness = 128.0) {
+inline cv::Mat textured_image(double dx,
+                              double dy,
+                              double contrast = 1.0,
+                              double brightness = 128.0) {
     cv::Mat image(240, 320, CV_8U);
     for (int v = 0; v < image.rows; ++v)
         for (int u = 0; u < image.cols; ++u)

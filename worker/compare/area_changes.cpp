@@ -4,7 +4,7 @@
 #include <map>
 
 #include "schemas/error.hpp"
-#include "worker/compare/change_figure.hpp"
+#include "worker/compare/change_metric.hpp"
 #include "worker/compare/change_sums.hpp"
 #include "worker/compare/label_changes.hpp"
 #include "worker/compare/outlined_cells.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLeastCoverage = 0.5;
+constexpr double kMinCoverage = 0.5;
 
 AreaSet read_in_world(const std::filesystem::path& file) {
     AreaSet set = read_areas(file);
@@ -63,7 +63,7 @@ public:
     void measure(const json& whose,
                  const cv::Rect& window,
                  const cv::Mat& cells,
-                 json& figures) const {
+                 json& metrics) const {
         const cv::Mat seen = cells & ground_(window);
         const ChangeMap part_of_map = window_of(map_, window);
         const ChangeSums rest = sum_over(part_of_map, seen & (changes_.number(window) == 0));
@@ -78,13 +78,13 @@ public:
                 part.num_sigma *
                 std::hypot(noise_m3(sums, changes_.noise), registration_m3(sums) + part.outline_m3);
             const double undetected = std::max(0.0, sign * rest.volume_m3 + 1.96 * rest_sigma_m3);
-            figures.push_back(change_json(
+            metrics.push_back(change_json(
                 whose,
                 {grown ? "grown_volume" : "lost_volume", "m3", "of the patches within the outline"},
                 {value, std::max(0.0, value - half), value + half + undetected}));
         }
         const ChangeSums net = sum_over(part_of_map, seen);
-        figures.push_back(change_json(
+        metrics.push_back(change_json(
             whose,
             {"net_volume", "m3", "rise minus fall of all ground that both dives saw"},
             interval(net.volume_m3, noise_m3(net, changes_.noise), registration_m3(net))));
@@ -152,10 +152,10 @@ void measure_outlines(const std::vector<ComparedOutline>& outlines,
                     .first->second;
             within.add_to(cells);
         }
-        if (coverage < kLeastCoverage) {
-            for (const char* figure : {"grown_volume", "lost_volume", "net_volume"})
+        if (coverage < kMinCoverage) {
+            for (const char* metric : {"grown_volume", "lost_volume", "net_volume"})
                 result["figures"].push_back(refused_change_json(
-                    whose, {figure, "m3", ""}, "both dives saw less than half of it"));
+                    whose, {metric, "m3", ""}, "both dives saw less than half of it"));
             continue;
         }
         measurer.measure(whose, within.window, within.cells, result["figures"]);
@@ -177,9 +177,9 @@ void name_pairs(const std::vector<Colony>& before,
     }
 }
 
-json csv_value(const json& figure, const char* time, const char* bound) {
-    const auto estimate = figure.find(time);
-    return estimate == figure.end() ? json() : (*estimate)[bound];
+json csv_value(const json& metric, const char* time, const char* bound) {
+    const auto estimate = metric.find(time);
+    return estimate == metric.end() ? json() : (*estimate)[bound];
 }
 
 std::string csv_field(const json& value) {
@@ -228,27 +228,27 @@ json area_changes(const ComparedAreas& areas,
     name_pairs(before, after, pairs, result["areas"]);
     result["surveyed_m2"] = surveyed_m2;
     if (surveyed_m2 > 0.0)
-        for (json& figure :
+        for (json& metric :
              label_changes({before, after, pairs, surveyed_m2, areas.later.has_value()}, seed))
-            result["figures"].push_back(std::move(figure));
+            result["figures"].push_back(std::move(metric));
     const cv::Rect all(0, 0, map.grid.columns, map.grid.rows);
     for (const auto& [label, cells] : labels)
         measurer.measure({{"label", label}}, all, cells, result["figures"]);
     return result;
 }
 
-std::string area_changes_csv(const json& figures) {
+std::string area_changes_csv(const json& metrics) {
     std::string csv =
         "figure,area,dive,label,unit,earlier,earlier_low,earlier_high,later,later_low,later_high,"
         "change,change_low,change_high,method,refused\n";
-    for (const json& figure : figures) {
+    for (const json& metric : metrics) {
         for (const char* key : {"figure", "area", "dive", "label", "unit"})
-            csv += csv_field(figure.value(key, json())) + ",";
+            csv += csv_field(metric.value(key, json())) + ",";
         for (const char* time : {"earlier", "later", "change"})
             for (const char* bound : {"value", "low", "high"})
-                csv += csv_field(csv_value(figure, time, bound)) + ",";
-        csv += csv_field(figure.value("method", json())) + "," +
-               csv_field(figure.value("refused", json())) + "\n";
+                csv += csv_field(csv_value(metric, time, bound)) + ",";
+        csv += csv_field(metric.value("method", json())) + "," +
+               csv_field(metric.value("refused", json())) + "\n";
     }
     return csv;
 }

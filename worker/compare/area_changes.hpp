@@ -51,6 +51,6 @@ nlohmann::json area_changes(const ComparedAreas& areas,
 
 // A heading and a row per figure: figure, area, dive, label, unit, then value, low and high of
 // earlier, later and change, method, refused (RFC 4180; lines end with \n).
-std::string area_changes_csv(const nlohmann::json& figures);
+std::string area_changes_csv(const nlohmann::json& metrics);
 
 }  // namespace divemesh::worker

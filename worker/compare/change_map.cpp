@@ -11,9 +11,9 @@ namespace divemesh::worker {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-constexpr float kLeastSigma_m = 5e-4F;  // no surface is known better, whatever it says
-constexpr float kSteepest = 0.25F;      // normals' z at the least; steeper is measured as this
-constexpr double kLeastBehind_m = 0.005;
+constexpr float kMinSigma_m = 5e-4F;  // no surface is known better, whatever it says
+constexpr float kMinNormalZ = 0.25F;  // normals' z at the least; steeper is measured as this
+constexpr double kMinBehind_m = 0.005;
 constexpr double kBehindShare = 0.3;  // of the change
 
 std::uint32_t nearest_corner(const Mesh& mesh, const SurfaceRaster& raster, int row, int column) {
@@ -28,13 +28,13 @@ std::uint32_t nearest_corner(const Mesh& mesh, const SurfaceRaster& raster, int 
 // Standard deviation of the height, m.
 float height_sigma_m(const Mesh& mesh, std::uint32_t vertex) {
     const float along_normal = mesh.sigma_m.empty() ? 0.0F : mesh.sigma_m[vertex];
-    return std::max(kLeastSigma_m, along_normal) /
-           std::max(kSteepest, std::abs(mesh.normals[vertex].z()));
+    return std::max(kMinSigma_m, along_normal) /
+           std::max(kMinNormalZ, std::abs(mesh.normals[vertex].z()));
 }
 
 class Mapper {
 public:
-    Mapper(const Surveyed& a, const Surveyed& b, const Registration& registration, ChangeMap& map)
+    Mapper(const Surveyed& a, const Surveyed& b, const CoRegistration& registration, ChangeMap& map)
         : a_(a),
           b_(b),
           registration_(registration),
@@ -88,10 +88,10 @@ public:
         const Eigen::Vector2d place = map_.grid.center(row, column);
         const auto height = static_cast<double>(higher.height_m.at<float>(row, column));
         const auto change = std::abs(static_cast<double>(map_.change_m.at<float>(row, column)));
-        if (!seen_through(views,
-                          index,
-                          {place.x(), place.y(), height},
-                          std::max(kLeastBehind_m, kBehindShare * change)))
+        if (!is_free_space(views,
+                           index,
+                           {place.x(), place.y(), height},
+                           std::max(kMinBehind_m, kBehindShare * change)))
             map_.state.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(CellState::Hidden);
     }
 
@@ -106,12 +106,12 @@ private:
         const Eigen::Vector3f normal = a_.mesh.normals[vertex_a];
         const double along =
             registration_.sigma_m({place.x(), place.y(), height}, normal.cast<double>());
-        return static_cast<float>(along) / std::max(kSteepest, std::abs(normal.z()));
+        return static_cast<float>(along) / std::max(kMinNormalZ, std::abs(normal.z()));
     }
 
     const Surveyed& a_;
     const Surveyed& b_;
-    const Registration& registration_;
+    const CoRegistration& registration_;
     ChangeMap& map_;
     SurfaceRaster raster_a_;
     SurfaceRaster raster_b_;
@@ -125,7 +125,7 @@ double ChangeMap::area_m2(CellState wanted) const {
 
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
-                      const Registration& registration,
+                      const CoRegistration& registration,
                       const RasterGrid& grid,
                       double scale_m,
                       int num_threads) {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "worker/compare/free_space.hpp"
 #include "worker/compare/m3c2.hpp"
-#include "worker/compare/register_surfaces.hpp"
-#include "worker/compare/seen_through.hpp"
+#include "worker/compare/point_to_plane_icp.hpp"
 #include "worker/compare/surface_raster.hpp"
 
 namespace divemesh::worker {
@@ -49,7 +49,7 @@ struct Surveyed {
 // dive that lacks the higher surface looked through it at the ground behind.
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
-                      const Registration& registration,
+                      const CoRegistration& registration,
                       const RasterGrid& grid,
                       double scale_m,
                       int num_threads);

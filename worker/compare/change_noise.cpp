@@ -8,7 +8,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kFewestBlocks = 12;
+constexpr std::size_t kMinBlocks = 12;
 constexpr double kFull = 0.75;
 
 std::vector<double> block_means(const ChangeMap& map, const cv::Mat& counts, int side) {
@@ -48,7 +48,7 @@ ChangeNoise measure_noise(const ChangeMap& map, const cv::Mat& counts) {
     std::vector<ChangeNoise::Step> steps;
     for (int side = 1; side <= std::min(counts.rows, counts.cols); side *= 2) {
         std::vector<double> sizes = block_means(map, counts, side);
-        if (sizes.size() < kFewestBlocks) break;
+        if (sizes.size() < kMinBlocks) break;
         for (double& size : sizes) size = std::abs(size);
         const double sigma =
             std::max(lower_quantile(sizes, 0.683), lower_quantile(sizes, 0.95) / 1.96);

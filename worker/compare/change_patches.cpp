@@ -29,8 +29,8 @@ double compared_m2(const ChangeMap& map) {
 }
 
 // CV_8U: cells whose change is beyond what any of the ground would show by chance.
-cv::Mat beyond_chance(const ChangeMap& map, double ground_m2, double piece_m2) {
-    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / piece_m2));
+cv::Mat beyond_chance(const ChangeMap& map, double ground_m2, double core_m2) {
+    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / core_m2));
     const cv::Mat level = most * (map.sigma_m + map.registration_m);
     return cv::abs(map.change_m) > level;
 }
@@ -80,9 +80,9 @@ Undetected undetected(const ChangeMap& map, const cv::Mat& counts, const ChangeN
             variance += kVariancePart * noise_of_block_m3 * noise_of_block_m3;
             shared_m3 += registration_m3(of_block);
         }
-    const double doubt_m3 = k95 * std::hypot(std::sqrt(variance), shared_m3);
+    const double uncertainty_m3 = k95 * std::hypot(std::sqrt(variance), shared_m3);
     for (double* sum : {&sums.rise_m3, &sums.fall_m3})
-        *sum = std::max(0.0, *sum - expected_m3) + doubt_m3;
+        *sum = std::max(0.0, *sum - expected_m3) + uncertainty_m3;
     return sums;
 }
 
@@ -213,7 +213,7 @@ private:
         patch.volume_m3 = {value, value - half, value + half};
         patch.volume_m3.low = std::max(0.0, patch.volume_m3.low);
         patch.mean_change_m = sums.volume_m3 / std::max(1e-12, sums.area_m2);
-        patch.largest_change_m = sums.largest_m;
+        patch.largest_change_m = sums.max_change_m;
         patch.outline_m = outline / std::max(1e-12, sums.area_m2);
         locate(found, patch);
         cv::Mat about;

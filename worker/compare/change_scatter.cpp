@@ -11,7 +11,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr std::array kRanges_m = {0.0, 0.01, 0.02, 0.04, 0.08, 0.16};
-constexpr std::size_t kFewestCells = 200;
+constexpr std::size_t kMinCells = 200;
 
 cv::Mat disc(double diameter_cells) {
     const int r = std::max(1, static_cast<int>(std::lround(0.5 * diameter_cells)));
@@ -74,9 +74,9 @@ std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
     for (std::size_t i = 0; i < ratios.size(); ++i) {
         const std::size_t num = ratios[i].size();
         ScatterClass one{kRanges_m[i % kRanges_m.size()], i >= kRanges_m.size(), num};
-        one.factor = num >= kFewestCells ? robust_sigma(ratios[i])
-                     : i > 0             ? scatter.back().factor
-                                         : 1.0;
+        one.factor = num >= kMinCells ? robust_sigma(ratios[i])
+                     : i > 0          ? scatter.back().factor
+                                      : 1.0;
         scatter.push_back(one);
     }
     for (int row = 0; row < classes.rows; ++row)

@@ -10,8 +10,8 @@ namespace divemesh::worker {
 // errs by that its vertices' sigma does not know: at a step a small shift is a large change, and
 // beside ground that was hidden a mesh bridges it.
 struct ScatterClass {
-    double least_range_m = 0.0;  // of heights within the scale, of either surface
-    bool at_edge = false;        // within the scale of ground that is not compared
+    double min_range_m = 0.0;  // of heights within the scale, of either surface
+    bool at_edge = false;      // within the scale of ground that is not compared
     std::size_t num_cells = 0;
     double factor = 1.0;  // what a cell's sigma is to be multiplied by
 };

@@ -16,7 +16,7 @@ ChangeSums sum_over(const ChangeMap& map, const cv::Mat& cells) {
             sums.volume_m3 += cell_m2 * change;
             sums.sigma_m += static_cast<double>(map.sigma_m.at<float>(row, column));
             sums.registration_m += static_cast<double>(map.registration_m.at<float>(row, column));
-            if (std::abs(change) > std::abs(sums.largest_m)) sums.largest_m = change;
+            if (std::abs(change) > std::abs(sums.max_change_m)) sums.max_change_m = change;
             num += 1.0;
         }
     sums.area_m2 = num * cell_m2;

@@ -12,7 +12,7 @@ struct ChangeSums {
     double sigma_m = 0.0;         // mean of the cells' own
     double registration_m = 0.0;  // mean
     double area_m2 = 0.0;
-    double largest_m = 0.0;  // with its sign
+    double max_change_m = 0.0;  // with its sign
 };
 
 // Over the cells that `cells` (CV_8U, of the map's size) names; both dives saw each of them.

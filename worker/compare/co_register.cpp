@@ -7,20 +7,21 @@
 #include <set>
 
 #include "schemas/error.hpp"
-#include "worker/compare/relief.hpp"
+#include "worker/compare/height_spread.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastAgreement = 0.6;
-constexpr double kLeastOverlap = 0.1;  // of the smaller surface
-constexpr double kLeastGround_m2 = 0.5;
+constexpr double kMinAgreement = 0.6;
+constexpr double kMinOverlap = 0.1;  // of the smaller surface
+constexpr double kMinGround_m2 = 0.5;
 constexpr double kAmbiguous = 0.85;  // of the best one's agreement
 constexpr double kApart_m = 0.3;
-constexpr double kLeastRelief =
+constexpr double kMinHeightSpread =
     0.003;  // mean square of the normals' lean in the flattest direction
-constexpr double kMostOfRelief = 0.15;  // what surfaces differ by where shape alone places them
+constexpr double kMaxShareOfHeightSpread =
+    0.15;  // what surfaces differ by where shape alone places them
 constexpr double kGroundCell_m = 0.05;
 constexpr std::size_t kFitPoints = 20000;
 constexpr double kAfterFeatures_m = 0.12;
@@ -78,51 +79,51 @@ public:
                                  1.5 * options.spacing_m,
                                  3.0 * std::hypot(typical_sigma_m(a), typical_sigma_m(b))})) {}
 
-    std::optional<Registration> fit(const FirstGuess& guess) const {
+    std::optional<CoRegistration> fit(const CoarseAlignment& guess) const {
         const bool coarse = guess.method == "geometry";
-        auto result =
-            register_surfaces(points_of(a_, grid_a_),
-                              points_of(few_b_, grid_b_),
-                              guess.T_a_b,
-                              {.tolerance_m = tolerance_m_,
-                               .largest_step_m = coarse ? kAfterHeights_m : kAfterFeatures_m,
-                               .num_threads = options_.num_threads});
+        auto result = point_to_plane_icp(points_of(a_, grid_a_),
+                                         points_of(few_b_, grid_b_),
+                                         guess.T_a_b,
+                                         {.tolerance_m = tolerance_m_,
+                                          .max_step_m = coarse ? kAfterHeights_m : kAfterFeatures_m,
+                                          .num_threads = options_.num_threads});
         if (!result) return std::nullopt;
         result->method = guess.method;
-        judge(*result);
+        check_fit(*result);
         return result;
     }
 
-    bool holds(const Registration& fit) const { return reason_against(fit).empty(); }
+    bool holds(const CoRegistration& fit) const { return reason_against(fit).empty(); }
 
-    std::string reason_against(const Registration& fit) const {
+    std::string reason_against(const CoRegistration& fit) const {
         char text[280] = "";
         const double ground_m2 = fit.overlap * ground_b_m2_;
         const double smaller_m2 = std::min(ground_b_m2_, area_m2(ground_a_));
-        if (ground_m2 < std::max(kLeastGround_m2, kLeastOverlap * smaller_m2))
+        if (ground_m2 < std::max(kMinGround_m2, kMinOverlap * smaller_m2))
             std::snprintf(text,
                           sizeof text,
                           "they share only %.2f m2 of ground, %.0f %% of the smaller one",
                           ground_m2,
                           100.0 * ground_m2 / std::max(1e-9, smaller_m2));
-        else if (fit.agreement < kLeastAgreement)
+        else if (fit.agreement < kMinAgreement)
             std::snprintf(text,
                           sizeof text,
                           "only %.0f %% of the shared ground agrees within %.0f mm",
                           100.0 * fit.agreement,
                           1e3 * fit.tolerance_m);
-        else if (fit.method == "geometry" && fit.difference_m > kMostOfRelief * fit.relief_m)
+        else if (fit.method == "geometry" &&
+                 fit.difference_m > kMaxShareOfHeightSpread * fit.height_spread_m)
             std::snprintf(text,
                           sizeof text,
                           "no image features match, and the shape alone does not fit: the surfaces "
                           "differ by %.0f mm on ground with a height range of %.0f mm",
                           1e3 * fit.difference_m,
-                          1e3 * fit.relief_m);
+                          1e3 * fit.height_spread_m);
         return text;
     }
 
     // Whether the shape of the ground alone holds b in its place.
-    bool has_relief() const {
+    bool has_height_spread() const {
         Eigen::Matrix3d leans = Eigen::Matrix3d::Zero();
         for (const Eigen::Vector3f& n : few_b_.normals) {
             const Eigen::Vector3d normal = n.cast<double>();
@@ -130,7 +131,7 @@ public:
         }
         leans /= static_cast<double>(std::max<std::size_t>(1, few_b_.normals.size()));
         return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(leans).eigenvalues()(0) >
-               kLeastRelief;
+               kMinHeightSpread;
     }
 
 private:
@@ -141,7 +142,7 @@ private:
         return static_cast<double>(ground.size()) * kGroundCell_m * kGroundCell_m;
     }
 
-    void judge(Registration& fit) const {
+    void check_fit(CoRegistration& fit) const {
         std::size_t num_over = 0;
         std::vector<Eigen::Vector3d> on;
         std::vector<double> off_m;
@@ -163,8 +164,8 @@ private:
                       static_cast<double>(std::max<std::size_t>(1, few_b_.vertices.size()));
         fit.agreement = static_cast<double>(on.size()) /
                         static_cast<double>(std::max<std::size_t>(1, num_over));
-        fit.difference_m = most_of_sizes(std::move(off_m));
-        fit.relief_m = relief_m(on);
+        fit.difference_m = percentile_80(std::move(off_m));
+        fit.height_spread_m = height_spread_m(on);
     }
 
     const CoRegisterOptions& options_;
@@ -184,24 +185,25 @@ private:
                     "dives see");
 }
 
-bool elsewhere(const Registration& p, const Registration& q) {
+bool elsewhere(const CoRegistration& p, const CoRegistration& q) {
     return (p.T_a_b * (q.T_a_b.inverse() * q.pivot) - q.pivot).norm() > kApart_m;
 }
 
-Registration fit_heights(const Registrar& registrar, const std::vector<FirstGuess>& guesses) {
-    if (!registrar.has_relief())
+CoRegistration fit_heights(const Registrar& registrar,
+                           const std::vector<CoarseAlignment>& coarse_alignments) {
+    if (!registrar.has_height_spread())
         refuse("no image features match, and the ground is too flat to be aligned by its shape");
-    std::vector<Registration> fits;
-    for (const FirstGuess& guess : guesses)
+    std::vector<CoRegistration> fits;
+    for (const CoarseAlignment& guess : coarse_alignments)
         if (const auto fit = registrar.fit(guess)) fits.push_back(*fit);
-    std::ranges::stable_sort(fits, [&](const Registration& p, const Registration& q) {
+    std::ranges::stable_sort(fits, [&](const CoRegistration& p, const CoRegistration& q) {
         const bool first = registrar.holds(p);
         return first != registrar.holds(q) ? first : p.agreement > q.agreement;
     });
     if (fits.empty()) refuse("neither image features nor the shape of the ground match");
-    const Registration& best = fits.front();
+    const CoRegistration& best = fits.front();
     if (!registrar.holds(best)) refuse(registrar.reason_against(best));
-    for (const Registration& other : fits)
+    for (const CoRegistration& other : fits)
         if (registrar.holds(other) && elsewhere(best, other) &&
             other.agreement > kAmbiguous * best.agreement)
             refuse(
@@ -212,23 +214,23 @@ Registration fit_heights(const Registrar& registrar, const std::vector<FirstGues
 
 }  // namespace
 
-Registration co_register(const Mesh& a,
-                         const Mesh& b,
-                         const CoRegisterOptions& options,
-                         const ProgressShare& progress) {
+CoRegistration co_register(const Mesh& a,
+                           const Mesh& b,
+                           const CoRegisterOptions& options,
+                           const ProgressShare& progress) {
     const Registrar registrar(a, b, options);
     progress.at(0.1);
-    for (const FirstGuess& guess : options.known)
+    for (const CoarseAlignment& guess : options.known)
         if (const auto fit = registrar.fit(guess); fit && registrar.holds(*fit)) return *fit;
-    for (const FirstGuess& guess : guess_by_features(a, b, options.seed)) {
+    for (const CoarseAlignment& guess : align_by_features(a, b, options.seed)) {
         progress.at(0.4);
         const auto fit = registrar.fit(guess);
         if (fit && registrar.holds(*fit)) return *fit;
     }
     progress.at(0.5);
-    const auto guesses = guess_by_heights(a, b, options.num_threads);
+    const auto coarse_alignments = align_by_heights(a, b, options.num_threads);
     progress.at(0.8);
-    return fit_heights(registrar, guesses);
+    return fit_heights(registrar, coarse_alignments);
 }
 
 }  // namespace divemesh::worker

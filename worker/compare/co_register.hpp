@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "worker/compare/first_guess.hpp"
-#include "worker/compare/register_surfaces.hpp"
+#include "worker/compare/coarse_alignment.hpp"
+#include "worker/compare/point_to_plane_icp.hpp"
 #include "worker/parallel.hpp"
 #include "worker/volume/mesh.hpp"
 
@@ -13,16 +13,16 @@ struct CoRegisterOptions {
     double spacing_m = 0.01;  // of the vertices
     int num_threads = 0;
     std::uint64_t seed = 1;
-    std::vector<FirstGuess> known = {};  // tried before anything is searched for: of markers
+    std::vector<CoarseAlignment> known = {};  // tried before anything is searched for: of markers
 };
 
 // Finds where b lies in a's frame with nothing known but the vertical, fits stable surface to
 // stable surface and checks the outcome. Throws Error{Conflict} that says what fell short when the
 // surfaces do not lie on each other, share too little ground, or would do so in another place as
 // well.
-Registration co_register(const Mesh& a,
-                         const Mesh& b,
-                         const CoRegisterOptions& options,
-                         const ProgressShare& progress);
+CoRegistration co_register(const Mesh& a,
+                           const Mesh& b,
+                           const CoRegisterOptions& options,
+                           const ProgressShare& progress);
 
 }  // namespace divemesh::worker

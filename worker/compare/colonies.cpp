@@ -5,21 +5,21 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastInCommon = 0.25;  // of the smaller outline
+constexpr double kMinOverlapShare = 0.25;  // of the smaller outline
 
 // The fan of triangles about q's first corner, each with its sign, is q.
 double in_common_m2(const Polygon& p, const Polygon& q) {
     double sum = 0.0;
-    double turn = 0.0;
+    double rotation = 0.0;
     for (std::size_t i = 1; i + 1 < q.size(); ++i) {
         const Eigen::Vector2d u = q[i] - q[0];
         const Eigen::Vector2d v = q[i + 1] - q[0];
         const double twice = u.x() * v.y() - u.y() * v.x();
-        turn += twice;
+        rotation += twice;
         if (twice > 0.0) sum += overlap_m2(p, q[0], q[i], q[i + 1]);
         if (twice < 0.0) sum -= overlap_m2(p, q[0], q[i + 1], q[i]);
     }
-    return turn < 0.0 ? -sum : sum;
+    return rotation < 0.0 ? -sum : sum;
 }
 
 Eigen::AlignedBox2d box_of(const Polygon& outline) {
@@ -49,7 +49,7 @@ std::vector<Candidate> candidates(const std::vector<Colony>& before,
             const Colony& q = after[k];
             if (!boxes_before[i].intersects(boxes_after[k]) || p.label != q.label) continue;
             const double common = in_common_m2(p.outline, q.outline);
-            if (common >= kLeastInCommon * std::min(p.area_m2, q.area_m2))
+            if (common >= kMinOverlapShare * std::min(p.area_m2, q.area_m2))
                 found.push_back({{static_cast<int>(i), static_cast<int>(k)}, common});
         }
     std::ranges::stable_sort(found, [](const Candidate& p, const Candidate& q) {
@@ -66,7 +66,7 @@ std::vector<Colony> colonies_of(const AreaSet& set, const RasterGrid& grid, cons
         if (area.label.empty() || area.kind == AreaKind::Transect) continue;
         Colony colony{area.name, area.label, outline_from_above(area)};
         colony.area_m2 = area_m2(colony.outline);
-        colony.diameter_m = longest_diameter_m(colony.outline);
+        colony.diameter_m = max_diameter_m(colony.outline);
         colony.share =
             share_on(cells_within(colony.outline, grid), colony.area_m2, ground, grid.cell_m);
         colonies.push_back(std::move(colony));

@@ -5,7 +5,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/compare/area_changes.hpp"
-#include "worker/compare/change_pictures.hpp"
+#include "worker/compare/change_images.hpp"
 #include "worker/compare/change_scatter.hpp"
 #include "worker/compare/changed_mesh.hpp"
 #include "worker/compare/co_register.hpp"
@@ -20,8 +20,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kFinestCell_m = 0.005;
-constexpr std::int64_t kMostCells = 40'000'000;
+constexpr double kMinCell_m = 0.005;
+constexpr std::int64_t kMaxCells = 40'000'000;
 
 void check_range(const char* name, double value, double low, double high) {
     if (value == 0.0 || (value >= low && value <= high)) return;
@@ -63,7 +63,7 @@ Mesh surface_of(const ReconstructionFolder& folder) {
 
 CompareOptions settled(CompareOptions options, const Mesh& a, const Mesh& b) {
     if (options.cell_m == 0.0)
-        options.cell_m = std::max({kFinestCell_m, mean_edge_m(a), mean_edge_m(b)});
+        options.cell_m = std::max({kMinCell_m, mean_edge_m(a), mean_edge_m(b)});
     if (options.normal_scale_m == 0.0) options.normal_scale_m = 8.0 * options.cell_m;
     if (options.cylinder_m == 0.0) options.cylinder_m = 4.0 * options.cell_m;
     if (options.least_area_m2 == 0.0)
@@ -117,7 +117,7 @@ struct Distances {
 
 Distances measure(const Mesh& a,
                   const Mesh& b,
-                  const Registration& registration,
+                  const CoRegistration& registration,
                   const CompareOptions& options,
                   int num_threads,
                   const ProgressShare& progress) {
@@ -206,16 +206,16 @@ std::optional<ComparedAreas> areas_of(const CompareRequest& request) {
     return read_compared_areas(*request.areas, request.later_areas);
 }
 
-Registration lay_over(const Pair& pair,
-                      const CompareRequest& request,
-                      double spacing_m,
-                      const ProgressShare& progress) {
+CoRegistration lay_over(const Pair& pair,
+                        const CompareRequest& request,
+                        double spacing_m,
+                        const ProgressShare& progress) {
     return co_register(pair.a,
                        pair.b,
                        {.spacing_m = spacing_m,
                         .num_threads = request.num_threads,
                         .seed = request.seed,
-                        .known = guess_by_markers(marker_positions(pair.folder_a),
+                        .known = align_by_markers(marker_positions(pair.folder_a),
                                                   marker_positions(pair.folder_b))},
                        progress);
 }
@@ -235,7 +235,7 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     std::optional<ComparedAreas> areas = areas_of(request);
     Pair pair = read(request);
     CompareOptions options = settled(request.options, pair.a, pair.b);
-    const Registration registration = lay_over(pair, request, options.cell_m, registering);
+    const CoRegistration registration = lay_over(pair, request, options.cell_m, registering);
     move(pair.b, registration.T_a_b);
     if (areas && areas->later) areas->later = moved(*areas->later, registration.T_a_b);
     const Distances distances =
@@ -243,7 +243,7 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     const auto changing = stage("change", 0.7, 0.85);
     const auto views_a = views_in(request.a, Eigen::Isometry3d::Identity());
     const auto views_b = views_in(request.b, registration.T_a_b);
-    const RasterGrid grid = grid_over(pair.a, pair.b, options.cell_m, kMostCells);
+    const RasterGrid grid = grid_over(pair.a, pair.b, options.cell_m, kMaxCells);
     options.cell_m = grid.cell_m;
     ChangeMap map = map_changes({pair.a, distances.of_a, views_a},
                                 {pair.b, distances.of_b, views_b},

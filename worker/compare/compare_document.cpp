@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/compare/change_figure.hpp"
+#include "worker/compare/change_metric.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -27,7 +27,7 @@ json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 json to_json(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
 json to_json(const Estimate& estimate) { return estimate_json(estimate); }
 
-json to_json(const Registration& fit) {
+json to_json(const CoRegistration& fit) {
     const Eigen::Quaterniond q(fit.T_a_b.linear());
     const auto bound = [&](int i) { return k95 * std::sqrt(std::max(0.0, fit.covariance(i, i))); };
     constexpr double kDegrees = 180.0 / std::numbers::pi;

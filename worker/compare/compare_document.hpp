@@ -23,7 +23,7 @@ struct ComparisonResult {
     const ReconstructionFolder& a;
     const ReconstructionFolder& b;
     const CompareOptions& options;  // as used: nothing left at 0
-    const Registration& registration;
+    const CoRegistration& registration;
     const DistanceSummary& distances;
     const ChangeMap& map;
     const Changes& changes;

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "schemas/base64.hpp"
-#include "worker/compare/change_pictures.hpp"
+#include "worker/compare/change_images.hpp"
 #include "worker/compare/comparison_page.hpp"
 #include "worker/report/html_parts.hpp"
 #include "worker/report/html_template.hpp"
@@ -34,7 +34,9 @@ std::string bounds(const json& interval, double factor, int digits) {
            number(factor * interval.at("high").get<double>(), digits) + ")";
 }
 
-std::string jpeg(const cv::Mat& image) { return encode_base64(encode_jpeg(image, kShownSide_px)); }
+std::string jpeg(const cv::Mat& image) {
+    return encode_base64(encode_jpeg(image, kDisplaySide_px));
+}
 
 json totals(const json& document) {
     HtmlRows rows;
@@ -123,49 +125,49 @@ std::string significant(double value) {
     return text;
 }
 
-std::string estimate_text(const json& figure, const char* time, double factor) {
-    const auto estimate = figure.find(time);
-    if (estimate == figure.end()) return "";
+std::string estimate_text(const json& metric, const char* time, double factor) {
+    const auto estimate = metric.find(time);
+    if (estimate == metric.end()) return "";
     const auto text = [&](const char* bound) {
         return significant(factor * estimate->at(bound).get<double>());
     };
     return text("value") + " (" + text("low") + " to " + text("high") + ")";
 }
 
-std::string figure_name(const json& figure) {
-    std::string name = figure.at("figure").get<std::string>();
+std::string metric_name(const json& metric) {
+    std::string name = metric.at("figure").get<std::string>();
     std::replace(name.begin(), name.end(), '_', ' ');
-    const auto unit = figure.at("unit").get<std::string>();
+    const auto unit = metric.at("unit").get<std::string>();
     return unit.empty() ? name : name + ", " + (unit == "m3" ? "l" : unit);
 }
 
-double shown_factor(const json& figure) { return figure.at("unit") == "m3" ? 1e3 : 1.0; }
+double display_factor(const json& metric) { return metric.at("unit") == "m3" ? 1e3 : 1.0; }
 
-json label_changes(const json& figures) {
+json label_changes(const json& metrics) {
     std::vector<std::vector<std::string>> rows = {
         {"label", "figure", "earlier (95 %)", "later (95 %)", "change (95 %)"}};
-    for (const json& figure : figures) {
-        if (figure.contains("area")) continue;
-        const double factor = shown_factor(figure);
-        rows.push_back({figure.value("label", std::string()),
-                        figure_name(figure),
-                        estimate_text(figure, "earlier", factor),
-                        estimate_text(figure, "later", factor),
-                        figure.contains("refused")
-                            ? "refused: " + figure.at("refused").get<std::string>()
-                            : estimate_text(figure, "change", factor)});
+    for (const json& metric : metrics) {
+        if (metric.contains("area")) continue;
+        const double factor = display_factor(metric);
+        rows.push_back({metric.value("label", std::string()),
+                        metric_name(metric),
+                        estimate_text(metric, "earlier", factor),
+                        estimate_text(metric, "later", factor),
+                        metric.contains("refused")
+                            ? "refused: " + metric.at("refused").get<std::string>()
+                            : estimate_text(metric, "change", factor)});
     }
     return grid_values(rows);
 }
 
 // Of each outline, by dive and name: its figures by theirs.
-using OutlineFigures = std::map<std::pair<std::string, std::string>, std::map<std::string, json>>;
+using OutlineMetrics = std::map<std::pair<std::string, std::string>, std::map<std::string, json>>;
 
-OutlineFigures by_outline(const json& figures) {
-    OutlineFigures found;
-    for (const json& figure : figures)
-        if (figure.contains("area"))
-            found[{figure.at("dive"), figure.at("area")}][figure.at("figure")] = figure;
+OutlineMetrics by_outline(const json& metrics) {
+    OutlineMetrics found;
+    for (const json& metric : metrics)
+        if (metric.contains("area"))
+            found[{metric.at("dive"), metric.at("area")}][metric.at("figure")] = metric;
     return found;
 }
 
@@ -180,7 +182,7 @@ json outline_changes(const json& areas) {
                                                    "grown, l (95 %)",
                                                    "lost, l (95 %)",
                                                    "net, l (95 %)"}};
-    const OutlineFigures figures = by_outline(areas.at("figures"));
+    const OutlineMetrics metrics = by_outline(areas.at("figures"));
     for (const json& area : areas.at("areas")) {
         std::vector<std::string> row = {
             area.at("mark"),
@@ -190,11 +192,11 @@ json outline_changes(const json& areas) {
             area.value("same_as", std::string()),
             number(1e4 * area.at("area_m2").get<double>(), 0),
             number(100.0 * area.at("coverage").get<double>(), 0) + " %"};
-        const auto& of_outline = figures.at({area.at("dive"), area.at("name")});
+        const auto& of_outline = metrics.at({area.at("dive"), area.at("name")});
         for (const char* name : {"grown_volume", "lost_volume", "net_volume"}) {
-            const json& figure = of_outline.at(name);
-            row.push_back(figure.contains("refused") ? "refused"
-                                                     : estimate_text(figure, "change", 1e3));
+            const json& metric = of_outline.at(name);
+            row.push_back(metric.contains("refused") ? "refused"
+                                                     : estimate_text(metric, "change", 1e3));
         }
         rows.push_back(std::move(row));
     }

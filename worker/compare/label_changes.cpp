@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "worker/compare/change_figure.hpp"
+#include "worker/compare/change_metric.hpp"
 #include "worker/reef/population.hpp"
 #include "worker/reef/population_change.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLeastShare = 0.5;
+constexpr double kMinShare = 0.5;
 
 // The colonies of one label.
 struct LabelChange {
@@ -43,7 +43,7 @@ std::map<std::string, LabelChange> by_label(const ComparedColonies& colonies) {
         const auto of = [&](const auto& size) { return individual(before, after, size); };
         label.on_ground_m2.push_back(of([](const Colony& c) { return c.share * c.area_m2; }));
         const double share = 0.5 * (either.share + (after != nullptr ? *after : either).share);
-        if (share < kLeastShare) continue;
+        if (share < kMinShare) continue;
         label.areas_m2.push_back(of([](const Colony& c) { return c.area_m2; }));
         label.diameters_m.push_back(of([](const Colony& c) { return c.diameter_m; }));
     }
@@ -61,38 +61,38 @@ Estimate over(const Estimate& estimate, double surveyed_m2) {
     return {estimate.value / surveyed_m2, estimate.low / surveyed_m2, estimate.high / surveyed_m2};
 }
 
-class LabelFigures {
+class LabelMetrics {
 public:
-    LabelFigures(const ComparedColonies& colonies, std::uint64_t seed)
+    LabelMetrics(const ComparedColonies& colonies, std::uint64_t seed)
         : colonies_(colonies), seed_(seed) {}
 
     void add(const std::string& label, const LabelChange& change) {
         whose_ = {{"label", label}};
         const double ground_m2 = colonies_.surveyed_m2;
-        const auto figure = [&](const char* name,
+        const auto metric = [&](const char* name,
                                 const char* unit,
                                 const char* method,
                                 const std::vector<Individual>& individuals,
                                 const auto& at_one_time) {
-            ChangeFigure made{name, unit, method, at_one_time(sizes_of(individuals, false))};
+            ChangeMetric made{name, unit, method, at_one_time(sizes_of(individuals, false))};
             if (colonies_.have_later) made.later = at_one_time(sizes_of(individuals, true));
             return made;
         };
         const Estimate count = count_change(change.areas_m2);
         const auto count_of = [](const auto& sizes) { return poisson_count(sizes.size()); };
-        put(figure("count", "", "new minus gone colonies, Poisson", change.areas_m2, count_of),
+        put(metric("count", "", "new minus gone colonies, Poisson", change.areas_m2, count_of),
             count);
         const auto density = [&](const auto& sizes) {
             return density_per_m2({sizes, {}, ground_m2});
         };
-        put(figure("population_density",
+        put(metric("population_density",
                    "1/m2",
                    "new minus gone colonies over surveyed ground, Poisson",
                    change.areas_m2,
                    density),
             over(count, ground_m2));
         const auto cover_of = [&](const auto& sizes) { return cover({sizes, {}, ground_m2}); };
-        put(figure("cover",
+        put(metric("cover",
                    "",
                    "area of the colonies over surveyed ground, compound Poisson",
                    change.on_ground_m2,
@@ -102,48 +102,48 @@ public:
         add_median("colony_diameter_median", "m", change.diameters_m);
     }
 
-    json take() { return std::move(figures_); }
+    json take() { return std::move(metrics_); }
 
 private:
-    void put(const ChangeFigure& figure, const Estimate& change) {
-        figures_.push_back(
+    void put(const ChangeMetric& metric, const Estimate& change) {
+        metrics_.push_back(
             colonies_.have_later
-                ? change_json(whose_, figure, change)
+                ? change_json(whose_, metric, change)
                 : refused_change_json(
                       whose_,
-                      figure,
+                      metric,
                       "there are outlines of only one year: give those of the later dive too"));
     }
 
     void add_median(const char* name, const char* unit, const std::vector<Individual>& sizes) {
-        ChangeFigure figure{name, unit, "over the colonies of each year, bootstrap"};
+        ChangeMetric metric{name, unit, "over the colonies of each year, bootstrap"};
         const auto median_of = [&](bool later) -> std::optional<Estimate> {
             const std::vector<double> values = sizes_of(sizes, later);
             if (values.empty()) return std::nullopt;
             return size_quantile(values, 0.5, seed_);
         };
-        figure.earlier = median_of(false);
-        if (colonies_.have_later) figure.later = median_of(true);
+        metric.earlier = median_of(false);
+        if (colonies_.have_later) metric.later = median_of(true);
         const auto change = median_change(sizes, seed_);
         if (!change && colonies_.have_later)
-            figures_.push_back(
-                refused_change_json(whose_, figure, "one of the two years has no such colony"));
+            metrics_.push_back(
+                refused_change_json(whose_, metric, "one of the two years has no such colony"));
         else
-            put(figure, change.value_or(Estimate{}));
+            put(metric, change.value_or(Estimate{}));
     }
 
     const ComparedColonies& colonies_;
     std::uint64_t seed_;
     json whose_;
-    json figures_ = json::array();
+    json metrics_ = json::array();
 };
 
 }  // namespace
 
 json label_changes(const ComparedColonies& colonies, std::uint64_t seed) {
-    LabelFigures figures(colonies, seed);
-    for (const auto& [label, change] : by_label(colonies)) figures.add(label, change);
-    return figures.take();
+    LabelMetrics metrics(colonies, seed);
+    for (const auto& [label, change] : by_label(colonies)) metrics.add(label, change);
+    return metrics.take();
 }
 
 }  // namespace divemesh::worker

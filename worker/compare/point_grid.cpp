@@ -37,8 +37,8 @@ PointGrid::PointGrid(const std::vector<Eigen::Vector3f>& points, float cell_m)
         low_ = low_.cwiseMin(p);
         high = high.cwiseMax(p);
     }
-    doubt_m_ = 4.0F * std::numeric_limits<float>::epsilon() *
-               std::max(low_.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+    rounding_m_ = 4.0F * std::numeric_limits<float>::epsilon() *
+                  std::max(low_.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto i = static_cast<Eigen::Index>(axis);
         const double num = std::floor(static_cast<double>((high[i] - low_[i]) / cell_m)) + 1.0;
@@ -144,8 +144,9 @@ std::array<float, num> PointGrid::squared_off(float place_m,
     std::array<float, num> squares{};
     for (int i = 0; i < num; ++i) {
         const int first = first_cube + i * num_cubes;
-        const float low = low_[axis] + static_cast<float>(first) * cell_m_ - doubt_m_;
-        const float high = low_[axis] + static_cast<float>(first + num_cubes) * cell_m_ + doubt_m_;
+        const float low = low_[axis] + static_cast<float>(first) * cell_m_ - rounding_m_;
+        const float high =
+            low_[axis] + static_cast<float>(first + num_cubes) * cell_m_ + rounding_m_;
         const float off = std::max({0.0F, low - place_m, place_m - high});
         squares[static_cast<std::size_t>(i)] = off * off;
     }
@@ -210,7 +211,7 @@ void PointGrid::visit_nearer(const Eigen::Vector3f& p,
 
 std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& p,
                                                 float reach_m,
-                                                std::optional<std::uint32_t> thought) const {
+                                                std::optional<std::uint32_t> hint) const {
     if (table_.empty()) return std::nullopt;
     std::optional<std::uint32_t> best;
     float best_squared = reach_m * reach_m;
@@ -220,11 +221,11 @@ std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& p,
         best_squared = squared;
         best = i;
     };
-    if (thought) offer(*thought);
+    if (hint) offer(*hint);
     const auto for_places = [&](float within_m, int side, const auto& work) {
         std::array<Range, 3> ranges;
         for (int axis = 0; axis < 3; ++axis) {
-            const float far_m = within_m + doubt_m_;
+            const float far_m = within_m + rounding_m_;
             const Range cubes = range_of(p[axis] - far_m, p[axis] + far_m, axis);
             if (cubes.last < cubes.first) return;
             ranges[static_cast<std::size_t>(axis)] = {cubes.first / side, cubes.last / side};

@@ -25,7 +25,7 @@ public:
     // point that is thought to be near saves looking farther away than it is.
     std::optional<std::uint32_t> nearest(const Eigen::Vector3f& p,
                                          float reach_m,
-                                         std::optional<std::uint32_t> thought = {}) const;
+                                         std::optional<std::uint32_t> hint = {}) const;
 
     // Calls visit(index) for every point of the cubes that the capsule about from-to touches, and
     // so for some outside of it, each once, always in the same order.
@@ -104,7 +104,7 @@ private:
 
     const std::vector<Eigen::Vector3f>& points_;
     float cell_m_;
-    float doubt_m_ = 0.0F;  // of a cube's sides, by rounding
+    float rounding_m_ = 0.0F;  // of a cube's sides, by rounding
     Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
     Cell num_{};
     std::vector<std::uint32_t> order_;  // of the points

@@ -58,11 +58,11 @@ public:
     }
 
     void read(const SourceFile& file, const Sink& sink) const override {
-        std::vector<char> piece(
+        std::vector<char> chunk(
             static_cast<std::size_t>(std::min<std::int64_t>(1 << 20, file.size_bytes)));
         for (std::int64_t done = 0; done < file.size_bytes;) {
-            const auto length = std::min<std::int64_t>(std::ssize(piece), file.size_bytes - done);
-            const std::span<char> part(piece.data(), static_cast<std::size_t>(length));
+            const auto length = std::min<std::int64_t>(std::ssize(chunk), file.size_bytes - done);
+            const std::span<char> part(chunk.data(), static_cast<std::size_t>(length));
             pack_.read(file.offset_bytes + done, part);
             sink(part);
             done += length;
@@ -231,15 +231,15 @@ void ArchiveSource::Unpacker::unpack(const std::string& name) {
     if (archive_entry_size_is_set(entry_) != 0) check_sizes(archive_entry_size(entry_));
     SourceFile file{name, 0, source_.pack_.size_bytes(), ""};
     Sha256 hash;
-    std::vector<char> piece(1 << 16);
+    std::vector<char> chunk(1 << 16);
     while (true) {
-        const la_ssize_t got = archive_read_data(reader_.get(), piece.data(), piece.size());
+        const la_ssize_t got = archive_read_data(reader_.get(), chunk.data(), chunk.size());
         if (got == 0) break;
         if (got < 0)
             refuse_entry("archive_damaged",
                          "that cannot be read (" + reason() + ")",
                          "Make the archive again and upload it again.");
-        const std::span<const char> bytes(piece.data(), static_cast<std::size_t>(got));
+        const std::span<const char> bytes(chunk.data(), static_cast<std::size_t>(got));
         file.size_bytes += got;
         check_sizes(file.size_bytes);
         hash.update(bytes);

@@ -12,7 +12,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLargestRig_m = 5.0;
+constexpr double kMaxRigSize_m = 5.0;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::optional<Distortion> distortion_from_text(const std::string& text) {
@@ -270,14 +270,14 @@ void check_stereo(const CalibratedCamera& cam0,
                               kCam1Yaml,
                               "the baseline is 0: cam0 and cam1 are at the same place",
                               "Write T_BS of each camera, with translations in m.");
-    if (baseline_m > kLargestRig_m)
+    if (baseline_m > kMaxRigSize_m)
         return findings.error(
             "baseline_absurd",
             kCam1Yaml,
             "the baseline is " + significant(baseline_m) + " m, which is too long",
             "Write translations in m, not mm or cm.");
     const double distance_m = cam0.T_body_cam.translation().norm();
-    if (distance_m > kLargestRig_m)
+    if (distance_m > kMaxRigSize_m)
         return findings.error(
             "extrinsics_absurd",
             "mav0/cam0/sensor.yaml",

@@ -45,7 +45,7 @@ std::optional<std::string> DiveFiles::read(std::string_view path, std::int64_t m
     std::string bytes;
     bytes.reserve(static_cast<std::size_t>(file->size_bytes));
     source_->read(*file,
-                  [&](std::span<const char> piece) { bytes.append(piece.data(), piece.size()); });
+                  [&](std::span<const char> chunk) { bytes.append(chunk.data(), chunk.size()); });
     return bytes;
 }
 
@@ -72,9 +72,9 @@ std::string DiveFiles::content_sha256(const ProgressCallback& progress) const {
         std::string sha256 = entry.file->sha256;
         if (sha256.empty()) {
             Sha256 hash;
-            source_->read(*entry.file, [&](std::span<const char> piece) {
-                hash.update(piece);
-                done_bytes += std::ssize(piece);
+            source_->read(*entry.file, [&](std::span<const char> chunk) {
+                hash.update(chunk);
+                done_bytes += std::ssize(chunk);
                 Progress state;
                 state.fraction = static_cast<double>(done_bytes) / static_cast<double>(total_bytes);
                 progress(state);

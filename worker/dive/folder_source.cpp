@@ -14,7 +14,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kPieceBytes = 1 << 20;
+constexpr std::size_t kChunkBytes = 1 << 20;
 
 std::string last_error() { return std::strerror(errno); }
 
@@ -125,19 +125,19 @@ public:
             throw Error(ErrorCode::Unavailable,
                         "cannot open " + (folder_ / file.path).string() +
                             ": it changed or became unreadable while the dive was read");
-        std::vector<char> piece(
-            std::min<std::size_t>(kPieceBytes, static_cast<std::size_t>(file.size_bytes) + 1));
+        std::vector<char> chunk(
+            std::min<std::size_t>(kChunkBytes, static_cast<std::size_t>(file.size_bytes) + 1));
         std::int64_t left = file.size_bytes;
         while (left > 0) {
-            const auto wanted = std::min<std::int64_t>(left, std::ssize(piece));
+            const auto wanted = std::min<std::int64_t>(left, std::ssize(chunk));
             const ssize_t got =
-                ::read(opened.get(), piece.data(), static_cast<std::size_t>(wanted));
+                ::read(opened.get(), chunk.data(), static_cast<std::size_t>(wanted));
             if (got < 0 && errno == EINTR) continue;
             if (got <= 0)
                 throw Error(ErrorCode::Unavailable,
                             "cannot read " + (folder_ / file.path).string() + ": " +
                                 (got < 0 ? last_error() : "it became shorter while it was read"));
-            sink({piece.data(), static_cast<std::size_t>(got)});
+            sink({chunk.data(), static_cast<std::size_t>(got)});
             left -= got;
         }
     }

@@ -11,9 +11,9 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kShortestPeriod_s = 1e-3;  // 1000 pictures a second
+constexpr double kMinPeriod_s = 1e-3;  // 1000 pictures a second
 constexpr std::int64_t kMaxOffset_ns = 5'000'000;
-constexpr std::int64_t kToldOffset_ns = 1'000'000;
+constexpr std::int64_t kReportedOffset_ns = 1'000'000;
 
 std::vector<std::int64_t> stamps(const std::vector<CameraRow>& rows) {
     std::vector<std::int64_t> result;
@@ -30,7 +30,7 @@ std::string range(const std::vector<CameraRow>& rows) {
 void report_pairs(const std::vector<CameraRow>& left,
                   const std::vector<CameraRow>& right,
                   const std::vector<FramePair>& pairs,
-                  std::int64_t largest_offset_ns,
+                  std::int64_t max_offset_ns,
                   FindingLog& findings) {
     if (pairs.empty())
         return findings.error("left_right_no_overlap",
@@ -46,11 +46,11 @@ void report_pairs(const std::vector<CameraRow>& left,
                          std::to_string(num_left) + " left and " + std::to_string(num_right) +
                              " right images have no partner and are ignored",
                          "Trigger both cameras together.");
-    if (largest_offset_ns > kToldOffset_ns)
+    if (max_offset_ns > kReportedOffset_ns)
         findings.warning("frames_unsynchronised",
                          "mav0/cam1/data.csv",
                          "left and right images are up to " +
-                             fixed(static_cast<double>(largest_offset_ns) * 1e-6, 2) + " ms apart",
+                             fixed(static_cast<double>(max_offset_ns) * 1e-6, 2) + " ms apart",
                          "Trigger both cameras together: at 0.3 m/s, 5 ms are 1.5 mm of baseline.");
 }
 
@@ -69,7 +69,7 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
             return check.count_malformed(line);
         rows.push_back({*timestamp, folder + "data/" + std::string(fields[1])});
     });
-    check.report(stamps(rows), kShortestPeriod_s);
+    check.report(stamps(rows), kMinPeriod_s);
     return rows;
 }
 
@@ -84,18 +84,18 @@ std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
     const auto offset_ns = [&](std::size_t l, std::size_t r) {
         return std::abs(left[l].timestamp_ns - right[r].timestamp_ns);
     };
-    std::int64_t largest_offset_ns = 0;
+    std::int64_t max_offset_ns = 0;
     std::size_t r = 0;
     for (std::size_t l = 0; l < left.size() && r < right.size(); ++l) {
         while (r + 1 < right.size() && offset_ns(l, r + 1) <= offset_ns(l, r)) ++r;
         // The right picture is nearer to the next left one: leave it to that.
         const bool is_wanted_next = l + 1 < left.size() && offset_ns(l + 1, r) < offset_ns(l, r);
         if (offset_ns(l, r) > tolerance_ns || is_wanted_next) continue;
-        largest_offset_ns = std::max(largest_offset_ns, offset_ns(l, r));
+        max_offset_ns = std::max(max_offset_ns, offset_ns(l, r));
         pairs.push_back({left[l].timestamp_ns, left[l].file, right[r].file});
         ++r;
     }
-    report_pairs(left, right, pairs, largest_offset_ns, findings);
+    report_pairs(left, right, pairs, max_offset_ns, findings);
     return pairs;
 }
 

@@ -15,24 +15,24 @@
 namespace divemesh::worker {
 
 // A picture, or why there is none.
-struct LoadedPicture {
+struct LoadedImage {
     cv::Mat image;
     std::string code;     // "" when there is one, else a finding's code
     std::string problem;  // in words
     bool was_16_bit = false;
 };
 
-LoadedPicture load_picture(const DiveFiles& files,
-                           const std::string& path,
-                           const Camera& camera,
-                           const DiveLimits& limits,
-                           Channels channels);
+LoadedImage load_image(const DiveFiles& files,
+                       const std::string& path,
+                       const Camera& camera,
+                       const DiveLimits& limits,
+                       Channels channels);
 
 // A pair as far as it could be loaded, grey.
 struct LoadedPair {
     int index = 0;
-    LoadedPicture left;
-    LoadedPicture right;
+    LoadedImage left;
+    LoadedImage right;
 
     bool is_complete() const { return !left.image.empty() && !right.image.empty(); }
 };
@@ -43,18 +43,18 @@ class FrameReader {
 public:
     using Load = std::function<LoadedPair(int index)>;  // any thread
 
-    FrameReader(int num_pairs, int num_ahead, Load load)
-        : num_pairs_(num_pairs), num_ahead_(num_ahead), load_(std::move(load)) {}
+    FrameReader(int num_pairs, int num_prefetched, Load load)
+        : num_pairs_(num_pairs), num_prefetched_(num_prefetched), load_(std::move(load)) {}
 
     std::optional<LoadedPair> next();
     void rewind();
 
 private:
     int num_pairs_;
-    int num_ahead_;
+    int num_prefetched_;
     Load load_;
     int next_to_load_ = 0;
-    std::deque<std::future<LoadedPair>> ahead_;
+    std::deque<std::future<LoadedPair>> prefetched_;
 };
 
 }  // namespace divemesh::worker

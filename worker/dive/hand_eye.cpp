@@ -11,10 +11,10 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kLeastPairs = 6;
-constexpr double kLeastMotion = 0.02;  // rad/s; below this noise decides
+constexpr std::size_t kMinPairs = 6;
+constexpr double kMinMotion = 0.02;  // rad/s; below this noise decides
 constexpr double kFits = 0.5;
-constexpr double kLargestAngle_deg = 20.0;
+constexpr double kMaxAngle_deg = 20.0;
 
 // Median distance from the median.
 double spread(const std::vector<Eigen::Vector3d>& vectors) {
@@ -82,16 +82,16 @@ HandEye compare_rotations(const std::vector<RotationPair>& pairs,
 void report_hand_eye(const std::vector<RotationPair>& pairs,
                      const Eigen::Matrix3d& R_imu_cam0,
                      FindingLog& findings) {
-    if (pairs.size() < kLeastPairs) return;
+    if (pairs.size() < kMinPairs) return;
     const HandEye result = compare_rotations(pairs, R_imu_cam0);
-    if (result.motion < kLeastMotion) return;
+    if (result.motion < kMinMotion) return;
     if (result.scale > 20.0)
         return findings.error("imu_units",
                               "mav0/imu0/data.csv",
                               "the gyroscope shows rotations " + fixed(result.scale, 0) +
                                   " times as fast as the images do; this looks like degrees/s",
                               "Write rates in rad/s.");
-    if (result.given_residual < kFits && result.best_angle_deg < kLargestAngle_deg) return;
+    if (result.given_residual < kFits && result.best_angle_deg < kMaxAngle_deg) return;
     const std::string seen =
         "the rotations of the gyroscope do not match those of the images (mismatch " +
         fixed(100.0 * result.given_residual, 0) + " %";
@@ -104,7 +104,7 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
             "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
     if (result.best_is_determined && result.best_residual < kFits &&
-        result.best_angle_deg > kLargestAngle_deg)
+        result.best_angle_deg > kMaxAngle_deg)
         return findings.error("extrinsics_rotation",
                               "mav0/cam0/sensor.yaml",
                               "T_BS of the cameras is rotated by about " +

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "worker/dive/entry_name.hpp"
-#include "worker/dive/picture_survey.hpp"
+#include "worker/dive/image_survey.hpp"
 #include "worker/dive/refusal.hpp"
 #include "worker/dive/stored_dive.hpp"
 
@@ -20,8 +20,8 @@ ProgressCallback part(const ProgressCallback& progress, double begin, double sha
     };
 }
 
-void survey_pictures(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
-    PictureSurvey survey(dive.num_frames());
+void survey_images(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
+    ImageSurvey survey(dive.num_frames());
     Progress state;
     state.num_frames = dive.num_frames();
     while (const auto frame = dive.next_frame()) {
@@ -65,7 +65,7 @@ void examine(StoredDive& dive, IntakeReport& report, const ProgressCallback& pro
     check_reference_mesh(dive);
     dive.hash_contents(part(progress, 0.3, 0.1));
     report.content_sha256 = dive.content_sha256();
-    survey_pictures(dive, report, part(progress, 0.4, 0.6));
+    survey_images(dive, report, part(progress, 0.4, 0.6));
     report.findings = dive.findings();
 }
 

@@ -17,16 +17,16 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kNumMoments = 12;
-constexpr double kLongest_s = 0.5;
+constexpr double kMaxInterval_s = 0.5;
 constexpr double kEnough_rad = 3.0 * std::numbers::pi / 180.0;
-constexpr int kLeastPoints = 25;
+constexpr int kMinPoints = 25;
 
 // Two frames a little apart, and the gyro's turn between them.
 struct Moment {
     int first = 0;
     int second = 0;
     double duration_s = 0.0;
-    Eigen::Vector3d turn_imu = Eigen::Vector3d::Zero();  // rad
+    Eigen::Vector3d rotation_imu = Eigen::Vector3d::Zero();  // rad
 };
 
 // Rotation vector of imu at `end_ns` in imu at `begin_ns`.
@@ -37,14 +37,14 @@ Eigen::Vector3d integrate_gyro(const std::vector<ImuSample>& imu,
         imu.begin(), imu.end(), begin_ns, [](const ImuSample& s, std::int64_t time) {
             return s.timestamp_ns < time;
         });
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     for (std::int64_t now = begin_ns; sample != imu.end() && now < end_ns; ++sample) {
         const std::int64_t until = std::min(sample->timestamp_ns, end_ns);
         const double seconds = static_cast<double>(until - now) * 1e-9;
-        turn = turn * rotation_from_vector(sample->angular_velocity_imu * seconds);
+        rotation = rotation * rotation_from_vector(sample->angular_velocity_imu * seconds);
         now = until;
     }
-    return vector_from_rotation(turn);
+    return vector_from_rotation(rotation);
 }
 
 // From frame `first` on until the turn is large enough to be seen, or half a second is over.
@@ -56,10 +56,10 @@ Moment moment_at(const DiveContents& contents, int first) {
     Moment moment{first, first, 0.0, Eigen::Vector3d::Zero()};
     for (int second = first + 1; second < num_pairs; ++second) {
         const double seconds = static_cast<double>(time(second) - time(first)) * 1e-9;
-        if (seconds > kLongest_s) break;
-        const Eigen::Vector3d turn = integrate_gyro(contents.imu, time(first), time(second));
-        moment = {first, second, seconds, turn};
-        if (turn.norm() > kEnough_rad) break;
+        if (seconds > kMaxInterval_s) break;
+        const Eigen::Vector3d rotation = integrate_gyro(contents.imu, time(first), time(second));
+        moment = {first, second, seconds, rotation};
+        if (rotation.norm() > kEnough_rad) break;
     }
     return moment;
 }
@@ -75,7 +75,8 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
         Moment best;
         for (int i = begin; i < end; i += step) {
             const Moment moment = moment_at(contents, i);
-            if (moment.second > moment.first && moment.turn_imu.norm() > best.turn_imu.norm())
+            if (moment.second > moment.first &&
+                moment.rotation_imu.norm() > best.rotation_imu.norm())
                 best = moment;
         }
         if (best.second > best.first) moments.push_back(best);
@@ -154,7 +155,7 @@ private:
         const cv::Mat& left = first.left.image;
         std::vector<cv::Point2f> corners;
         cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0);
-        if (std::ssize(corners) < kLeastPoints) return;
+        if (std::ssize(corners) < kMinPoints) return;
         std::vector<bool> found(corners.size(), true);
         const auto right = follow(left, first.right.image, corners, found);
         const auto later = follow(left, second.left.image, corners, found);
@@ -176,8 +177,8 @@ private:
     void add_rotation(const Moment& moment,
                       const std::vector<cv::Point3d>& points,
                       const std::vector<cv::Point2d>& rays) {
-        if (std::ssize(points) < kLeastPoints) return;
-        cv::Mat turn;
+        if (std::ssize(points) < kMinPoints) return;
+        cv::Mat rotation;
         cv::Mat shift;
         std::vector<int> inliers;
         const double tolerance = 2.0 / contents_.rig.cam0.fx_px;
@@ -185,7 +186,7 @@ private:
                                 rays,
                                 cv::Mat::eye(3, 3, CV_64F),
                                 cv::noArray(),
-                                turn,
+                                rotation,
                                 shift,
                                 false,
                                 200,
@@ -195,13 +196,14 @@ private:
             return;
         if (std::ssize(inliers) * 2 < std::ssize(points)) return;
         // PnP maps the first camera's coordinates to the second's; the gyro's turn is its inverse.
-        const Eigen::Vector3d turn_cam0(
-            -turn.at<double>(0), -turn.at<double>(1), -turn.at<double>(2));
-        rotations_.push_back({moment.turn_imu / moment.duration_s, turn_cam0 / moment.duration_s});
+        const Eigen::Vector3d rotation_cam0(
+            -rotation.at<double>(0), -rotation.at<double>(1), -rotation.at<double>(2));
+        rotations_.push_back(
+            {moment.rotation_imu / moment.duration_s, rotation_cam0 / moment.duration_s});
     }
 
     void report_stereo() {
-        if (std::ssize(stereo_) < 4 * kLeastPoints) return;
+        if (std::ssize(stereo_) < 4 * kMinPoints) return;
         const auto median_error_px = [](const std::vector<StereoPoint>& points) {
             std::vector<double> errors_px;
             errors_px.reserve(points.size());

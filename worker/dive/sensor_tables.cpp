@@ -13,8 +13,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kShortestPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds are far below
-constexpr double kLargest = 1e9;  // no sensor says more, in whatever unit; squares are finite
+constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds are far below
+constexpr double kMaxReading = 1e9;    // no sensor says more, in whatever unit; squares are finite
 
 // Rows of a stamp and N numbers.
 template <std::size_t N, typename Use>
@@ -31,13 +31,13 @@ void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
             values[i] = *value;
         }
         if (!std::all_of(values.begin(), values.end(), [](double value) {
-                return std::abs(value) <= kLargest;  // false for NaN
+                return std::abs(value) <= kMaxReading;  // false for NaN
             }))
             return check.count_not_finite(line);
         if (!use(*timestamp, values)) return check.count_malformed(line);
         accepted_ns.push_back(*timestamp);
     });
-    check.report(accepted_ns, kShortestPeriod_s);
+    check.report(accepted_ns, kMinPeriod_s);
 }
 
 template <typename Get>

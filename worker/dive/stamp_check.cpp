@@ -44,7 +44,7 @@ void StampCheck::count(Tally& tally, std::int64_t line) {
     if (tally.count++ == 0) tally.first_line = line;
 }
 
-void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double shortest_period_s) {
+void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
     tell(malformed_,
          "_row_malformed",
          "malformed (a row is the timestamp in whole nanoseconds, then the values)",
@@ -61,7 +61,7 @@ void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double sho
          "_timestamp_backwards",
          "of an earlier timestamp than a row before",
          "Record with a clock that only runs forward; do not set the time during a dive.");
-    report_period(accepted_ns, shortest_period_s);
+    report_period(accepted_ns, min_period_s);
 }
 
 void StampCheck::tell(const Tally& tally,
@@ -82,11 +82,10 @@ void StampCheck::tell(const Tally& tally,
                    remedy});
 }
 
-void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns,
-                               double shortest_period_s) {
+void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
     const std::int64_t period_ns = median_period_ns(accepted_ns);
     if (period_ns == 0) return;
-    if (static_cast<double>(period_ns) * 1e-9 < shortest_period_s) {
+    if (static_cast<double>(period_ns) * 1e-9 < min_period_s) {
         findings_.error(sensor_ + "_timestamp_unit",
                         file_,
                         "the timestamps increase by " + std::to_string(period_ns) +
@@ -95,24 +94,23 @@ void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns,
         return;
     }
     std::int64_t num_gaps = 0;
-    std::int64_t longest_ns = 0;
-    std::int64_t longest_after_ns = 0;
+    std::int64_t max_interval_ns = 0;
+    std::int64_t max_after_ns = 0;
     for (std::size_t i = 1; i < accepted_ns.size(); ++i) {
         const std::int64_t interval_ns = accepted_ns[i] - accepted_ns[i - 1];
         if (static_cast<double>(interval_ns) <= kGapPeriods * static_cast<double>(period_ns))
             continue;
         ++num_gaps;
-        if (interval_ns <= longest_ns) continue;
-        longest_ns = interval_ns;
-        longest_after_ns = accepted_ns[i - 1];
+        if (interval_ns <= max_interval_ns) continue;
+        max_interval_ns = interval_ns;
+        max_after_ns = accepted_ns[i - 1];
     }
     if (num_gaps == 0) return;
     findings_.warning(sensor_ + "_gap",
                       file_,
                       std::to_string(num_gaps) + " gaps; the longest is " +
-                          fixed(static_cast<double>(longest_ns) * 1e-9, 3) + " s after " +
-                          std::to_string(longest_after_ns) +
-                          ", where there should be a row every " +
+                          fixed(static_cast<double>(max_interval_ns) * 1e-9, 3) + " s after " +
+                          std::to_string(max_after_ns) + ", where there should be a row every " +
                           fixed(static_cast<double>(period_ns) * 1e-9, 4) + " s",
                       "Check the recorder: a full disk or a slow card loses samples.");
 }

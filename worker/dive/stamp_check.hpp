@@ -22,8 +22,8 @@ public:
     std::optional<std::int64_t> accept(std::int64_t line, std::string_view stamp);
     void count_malformed(std::int64_t line) { count(malformed_, line); }
     void count_not_finite(std::int64_t line) { count(not_finite_, line); }
-    // After the last row. Below `shortest_period_s` the stamps cannot be nanoseconds.
-    void report(const std::vector<std::int64_t>& accepted_ns, double shortest_period_s);
+    // After the last row. Below `min_period_s` the stamps cannot be nanoseconds.
+    void report(const std::vector<std::int64_t>& accepted_ns, double min_period_s);
 
     const std::string& file() const { return file_; }
 
@@ -37,7 +37,7 @@ private:
               const std::string& code,
               const std::string& what,
               const std::string& remedy);
-    void report_period(const std::vector<std::int64_t>& accepted_ns, double shortest_period_s);
+    void report_period(const std::vector<std::int64_t>& accepted_ns, double min_period_s);
 
     std::string sensor_;
     std::string file_;

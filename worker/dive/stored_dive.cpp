@@ -9,8 +9,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr int kPairsAhead = 3;
-constexpr int kPicturesProbed = 5;
+constexpr int kPrefetchedPairs = 3;
+constexpr int kImagesProbed = 5;
 constexpr const char* kReferenceMesh = "reference.ply";
 
 // At most one call in 50 ms reaches the receiver.
@@ -39,11 +39,11 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     : limits_(limits),
       files_(open_source(path, scratch, limits, throttled(progress), findings_)),
       contents_(read_contents(files_, limits, findings_)),
-      reader_(contents_.has_rig ? num_frames() : 0, kPairsAhead, [this](int index) {
+      reader_(contents_.has_rig ? num_frames() : 0, kPrefetchedPairs, [this](int index) {
           return load(index);
       }) {
     if (!contents_.has_rig) return;
-    check_first_pictures();
+    check_first_images();
     if (has_error(findings_.all())) return;
     const auto load_pair = [this](int index) { return load(index); };
     check_motion(contents_, load_pair, progress, findings_);
@@ -53,16 +53,16 @@ LoadedPair StoredDive::load(int index) const {
     const FramePair& files = contents_.pairs[static_cast<std::size_t>(index)];
     LoadedPair pair;
     pair.index = index;
-    pair.left = load_picture(files_, files.left, contents_.rig.cam0, limits_, Channels::Grey);
+    pair.left = load_image(files_, files.left, contents_.rig.cam0, limits_, Channels::Grey);
     if (pair.left.image.empty()) return pair;
-    pair.right = load_picture(files_, files.right, contents_.rig.cam1, limits_, Channels::Grey);
+    pair.right = load_image(files_, files.right, contents_.rig.cam1, limits_, Channels::Grey);
     return pair;
 }
 
 // A calibration of another resolution shows at once; a single odd picture does not refuse a dive.
-void StoredDive::check_first_pictures() {
+void StoredDive::check_first_images() {
     int num_other_size = 0;
-    const int num_probed = std::min(kPicturesProbed, num_frames());
+    const int num_probed = std::min(kImagesProbed, num_frames());
     LoadedPair other;
     for (int i = 0; i < num_probed; ++i) {
         LoadedPair pair = load(i * num_frames() / num_probed);
@@ -82,8 +82,8 @@ void StoredDive::check_first_pictures() {
 
 std::optional<StereoFrame> StoredDive::next_frame() {
     while (auto pair = reader_.next()) {
-        if ((pair->left.was_16_bit || pair->right.was_16_bit) && !told_16_bit_) {
-            told_16_bit_ = true;
+        if ((pair->left.was_16_bit || pair->right.was_16_bit) && !has_reported_16_bit_) {
+            has_reported_16_bit_ = true;
             const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair->index)];
             findings_.warning("image_16_bit",
                               printable(pair->left.was_16_bit ? files.left : files.right),
@@ -106,25 +106,25 @@ std::optional<StereoFrame> StoredDive::next_frame() {
 
 cv::Mat StoredDive::left_in_color(int frame_index) const {
     const std::string& file = contents_.pairs[static_cast<std::size_t>(frame_index)].left;
-    LoadedPicture picture = load_picture(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
-    if (picture.image.empty())
+    LoadedImage loaded = load_image(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
+    if (loaded.image.empty())
         throw Error(
             ErrorCode::Unavailable,
-            printable(file) + " was decoded before and cannot be decoded now: " + picture.problem);
-    return picture.image;
+            printable(file) + " was decoded before and cannot be decoded now: " + loaded.problem);
+    return loaded.image;
 }
 
 void StoredDive::report_skipped(const LoadedPair& pair) {
     if (!skipped_.insert(pair.index).second) return;
     const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair.index)];
     const bool is_left = pair.left.image.empty();
-    const LoadedPicture& picture = is_left ? pair.left : pair.right;
+    const LoadedImage& loaded = is_left ? pair.left : pair.right;
     const std::string file = printable(is_left ? files.left : files.right);
     findings_.warning(
-        picture.code,
+        loaded.code,
         file,
-        "frame " + std::to_string(pair.index) + " is skipped, " + file + ": " + picture.problem,
-        remedy_for(picture.code));
+        "frame " + std::to_string(pair.index) + " is skipped, " + file + ": " + loaded.problem,
+        remedy_for(loaded.code));
 }
 
 const std::string& StoredDive::content_sha256() const {

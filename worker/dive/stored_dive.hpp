@@ -45,7 +45,7 @@ public:
 
 private:
     LoadedPair load(int index) const;
-    void check_first_pictures();
+    void check_first_images();
     void report_skipped(const LoadedPair& pair);
 
     FindingLog findings_;
@@ -54,7 +54,7 @@ private:
     DiveContents contents_;
     FrameReader reader_;  // last: its threads use the members above
     std::set<int> skipped_;
-    bool told_16_bit_ = false;
+    bool has_reported_16_bit_ = false;
     mutable std::string content_sha256_;  // computed when first asked for
 };
 

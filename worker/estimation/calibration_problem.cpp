@@ -11,7 +11,7 @@
 #include "worker/estimation/sparse_inverse.hpp"
 #include "worker/geometry/rerectifier.hpp"
 #include "worker/geometry/rotation_vector.hpp"
-#include "worker/residuals/misaligned_turn.hpp"
+#include "worker/residuals/misaligned_gyro_rotation_cost.hpp"
 #include "worker/residuals/random_walk.hpp"
 #include "worker/residuals/relative_pose.hpp"
 #include "worker/steps/feature.hpp"
@@ -19,15 +19,15 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kMostObservations = 20'000;
+constexpr std::size_t kMaxObservations = 20'000;
 constexpr int kMaxIterations = 10;
-constexpr int kMostRounds = 4;
+constexpr int kMaxRounds = 4;
 constexpr double kHuber = 1.5;  // sigmas of independent errors
 // From round to round: what is linear enough.
 constexpr double kConverged_s = 5e-4;
 constexpr double kConverged_px = 0.5;
-constexpr double kLeastWalk = 1e-6;  // rad/s
-constexpr double kBiasSigma = 0.1;   // rad/s
+constexpr double kMinWalk = 1e-6;   // rad/s
+constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
 // Of a step from keyframe to keyframe: wide enough to say nothing where anything else does.
@@ -90,7 +90,7 @@ CalibrationProblem::CalibrationProblem(const Track& track,
     std::size_t num_observations = 0;
     for (const Landmark& landmark : track.landmarks)
         num_observations += landmark.observations.size();
-    const std::size_t stride = 1 + num_observations / kMostObservations;
+    const std::size_t stride = 1 + num_observations / kMaxObservations;
     for (std::size_t i = 0; i < track.landmarks.size(); i += stride)
         landmarks_.push_back(track.landmarks[i]);
     unknowns_.time_offset_s = track.imu_alignment.time_offset_s;
@@ -100,8 +100,8 @@ CalibrationProblem::CalibrationProblem(const Track& track,
 void CalibrationProblem::solve(bool free_lenses,
                                const ProgressCallback& progress,
                                const Progress& at) {
-    for (int i = 0; i < kMostRounds; ++i)
-        if (round(free_lenses, i + 1 == kMostRounds, progress, at)) return;
+    for (int i = 0; i < kMaxRounds; ++i)
+        if (round(free_lenses, i + 1 == kMaxRounds, progress, at)) return;
 }
 
 bool CalibrationProblem::round(bool free_lenses,
@@ -121,8 +121,8 @@ bool CalibrationProblem::round(bool free_lenses,
     problem.SetParameterBlockConstant(q(states_.front()));
     problem.SetParameterBlockConstant(states_.front().p_world_body.data());
     add_observations(problem, *ordering, free_lenses);
-    if (inertial_.has_gyroscope()) add_turns(problem);
-    add_steps(problem);
+    if (inertial_.has_gyroscope()) add_gyro_rotations(problem);
+    add_odometry(problem);
     add_priors(problem, free_lenses);
     for (double* block : kept_blocks())
         if (problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, 1);
@@ -192,7 +192,7 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
     }
 }
 
-void CalibrationProblem::add_turns(ceres::Problem& problem) {
+void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
     const std::int64_t shift_ns = std::llround(1e9 * unknowns_.time_offset_s);
     const auto& samples = recording_.imu();
     for (std::size_t k = 1; k < states_.size(); ++k) {
@@ -208,24 +208,24 @@ void CalibrationProblem::add_turns(ceres::Problem& problem) {
         };
         const Eigen::Vector3d by_time =
             rate(to_ns) - integral->q_from_to.conjugate() * rate(from_ns);
-        problem.AddResidualBlock(
-            MisalignedTurn::create({*integral, by_time, 1e-9 * static_cast<double>(shift_ns)}),
-            nullptr,
-            q(from),
-            q(to),
-            from.gyroscope_bias_imu.data(),
-            unknowns_.misalignment.data(),
-            &unknowns_.time_offset_s);
+        problem.AddResidualBlock(MisalignedGyroRotationCost::create(
+                                     {*integral, by_time, 1e-9 * static_cast<double>(shift_ns)}),
+                                 nullptr,
+                                 q(from),
+                                 q(to),
+                                 from.gyroscope_bias_imu.data(),
+                                 unknowns_.misalignment.data(),
+                                 &unknowns_.time_offset_s);
         const double walk =
             inertial_.noise().gyroscope_random_walk * std::sqrt(integral->duration_s);
-        problem.AddResidualBlock(RandomWalk::create(std::max(kLeastWalk, walk)),
+        problem.AddResidualBlock(RandomWalk::create(std::max(kMinWalk, walk)),
                                  nullptr,
                                  from.gyroscope_bias_imu.data(),
                                  to.gyroscope_bias_imu.data());
     }
 }
 
-void CalibrationProblem::add_steps(ceres::Problem& problem) {
+void CalibrationProblem::add_odometry(ceres::Problem& problem) {
     for (std::size_t k = 1; k < states_.size(); ++k) {
         const Eigen::Isometry3d T_before_now =
             track_.keyframes[k - 1].T_world_cam.inverse() * track_.keyframes[k].T_world_cam;

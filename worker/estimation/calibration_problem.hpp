@@ -63,9 +63,9 @@ private:
     void add_observations(ceres::Problem& problem,
                           ceres::ParameterBlockOrdering& ordering,
                           bool free_lenses);
-    void add_turns(ceres::Problem& problem);
+    void add_gyro_rotations(ceres::Problem& problem);
     // Holds together, as loosely as can be, what no landmark does: where the scene was lost.
-    void add_steps(ceres::Problem& problem);
+    void add_odometry(ceres::Problem& problem);
     void add_priors(ceres::Problem& problem, bool free_lenses);
     void find_sigmas(ceres::Problem& problem, bool free_lenses);
     LensReprojection::Shift shift_of(const std::array<RectifiedLens, 2>& lenses,

@@ -11,11 +11,11 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kFewestKeyframes = 5;
+constexpr std::size_t kMinCalibrationKeyframes = 5;
 constexpr double kSignificant = 4.0;  // sigmas
-constexpr double kLeastOffset_s = 1e-3;
-constexpr double kLeastRotation_rad = 1.7e-3;
-constexpr double kLeastShift_px = 0.5;
+constexpr double kMinOffset_s = 1e-3;
+constexpr double kMinRotation_rad = 1.7e-3;
+constexpr double kMinShift_px = 0.5;
 
 bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
     return value.dot(covariance.ldlt().solve(value)) >
@@ -51,9 +51,9 @@ void take_imu(const CalibrationProblem& problem, RefinedCalibration& result) {
     result.imu = {found.time_offset_s, rotation_from_vector(found.misalignment)};
     result.time_offset_sigma_s = sigmas.time_offset_s;
     result.rotation_sigma_rad = sigmas.misalignment.diagonal().cwiseMax(0.0).cwiseSqrt();
-    result.time_offset_applied = std::abs(found.time_offset_s) >
-                                 std::max(kLeastOffset_s, kSignificant * sigmas.time_offset_s);
-    result.rotation_applied = found.misalignment.norm() > kLeastRotation_rad &&
+    result.time_offset_applied =
+        std::abs(found.time_offset_s) > std::max(kMinOffset_s, kSignificant * sigmas.time_offset_s);
+    result.rotation_applied = found.misalignment.norm() > kMinRotation_rad &&
                               significant(found.misalignment, sigmas.misalignment);
 }
 
@@ -66,7 +66,7 @@ RefinedCalibration refine_calibration(const Track& track,
                                       const ProgressCallback& progress,
                                       const Progress& at) {
     RefinedCalibration result;
-    if (track.keyframes.size() < kFewestKeyframes || track.landmarks.empty()) return result;
+    if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty()) return result;
     CalibrationProblem problem(track, recording, inertial);
     const bool align = options.align_imu && inertial.has_gyroscope();
     if (align) {
@@ -83,7 +83,7 @@ RefinedCalibration refine_calibration(const Track& track,
     const Distortions bent = distortion_alone(found, covariance);
     result.applied_lenses = split(bent.changes);
     result.lens_shift_px = problem.shift_px(bent.changes);
-    result.lenses_applied = result.lens_shift_px > kLeastShift_px && bent.significant;
+    result.lenses_applied = result.lens_shift_px > kMinShift_px && bent.significant;
     if (result.lenses_applied && align) {
         problem.hold_lenses(bent.changes);
         problem.solve(false, progress, at);

@@ -13,19 +13,19 @@ namespace {
 using Vector7 = Eigen::Matrix<double, 7, 1>;  // time offset, rotation, bias
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-constexpr std::size_t kFewestTurns = 20;
+constexpr std::size_t kMinRotations = 20;
 constexpr std::int64_t kReach_ns = 60'000'000;
 constexpr std::int64_t kCoarseStep_ns = 4'000'000;
 constexpr double kDerivativeStep_s = 2e-3;
 constexpr double kPriorOffset_s = 0.03;
 constexpr double kPriorRotation_rad = 0.035;
-constexpr double kPriorBias = 0.1;         // rad/s
-constexpr double kMedianOfNorm = 1.538;    // of three normal variables, in sigmas
-constexpr double kHuber = 3.0;             // of the norm, in sigmas of an axis
-constexpr double kLeastSigma_rad = 1e-5;   // of a seen turn
-constexpr double kSignificant = 4.0;       // sigmas
-constexpr double kLeastOffset_s = 1.5e-3;  // smaller ones harm less than a mistake would
-constexpr double kLeastRotation_rad = 4e-3;
+constexpr double kPriorBias = 0.1;       // rad/s
+constexpr double kMedianOfNorm = 1.538;  // of three normal variables, in sigmas
+constexpr double kHuber = 3.0;           // of the norm, in sigmas of an axis
+constexpr double kMinSigma_rad = 1e-5;   // of a seen turn
+constexpr double kSignificant = 4.0;     // sigmas
+constexpr double kMinOffset_s = 1.5e-3;  // smaller ones harm less than a mistake would
+constexpr double kMinRotation_rad = 4e-3;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
@@ -48,7 +48,7 @@ public:
                to_ns <= samples_.back().timestamp_ns;
     }
     // Rotation vector from one time to another, in the frame at `from`.
-    Eigen::Vector3d turn(std::int64_t from_ns, std::int64_t to_ns) const {
+    Eigen::Vector3d rotation(std::int64_t from_ns, std::int64_t to_ns) const {
         return vector_from_rotation(at(from_ns).conjugate() * at(to_ns));
     }
 
@@ -88,20 +88,20 @@ struct State {
 
 class Fit {
 public:
-    Fit(const GyroscopePath& path, const std::vector<SeenTurn>& turns) : path_(path) {
-        for (const SeenTurn& turn : turns)
-            if (path_.covers(turn.from_ns - kReach_ns, turn.to_ns + kReach_ns))
-                turns_.push_back({turn,
-                                  vector_from_rotation(turn.q_from_to),
-                                  1e-9 * static_cast<double>(turn.to_ns - turn.from_ns)});
+    Fit(const GyroscopePath& path, const std::vector<VisionRotation>& rotations) : path_(path) {
+        for (const VisionRotation& rotation : rotations)
+            if (path_.covers(rotation.from_ns - kReach_ns, rotation.to_ns + kReach_ns))
+                turns_.push_back({rotation,
+                                  vector_from_rotation(rotation.q_from_to),
+                                  1e-9 * static_cast<double>(rotation.to_ns - rotation.from_ns)});
     }
 
-    std::size_t num_turns() const { return turns_.size(); }
+    std::size_t num_rotations() const { return turns_.size(); }
 
     // Sum of the residuals' norms: what outliers cannot decide.
     double cost(const State& state) const {
         double sum = 0.0;
-        for (const Turn& turn : turns_) sum += residual(state, turn).norm();
+        for (const Turn& rotation : turns_) sum += residual(state, rotation).norm();
         return sum;
     }
 
@@ -110,7 +110,7 @@ public:
         const double sigma = scale(state);
         Matrix7 H = Matrix7::Zero();
         Vector7 g = Vector7::Zero();
-        for (const Turn& turn : turns_) add(state, turn, sigma, H, g);
+        for (const Turn& rotation : turns_) add(state, rotation, sigma, H, g);
         Vector7 weight;
         weight << std::pow(kPriorOffset_s, -2),
             Eigen::Vector3d::Constant(std::pow(kPriorRotation_rad, -2)),
@@ -137,33 +137,33 @@ public:
 
 private:
     struct Turn {
-        SeenTurn seen;
+        VisionRotation seen;
         Eigen::Vector3d vector;
         double duration_s;
     };
 
-    Eigen::Vector3d gyroscope(const Turn& turn, double offset_s) const {
+    Eigen::Vector3d gyroscope(const Turn& rotation, double offset_s) const {
         const std::int64_t shift_ns = nanoseconds(offset_s);
-        return path_.turn(turn.seen.from_ns + shift_ns, turn.seen.to_ns + shift_ns);
+        return path_.rotation(rotation.seen.from_ns + shift_ns, rotation.seen.to_ns + shift_ns);
     }
-    Eigen::Vector3d residual(const State& state, const Turn& turn) const {
-        return turn.vector -
-               (state.q_body_imu * gyroscope(turn, state.offset_s) - turn.duration_s * state.bias);
+    Eigen::Vector3d residual(const State& state, const Turn& rotation) const {
+        return rotation.vector - (state.q_body_imu * gyroscope(rotation, state.offset_s) -
+                                  rotation.duration_s * state.bias);
     }
     // Standard deviation of an axis, by the median.
     double scale(const State& state) const {
         std::vector<double> norms;
-        for (const Turn& turn : turns_) norms.push_back(residual(state, turn).norm());
-        return std::max(upper_median(std::move(norms)) / kMedianOfNorm, kLeastSigma_rad);
+        for (const Turn& rotation : turns_) norms.push_back(residual(state, rotation).norm());
+        return std::max(upper_median(std::move(norms)) / kMedianOfNorm, kMinSigma_rad);
     }
-    void add(const State& state, const Turn& turn, double sigma, Matrix7& H, Vector7& g) const {
-        const Eigen::Vector3d r = residual(state, turn);
+    void add(const State& state, const Turn& rotation, double sigma, Matrix7& H, Vector7& g) const {
+        const Eigen::Vector3d r = residual(state, rotation);
         Eigen::Matrix<double, 3, 7> J;
-        J.col(0) = -(state.q_body_imu * (gyroscope(turn, state.offset_s + kDerivativeStep_s) -
-                                         gyroscope(turn, state.offset_s - kDerivativeStep_s))) /
+        J.col(0) = -(state.q_body_imu * (gyroscope(rotation, state.offset_s + kDerivativeStep_s) -
+                                         gyroscope(rotation, state.offset_s - kDerivativeStep_s))) /
                    (2.0 * kDerivativeStep_s);
-        J.middleCols<3>(1) = cross_matrix(state.q_body_imu * gyroscope(turn, state.offset_s));
-        J.rightCols<3>() = turn.duration_s * Eigen::Matrix3d::Identity();
+        J.middleCols<3>(1) = cross_matrix(state.q_body_imu * gyroscope(rotation, state.offset_s));
+        J.rightCols<3>() = rotation.duration_s * Eigen::Matrix3d::Identity();
         const double weight =
             std::min(1.0, kHuber * sigma / std::max(r.norm(), 1e-12)) / (sigma * sigma);
         H += weight * J.transpose() * J;
@@ -215,21 +215,21 @@ std::vector<OrientationSample> aligned(const std::vector<OrientationSample>& sam
 
 bool AlignmentEstimate::time_offset_is_significant() const {
     return std::abs(alignment.time_offset_s) >
-           std::max(kLeastOffset_s, kSignificant * time_offset_sigma_s);
+           std::max(kMinOffset_s, kSignificant * time_offset_sigma_s);
 }
 
 bool AlignmentEstimate::rotation_is_significant() const {
     const Eigen::Vector3d w = vector_from_rotation(alignment.q_body_imu);
-    return w.norm() > kLeastRotation_rad &&
+    return w.norm() > kMinRotation_rad &&
            w.dot(rotation_covariance.ldlt().solve(w)) > kSignificant * kSignificant;
 }
 
 std::optional<AlignmentEstimate> estimate_alignment(const std::vector<ImuSample>& samples,
-                                                    const std::vector<SeenTurn>& turns) {
-    if (turns.size() < kFewestTurns) return std::nullopt;
-    const GyroscopePath path(samples, turns.front().from_ns, turns.back().to_ns);
-    const Fit fit(path, turns);
-    if (fit.num_turns() < kFewestTurns) return std::nullopt;
+                                                    const std::vector<VisionRotation>& rotations) {
+    if (rotations.size() < kMinRotations) return std::nullopt;
+    const GyroscopePath path(samples, rotations.front().from_ns, rotations.back().to_ns);
+    const Fit fit(path, rotations);
+    if (fit.num_rotations() < kMinRotations) return std::nullopt;
     State state = coarse(fit);
     Matrix7 covariance;
     for (int i = 0; i < 8; ++i) covariance = fit.step(state, true);

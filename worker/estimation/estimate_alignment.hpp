@@ -17,7 +17,7 @@ std::vector<OrientationSample> aligned(const std::vector<OrientationSample>& sam
                                        const ImuAlignment& alignment);
 
 // A turn of the body that the pictures alone saw, on their clock.
-struct SeenTurn {
+struct VisionRotation {
     std::int64_t from_ns = 0;
     std::int64_t to_ns = 0;
     Eigen::Quaterniond q_from_to = Eigen::Quaterniond::Identity();
@@ -42,6 +42,6 @@ struct AlignmentEstimate {
 // (30 ms, 2 degrees, 0.1 rad/s). A row of turns about one axis leaves the rotation about that axis
 // to its prior. Nothing when fewer than 20 turns are covered by the samples.
 std::optional<AlignmentEstimate> estimate_alignment(const std::vector<ImuSample>& samples,
-                                                    const std::vector<SeenTurn>& turns);
+                                                    const std::vector<VisionRotation>& rotations);
 
 }  // namespace divemesh::worker

@@ -10,7 +10,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastRotation = 1e-3;  // of the largest column: below, a straight path
+constexpr double kMinRotation = 1e-3;  // of the largest column: below, a straight path
 
 // Columns: what the rigid motions about the centre do to the positions.
 Eigen::MatrixXd rigid_motions(const std::vector<Eigen::Vector3d>& positions) {
@@ -32,7 +32,7 @@ PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
                                 const Eigen::MatrixXd& covariance_m2) {
     const Eigen::MatrixXd motions = rigid_motions(positions);
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(motions);
-    qr.setThreshold(kLeastRotation);
+    qr.setThreshold(kMinRotation);
     const Eigen::MatrixXd Q =
         qr.householderQ() * Eigen::MatrixXd::Identity(motions.rows(), qr.rank());
     const Eigen::MatrixXd half = covariance_m2 - Q * (Q.transpose() * covariance_m2);
@@ -53,7 +53,7 @@ double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
         heights[i] = p.z();
     }
     Eigen::ColPivHouseholderQR<Eigen::MatrixX3d> qr(level);
-    qr.setThreshold(kLeastRotation);
+    qr.setThreshold(kMinRotation);
     const Eigen::VectorXd rest = heights - level * qr.solve(heights);
     const double squares = rest.squaredNorm();
     if (squares <= 0.0) return 0.0;
@@ -76,8 +76,8 @@ PathUncertainty with_frames_between(PathUncertainty keyframes,
 
 double shared_sigma_m(const PathUncertainty& path) { return std::sqrt(path.mean_square_m2 / 3.0); }
 
-double quantile_95(double mean_square, double freedom) {
-    return mean_square * chi_square_quantile(0.95, freedom) / freedom;
+double quantile_95(double mean_square, double degrees_of_freedom) {
+    return mean_square * chi_square_quantile(0.95, degrees_of_freedom) / degrees_of_freedom;
 }
 
 double squared_length_95(const Eigen::Matrix3d& covariance) {

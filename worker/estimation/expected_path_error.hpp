@@ -29,7 +29,7 @@ double shared_sigma_m(const PathUncertainty& path);
 
 // What a sum of squares of normal numbers stays below in 95 of 100 cases, by its mean and its
 // degrees of freedom: as a multiple of chi-square (Satterthwaite 1946).
-double quantile_95(double mean_square, double freedom);
+double quantile_95(double mean_square, double degrees_of_freedom);
 // Of the squared length of a normal vector of this covariance.
 double squared_length_95(const Eigen::Matrix3d& covariance);
 

@@ -32,7 +32,7 @@ Trajectory follow_keyframes(const Trajectory& odometry,
     Trajectory result = odometry;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
         const bool last = k + 1 == keyframes.size();
-        const bool ends = last || keyframes[k + 1].piece != keyframes[k].piece;
+        const bool ends = last || keyframes[k + 1].segment != keyframes[k].segment;
         const std::size_t from = k == 0 ? 0 : frame_at(odometry, keyframes[k].timestamp_ns);
         const std::size_t to =
             last ? odometry.size() : frame_at(odometry, keyframes[k + 1].timestamp_ns);
@@ -61,7 +61,7 @@ std::vector<Keyframe> posed_by(const Trajectory& trajectory,
     auto after = keyframes.begin();
     for (Keyframe& frame : frames) {
         while (after != keyframes.end() && after->timestamp_ns <= frame.timestamp_ns) ++after;
-        if (after != keyframes.begin()) frame.piece = std::prev(after)->piece;
+        if (after != keyframes.begin()) frame.segment = std::prev(after)->segment;
         frame.T_world_cam =
             trajectory[frame_at(trajectory, frame.timestamp_ns)].T_world_imu * T_imu_cam;
     }

@@ -32,7 +32,7 @@ std::vector<Interval> intervals(const Trajectory& odometry,
                                 const Eigen::Isometry3d& T_imu_cam) {
     std::vector<Interval> result;
     for (std::size_t k = 1; k < keyframes.size(); ++k) {
-        if (keyframes[k].piece != keyframes[k - 1].piece) continue;
+        if (keyframes[k].segment != keyframes[k - 1].segment) continue;
         Interval interval{frame_at(odometry, keyframes[k - 1].timestamp_ns),
                           frame_at(odometry, keyframes[k].timestamp_ns),
                           {}};

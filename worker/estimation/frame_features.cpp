@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "worker/steps/match_features.hpp"
+#include "worker/steps/match_sparse_stereo.hpp"
 #include "worker/steps/refine_pose.hpp"
 #include "worker/tracking/surface_slope.hpp"
 
@@ -24,7 +24,9 @@ Eigen::Isometry3d first_pose(const InertialPrior& inertial,
     return T_world_imu * rig.T_imu_cam;
 }
 
-Features consistent(const Features& tracks, const PointPairs& pairs, const Registration& motion) {
+Features without_dynamic_features(const Features& tracks,
+                                  const PointPairs& pairs,
+                                  const Registration& motion) {
     std::unordered_set<std::int64_t> outliers;
     if (motion.found)
         for (const PointPair& pair : pairs) outliers.insert(pair.id);
@@ -35,7 +37,7 @@ Features consistent(const Features& tracks, const PointPairs& pairs, const Regis
     return features;
 }
 
-Features gone_along(const Registration& motion) {
+Features static_features(const Registration& motion) {
     Features features;
     if (!motion.found) return features;
     for (const PointPair& pair : motion.inliers)
@@ -49,7 +51,7 @@ void add_lost_features(const RectifiedFrame& frame,
                        FeatureTracker& tracker,
                        Features& features) {
     Features found = tracker.find_lost(T_current_previous, features);
-    match_features(frame, {}, num_disparities_px, found);
+    match_sparse_stereo(frame, {}, num_disparities_px, found);
     Features all;
     std::set_union(features.begin(),
                    features.end(),
@@ -67,7 +69,7 @@ void add_new_features(const RectifiedRig& rig,
                       FeatureTracker& tracker,
                       Features& features) {
     Features fresh = tracker.detect(features);
-    match_features(frame, depth.disparity_px, num_disparities_px, fresh);
+    match_sparse_stereo(frame, depth.disparity_px, num_disparities_px, fresh);
     measure_slopes(rig, frame, fresh);
     features.insert(features.end(), fresh.begin(), fresh.end());
 }

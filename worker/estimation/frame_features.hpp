@@ -21,10 +21,12 @@ Eigen::Isometry3d first_pose(const InertialPrior& inertial,
                              std::int64_t timestamp_ns);
 
 // The tracks without what moves by itself: fish and snow.
-Features consistent(const Features& tracks, const PointPairs& pairs, const Registration& motion);
+Features without_dynamic_features(const Features& tracks,
+                                  const PointPairs& pairs,
+                                  const Registration& motion);
 
 // Those that went with the camera's motion, as they are now.
-Features gone_along(const Registration& motion);
+Features static_features(const Registration& motion);
 
 // Those that the tracker had lost and finds again now that the motion is known.
 void add_lost_features(const RectifiedFrame& frame,

@@ -8,9 +8,9 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::int64_t kShortest_ns = 2'000'000'000;
-constexpr std::size_t kMostTurns = 600;
-constexpr std::size_t kFewestPairs = 30;
+constexpr std::int64_t kMinInterval_ns = 2'000'000'000;
+constexpr std::size_t kMaxRotations = 600;
+constexpr std::size_t kMinNumPairs = 30;
 
 // As measured. Ids rise in both.
 PointPairs inliers_of(const PointPairs& measured, const Registration& vision) {
@@ -32,16 +32,18 @@ void ImuAligner::watch(const RectifiedRig& rig,
                        std::int64_t before_ns,
                        std::int64_t now_ns,
                        InertialPrior& inertial) {
-    if (!inertial.has_gyroscope() || turns_.size() >= kMostTurns) return;
-    if (!vision.found || vision.inliers.size() < kFewestPairs) return;
+    if (!inertial.has_gyroscope() || rotations_.size() >= kMaxRotations) return;
+    if (!vision.found || vision.inliers.size() < kMinNumPairs) return;
     const Eigen::Isometry3d T_current_previous = refine_pose(
         rig, inliers_of(measured, vision), {vision.T_current_previous, std::nullopt, 0.0});
     const Eigen::Quaterniond q_body_cam(rig.T_imu_cam.linear());
     const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
-    turns_.push_back({before_ns, now_ns, q_body_cam * q_previous_current * q_body_cam.conjugate()});
-    if (turns_.size() < next_size_ || now_ns - turns_.front().from_ns < kShortest_ns) return;
-    next_size_ = turns_.size() + turns_.size() / 2;
-    const auto estimate = estimate_alignment(samples_, turns_);
+    rotations_.push_back(
+        {before_ns, now_ns, q_body_cam * q_previous_current * q_body_cam.conjugate()});
+    if (rotations_.size() < next_size_ || now_ns - rotations_.front().from_ns < kMinInterval_ns)
+        return;
+    next_size_ = rotations_.size() + rotations_.size() / 2;
+    const auto estimate = estimate_alignment(samples_, rotations_);
     if (!estimate) return;
     ImuAlignment alignment;
     if (estimate->time_offset_is_significant())

@@ -33,7 +33,7 @@ public:
 
 private:
     const std::vector<ImuSample>& samples_;
-    std::vector<SeenTurn> turns_;
+    std::vector<VisionRotation> rotations_;
     std::size_t next_size_ = 40;
     ImuAlignment alignment_;
 };

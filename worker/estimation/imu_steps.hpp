@@ -14,7 +14,7 @@ enum class ImuFailure {
     Gap,         // samples are too far apart somewhere in it
 };
 
-constexpr std::int64_t kLongestImuGap_ns = 100'000'000;
+constexpr std::int64_t kMaxImuGap_ns = 100'000'000;
 
 inline ImuSample interpolate(const ImuSample& before,
                              const ImuSample& after,
@@ -48,7 +48,7 @@ std::optional<ImuFailure> for_each_step(const std::vector<ImuSample>& samples,
         });
     for (std::int64_t time_ns = from_ns; time_ns < to_ns; ++after) {
         const ImuSample& before = *(after - 1);
-        if (after->timestamp_ns - before.timestamp_ns > kLongestImuGap_ns) return ImuFailure::Gap;
+        if (after->timestamp_ns - before.timestamp_ns > kMaxImuGap_ns) return ImuFailure::Gap;
         const std::int64_t end_ns = std::min(after->timestamp_ns, to_ns);
         visit(interpolate(before, *after, time_ns),
               interpolate(before, *after, end_ns),

@@ -12,7 +12,8 @@ namespace {
 constexpr double kAhrsSigma_rad = 0.01;
 constexpr double kAhrsTimeConstant_s = 30.0;
 constexpr double kPressureSigma_m = 0.02;  // with the waves above
-constexpr double kFirstDownSigma = 0.2;    // of the vertical, where only the pressure knows of it
+constexpr double kInitialGravitySigma =
+    0.2;  // of the vertical, where only the pressure knows of it
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
@@ -30,52 +31,60 @@ void set_velocities(const std::vector<Keyframe>& keyframes, std::vector<BodyStat
 
 }  // namespace
 
-void add_way(Adjustment& adjustment,
-             const SensorReadings& readings,
-             const ImuNoise& noise,
-             BodyState& from,
-             BodyState& to,
-             WorldReference& reference) {
+void add_relative_factors(BundleAdjustment& bundle_adjustment,
+                          const SensorReadings& readings,
+                          const ImuNoise& noise,
+                          BodyState& from,
+                          BodyState& to,
+                          WorldReference& reference) {
     if (readings.motion)
-        adjustment.add_motion(from, to, *readings.motion, noise, reference.down_world);
-    if (readings.turn) adjustment.add_turn(from, to, *readings.turn, noise.gyroscope_random_walk);
+        bundle_adjustment.add_imu_preintegration(
+            from, to, *readings.motion, noise, reference.gravity_direction_world);
+    if (readings.rotation)
+        bundle_adjustment.add_gyro_rotation(
+            from, to, *readings.rotation, noise.gyroscope_random_walk);
 }
 
-void add_moment(Adjustment& adjustment,
-                const SensorReadings& readings,
-                BodyState& state,
-                WorldReference& reference) {
+void add_absolute_factors(BundleAdjustment& bundle_adjustment,
+                          const SensorReadings& readings,
+                          BodyState& state,
+                          WorldReference& reference) {
     if (readings.q_ahrs_imu) {
         const double times = 2.0 * kAhrsTimeConstant_s / std::max(0.1, readings.interval_s);
-        adjustment.add_orientation(state,
-                                   reference.q_world_ahrs,
-                                   *readings.q_ahrs_imu,
-                                   kAhrsSigma_rad * std::sqrt(std::max(1.0, times)));
+        bundle_adjustment.add_orientation(state,
+                                          reference.q_world_ahrs,
+                                          *readings.q_ahrs_imu,
+                                          kAhrsSigma_rad * std::sqrt(std::max(1.0, times)));
     }
     if (readings.depth_m)
-        adjustment.add_depth(state,
-                             reference.down_world,
-                             reference.depth_offset_m,
-                             *readings.depth_m,
-                             kPressureSigma_m);
+        bundle_adjustment.add_depth(state,
+                                    reference.gravity_direction_world,
+                                    reference.depth_offset_m,
+                                    *readings.depth_m,
+                                    kPressureSigma_m);
 }
 
-void add_first_biases(Adjustment& adjustment, const SensorReadings& readings, BodyState& from) {
-    if (readings.motion || readings.turn)
-        adjustment.add_gyroscope_bias(from, Eigen::Vector3d::Zero(), kFirstGyroscopeBiasSigma);
+void add_bias_priors(BundleAdjustment& bundle_adjustment,
+                     const SensorReadings& readings,
+                     BodyState& from) {
+    if (readings.motion || readings.rotation)
+        bundle_adjustment.add_gyroscope_bias(
+            from, Eigen::Vector3d::Zero(), kInitialGyroscopeBiasSigma);
     if (readings.motion)
-        adjustment.add_accelerometer_bias(
-            from, Eigen::Vector3d::Zero(), kFirstAccelerometerBiasSigma);
+        bundle_adjustment.add_accelerometer_bias(
+            from, Eigen::Vector3d::Zero(), kInitialAccelerometerBiasSigma);
 }
 
-void add_first_vertical(Adjustment& adjustment,
-                        const SensorReadings& readings,
-                        WorldReference& reference) {
+void add_gravity_prior(BundleAdjustment& bundle_adjustment,
+                       const SensorReadings& readings,
+                       WorldReference& reference) {
     if (readings.depth_m && !readings.motion)
-        adjustment.add_down(reference.down_world, reference.down_world, kFirstDownSigma);
+        bundle_adjustment.add_gravity_direction(reference.gravity_direction_world,
+                                                reference.gravity_direction_world,
+                                                kInitialGravitySigma);
 }
 
-void add_inertial_factors(Adjustment& adjustment,
+void add_inertial_factors(BundleAdjustment& bundle_adjustment,
                           const InertialPrior& inertial,
                           const std::vector<Keyframe>& keyframes,
                           std::vector<BodyState>& states,
@@ -86,21 +95,24 @@ void add_inertial_factors(Adjustment& adjustment,
         const std::int64_t now_ns = keyframes[k].timestamp_ns;
         const SensorReadings readings =
             inertial.readings(k > 0 ? keyframes[k - 1].timestamp_ns : now_ns, now_ns);
-        add_moment(adjustment, readings, states[k], reference);
+        add_absolute_factors(bundle_adjustment, readings, states[k], reference);
         if (k == 0) {
             reference.depth_offset_m = readings.depth_m.value_or(0.0);
             continue;
         }
-        if (k == 1) add_first_vertical(adjustment, readings, reference);
-        if (!chained) add_first_biases(adjustment, readings, states[k - 1]);
-        add_way(adjustment, readings, inertial.noise(), states[k - 1], states[k], reference);
-        chained = readings.motion || readings.turn;
+        if (k == 1) add_gravity_prior(bundle_adjustment, readings, reference);
+        if (!chained) add_bias_priors(bundle_adjustment, readings, states[k - 1]);
+        add_relative_factors(
+            bundle_adjustment, readings, inertial.noise(), states[k - 1], states[k], reference);
+        chained = readings.motion || readings.rotation;
     }
 }
 
-Eigen::Quaterniond levelling(const InertialPrior& inertial, const WorldReference& reference) {
+Eigen::Quaterniond gravity_alignment(const InertialPrior& inertial,
+                                     const WorldReference& reference) {
     if (inertial.has_accelerometer() || inertial.has_pressure())
-        return Eigen::Quaterniond::FromTwoVectors(reference.down_world, -Eigen::Vector3d::UnitZ());
+        return Eigen::Quaterniond::FromTwoVectors(reference.gravity_direction_world,
+                                                  -Eigen::Vector3d::UnitZ());
     return reference.q_world_ahrs.conjugate();
 }
 

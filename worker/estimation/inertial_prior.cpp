@@ -9,16 +9,16 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::int64_t kLongestAhrsGap_ns = 200'000'000;
-constexpr std::int64_t kLongestPressureGap_ns = 1'000'000'000;
-constexpr std::int64_t kLevelling_ns = 1'000'000'000;
-constexpr double kAhrsTurnSigma_rad = 1e-3;    // white noise of two readings
-constexpr double kAhrsDrift_rad_per_s = 3e-3;  // its slow error on the move
-constexpr double kWrongGravity_m_s2 = 0.6;     // an accelerometer further off is not used
+constexpr std::int64_t kMaxAhrsGap_ns = 200'000'000;
+constexpr std::int64_t kMaxPressureGap_ns = 1'000'000'000;
+constexpr std::int64_t kGravityAlignment_ns = 1'000'000'000;
+constexpr double kAhrsRotationSigma_rad = 1e-3;  // white noise of two readings
+constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error on the move
+constexpr double kWrongGravity_m_s2 = 0.6;       // an accelerometer further off is not used
 // Data sheets do not know of thrusters and kicks: what they state is taken as so much more.
 constexpr double kGyroscopeInflation = 1.5;
 constexpr double kAccelerometerInflation = 5.0;
-constexpr double kVisionTurnSigma_rad = 5e-4;  // of one frame's rotation by vision
+constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation by vision
 
 ImuNoise inflated(ImuNoise noise) {
     noise.gyroscope_noise_density *= kGyroscopeInflation;
@@ -26,7 +26,8 @@ ImuNoise inflated(ImuNoise noise) {
     return noise;
 }
 
-// Where a time lies among samples: between two of them that are no further apart than `longest_ns`.
+// Where a time lies among samples: between two of them that are no further apart than
+// `max_interval_ns`.
 template <typename Sample>
 struct Bracket {
     const Sample* before;
@@ -37,7 +38,7 @@ struct Bracket {
 template <typename Sample>
 std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
                                        std::int64_t time_ns,
-                                       std::int64_t longest_ns) {
+                                       std::int64_t max_interval_ns) {
     const auto after = std::lower_bound(
         samples.begin(), samples.end(), time_ns, [](const Sample& sample, std::int64_t time) {
             return sample.timestamp_ns < time;
@@ -47,7 +48,7 @@ std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
     if (after == samples.begin()) return std::nullopt;
     const auto before = after - 1;
     const std::int64_t gap_ns = after->timestamp_ns - before->timestamp_ns;
-    if (gap_ns > longest_ns) return std::nullopt;
+    if (gap_ns > max_interval_ns) return std::nullopt;
     return Bracket<Sample>{
         &*before,
         &*after,
@@ -55,7 +56,7 @@ std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
 }
 
 // A diver's specific force is gravity's reaction, most of the time.
-bool feels_gravity(const std::vector<ImuSample>& samples) {
+bool measures_gravity(const std::vector<ImuSample>& samples) {
     if (samples.empty()) return false;
     std::vector<double> forces;
     forces.reserve(samples.size());
@@ -70,7 +71,7 @@ InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOpt
       imu_(recording.imu()),
       orientations_(recording.ahrs()),
       gyroscope_(options.use_imu && recording.rig().imu_noise && !recording.imu().empty()),
-      accelerometer_(gyroscope_ && feels_gravity(recording.imu())),
+      accelerometer_(gyroscope_ && measures_gravity(recording.imu())),
       ahrs_(options.use_ahrs && !recording.ahrs().empty()),
       ahrs_leads_(options.estimator == "pairwise"),
       pressure_(options.use_pressure && !recording.pressure().empty()),
@@ -95,16 +96,17 @@ std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
     return motion ? std::optional(*motion) : std::nullopt;
 }
 
-std::optional<KnownRotation> InertialPrior::turn_from(const Eigen::Quaterniond& q_world_imu,
-                                                      std::int64_t from_ns,
-                                                      std::int64_t to_ns) const {
+std::optional<KnownRotation> InertialPrior::rotation_from(const Eigen::Quaterniond& q_world_imu,
+                                                          std::int64_t from_ns,
+                                                          std::int64_t to_ns) const {
     if (ahrs_leads_)
         if (const auto q_world_next = absolute(to_ns))
-            return KnownRotation{q_world_imu.conjugate() * *q_world_next, kAhrsTurnSigma_rad};
-    return turn(from_ns, to_ns);
+            return KnownRotation{q_world_imu.conjugate() * *q_world_next, kAhrsRotationSigma_rad};
+    return rotation(from_ns, to_ns);
 }
 
-std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int64_t to_ns) const {
+std::optional<KnownRotation> InertialPrior::rotation(std::int64_t from_ns,
+                                                     std::int64_t to_ns) const {
     if (const auto gyroscope = integral(from_ns, to_ns))
         return KnownRotation{gyroscope->q_from_to,
                              std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
@@ -113,19 +115,19 @@ std::optional<KnownRotation> InertialPrior::turn(std::int64_t from_ns, std::int6
     if (!from || !to) return std::nullopt;
     const double duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
     return KnownRotation{from->conjugate() * *to,
-                         std::hypot(kAhrsTurnSigma_rad, kAhrsDrift_rad_per_s * duration_s)};
+                         std::hypot(kAhrsRotationSigma_rad, kAhrsDrift_rad_per_s * duration_s)};
 }
 
 std::optional<Eigen::Quaterniond> InertialPrior::absolute(std::int64_t time_ns) const {
     if (!ahrs_) return std::nullopt;
-    const auto around = bracket(orientations_, time_ns, kLongestAhrsGap_ns);
+    const auto around = bracket(orientations_, time_ns, kMaxAhrsGap_ns);
     if (!around) return std::nullopt;
     return around->before->q_world_imu.slerp(around->share, around->after->q_world_imu);
 }
 
 std::optional<double> InertialPrior::depth_m(std::int64_t time_ns) const {
     if (!pressure_) return std::nullopt;
-    const auto around = bracket(recording_.pressure(), time_ns, kLongestPressureGap_ns);
+    const auto around = bracket(recording_.pressure(), time_ns, kMaxPressureGap_ns);
     if (!around) return std::nullopt;
     return around->before->depth_m +
            around->share * (around->after->depth_m - around->before->depth_m);
@@ -135,7 +137,7 @@ SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns)
     SensorReadings readings;
     readings.interval_s = 1e-9 * static_cast<double>(to_ns - from_ns);
     readings.motion = motion(from_ns, to_ns);
-    if (!readings.motion) readings.turn = integral(from_ns, to_ns);
+    if (!readings.motion) readings.rotation = integral(from_ns, to_ns);
     readings.q_ahrs_imu = absolute(to_ns);
     readings.depth_m = depth_m(to_ns);
     return readings;
@@ -149,8 +151,8 @@ Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
         for (const ImuSample& sample : imu_) {
             if (sample.timestamp_ns < time_ns) continue;
-            if (sample.timestamp_ns > time_ns + kLevelling_ns) break;
-            const auto turned = turn(time_ns, sample.timestamp_ns);
+            if (sample.timestamp_ns > time_ns + kGravityAlignment_ns) break;
+            const auto turned = rotation(time_ns, sample.timestamp_ns);
             const Eigen::Quaterniond q = turned ? turned->q : Eigen::Quaterniond::Identity();
             sum += q * sample.acceleration_imu;
         }
@@ -177,7 +179,7 @@ void InertialPrior::learn_bias(std::int64_t from_ns,
     const double walked = noise_.gyroscope_random_walk * std::sqrt(gyroscope->duration_s);
     const double variance = bias_sigma_ * bias_sigma_ + walked * walked;
     const double measured =
-        std::hypot(kVisionTurnSigma_rad, gyroscope->sigma_rad) / gyroscope->duration_s;
+        std::hypot(kVisionRotationSigma_rad, gyroscope->sigma_rad) / gyroscope->duration_s;
     const double gain = variance / (variance + measured * measured);
     // One wild frame must not throw it off.
     const double limit = 3.0 * std::sqrt(variance + measured * measured);

@@ -14,14 +14,14 @@
 
 namespace divemesh::worker {
 
-constexpr double kFirstGyroscopeBiasSigma = 0.02;     // rad/s, of a cheap sensor
-constexpr double kFirstAccelerometerBiasSigma = 0.1;  // m/s^2
+constexpr double kInitialGyroscopeBiasSigma = 0.02;     // rad/s, of a cheap sensor
+constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
 
 // What the sensors say about one time, and about the motion to it from an earlier one.
 struct SensorReadings {
     double interval_s = 0.0;
     std::optional<PreintegratedImu> motion;
-    std::optional<GyroscopeIntegral> turn;         // where there is no accelerometer to trust
+    std::optional<GyroscopeIntegral> rotation;     // where there is no accelerometer to trust
     std::optional<Eigen::Quaterniond> q_ahrs_imu;  // in the AHRS's own world, z up
     std::optional<double> depth_m;                 // below some surface
 };
@@ -42,12 +42,12 @@ public:
     bool has_pressure() const { return pressure_; }
 
     // q_from_to of the body. Nothing when no sensor covers the interval.
-    std::optional<KnownRotation> turn(std::int64_t from_ns, std::int64_t to_ns) const;
+    std::optional<KnownRotation> rotation(std::int64_t from_ns, std::int64_t to_ns) const;
     // The same; where the AHRS leads, it is the turn from where the body is thought to be to where
     // the AHRS sees it then, so that no drift of the orientation lasts.
-    std::optional<KnownRotation> turn_from(const Eigen::Quaterniond& q_world_imu,
-                                           std::int64_t from_ns,
-                                           std::int64_t to_ns) const;
+    std::optional<KnownRotation> rotation_from(const Eigen::Quaterniond& q_world_imu,
+                                               std::int64_t from_ns,
+                                               std::int64_t to_ns) const;
     std::optional<GyroscopeIntegral> integral(std::int64_t from_ns, std::int64_t to_ns) const;
     // Nothing without an accelerometer that feels gravity.
     std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
@@ -80,7 +80,7 @@ private:
     bool pressure_ = false;
     ImuNoise noise_;
     ImuBias bias_;
-    double bias_sigma_ = kFirstGyroscopeBiasSigma;  // rad/s
+    double bias_sigma_ = kInitialGyroscopeBiasSigma;  // rad/s
 };
 
 }  // namespace divemesh::worker

@@ -4,8 +4,8 @@
 
 #include "worker/estimation/inertial_prior.hpp"
 #include "worker/estimation/keyframe_rule.hpp"
-#include "worker/estimation/motion.hpp"
-#include "worker/estimation/window.hpp"
+#include "worker/estimation/motion_model.hpp"
+#include "worker/estimation/sliding_window.hpp"
 #include "worker/track.hpp"
 
 namespace divemesh::worker {
@@ -14,11 +14,11 @@ namespace divemesh::worker {
 class KeyframeMap {
 public:
     KeyframeMap(const RectifiedRig& rig, const InertialPrior& inertial)
-        : rule_(rig), window_(rig, inertial.noise()) {}
+        : rule_(rig), sliding_window_(rig, inertial.noise()) {}
 
     // Landmarks take the place of the points measured at t-1.
     void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const {
-        window_.use_landmarks(T_world_previous, pairs);
+        sliding_window_.use_landmarks(T_world_previous, pairs);
     }
 
     bool empty() const { return last_ns_ == kNever; }
@@ -29,7 +29,7 @@ public:
     // Gives a better pose back to `motion` and a better bias to `inertial`.
     void add(const RectifiedFrame& frame,
              const Features& features,
-             Motion& motion,
+             MotionModel& motion,
              InertialPrior& inertial);
 
     // Hands over keyframes and landmarks as last estimated.
@@ -39,7 +39,7 @@ private:
     static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
     KeyframeRule rule_;
-    Window window_;
+    SlidingWindow sliding_window_;
     std::int64_t last_ns_ = kNever;
 };
 

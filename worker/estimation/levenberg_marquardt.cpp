@@ -9,9 +9,9 @@ namespace divemesh::worker {
 namespace {
 
 constexpr double kFirstDamping = 1e-4;
-constexpr double kLeastDamping = 1e-12;
-constexpr double kMostDamping = 1e12;
-constexpr double kLeastGain = 1e-3;  // of the decrease that was expected
+constexpr double kMinDamping = 1e-12;
+constexpr double kMaxDamping = 1e12;
+constexpr double kMinGain = 1e-3;  // of the decrease that was expected
 
 // The values of all unknowns, to go back to.
 class Values {
@@ -63,7 +63,7 @@ void levenberg_marquardt(FactorGraph& graph, int max_iterations, double toleranc
     equations.linearise();
     double damping = kFirstDamping;
     double growth = 2.0;
-    for (int i = 0; i < max_iterations && damping < kMostDamping; ++i) {
+    for (int i = 0; i < max_iterations && damping < kMaxDamping; ++i) {
         const auto step = equations.step(damping);
         const Values before(graph);
         std::optional<double> cost;
@@ -72,7 +72,7 @@ void levenberg_marquardt(FactorGraph& graph, int max_iterations, double toleranc
             cost = cost_of(graph);
         }
         const double decrease = cost ? equations.cost() - *cost : -1.0;
-        if (!step || !(decrease >= kLeastGain * step->expected_decrease)) {
+        if (!step || !(decrease >= kMinGain * step->expected_decrease)) {
             before.restore(graph);
             damping *= growth;
             growth *= 2.0;
@@ -80,7 +80,7 @@ void levenberg_marquardt(FactorGraph& graph, int max_iterations, double toleranc
         }
         if (decrease <= tolerance * *cost) return;
         const double gain = 2.0 * decrease / step->expected_decrease - 1.0;
-        damping = std::max(kLeastDamping, damping * std::max(1.0 / 3.0, 1.0 - gain * gain * gain));
+        damping = std::max(kMinDamping, damping * std::max(1.0 / 3.0, 1.0 - gain * gain * gain));
         growth = 2.0;
         if (i + 1 < max_iterations) equations.linearise();
     }

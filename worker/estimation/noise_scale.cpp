@@ -6,8 +6,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastScale = 1.0;
-constexpr double kMostCorrelation = 0.9;
+constexpr double kMinScale = 1.0;
+constexpr double kMaxCorrelation = 0.9;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ double NoiseScale::scale(int num_parameters) const {
     const double free = num_rows_ - num_parameters;
     if (free <= 0.0 || divergence_ <= 0.0) return 1.0;
     const double mean_slope = divergence_ / num_rows_;
-    return std::max(kLeastScale, std::sqrt(squares_ / free * repetition()) / mean_slope);
+    return std::max(kMinScale, std::sqrt(squares_ / free * repetition()) / mean_slope);
 }
 
 // How many times over neighbouring observations of a landmark say the same thing. What was fitted
@@ -36,7 +36,7 @@ double NoiseScale::repetition() const {
     if (num_pairs_ == 0.0 || pair_squares_ <= 0.0) return 1.0;
     const double length = num_pairs_ / num_landmarks_ + 1.0;
     const double correlation =
-        std::clamp(products_ / pair_squares_ + 1.0 / length, 0.0, kMostCorrelation);
+        std::clamp(products_ / pair_squares_ + 1.0 / length, 0.0, kMaxCorrelation);
     return (1.0 + correlation) / (1.0 - correlation);
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kLeastDiagonal = 1e-6;      // before it is raised
-constexpr double kLeastDeterminant = 1e-12;  // of a landmark's H, against that of a round one
+constexpr double kMinDiagonal = 1e-6;      // before it is raised
+constexpr double kMinDeterminant = 1e-12;  // of a landmark's H, against that of a round one
 
 struct Robust {
     double cost = 0.0;    // rho
@@ -29,14 +29,14 @@ Robust robust(const ceres::LossFunction* loss, double square) {
 }
 
 Eigen::Matrix3d raised(Eigen::Matrix3d H, double damping) {
-    H.diagonal() += damping * H.diagonal().cwiseMax(kLeastDiagonal);
+    H.diagonal() += damping * H.diagonal().cwiseMax(kMinDiagonal);
     return H;
 }
 
 // Zero where it is not determined.
 Eigen::Matrix3d inverse(const Eigen::Matrix3d& H) {
     const double third = H.trace() / 3.0;
-    if (!(H.determinant() > kLeastDeterminant * third * third * third))
+    if (!(H.determinant() > kMinDeterminant * third * third * third))
         return Eigen::Matrix3d::Zero();
     return H.inverse();
 }
@@ -154,7 +154,7 @@ void NormalEquations::add(const StereoFactor& seen, LandmarkTerm& landmark) {
 
 NormalEquations::Reduced NormalEquations::without_landmarks(double damping) const {
     Reduced result{H_, b_};
-    result.H.diagonal() += damping * H_.diagonal().cwiseMax(kLeastDiagonal);
+    result.H.diagonal() += damping * H_.diagonal().cwiseMax(kMinDiagonal);
     std::vector<Eigen::Matrix3d> gains;
     for (const LandmarkTerm& landmark : landmarks_) {
         const Eigen::Matrix3d H_inverse = inverse(raised(landmark.H, damping));
@@ -185,7 +185,7 @@ std::optional<NormalEquations::Step> NormalEquations::step(double damping) const
     result.x = -factor.solve(reduced.b);
     if (!result.x.allFinite()) return std::nullopt;
     const auto decrease = [&](const auto& x, const auto& H, const auto& b) {
-        return 0.5 * damping * x.cwiseAbs2().dot(H.diagonal().cwiseMax(kLeastDiagonal)) -
+        return 0.5 * damping * x.cwiseAbs2().dot(H.diagonal().cwiseMax(kMinDiagonal)) -
                0.5 * b.dot(x);
     };
     result.expected_decrease = decrease(result.x, H_, b_);

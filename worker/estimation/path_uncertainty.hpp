@@ -12,10 +12,10 @@ namespace divemesh::worker {
 // h = tr(N P)^2 / tr(N P N P) degrees of freedom (Satterthwaite 1946).
 struct PathUncertainty {
     double mean_square_m2 = 0.0;        // E; 0: not known
-    double freedom = 0.0;               // h
+    double degrees_of_freedom = 0.0;    // h
     double vertical_scale_sigma = 0.0;  // see below; 0: not known
 
-    bool is_known() const { return freedom > 0.0; }
+    bool is_known() const { return degrees_of_freedom > 0.0; }
 };
 
 }  // namespace divemesh::worker

@@ -21,9 +21,9 @@ struct Step {
 // How rotation and mean acceleration of a step, seen from imu at i, depend on what went before and
 // on the step's own noise. `force` is -R [a], the acceleration's change by a turn of its frame.
 struct StepDerivatives {
-    Eigen::Matrix3d turn_turn;  // of the turn after the step by the one before
-    Eigen::Matrix3d turn_rate;  // ... by the rate
-    Eigen::Matrix3d force_turn;
+    Eigen::Matrix3d rotation_rotation;  // of the turn after the step by the one before
+    Eigen::Matrix3d angular_velocity;   // ... by the rate
+    Eigen::Matrix3d force_rotation;
     Eigen::Matrix3d force_rate;
     Eigen::Matrix3d force_acceleration;
 };
@@ -34,10 +34,10 @@ StepDerivatives derivatives(const Step& step,
     const Eigen::Matrix3d force_begin = -R_begin * cross_matrix(step.acceleration_begin);
     const Eigen::Matrix3d force_end = -R_end * cross_matrix(step.acceleration_end);
     StepDerivatives d;
-    d.turn_turn = R_end.transpose() * R_begin;
-    d.turn_rate = right_jacobian(step.rate * step.dt_s) * step.dt_s;
-    d.force_turn = 0.5 * (force_begin + force_end * d.turn_turn);
-    d.force_rate = 0.5 * force_end * d.turn_rate;
+    d.rotation_rotation = R_end.transpose() * R_begin;
+    d.angular_velocity = right_jacobian(step.rate * step.dt_s) * step.dt_s;
+    d.force_rotation = 0.5 * (force_begin + force_end * d.rotation_rotation);
+    d.force_rate = 0.5 * force_end * d.angular_velocity;
     d.force_acceleration = 0.5 * (R_begin + R_end);
     return d;
 }
@@ -48,12 +48,12 @@ void propagate_covariance(const StepDerivatives& d,
                           Matrix9& covariance) {
     const double half_squared = 0.5 * dt_s * dt_s;
     Matrix9 transition = Matrix9::Identity();
-    transition.block<3, 3>(0, 0) = d.turn_turn;
-    transition.block<3, 3>(3, 0) = d.force_turn * dt_s;
-    transition.block<3, 3>(6, 0) = d.force_turn * half_squared;
+    transition.block<3, 3>(0, 0) = d.rotation_rotation;
+    transition.block<3, 3>(3, 0) = d.force_rotation * dt_s;
+    transition.block<3, 3>(6, 0) = d.force_rotation * half_squared;
     transition.block<3, 3>(6, 3).diagonal().setConstant(dt_s);
     Matrix93 by_rate;
-    by_rate << d.turn_rate, d.force_rate * dt_s, d.force_rate * half_squared;
+    by_rate << d.angular_velocity, d.force_rate * dt_s, d.force_rate * half_squared;
     Matrix93 by_acceleration;
     by_acceleration << Eigen::Matrix3d::Zero(), d.force_acceleration * dt_s,
         d.force_acceleration * half_squared;
@@ -68,25 +68,27 @@ void propagate_covariance(const StepDerivatives& d,
 
 void add_step(const Step& step, const ImuNoise& noise, PreintegratedImu& sum) {
     const double dt = step.dt_s;
-    GyroscopeIntegral& turn = sum.turn;
-    const Eigen::Matrix3d R_begin = turn.q_from_to.toRotationMatrix();
-    turn.q_from_to = (turn.q_from_to * rotation_from_vector(step.rate * dt)).normalized();
-    const Eigen::Matrix3d R_end = turn.q_from_to.toRotationMatrix();
+    GyroscopeIntegral& rotation = sum.rotation;
+    const Eigen::Matrix3d R_begin = rotation.q_from_to.toRotationMatrix();
+    rotation.q_from_to = (rotation.q_from_to * rotation_from_vector(step.rate * dt)).normalized();
+    const Eigen::Matrix3d R_end = rotation.q_from_to.toRotationMatrix();
     const StepDerivatives d = derivatives(step, R_begin, R_end);
 
-    const Eigen::Matrix3d force_gyroscope = d.force_turn * turn.d_rotation_d_bias - d.force_rate;
+    const Eigen::Matrix3d force_gyroscope =
+        d.force_rotation * rotation.d_rotation_d_bias - d.force_rate;
     sum.d_position_d_gyroscope += sum.d_velocity_d_gyroscope * dt + 0.5 * force_gyroscope * dt * dt;
     sum.d_velocity_d_gyroscope += force_gyroscope * dt;
     sum.d_position_d_accelerometer +=
         sum.d_velocity_d_accelerometer * dt - 0.5 * d.force_acceleration * dt * dt;
     sum.d_velocity_d_accelerometer -= d.force_acceleration * dt;
-    turn.d_rotation_d_bias = d.turn_turn * turn.d_rotation_d_bias - d.turn_rate;
+    rotation.d_rotation_d_bias =
+        d.rotation_rotation * rotation.d_rotation_d_bias - d.angular_velocity;
     propagate_covariance(d, dt, noise, sum.covariance);
 
     const Eigen::Vector3d force =
         0.5 * (R_begin * step.acceleration_begin + R_end * step.acceleration_end);
-    sum.position_change += sum.velocity_change * dt + 0.5 * force * dt * dt;
-    sum.velocity_change += force * dt;
+    sum.delta_position += sum.delta_velocity * dt + 0.5 * force * dt * dt;
+    sum.delta_velocity += force * dt;
 }
 
 }  // namespace
@@ -97,7 +99,7 @@ std::variant<PreintegratedImu, ImuFailure> preintegrate(const std::vector<ImuSam
                                                         const ImuBias& bias,
                                                         const ImuNoise& noise) {
     PreintegratedImu sum;
-    sum.turn.bias = bias.gyroscope;
+    sum.rotation.bias = bias.gyroscope;
     sum.accelerometer_bias = bias.accelerometer;
     const auto failure = for_each_step(
         samples, from_ns, to_ns, [&](const ImuSample& begin, const ImuSample& end, double dt_s) {
@@ -111,8 +113,8 @@ std::variant<PreintegratedImu, ImuFailure> preintegrate(const std::vector<ImuSam
                      sum);
         });
     if (failure) return *failure;
-    sum.turn.duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
-    sum.turn.sigma_rad = noise.gyroscope_noise_density * std::sqrt(sum.turn.duration_s);
+    sum.rotation.duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    sum.rotation.sigma_rad = noise.gyroscope_noise_density * std::sqrt(sum.rotation.duration_s);
     return sum;
 }
 

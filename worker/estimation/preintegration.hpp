@@ -24,8 +24,8 @@ struct ImuBias {
 // real-time visual-inertial odometry", 2017):
 //
 //     turn.q_from_to  = R_i^T R_j
-//     velocity_change = R_i^T (v_j - v_i - g dt)
-//     position_change = R_i^T (p_j - p_i - v_i dt - g dt^2 / 2)
+//     delta_velocity = R_i^T (v_j - v_i - g dt)
+//     delta_position = R_i^T (p_j - p_i - v_i dt - g dt^2 / 2)
 //
 // both in imu at i, with derivatives by the biases, so that a change of bias needs no second
 // integration, and the covariance of turn (rad, about imu at j), velocity and position, in this
@@ -33,10 +33,10 @@ struct ImuBias {
 struct PreintegratedImu {
     using Covariance = Eigen::Matrix<double, 9, 9>;
 
-    GyroscopeIntegral turn;
+    GyroscopeIntegral rotation;
     Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  // m/s^2, that was taken off
-    Eigen::Vector3d velocity_change = Eigen::Vector3d::Zero();     // m/s
-    Eigen::Vector3d position_change = Eigen::Vector3d::Zero();     // m
+    Eigen::Vector3d delta_velocity = Eigen::Vector3d::Zero();      // m/s
+    Eigen::Vector3d delta_position = Eigen::Vector3d::Zero();      // m
     Eigen::Matrix3d d_velocity_d_gyroscope = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d d_velocity_d_accelerometer = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d d_position_d_gyroscope = Eigen::Matrix3d::Zero();

@@ -12,8 +12,8 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kLandmarkSize = 3;
-constexpr int kRows = 3;                          // of a camera's residual
-constexpr std::size_t kMostTriplets = 4'000'000;  // before they are summed
+constexpr int kRows = 3;                         // of a camera's residual
+constexpr std::size_t kMaxTriplets = 4'000'000;  // before they are summed
 
 // Sums entries of a symmetric matrix, lower triangle.
 class Accumulator {
@@ -23,7 +23,7 @@ public:
     void add(int row, int column, double value) {
         if (row < column) return;
         triplets_.emplace_back(row, column, value);
-        if (triplets_.size() >= kMostTriplets) flush();
+        if (triplets_.size() >= kMaxTriplets) flush();
     }
     const Eigen::SparseMatrix<double>& sum() {
         flush();

@@ -6,8 +6,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kNearest_m = 0.05;
-constexpr double kMostStretch = 2.5;  // either way
+constexpr double kMinDepth_m = 0.05;
+constexpr double kMaxStretch = 2.5;  // either way
 
 }  // namespace
 
@@ -16,7 +16,7 @@ std::optional<Eigen::Matrix2d> plane_warp(const RectifiedRig& rig,
                                           const Plane& plane_from,
                                           const Eigen::Isometry3d& T_to_from) {
     const Eigen::Vector3d p_to = T_to_from * p_from;
-    if (p_to.z() < kNearest_m) return std::nullopt;
+    if (p_to.z() < kMinDepth_m) return std::nullopt;
     // Points of the plane move by the homography R + t n^T.
     const Eigen::Matrix3d H = T_to_from.linear() + T_to_from.translation() * plane_from.transpose();
     const double step_m = p_from.z() / rig.focal_px;  // a pixel wide
@@ -26,7 +26,7 @@ std::optional<Eigen::Matrix2d> plane_warp(const RectifiedRig& rig,
         to_by_from.col(axis) = rig.pixel(p_to + step_m * H.col(axis)) - centre;
     const Eigen::Matrix2d warp = to_by_from.inverse();
     const double area = std::abs(warp.determinant());
-    if (!(area < kMostStretch * kMostStretch && area * kMostStretch * kMostStretch > 1.0))
+    if (!(area < kMaxStretch * kMaxStretch && area * kMaxStretch * kMaxStretch > 1.0))
         return std::nullopt;
     return warp;
 }

@@ -11,7 +11,9 @@ namespace divemesh::worker {
 using Plane = Eigen::Vector3d;
 
 // Through `p_cam`, facing the camera.
-inline Plane facing_plane(const Eigen::Vector3d& p_cam) { return {0.0, 0.0, 1.0 / p_cam.z()}; }
+inline Plane fronto_parallel_plane(const Eigen::Vector3d& p_cam) {
+    return {0.0, 0.0, 1.0 / p_cam.z()};
+}
 
 // d pixel(from) / d pixel(to) at a point of a plane, both in the camera `from`. Nothing when it is
 // too near to the camera `to`, or stretched more than 2.5 times either way.

@@ -10,9 +10,9 @@ namespace {
 
 // Column i holds axis i of the rectified camera in the frame of cam0.
 Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
-    const Eigen::AngleAxisd turn(T_cam0_cam1.linear());
+    const Eigen::AngleAxisd rotation(T_cam0_cam1.linear());
     const Eigen::Matrix3d middle =
-        Eigen::AngleAxisd(0.5 * turn.angle(), turn.axis()).toRotationMatrix();
+        Eigen::AngleAxisd(0.5 * rotation.angle(), rotation.axis()).toRotationMatrix();
     Eigen::Matrix3d axes;
     axes.col(0) = T_cam0_cam1.translation().normalized();
     axes.col(1) = middle.col(2).cross(axes.col(0)).normalized();

@@ -50,9 +50,9 @@ void make_map(const RectifiedLens& lens, const RectifiedRig& rig, cv::Mat (&map)
     cv::convertMaps(x, y, map[0], map[1], CV_16SC2);
 }
 
-cv::Mat remapped(const cv::Mat& picture, const cv::Mat (&map)[2]) {
+cv::Mat remapped(const cv::Mat& image, const cv::Mat (&map)[2]) {
     cv::Mat result;
-    cv::remap(picture, result, map[0], map[1], cv::INTER_LINEAR);
+    cv::remap(image, result, map[0], map[1], cv::INTER_LINEAR);
     return result;
 }
 
@@ -102,8 +102,6 @@ RectifiedFrame Rectifier::rectify(const StereoFrame& frame) const {
     return result;
 }
 
-cv::Mat Rectifier::rectify_left(const cv::Mat& picture) const {
-    return remapped(picture, left_map_);
-}
+cv::Mat Rectifier::rectify_left(const cv::Mat& image) const { return remapped(image, left_map_); }
 
 }  // namespace divemesh::worker

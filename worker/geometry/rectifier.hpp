@@ -18,7 +18,7 @@ public:
     const RectifiedRig& rig() const { return rig_; }
     RectifiedFrame rectify(const StereoFrame& frame) const;
     // The left picture, any number of channels.
-    cv::Mat rectify_left(const cv::Mat& picture) const;
+    cv::Mat rectify_left(const cv::Mat& image) const;
 
 private:
     RectifiedRig rig_;

@@ -13,8 +13,8 @@ inline Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& w) {
 }
 
 inline Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& q) {
-    const Eigen::AngleAxisd turn(q.w() < 0.0 ? Eigen::Quaterniond(-q.coeffs()) : q);
-    return turn.angle() * turn.axis();
+    const Eigen::AngleAxisd rotation(q.w() < 0.0 ? Eigen::Quaterniond(-q.coeffs()) : q);
+    return rotation.angle() * rotation.axis();
 }
 
 // The same for small rotations, as residuals have it: the vector is taken as twice the vector part

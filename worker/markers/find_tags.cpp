@@ -24,11 +24,11 @@ public:
     Detector(const Detector&) = delete;
     Detector& operator=(const Detector&) = delete;
 
-    std::vector<Tag> detect(const cv::Mat& picture) {
-        image_u8_t image = {picture.cols,
-                            picture.rows,
-                            static_cast<int>(picture.step),
-                            const_cast<std::uint8_t*>(picture.data)};
+    std::vector<Tag> detect(const cv::Mat& grey) {
+        image_u8_t image = {grey.cols,
+                            grey.rows,
+                            static_cast<int>(grey.step),
+                            const_cast<std::uint8_t*>(grey.data)};
         zarray_t* found = apriltag_detector_detect(detector_, &image);
         std::vector<Tag> tags;
         for (int i = 0; i < zarray_size(found); ++i) {
@@ -64,10 +64,10 @@ bool comes_before(const Tag& a, const Tag& b) {
 
 }  // namespace
 
-std::vector<Tag> find_tags(const cv::Mat& picture, MarkerFamily family) {
-    std::vector<Tag> tags = Detector(family).detect(picture);
+std::vector<Tag> find_tags(const cv::Mat& grey, MarkerFamily family) {
+    std::vector<Tag> tags = Detector(family).detect(grey);
     const TagLayout layout = tag_layout(family);
-    for (Tag& tag : tags) refine_corners(picture, layout, tag);
+    for (Tag& tag : tags) refine_corners(grey, layout, tag);
     std::sort(tags.begin(), tags.end(), comes_before);
     return tags;
 }

@@ -14,15 +14,15 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kSamePlace_px = 6.0;   // how far views of one tag may disagree at first
-constexpr double kLeastGate_px = 0.75;  // rms of a view over its corners that is never too much
-constexpr double kGate = 3.0;           // medians
+constexpr double kSamePlace_px = 6.0;  // how far views of one tag may disagree at first
+constexpr double kMinGate_px = 0.75;   // rms of a view over its corners that is never too much
+constexpr double kGate = 3.0;          // medians
 constexpr std::size_t kMaxHypotheses = 40;
 
 std::vector<double> path_lengths(const std::vector<Keyframe>& keyframes) {
     std::vector<double> lengths(keyframes.size(), 0.0);
     for (std::size_t i = 1; i < keyframes.size(); ++i) {
-        const bool joined = keyframes[i].piece == keyframes[i - 1].piece;
+        const bool joined = keyframes[i].segment == keyframes[i - 1].segment;
         const Eigen::Vector3d way =
             keyframes[i].T_world_cam.translation() - keyframes[i - 1].T_world_cam.translation();
         lengths[i] = lengths[i - 1] + (joined ? way.norm() : 0.0);
@@ -31,7 +31,7 @@ std::vector<double> path_lengths(const std::vector<Keyframe>& keyframes) {
 }
 
 // The views that agree with the place that two of them give; of all places tried the one with most.
-std::vector<CornerView> agreeing_views(const std::vector<CornerView>& views) {
+std::vector<CornerView> inlier_views(const std::vector<CornerView>& views) {
     std::vector<CornerView> best;
     const std::size_t step = std::max<std::size_t>(1, views.size() / (kMaxHypotheses / 2));
     for (std::size_t i = 0; i < views.size(); i += step) {
@@ -63,7 +63,7 @@ std::optional<Corners> settle(std::vector<CornerView>& views) {
         if (!corners) return std::nullopt;
         std::vector<double> errors_px;
         for (const CornerView& view : views) errors_px.push_back(view.rms_px(*corners));
-        const double most = std::max(kLeastGate_px, kGate * upper_median(errors_px));
+        const double most = std::max(kMinGate_px, kGate * upper_median(errors_px));
         const auto num_out = std::erase_if(
             views, [&](const CornerView& view) { return view.rms_px(*corners) > most; });
         if (num_out == 0) return corners;
@@ -120,12 +120,12 @@ public:
     std::optional<Marker> locate(const std::vector<const TagView*>& views) const {
         std::vector<CornerView> seen;
         for (const TagView* view : views) seen.push_back(corner_view(*view));
-        std::vector<CornerView> kept = agreeing_views(seen);
+        std::vector<CornerView> kept = inlier_views(seen);
         const auto corners = settle(kept);
         if (!corners) return std::nullopt;
         Marker marker;
         marker.id = views.front()->id;
-        marker.piece = world_.keyframes[views.front()->keyframe].piece;
+        marker.segment = world_.keyframes[views.front()->keyframe].segment;
         marker.num_views = static_cast<int>(kept.size());
         marker.num_keyframes = num_keyframes(kept);
         marker.num_rejected_views = static_cast<int>(seen.size() - kept.size());
@@ -177,7 +177,7 @@ std::vector<Marker> locate_markers(std::vector<TagView> views, const MarkerWorld
     });
     std::map<std::pair<std::int32_t, int>, std::vector<const TagView*>> by_marker;
     for (const TagView& view : views)
-        by_marker[{world.keyframes[view.keyframe].piece, view.id}].push_back(&view);
+        by_marker[{world.keyframes[view.keyframe].segment, view.id}].push_back(&view);
     const MarkerLocator locator(world);
     std::vector<Marker> markers;
     for (const auto& [key, of_marker] : by_marker)

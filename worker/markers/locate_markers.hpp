@@ -7,7 +7,7 @@
 #include "worker/estimation/pose_covariance.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/keyframe.hpp"
-#include "worker/markers/marker_figures.hpp"
+#include "worker/markers/marker_metrics.hpp"
 
 namespace divemesh::worker {
 

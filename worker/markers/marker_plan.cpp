@@ -18,9 +18,9 @@ constexpr EnumText<TagCorner> kCornerTexts[] = {{TagCorner::BottomLeft, "bottom_
                                                 {TagCorner::TopRight, "top_right"},
                                                 {TagCorner::TopLeft, "top_left"}};
 
-constexpr double kLargestSize_m = 10.0;
-constexpr double kLongestBar_m = 1000.0;
-constexpr double kLargestSigma_m = 1.0;
+constexpr double kMaxTagSize_m = 10.0;
+constexpr double kMaxBarLength_m = 1000.0;
+constexpr double kMaxSigma_m = 1.0;
 constexpr std::size_t kMaxBars = 10'000;
 constexpr std::size_t kMaxFaults = 20;
 constexpr std::size_t kMaxNameLength = 200;
@@ -48,7 +48,7 @@ public:
         allow(document, {}, {"family", "size_m", "size_sigma_m", "sizes_m", "scale_bars"});
         read_family(document);
         if (document.contains("size_m"))
-            plan_.size_m = length(document, {}, "size_m", kLargestSize_m);
+            plan_.size_m = length(document, {}, "size_m", kMaxTagSize_m);
         if (document.contains("size_sigma_m"))
             plan_.size_sigma_m = sigma(document, {}, "size_sigma_m");
         read_sizes(document);
@@ -86,7 +86,7 @@ private:
 
     double sigma(const json& object, const Place& at, const std::string& key) {
         const double value = number(object, key);
-        if (!(value >= 0.0 && value <= kLargestSigma_m))
+        if (!(value >= 0.0 && value <= kMaxSigma_m))
             add(at.field(key), "must be a standard deviation in m, 0 to 1");
         return value;
     }
@@ -121,7 +121,7 @@ private:
                 add(at.field(key),
                     "is not an id of the family: 0 to " + std::to_string(num_ids_ - 1));
             else
-                plan_.sizes_m[id] = length(*found, at, key, kLargestSize_m);
+                plan_.sizes_m[id] = length(*found, at, key, kMaxTagSize_m);
         }
     }
 
@@ -148,7 +148,7 @@ private:
         ScaleBar bar;
         bar.from = read_point(item, at, "from");
         bar.to = read_point(item, at, "to");
-        bar.distance_m = length(item, at, "distance_m", kLongestBar_m);
+        bar.distance_m = length(item, at, "distance_m", kMaxBarLength_m);
         if (item.contains("sigma_m")) bar.sigma_m = sigma(item, at, "sigma_m");
         if (bar.from.id == bar.to.id && bar.from.corner == bar.to.corner)
             add(at.field("to"), "must be another point than \"from\"");

@@ -26,12 +26,12 @@ MarkerPosition position_of(const nlohmann::json& entry) {
 }
 
 // The one with most frames.
-int largest_piece(const nlohmann::json& metrics) {
+int largest_segment(const nlohmann::json& metrics) {
     int largest = 0;
     std::int64_t most = -1;
     int number = 0;
-    for (const auto& piece : metrics.at("pieces")) {
-        const auto num_frames = piece.at("num_frames").get<std::int64_t>();
+    for (const auto& segment : metrics.at("pieces")) {
+        const auto num_frames = segment.at("num_frames").get<std::int64_t>();
         if (num_frames > most) largest = number;
         most = std::max(most, num_frames);
         ++number;
@@ -46,9 +46,9 @@ std::vector<MarkerPosition> marker_positions(const ReconstructionFolder& folder)
     const auto section = folder.metrics().find("markers");
     if (section == folder.metrics().end()) return positions;
     try {
-        const int piece = largest_piece(folder.metrics());
+        const int segment = largest_segment(folder.metrics());
         for (const auto& entry : section->at("markers"))
-            if (entry.at("piece").get<int>() == piece) positions.push_back(position_of(entry));
+            if (entry.at("piece").get<int>() == segment) positions.push_back(position_of(entry));
     } catch (const nlohmann::json::exception& error) {
         throw Error(ErrorCode::BadData,
                     (folder.path() / "metrics.json").string() + ", markers: " + error.what());

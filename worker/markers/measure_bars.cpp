@@ -6,11 +6,11 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastSigma_m = 1e-5;
+constexpr double kMinSigma_m = 1e-5;
 // How far from the true one an edge between black and white is read, all edges of a tag alike: 0.1
 // to 0.25 px on dark tags through a tone curve of 1/2.2 and a point spread of a pixel.
 constexpr double kEdge_px = 0.2;
-constexpr int kFewestForLeavingOut = 3;
+constexpr int kMinBarsForLeavingOut = 3;
 constexpr double kTolerated_sigmas = 3.0;
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
@@ -40,34 +40,35 @@ double drift_m2(const Marker& a, const Marker& b, const Eigen::Vector3d& directi
     return std::min(apart, rate * std::abs(a.path_m - b.path_m));
 }
 
-const Marker* find(const std::vector<const Marker*>& piece, int id) {
-    for (const Marker* marker : piece)
+const Marker* find(const std::vector<const Marker*>& segment, int id) {
+    for (const Marker* marker : segment)
         if (marker->id == id) return marker;
     return nullptr;
 }
 
 // The pieces' markers; lengths are measured within one piece, the first that shows both ends.
-std::vector<std::vector<const Marker*>> by_piece(const std::vector<Marker>& markers) {
-    std::vector<std::vector<const Marker*>> pieces;
+std::vector<std::vector<const Marker*>> by_segment(const std::vector<Marker>& markers) {
+    std::vector<std::vector<const Marker*>> segments;
     for (const Marker& marker : markers) {
-        if (pieces.empty() || pieces.back().front()->piece != marker.piece) pieces.emplace_back();
-        pieces.back().push_back(&marker);
+        if (segments.empty() || segments.back().front()->segment != marker.segment)
+            segments.emplace_back();
+        segments.back().push_back(&marker);
     }
-    return pieces;
+    return segments;
 }
 
-BarFigures measure(const ScaleBar& known,
-                   const std::vector<std::vector<const Marker*>>& pieces,
+BarMetrics measure(const ScaleBar& known,
+                   const std::vector<std::vector<const Marker*>>& segments,
                    const BarErrors& errors) {
-    BarFigures bar;
+    BarMetrics bar;
     bar.name = known.name;
     bar.from = known.from;
     bar.to = known.to;
     bar.known_m = known.distance_m;
     bar.known_sigma_m = known.sigma_m;
-    for (const auto& piece : pieces) {
-        const Marker* a = find(piece, known.from.id);
-        const Marker* b = find(piece, known.to.id);
+    for (const auto& segment : segments) {
+        const Marker* a = find(segment, known.from.id);
+        const Marker* b = find(segment, known.to.id);
         if (a == nullptr || b == nullptr) continue;
         const Eigen::Vector3d way = b->point(known.to.corner) - a->point(known.from.corner);
         const Eigen::Vector3d direction = way.normalized();
@@ -82,14 +83,14 @@ BarFigures measure(const ScaleBar& known,
             squares += variance(of_a, *a) + variance(of_b, *b) +
                        drift_m2(*a, *b, direction, errors.drift_rate_m2_per_m);
         bar.measured_m = way.norm();
-        bar.own_sigma_m = std::max(kLeastSigma_m, std::sqrt(squares));
+        bar.own_sigma_m = std::max(kMinSigma_m, std::sqrt(squares));
         break;
     }
     return bar;
 }
 
-BarFigures measure_size(const Marker& marker, double size_m, const MarkerPlan& plan) {
-    BarFigures bar;
+BarMetrics measure_size(const Marker& marker, double size_m, const MarkerPlan& plan) {
+    BarMetrics bar;
     bar.name = "size of " + std::to_string(marker.id);
     bar.is_printed_size = true;
     bar.from = bar.to = {marker.id, std::nullopt};
@@ -108,7 +109,7 @@ BarFigures measure_size(const Marker& marker, double size_m, const MarkerPlan& p
     bar.edge_sigma_m = 2.0 * kEdge_px * marker.pixel_m;
     const double squares = plan.size_sigma_m * plan.size_sigma_m +
                            bar.edge_sigma_m * bar.edge_sigma_m + variance(change, marker);
-    bar.own_sigma_m = std::max(kLeastSigma_m, std::sqrt(squares));
+    bar.own_sigma_m = std::max(kMinSigma_m, std::sqrt(squares));
     return bar;
 }
 
@@ -118,7 +119,7 @@ struct Sums {
     double squares = 0.0;
     int num = 0;
 
-    void add(const BarFigures& bar, double sign) {
+    void add(const BarMetrics& bar, double sign) {
         const double weight = sign / (bar.own_sigma_m * bar.own_sigma_m);
         products += weight * *bar.measured_m * bar.known_m;
         squares += weight * *bar.measured_m * *bar.measured_m;
@@ -128,18 +129,18 @@ struct Sums {
     double sigma() const { return 1.0 / std::sqrt(squares); }
 };
 
-Sums sums_of(const std::vector<BarFigures>& bars) {
+Sums sums_of(const std::vector<BarMetrics>& bars) {
     Sums sums;
-    for (const BarFigures& bar : bars)
+    for (const BarMetrics& bar : bars)
         if (bar.consistent) sums.add(bar, 1.0);
     return sums;
 }
 
 // One bar that is wrong makes the others look wrong: the worst goes first.
-void find_inconsistent(std::vector<BarFigures>& bars) {
-    for (BarFigures& bar : bars) bar.consistent = bar.measured_m.has_value();
+void find_inconsistent(std::vector<BarMetrics>& bars) {
+    for (BarMetrics& bar : bars) bar.consistent = bar.measured_m.has_value();
     leave_each_out(bars);
-    while (sums_of(bars).num >= kFewestForLeavingOut) {
+    while (sums_of(bars).num >= kMinBarsForLeavingOut) {
         const auto worst =
             std::max_element(bars.begin(), bars.end(), [](const auto& a, const auto& b) {
                 return (a.consistent ? a.leave_one_out_sigmas() : 0.0) <
@@ -153,9 +154,9 @@ void find_inconsistent(std::vector<BarFigures>& bars) {
 
 }  // namespace
 
-void leave_each_out(std::vector<BarFigures>& bars) {
+void leave_each_out(std::vector<BarMetrics>& bars) {
     const Sums all = sums_of(bars);
-    for (BarFigures& bar : bars) {
+    for (BarMetrics& bar : bars) {
         if (!bar.measured_m) continue;
         Sums others = all;
         if (bar.consistent) others.add(bar, -1.0);
@@ -165,16 +166,16 @@ void leave_each_out(std::vector<BarFigures>& bars) {
     }
 }
 
-std::vector<BarFigures> measure_bars(const std::vector<Marker>& markers,
+std::vector<BarMetrics> measure_bars(const std::vector<Marker>& markers,
                                      const MarkerPlan& plan,
                                      const BarErrors& errors) {
-    const auto pieces = by_piece(markers);
-    std::vector<BarFigures> bars;
-    for (const ScaleBar& known : plan.scale_bars) bars.push_back(measure(known, pieces, errors));
+    const auto segments = by_segment(markers);
+    std::vector<BarMetrics> bars;
+    for (const ScaleBar& known : plan.scale_bars) bars.push_back(measure(known, segments, errors));
     for (const Marker& marker : markers)
         if (const auto size_m = plan.size_of(marker.id))
             bars.push_back(measure_size(marker, *size_m, plan));
-    for (BarFigures& bar : bars)
+    for (BarMetrics& bar : bars)
         if (bar.measured_m)
             bar.sigma_m =
                 std::hypot(bar.own_sigma_m, errors.systematic_scale_sigma * *bar.measured_m);
@@ -182,14 +183,14 @@ std::vector<BarFigures> measure_bars(const std::vector<Marker>& markers,
     return bars;
 }
 
-std::optional<MarkerScale> scale_of(const std::vector<BarFigures>& bars) {
+std::optional<MarkerScale> scale_of(const std::vector<BarMetrics>& bars) {
     const Sums sums = sums_of(bars);
     if (sums.num == 0) return std::nullopt;
     MarkerScale scale;
     scale.factor = sums.factor();
     scale.num_bars = sums.num;
     double chi2 = 0.0;
-    for (const BarFigures& bar : bars) {
+    for (const BarMetrics& bar : bars) {
         if (!bar.consistent) continue;
         scale.bars.push_back(bar.name);
         const double error = (scale.factor * *bar.measured_m - bar.known_m) / bar.own_sigma_m;
@@ -198,7 +199,7 @@ std::optional<MarkerScale> scale_of(const std::vector<BarFigures>& bars) {
     // Birge's ratio: bars that disagree by more than their sigmas say had sigmas too small.
     const double ratio = sums.num > 1 ? std::sqrt(chi2 / (sums.num - 1)) : 1.0;
     double edges = 0.0;  // they do not average out
-    for (const BarFigures& bar : bars)
+    for (const BarMetrics& bar : bars)
         if (bar.consistent)
             edges += *bar.measured_m * bar.edge_sigma_m / (bar.own_sigma_m * bar.own_sigma_m);
     scale.sigma = std::hypot(sums.sigma() * std::max(1.0, ratio), edges / sums.squares);
@@ -206,15 +207,15 @@ std::optional<MarkerScale> scale_of(const std::vector<BarFigures>& bars) {
 }
 
 std::optional<Finding> reason_against(const std::optional<MarkerScale>& scale) {
-    constexpr double kLargestChange = 0.5;
-    constexpr double kLargestSigma = 0.02;
+    constexpr double kMaxChange = 0.5;
+    constexpr double kMaxSigma = 0.02;
     std::string reason;
     if (!scale)
         reason = "no known distance was measured";
-    else if (std::abs(std::log(scale->factor)) > std::log1p(kLargestChange))
+    else if (std::abs(std::log(scale->factor)) > std::log1p(kMaxChange))
         reason = "the known distances require a factor of " + std::to_string(scale->factor) +
                  ", more than any calibration can be wrong by";
-    else if (scale->sigma > kLargestSigma * scale->factor)
+    else if (scale->sigma > kMaxSigma * scale->factor)
         reason = "the known distances determine the scale only to " +
                  std::to_string(100.0 * scale->sigma / scale->factor) + " % (standard deviation)";
     if (reason.empty()) return std::nullopt;

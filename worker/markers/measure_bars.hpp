@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "worker/markers/marker_figures.hpp"
+#include "worker/markers/marker_metrics.hpp"
 
 namespace divemesh::worker {
 
@@ -16,16 +16,16 @@ struct BarErrors {
 // drift between where they were seen, of the known distance itself. The scale is weighted by it;
 // leave-one-out takes that of all other consistent bars. Consistent: of three and more the worst is
 // taken out as long as it misses the others' scale by more than three of its sigmas.
-std::vector<BarFigures> measure_bars(const std::vector<Marker>& markers,
+std::vector<BarMetrics> measure_bars(const std::vector<Marker>& markers,
                                      const MarkerPlan& plan,
                                      const BarErrors& errors);
 
 // Sets the leave-one-out error of every bar: measured with the scale of the consistent others.
-void leave_each_out(std::vector<BarFigures>& bars);
+void leave_each_out(std::vector<BarMetrics>& bars);
 
 // factor = sum(w m k) / sum(w m m), w = 1 / own sigma^2 over measured m and known k: the factor of
 // least squares over the consistent bars. Nothing without a measured one.
-std::optional<MarkerScale> scale_of(const std::vector<BarFigures>& bars);
+std::optional<MarkerScale> scale_of(const std::vector<BarMetrics>& bars);
 
 // Why a result is not to be scaled by this; nothing: it may be.
 std::optional<Finding> reason_against(const std::optional<MarkerScale>& scale);

@@ -9,10 +9,10 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kShortestEdge_px = 12.0;
+constexpr double kMinEdge_px = 12.0;
 constexpr double kCornerShare = 0.12;  // of an edge, at both ends, where the next edge disturbs
 constexpr double kStep_px = 0.25;      // across an edge
-constexpr double kFarthest_px = 4.0;
+constexpr double kMaxDistance_px = 4.0;
 constexpr int kRounds = 3;
 
 struct Line {
@@ -20,46 +20,46 @@ struct Line {
     Eigen::Vector2d direction;  // unit
 };
 
-double brightness(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
+double brightness(const cv::Mat& image, const Eigen::Vector2d& pixel) {
     const auto u = static_cast<int>(std::floor(pixel.x()));
     const auto v = static_cast<int>(std::floor(pixel.y()));
     const double right = pixel.x() - u;
     const double down = pixel.y() - v;
-    const std::uint8_t* above = picture.ptr<std::uint8_t>(v) + u;
-    const std::uint8_t* below = picture.ptr<std::uint8_t>(v + 1) + u;
+    const std::uint8_t* above = image.ptr<std::uint8_t>(v) + u;
+    const std::uint8_t* below = image.ptr<std::uint8_t>(v + 1) + u;
     return (1.0 - down) * ((1.0 - right) * above[0] + right * above[1]) +
            down * ((1.0 - right) * below[0] + right * below[1]);
 }
 
-bool is_inside(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
-    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < picture.cols - 1 &&
-           pixel.y() < picture.rows - 1;
+bool is_inside(const cv::Mat& image, const Eigen::Vector2d& pixel) {
+    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < image.cols - 1 &&
+           pixel.y() < image.rows - 1;
 }
 
 // How far from `middle` along `outward` the picture changes most, in the sense of `rising`.
-std::optional<double> edge_offset_px(const cv::Mat& picture,
+std::optional<double> edge_offset_px(const cv::Mat& image,
                                      const Eigen::Vector2d& middle,
                                      const Eigen::Vector2d& outward,
                                      double reach_px,
                                      bool rising) {
-    if (!is_inside(picture, middle - (reach_px + kStep_px) * outward) ||
-        !is_inside(picture, middle + (reach_px + kStep_px) * outward))
+    if (!is_inside(image, middle - (reach_px + kStep_px) * outward) ||
+        !is_inside(image, middle + (reach_px + kStep_px) * outward))
         return std::nullopt;
     const double sign = rising ? 1.0 : -1.0;
     double sum = 0.0;
     double moment = 0.0;
-    double before = brightness(picture, middle - reach_px * outward);
+    double before = brightness(image, middle - reach_px * outward);
     const auto num_steps = static_cast<int>(std::floor(2.0 * reach_px / kStep_px));
     for (int i = 1; i <= num_steps; ++i) {
         const double t = -reach_px + i * kStep_px;
-        const double here = brightness(picture, middle + t * outward);
+        const double here = brightness(image, middle + t * outward);
         const double slope = std::max(0.0, sign * (here - before));
         sum += slope;
         moment += slope * (t - 0.5 * kStep_px);
         before = here;
     }
-    constexpr double kLeastContrast = 8.0;  // grey levels
-    if (sum < kLeastContrast) return std::nullopt;
+    constexpr double kMinContrast = 8.0;  // grey levels
+    if (sum < kMinContrast) return std::nullopt;
     return moment / sum;
 }
 
@@ -93,7 +93,7 @@ std::optional<Line> robust_line(std::vector<Eigen::Vector2d> points, std::size_t
     return line_through(points);
 }
 
-std::optional<Line> fit_edge(const cv::Mat& picture,
+std::optional<Line> fit_edge(const cv::Mat& image,
                              const Eigen::Vector2d& begin,
                              const Eigen::Vector2d& end,
                              double reach_px,
@@ -102,15 +102,14 @@ std::optional<Line> fit_edge(const cv::Mat& picture,
     // Corners go round counter-clockwise as the tag is read, that is with v downward: outward is
     // to the right of the way.
     const Eigen::Vector2d outward = Eigen::Vector2d(-along.y(), along.x()).normalized();
-    const auto num_samples =
-        static_cast<std::size_t>(std::clamp(along.norm(), kShortestEdge_px, 64.0));
+    const auto num_samples = static_cast<std::size_t>(std::clamp(along.norm(), kMinEdge_px, 64.0));
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < num_samples; ++i) {
         const double share = kCornerShare + (1.0 - 2.0 * kCornerShare) *
                                                 (static_cast<double>(i) + 0.5) /
                                                 static_cast<double>(num_samples);
         const Eigen::Vector2d middle = begin + share * along;
-        if (const auto offset = edge_offset_px(picture, middle, outward, reach_px, rising))
+        if (const auto offset = edge_offset_px(image, middle, outward, reach_px, rising))
             points.emplace_back(middle + *offset * outward);
     }
     return robust_line(std::move(points), num_samples);
@@ -125,17 +124,17 @@ std::optional<Eigen::Vector2d> crossing(const Line& a, const Line& b) {
 
 }  // namespace
 
-void refine_corners(const cv::Mat& picture, const TagLayout& layout, Tag& tag) {
+void refine_corners(const cv::Mat& image, const TagLayout& layout, Tag& tag) {
     std::array<Eigen::Vector2d, kNumTagCorners> corners = tag.corners_px;
     double shortest = (corners[3] - corners[0]).norm();
     for (std::size_t i = 0; i + 1 < kNumTagCorners; ++i)
         shortest = std::min(shortest, (corners[i + 1] - corners[i]).norm());
-    if (shortest < kShortestEdge_px) return;
-    const double reach_px = std::min(kFarthest_px, 0.6 * shortest / layout.size_cells);
+    if (shortest < kMinEdge_px) return;
+    const double reach_px = std::min(kMaxDistance_px, 0.6 * shortest / layout.size_cells);
     for (int round = 0; round < kRounds; ++round) {
         std::array<std::optional<Line>, kNumTagCorners> edges;  // from each corner to the next
         for (std::size_t i = 0; i < kNumTagCorners; ++i)
-            edges[i] = fit_edge(picture,
+            edges[i] = fit_edge(image,
                                 corners[i],
                                 corners[(i + 1) % kNumTagCorners],
                                 reach_px,

@@ -49,10 +49,10 @@ public:
     FindingWriter(const std::vector<TagView>& views,
                   const MarkerPlan& plan,
                   const MarkerWorld& world,
-                  MarkerFigures& figures)
-        : plan_(plan), figures_(figures) {
+                  MarkerMetrics& metrics)
+        : plan_(plan), metrics_(metrics) {
         for (const TagView& view : views)
-            keyframes_of_[view.id].insert({world.keyframes[view.keyframe].piece, view.keyframe});
+            keyframes_of_[view.id].insert({world.keyframes[view.keyframe].segment, view.keyframe});
     }
 
     void write() {
@@ -65,13 +65,13 @@ public:
 
 private:
     bool is_located(int id) const {
-        return std::any_of(figures_.markers.begin(),
-                           figures_.markers.end(),
+        return std::any_of(metrics_.markers.begin(),
+                           metrics_.markers.end(),
                            [id](const Marker& marker) { return marker.id == id; });
     }
 
     void warn(const std::string& code, const std::string& message, const std::string& remedy) {
-        figures_.findings.push_back({Severity::Warning, code, "markers.json", message, remedy});
+        metrics_.findings.push_back({Severity::Warning, code, "markers.json", message, remedy});
     }
 
     // A tag that nobody spoke of and that was read once is more likely a pattern than a tag.
@@ -95,7 +95,7 @@ private:
     }
 
     void tell_rejected() {
-        for (const Marker& marker : figures_.markers)
+        for (const Marker& marker : metrics_.markers)
             if (2 * marker.num_rejected_views > marker.num_views)
                 warn("marker_in_two_places",
                      "tag " + std::to_string(marker.id) + " was read in " +
@@ -106,7 +106,7 @@ private:
     }
 
     void tell_unmeasured() {
-        for (const BarFigures& bar : figures_.bars)
+        for (const BarMetrics& bar : metrics_.bars)
             if (!bar.measured_m && is_located(bar.from.id) && is_located(bar.to.id))
                 warn("scale_bar_in_two_pieces",
                      "scale bar '" + bar.name +
@@ -120,7 +120,7 @@ private:
     }
 
     void tell_inconsistent() {
-        for (const BarFigures& bar : figures_.bars) {
+        for (const BarMetrics& bar : metrics_.bars) {
             if (bar.leave_one_out_sigmas() <= 3.0) continue;
             std::ostringstream message;
             message << std::fixed << std::setprecision(1) << "'" << bar.name << "', stated as "
@@ -135,9 +135,9 @@ private:
     }
 
     void tell_scale() {
-        if (!figures_.scale) return;
-        const double error = 1.0 / figures_.scale->factor - 1.0;
-        const double sigma = std::hypot(figures_.scale->sigma, figures_.systematic_scale_sigma);
+        if (!metrics_.scale) return;
+        const double error = 1.0 / metrics_.scale->factor - 1.0;
+        const double sigma = std::hypot(metrics_.scale->sigma, metrics_.systematic_scale_sigma);
         if (std::abs(error) <= 3.0 * sigma) return;
         std::ostringstream message;
         message << std::fixed << std::setprecision(2)
@@ -151,7 +151,7 @@ private:
     }
 
     const MarkerPlan& plan_;
-    MarkerFigures& figures_;
+    MarkerMetrics& metrics_;
     std::map<int, std::set<std::pair<std::int32_t, std::size_t>>> keyframes_of_;
 };
 
@@ -189,22 +189,22 @@ std::vector<TagView> find_tags_in(Recording& recording,
     return views;
 }
 
-MarkerFigures measure_markers(const std::vector<TagView>& views,
+MarkerMetrics measure_markers(const std::vector<TagView>& views,
                               const MarkerPlan& plan,
                               const MarkerWorld& world) {
-    MarkerFigures figures;
-    figures.family = plan.family;
-    figures.markers = locate_markers(views, world);
+    MarkerMetrics metrics;
+    metrics.family = plan.family;
+    metrics.markers = locate_markers(views, world);
     std::vector<double> ranges_m;
-    for (const Marker& marker : figures.markers) ranges_m.push_back(marker.range_m);
+    for (const Marker& marker : metrics.markers) ranges_m.push_back(marker.range_m);
     if (!ranges_m.empty())
-        figures.systematic_scale_sigma =
+        metrics.systematic_scale_sigma =
             kDisparityBias_px / world.rig.disparity_px(upper_median(std::move(ranges_m)));
-    figures.bars =
-        measure_bars(figures.markers, plan, {drift_rate(world), figures.systematic_scale_sigma});
-    figures.scale = scale_of(figures.bars);
-    FindingWriter(views, plan, world, figures).write();
-    return figures;
+    metrics.bars =
+        measure_bars(metrics.markers, plan, {drift_rate(world), metrics.systematic_scale_sigma});
+    metrics.scale = scale_of(metrics.bars);
+    FindingWriter(views, plan, world, metrics).write();
+    return metrics;
 }
 
 }  // namespace divemesh::worker

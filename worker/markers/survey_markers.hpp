@@ -21,7 +21,7 @@ std::vector<TagView> find_tags_in(Recording& recording,
 
 // Markers, bars and scale of what was seen, with findings: tags seen too few times, read in two
 // places, bars that cannot be measured or contradict the others, a scale that is off.
-MarkerFigures measure_markers(const std::vector<TagView>& views,
+MarkerMetrics measure_markers(const std::vector<TagView>& views,
                               const MarkerPlan& plan,
                               const MarkerWorld& world);
 

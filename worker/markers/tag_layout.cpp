@@ -29,7 +29,7 @@ TagLayout tag_layout(MarkerFamily family) {
             .white_within = tags->reversed_border};
 }
 
-cv::Mat tag_picture(MarkerFamily family, int id) {
+cv::Mat tag_image(MarkerFamily family, int id) {
     const AprilTagFamily tags = make_april_tag_family(family);
     if (id < 0 || id >= static_cast<int>(tags->ncodes))
         throw Error(ErrorCode::InvalidArgument,

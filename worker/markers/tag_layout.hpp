@@ -16,6 +16,6 @@ struct TagLayout {
 TagLayout tag_layout(MarkerFamily family);
 
 // One pixel a cell, CV_8UC1, 0 and 255. Throws Error{InvalidArgument} for an id that there is not.
-cv::Mat tag_picture(MarkerFamily family, int id);
+cv::Mat tag_image(MarkerFamily family, int id);
 
 }  // namespace divemesh::worker

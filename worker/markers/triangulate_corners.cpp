@@ -11,7 +11,7 @@ namespace {
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 constexpr double kFar_px = 1e6;
-constexpr double kNearest_m = 0.01;
+constexpr double kMinDepth_m = 0.01;
 constexpr double kReading_px = 0.1;  // how well a corner is read at best
 
 std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& views,
@@ -29,8 +29,8 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& vi
         b += across * T_world_cam.translation();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
-    constexpr double kLeastParallax = 1e-5;  // mean squared sine between the rays
-    if (solver.eigenvalues()[0] < kLeastParallax * static_cast<double>(views.size()))
+    constexpr double kMinParallax = 1e-5;  // mean squared sine between the rays
+    if (solver.eigenvalues()[0] < kMinParallax * static_cast<double>(views.size()))
         return std::nullopt;
     return A.ldlt().solve(b);
 }
@@ -97,7 +97,7 @@ CornerCovariance long_run_variance(const std::vector<Vector12>& pulls) {
 std::optional<Eigen::Vector2d> CornerView::residual_px(std::size_t corner,
                                                        const Eigen::Vector3d& p_world) const {
     const Eigen::Vector3d p_cam = T_cam_world * p_world;
-    if (!(p_cam.z() > kNearest_m)) return std::nullopt;
+    if (!(p_cam.z() > kMinDepth_m)) return std::nullopt;
     return corners_px[corner] - (focal_px / p_cam.z() * p_cam.head<2>() + principal_px);
 }
 

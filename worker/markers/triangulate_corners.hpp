@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/markers/marker_figures.hpp"
+#include "worker/markers/marker_metrics.hpp"
 
 namespace divemesh::worker {
 

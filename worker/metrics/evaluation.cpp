@@ -3,15 +3,15 @@
 #include <algorithm>
 
 #include "schemas/error.hpp"
-#include "worker/metrics/pieces.hpp"
+#include "worker/metrics/tracking_segments.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation) {
     try {
-        evaluation.trajectory =
-            trajectory_error(largest_piece(input.trajectory, input.keyframes), input.ground_truth);
+        evaluation.trajectory = trajectory_error(largest_segment(input.trajectory, input.keyframes),
+                                                 input.ground_truth);
         evaluation.causal = trajectory_error(input.causal, input.ground_truth);
         evaluation.covariance =
             check_covariances(input.trajectory, input.covariances, input.ground_truth);

@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kContradicts_sigmas = 3.0;
-constexpr double kLargestScaleSigma = 0.1;  // beyond, a check says nothing
+constexpr double kMaxScaleSigma = 0.1;  // beyond, a check says nothing
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
 
@@ -26,13 +26,13 @@ double covariance_scale(const LoopStatistics& loops) {
 
 void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const auto leave_out = [&](const std::string& reason) {
-        for (const char* figure : {"trajectory.end_position", "trajectory.ate"})
-            expected.left_out.push_back({figure, reason});
+        for (const char* metric : {"trajectory.end_position", "trajectory.ate"})
+            expected.left_out.push_back({metric, reason});
     };
     if (input.covariances.empty() || !input.optimise.path.is_known())
         return leave_out("the dive had no bundle adjustment, so its poses have no covariance");
-    if (input.num_pieces > 1)
-        return leave_out("the dive has " + std::to_string(input.num_pieces) +
+    if (input.num_segments > 1)
+        return leave_out("the dive has " + std::to_string(input.num_segments) +
                          " segments whose positions relative to each other are not known");
     const LoopStatistics& loops = input.optimise.loops;
     const double scale = covariance_scale(loops);
@@ -47,7 +47,8 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
     const Eigen::Matrix3d& end_m2 = input.covariances.back().position_m2;
     expected.end_expected_m = scale * std::sqrt(end_m2.trace());
     expected.end_bound_m = scale * std::sqrt(squared_length_95(end_m2));
-    expected.ate_bound_m = scale * std::sqrt(quantile_95(path.mean_square_m2, path.freedom));
+    expected.ate_bound_m =
+        scale * std::sqrt(quantile_95(path.mean_square_m2, path.degrees_of_freedom));
     expected.ate_expected_m = scale * std::sqrt(path.mean_square_m2);
 }
 
@@ -67,18 +68,18 @@ PathError path_error(const ExpectedAccuracyInput& input) {
 
 // Keeps a check that says something, with what the calibration errs by in its sigma: 1 has to be
 // within. One that contradicts the cameras is a finding.
-std::optional<ScaleCheck> judged(std::optional<ScaleCheck> check,
-                                 const std::string& figure,
-                                 const std::string& sensor,
-                                 const std::string& why_not,
-                                 ExpectedAccuracy& expected) {
+std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
+                                             const std::string& metric,
+                                             const std::string& sensor,
+                                             const std::string& why_not,
+                                             ExpectedAccuracy& expected) {
     if (!check) {
-        expected.left_out.push_back({figure, why_not});
+        expected.left_out.push_back({metric, why_not});
         return std::nullopt;
     }
     check->sigma = std::hypot(check->sigma, kCalibrationSigma);
-    if (check->sigma > kLargestScaleSigma) {
-        expected.left_out.push_back({figure,
+    if (check->sigma > kMaxScaleSigma) {
+        expected.left_out.push_back({metric,
                                      "the motion determines too little: sigma would be " +
                                          percent(check->sigma) + " of the scale"});
         return std::nullopt;
@@ -100,18 +101,18 @@ std::optional<ScaleCheck> judged(std::optional<ScaleCheck> check,
 
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const Recording& recording = input.recording;
-    if (input.num_pieces > 1) {
-        for (const char* figure : {"scale.accelerometer", "scale.pressure"})
-            expected.left_out.push_back({figure, "the dive has several segments"});
+    if (input.num_segments > 1) {
+        for (const char* metric : {"scale.accelerometer", "scale.pressure"})
+            expected.left_out.push_back({metric, "the dive has several segments"});
     } else {
-        expected.accelerometer =
-            judged(scale_by_accelerometer(recording.imu(), input.trajectory),
-                   "scale.accelerometer",
-                   "the accelerometer",
-                   recording.imu().empty() ? "the dive has no IMU"
-                                           : "the IMU covers too little of the dive without a gap",
-                   expected);
-        expected.pressure = judged(
+        expected.accelerometer = with_contradiction(
+            scale_by_accelerometer(recording.imu(), input.trajectory),
+            "scale.accelerometer",
+            "the accelerometer",
+            recording.imu().empty() ? "the dive has no IMU"
+                                    : "the IMU covers too little of the dive without a gap",
+            expected);
+        expected.pressure = with_contradiction(
             scale_by_pressure(
                 recording.pressure(),
                 input.trajectory,
@@ -122,13 +123,13 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                                          : "the pressure sensor covers too little of the dive",
             expected);
     }
-    expected.known_distances =
-        judged(input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
-                                     : std::nullopt,
-               "scale.known_distances",
-               "known distances",
-               "fewer than three known distances could be measured",
-               expected);
+    expected.known_distances = with_contradiction(
+        input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
+                              : std::nullopt,
+        "scale.known_distances",
+        "known distances",
+        "fewer than three known distances could be measured",
+        expected);
 }
 
 void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
@@ -205,7 +206,7 @@ json to_metrics(const ExpectedAccuracy& expected) {
     if (expected.surface && expected.surface_shared_m)
         result["surface"]["sigma_shared_m"] = *expected.surface_shared_m;
     for (const LeftOut& left_out : expected.left_out)
-        result["left_out"].push_back({{"figure", left_out.figure}, {"reason", left_out.reason}});
+        result["left_out"].push_back({{"figure", left_out.metric}, {"reason", left_out.reason}});
     return result;
 }
 

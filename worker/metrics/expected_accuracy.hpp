@@ -18,7 +18,7 @@ namespace divemesh::worker {
 struct ExpectedAccuracyInput {
     const Recording& recording;
     const Trajectory& trajectory;  // final
-    std::size_t num_pieces = 1;
+    std::size_t num_segments = 1;
     const CovarianceTrack& covariances;  // of the trajectory; empty: not known
     const TrackStatistics& track;
     const OptimiseStatistics& optimise;
@@ -28,7 +28,7 @@ struct ExpectedAccuracyInput {
 
 // What cannot be said, and why not.
 struct LeftOut {
-    std::string figure;
+    std::string metric;
     std::string reason;
 };
 

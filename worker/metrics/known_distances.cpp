@@ -69,8 +69,8 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
         b += across * view.T_world_cam.translation();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
-    constexpr double kLeastParallax = 1e-6;  // mean squared sine between the rays
-    if (solver.eigenvalues()[0] < kLeastParallax * static_cast<double>(views.size()))
+    constexpr double kMinParallax = 1e-6;  // mean squared sine between the rays
+    if (solver.eigenvalues()[0] < kMinParallax * static_cast<double>(views.size()))
         return std::nullopt;
     return A.ldlt().solve(b);
 }
@@ -144,7 +144,7 @@ std::optional<End> end_of(const std::vector<Mark>& marks, const Rig& rig, const 
     return end;
 }
 
-double largest_eigenvalue(const Eigen::Matrix3d& symmetric) {
+double max_eigenvalue(const Eigen::Matrix3d& symmetric) {
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric, Eigen::EigenvaluesOnly)
         .eigenvalues()
         .cwiseAbs()
@@ -156,8 +156,8 @@ double drift_variance_m2(const End& a, const End& b, const CovarianceTrack& cova
     const PoseCovariance at_a = covariance_between(covariances, a.timestamp_ns);
     const PoseCovariance at_b = covariance_between(covariances, b.timestamp_ns);
     const double range_m = std::max(a.range_m, b.range_m);
-    return largest_eigenvalue(at_b.position_m2 - at_a.position_m2) +
-           range_m * range_m * largest_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
+    return max_eigenvalue(at_b.position_m2 - at_a.position_m2) +
+           range_m * range_m * max_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
 }
 
 double sigma_of_length_m(const End& a, const End& b, const CovarianceTrack& covariances) {

@@ -162,15 +162,15 @@ json stereo(const SearchStatistics& dense) {
     return result;
 }
 
-json pieces(const std::vector<Piece>& pieces) {
+json segments(const std::vector<TrackingSegment>& segments) {
     json result = json::array();
-    for (const Piece& piece : pieces) {
+    for (const TrackingSegment& segment : segments) {
         json intervals = json::array();
-        for (const Piece::Interval& interval : piece.intervals)
+        for (const TrackingSegment::Interval& interval : segment.intervals)
             intervals.push_back({{"first_ns", interval.first_ns}, {"last_ns", interval.last_ns}});
-        result.push_back({{"num_frames", piece.num_frames},
-                          {"num_keyframes", piece.num_keyframes},
-                          {"path_length_m", piece.path_length_m},
+        result.push_back({{"num_frames", segment.num_frames},
+                          {"num_keyframes", segment.num_keyframes},
+                          {"path_length_m", segment.path_length_m},
                           {"intervals", intervals}});
     }
     return result;
@@ -212,25 +212,25 @@ json speed(const MetricsInput& input) {
     return result;
 }
 
-json mesh(const MeshFigures& figures) {
-    json result = {{"num_vertices", figures.num_vertices},
-                   {"num_triangles", figures.num_triangles},
-                   {"area_m2", figures.area_m2},
-                   {"num_holes", figures.borders.num_holes},
-                   {"hole_area_m2", figures.borders.hole_area_m2},
-                   {"largest_hole_m2", figures.borders.largest_hole_m2},
-                   {"outer_edge_m", figures.borders.outer_edge_m},
-                   {"voxel_m", figures.voxel_m},
-                   {"num_cloud_points", figures.cloud.num_points},
-                   {"cloud_spacing_m", figures.cloud.spacing_m},
-                   {"num_octree_points", figures.cloud.num_octree_points},
-                   {"octree_bytes", figures.cloud.octree_bytes},
-                   {"volume_memory_bytes", figures.volume_memory_bytes}};
-    if (figures.simplification)
+json mesh(const MeshMetrics& metrics) {
+    json result = {{"num_vertices", metrics.num_vertices},
+                   {"num_triangles", metrics.num_triangles},
+                   {"area_m2", metrics.area_m2},
+                   {"num_holes", metrics.borders.num_holes},
+                   {"hole_area_m2", metrics.borders.hole_area_m2},
+                   {"largest_hole_m2", metrics.borders.largest_hole_m2},
+                   {"outer_edge_m", metrics.borders.outer_edge_m},
+                   {"voxel_m", metrics.voxel_m},
+                   {"num_cloud_points", metrics.cloud.num_points},
+                   {"cloud_spacing_m", metrics.cloud.spacing_m},
+                   {"num_octree_points", metrics.cloud.num_octree_points},
+                   {"octree_bytes", metrics.cloud.octree_bytes},
+                   {"volume_memory_bytes", metrics.volume_memory_bytes}};
+    if (metrics.simplification)
         result["simplification"] = {
-            {"num_triangles_before", figures.simplification->num_triangles_before},
-            {"rms_m", figures.simplification->rms_m},
-            {"max_m", figures.simplification->max_m}};
+            {"num_triangles_before", metrics.simplification->num_triangles_before},
+            {"rms_m", metrics.simplification->rms_m},
+            {"max_m", metrics.simplification->max_m}};
     return result;
 }
 
@@ -278,7 +278,7 @@ json metrics_document(const MetricsInput& input) {
                      {"tracking", tracking(input)},
                      {"trajectory", {{"path_length_m", input.path_length_m}}},
                      {"loops", loops(input.optimise.loops)},
-                     {"pieces", pieces(input.pieces)},
+                     {"pieces", segments(input.segments)},
                      {"speed", speed(input)}};
     if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);

@@ -8,30 +8,30 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "worker/cloud_metrics.hpp"
 #include "worker/geometry/geographic_position.hpp"
 #include "worker/geometry/rig.hpp"
-#include "worker/markers/marker_figures.hpp"
+#include "worker/markers/marker_metrics.hpp"
 #include "worker/metrics/evaluation.hpp"
 #include "worker/metrics/expected_accuracy.hpp"
 #include "worker/metrics/imu_check.hpp"
-#include "worker/metrics/pieces.hpp"
+#include "worker/metrics/tracking_segments.hpp"
 #include "worker/optimised_track.hpp"
-#include "worker/cloud_figures.hpp"
-#include "worker/track.hpp"
 #include "worker/stage_time.hpp"
+#include "worker/track.hpp"
 #include "worker/volume/mesh_borders.hpp"
 #include "worker/volume/simplify_mesh.hpp"
 
 namespace divemesh::worker {
 
-struct MeshFigures {
+struct MeshMetrics {
     std::int64_t num_vertices = 0;
     std::int64_t num_triangles = 0;
     double area_m2 = 0.0;
     MeshBorders borders;
     std::optional<SimplificationError> simplification;  // nothing: all triangles stayed
     double voxel_m = 0.0;
-    CloudFigures cloud;
+    CloudMetrics cloud;
     std::int64_t volume_memory_bytes = 0;
 };
 
@@ -52,9 +52,9 @@ struct MetricsInput {
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;
     double path_length_m = 0.0;  // of the final trajectory, all pieces
-    std::vector<Piece> pieces;
-    std::optional<MeshFigures> mesh;       // nothing: no surface was asked for
-    std::optional<MarkerFigures> markers;  // nothing: nobody looked for them
+    std::vector<TrackingSegment> segments;
+    std::optional<MeshMetrics> mesh;       // nothing: no surface was asked for
+    std::optional<MarkerMetrics> markers;  // nothing: nobody looked for them
     std::vector<StageTime> stages;
     Evaluation evaluation;
     std::optional<ExpectedAccuracy> expected;

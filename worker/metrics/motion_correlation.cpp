@@ -9,7 +9,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastCorrelation = 0.3;
+constexpr double kMinCorrelation = 0.3;
 constexpr std::size_t kMaxCandidates = 5;
 
 std::int64_t nanoseconds(double seconds) {
@@ -78,7 +78,7 @@ std::vector<Candidate> peaks(const std::vector<double>& estimate,
             all.push_back({*value, lag});
     std::vector<Candidate> found;
     for (std::size_t i = 0; i < all.size(); ++i)
-        if (all[i].correlation >= kLeastCorrelation &&
+        if (all[i].correlation >= kMinCorrelation &&
             (i == 0 || all[i].correlation >= all[i - 1].correlation) &&
             (i + 1 == all.size() || all[i].correlation > all[i + 1].correlation))
             found.push_back(all[i]);
@@ -92,20 +92,20 @@ std::vector<Candidate> peaks(const std::vector<double>& estimate,
 }  // namespace
 
 bool has_rotation(const Trajectory& trajectory) {
-    constexpr double kLeast_rad = 0.035;
+    constexpr double kMinOrientationChange_rad = 0.035;
     return std::any_of(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
         const Eigen::Matrix3d R =
             trajectory.front().T_world_imu.linear().transpose() * pose.T_world_imu.linear();
-        return Eigen::AngleAxisd(R).angle() > kLeast_rad;
+        return Eigen::AngleAxisd(R).angle() > kMinOrientationChange_rad;
     });
 }
 
 std::vector<double> likely_time_offsets_s(const Trajectory& estimate, const Trajectory& truth) {
-    constexpr double kFinestStep_s = 0.05;
+    constexpr double kMinStep_s = 0.05;
     constexpr double kMaxProducts = 1.5e9;
     if (estimate.size() < 3 || truth.size() < 3) return {};
     const double step_s =
-        std::max(kFinestStep_s, std::sqrt(duration_s(estimate) * duration_s(truth) / kMaxProducts));
+        std::max(kMinStep_s, std::sqrt(duration_s(estimate) * duration_s(truth) / kMaxProducts));
     const bool of_rotation = has_rotation(estimate) && has_rotation(truth);
     const double starts_apart_s =
         static_cast<double>(truth.front().timestamp_ns - estimate.front().timestamp_ns) * 1e-9;

@@ -10,9 +10,9 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::int64_t kLeastInterval_ns = 10'000'000'000;
+constexpr std::int64_t kMinRevisitInterval_ns = 10'000'000'000;
 constexpr double kReach_m = 0.5;
-constexpr double kMostTurn_rad = 0.7853981633974483;
+constexpr double kMaxRotation_rad = 0.7853981633974483;
 constexpr double kDegPerRad = 57.29577951308232;
 
 double angle_rad(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle(); }
@@ -26,7 +26,7 @@ public:
 
     std::optional<std::size_t> nearest(std::size_t index) const {
         std::optional<std::size_t> best;
-        double least_m = kReach_m;
+        double min_m = kReach_m;
         const Cell centre = cell_of(position(index));
         for (int i = 0; i < 27; ++i) {
             const auto cell = cells_.find(
@@ -34,8 +34,8 @@ public:
             if (cell == cells_.end()) continue;
             for (const std::size_t other : cell->second) {
                 const double distance_m = (position(other) - position(index)).norm();
-                if (distance_m >= least_m || turn_rad(other, index) > kMostTurn_rad) continue;
-                least_m = distance_m;
+                if (distance_m >= min_m || rotation_rad(other, index) > kMaxRotation_rad) continue;
+                min_m = distance_m;
                 best = other;
             }
         }
@@ -48,7 +48,7 @@ private:
     Eigen::Vector3d position(std::size_t index) const {
         return pairs_[index].T_reference_body.translation();
     }
-    double turn_rad(std::size_t a, std::size_t b) const {
+    double rotation_rad(std::size_t a, std::size_t b) const {
         return angle_rad(pairs_[a].T_reference_body.linear().transpose() *
                          pairs_[b].T_reference_body.linear());
     }
@@ -69,7 +69,7 @@ std::optional<RevisitError> revisit_error(const std::vector<PosePair>& pairs) {
     std::vector<double> rotations_deg;
     std::size_t num_visited = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        while (pairs[num_visited].timestamp_ns + kLeastInterval_ns <= pairs[i].timestamp_ns)
+        while (pairs[num_visited].timestamp_ns + kMinRevisitInterval_ns <= pairs[i].timestamp_ns)
             visited.add(num_visited++);
         const auto before = visited.nearest(i);
         if (!before) continue;

@@ -12,7 +12,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr std::int64_t kWindow_ns = 2'000'000'000;
-constexpr std::int64_t kLargestGap_ns = 150'000'000;  // of samples or frames in a window
+constexpr std::int64_t kMaxGap_ns = 150'000'000;  // of samples or frames in a window
 constexpr std::ptrdiff_t kWindowsOfOneBias = 60;
 // White noise is shared by windows that overlap by half: twice the correlation of sin^4 and cos^4.
 constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
@@ -20,8 +20,8 @@ constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
 // it pulls is nothing beside the residuals of a short dive.
 constexpr double kWeakPrior = 1e-6;
 constexpr std::int64_t kPressureBin_ns = 500'000'000;
-constexpr std::size_t kLeastBins = 20;
-constexpr double kMostCorrelation = 0.95;
+constexpr std::size_t kMinBins = 20;
+constexpr double kMaxCorrelation = 0.95;
 
 // A window's equation: own = s seen + unknowns, see the header.
 struct Equation {
@@ -66,8 +66,8 @@ Covered<Entry> covered(const std::vector<Entry>& entries, const Window& window) 
     for (auto entry = begin; entry != end; ++entry) {
         const std::int64_t next_ns =
             std::next(entry) == end ? window.end_ns() : std::next(entry)->timestamp_ns;
-        if (entry->timestamp_ns - last_ns > kLargestGap_ns ||
-            next_ns - entry->timestamp_ns > kLargestGap_ns)
+        if (entry->timestamp_ns - last_ns > kMaxGap_ns ||
+            next_ns - entry->timestamp_ns > kMaxGap_ns)
             return {};
         result.weights_s.push_back(0.5e-9 * static_cast<double>(next_ns - last_ns));
         last_ns = entry->timestamp_ns;
@@ -114,10 +114,10 @@ struct Information {
     double seen_seen = 0.0;
     double seen_own = 0.0;
     double own_own = 0.0;
-    double freedom = 0.0;
+    double degrees_of_freedom = 0.0;
 
     double variance() const {
-        return (own_own - seen_own * seen_own / seen_seen) / freedom * kOverlap;
+        return (own_own - seen_own * seen_own / seen_seen) / degrees_of_freedom * kOverlap;
     }
 };
 
@@ -171,7 +171,7 @@ double repetition(const Eigen::VectorXd& residuals) {
     const Eigen::Index num = residuals.size();
     const double products = residuals.head(num - 1).dot(residuals.tail(num - 1));
     const double correlation = std::clamp(
-        products / residuals.squaredNorm() + 1.0 / static_cast<double>(num), 0.0, kMostCorrelation);
+        products / residuals.squaredNorm() + 1.0 / static_cast<double>(num), 0.0, kMaxCorrelation);
     return (1.0 + correlation) / (1.0 - correlation);
 }
 
@@ -211,7 +211,7 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& p
                                             const Trajectory& trajectory,
                                             double sigma_by_poses) {
     const std::vector<DepthBin> bins = depth_bins(pressure, trajectory);
-    if (bins.size() < kLeastBins) return std::nullopt;
+    if (bins.size() < kMinBins) return std::nullopt;
     Eigen::MatrixXd path(std::ssize(bins), 4);
     Eigen::VectorXd depth_m(std::ssize(bins));
     for (Eigen::Index i = 0; i < path.rows(); ++i) {
@@ -225,9 +225,9 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& p
     const Eigen::VectorXd residuals = depth_m - path * solution;
     const double times = repetition(residuals);
     // A smooth column takes as much of correlated residuals as `times` columns of white ones.
-    const double freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
+    const double degrees_of_freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
     const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z alone
-    const double variance = residuals.squaredNorm() / freedom * times * inverse;
+    const double variance = residuals.squaredNorm() / degrees_of_freedom * times * inverse;
     const double sigma = std::hypot(std::sqrt(variance), sigma_by_poses);
     if (sigma <= 0.0) return std::nullopt;
     return ScaleCheck{solution[0], sigma};

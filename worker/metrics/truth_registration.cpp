@@ -20,10 +20,10 @@ using Matrix10d = Eigen::Matrix<double, 10, 10>;
 using Vector10d = Eigen::Matrix<double, 10, 1>;
 
 constexpr double kDegPerRad = 57.29577951308232;
-constexpr double kLeastTurn = 0.035;          // root mean square sine of what fixes a lever arm
-constexpr double kLeastVelocity = 0.02;       // m/s, root mean square of what fixes an offset
+constexpr double kMinRotationSine = 0.035;    // root mean square sine of what fixes a lever arm
+constexpr double kMinVelocity = 0.02;         // m/s, root mean square of what fixes an offset
 constexpr double kMaxOrientationRms_deg = 5;  // beyond it the truth's axes are not of this body
-constexpr std::size_t kLeastPoses = 20;
+constexpr std::size_t kMinPoses = 20;
 constexpr double kReach_s = 0.2;  // each way, of a velocity
 
 std::int64_t nanoseconds(double seconds) {
@@ -84,12 +84,12 @@ public:
         constexpr int kMaxIterations = 50;
         const Trajectory here = shifted(truth_, state.offset_s);
         auto pairs = pair_poses(estimate_, here, {});
-        if (pairs.size() < kLeastPoses) return std::nullopt;
+        if (pairs.size() < kMinPoses) return std::nullopt;
         for (PosePair& pair : pairs) pair.T_world_body.translate(state.lever_m);
         state.T_reference_world = align(pairs).T_reference_world;
         for (int i = 0; i < kMaxIterations; ++i) {
             const auto equations = rows(state);
-            if (equations.size() < kLeastPoses) return std::nullopt;
+            if (equations.size() < kMinPoses) return std::nullopt;
             const Vector10d step = step_of(equations);
             if (!step.allFinite()) return std::nullopt;
             apply(step, state);
@@ -198,7 +198,9 @@ std::string vector_text(const Eigen::Vector3d& v) {
 }
 
 // Throws when the poses do not fix what was looked for; else its standard deviations.
-void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegistration& result) {
+void check_observability(const std::vector<Row>& rows,
+                         const TruthOptions& options,
+                         TruthRegistration& result) {
     Matrix10d H = Matrix10d::Zero();
     for (const Row& row : rows) H += row.J.transpose() * row.J;
     const auto num_poses = static_cast<double>(rows.size());
@@ -213,7 +215,7 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
         known_offset.col(9).setZero();
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
             reduced(known_offset, {6, 7, 8}));
-        if (solver.eigenvalues()[0] < kLeastTurn * kLeastTurn * num_poses)
+        if (solver.eigenvalues()[0] < kMinRotationSine * kMinRotationSine * num_poses)
             throw Error(ErrorCode::BadData,
                         "the lever arm cannot be solved, because the rig hardly rotated about "
                         "anything but " +
@@ -227,7 +229,7 @@ void judge(const std::vector<Row>& rows, const TruthOptions& options, TruthRegis
     }
     if (options.solve_time_offset) {
         const double information = reduced(H, {9})(0, 0);
-        if (information < kLeastVelocity * kLeastVelocity * num_poses)
+        if (information < kMinVelocity * kMinVelocity * num_poses)
             throw Error(ErrorCode::BadData,
                         "the time offset cannot be solved, because the velocity of the rig hardly "
                         "changed: give the offset, or move back and forth at the start");
@@ -242,14 +244,14 @@ void solve_axes(const Trajectory& estimate,
                 const State& state,
                 double samples_together,
                 TruthRegistration& result) {
-    std::vector<Eigen::Matrix3d> turns;
+    std::vector<Eigen::Matrix3d> rotations;
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const auto& [time_ns, T_world_body] : estimate) {
         const auto marker = pose_at(truth, time_ns + nanoseconds(state.offset_s));
         if (!marker) continue;
-        turns.push_back((state.T_reference_world.linear() * T_world_body.linear()).transpose() *
-                        marker->linear());
-        sum += turns.back();
+        rotations.push_back((state.T_reference_world.linear() * T_world_body.linear()).transpose() *
+                            marker->linear());
+        sum += rotations.back();
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Vector3d signs = Eigen::Vector3d::Ones();
@@ -257,11 +259,11 @@ void solve_axes(const Trajectory& estimate,
     const Eigen::Matrix3d R_body_marker =
         svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
     double squares = 0.0;
-    for (const Eigen::Matrix3d& turn : turns) {
-        const double angle = Eigen::AngleAxisd(R_body_marker.transpose() * turn).angle();
+    for (const Eigen::Matrix3d& rotation : rotations) {
+        const double angle = Eigen::AngleAxisd(R_body_marker.transpose() * rotation).angle();
         squares += angle * angle;
     }
-    const auto count = static_cast<double>(turns.size());
+    const auto count = static_cast<double>(rotations.size());
     const double rms_deg = kDegPerRad * std::sqrt(squares / count);
     result.has_orientation = rms_deg <= kMaxOrientationRms_deg;
     if (!result.has_orientation) return;
@@ -303,7 +305,7 @@ State best_state(const Registration& registration,
         const auto solved = registration.solve(start);
         if (!solved) continue;
         const auto rows = registration.rows(*solved);
-        if (rows.size() < kLeastPoses || rms_m(rows) >= best_rms_m) continue;
+        if (rows.size() < kMinPoses || rms_m(rows) >= best_rms_m) continue;
         best_rms_m = rms_m(rows);
         best = solved;
     }
@@ -312,7 +314,7 @@ State best_state(const Registration& registration,
                 options.solve_time_offset && offsets_s.empty()
                     ? "the time offset cannot be solved, because the two trajectories do not match "
                       "at any offset: check that they are of the same dive"
-                    : "fewer than " + std::to_string(kLeastPoses) +
+                    : "fewer than " + std::to_string(kMinPoses) +
                           " poses have ground truth at their time: check the offset of the clocks");
 }
 
@@ -324,9 +326,9 @@ TruthRegistration register_truth(const Trajectory& estimate,
     TruthRegistration result = as_given(options);
     result.has_orientation = has_rotation(truth) || !has_rotation(estimate);
     if (!options.solve_lever_arm && !options.solve_time_offset) return result;
-    if (estimate.size() < kLeastPoses)
+    if (estimate.size() < kMinPoses)
         throw Error(ErrorCode::BadData,
-                    "the estimate has fewer than " + std::to_string(kLeastPoses) +
+                    "the estimate has fewer than " + std::to_string(kMinPoses) +
                         " poses, too few to solve lever arm or time offset: give both as measured");
     const Registration registration(estimate, truth, options);
     const State state = best_state(registration, estimate, truth, options);
@@ -335,7 +337,7 @@ TruthRegistration register_truth(const Trajectory& estimate,
     result.residual_rms_m = rms_m(rows);
     result.time_offset_s = state.offset_s;
     result.T_body_marker.translation() = state.lever_m;
-    judge(rows, options, result);
+    check_observability(rows, options, result);
     if (options.solve_lever_arm && result.has_orientation)
         solve_axes(estimate, truth, state, autocorrelation_time(rows), result);
     return result;
@@ -393,8 +395,8 @@ nlohmann::json without_rotations(nlohmann::json trajectory) {
         if (trajectory.contains(part)) trajectory[part].erase("rotation_rmse_deg");
     if (!trajectory.contains("segments")) return trajectory;
     for (nlohmann::json& segment : trajectory["segments"])
-        for (const char* figure : {"rotation_mean_deg_per_m", "rotation_rmse_deg_per_m"})
-            segment.erase(figure);
+        for (const char* metric : {"rotation_mean_deg_per_m", "rotation_rmse_deg_per_m"})
+            segment.erase(metric);
     return trajectory;
 }
 

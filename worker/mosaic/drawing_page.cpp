@@ -18,37 +18,37 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMostPictureSide_px = 4096.0;
-constexpr double kMostHeightSide_px = 1024.0;
+constexpr double kMaxPictureSide_px = 4096.0;
+constexpr double kMaxHeightSide_px = 1024.0;
 constexpr int kJpegQuality = 88;
 static_assert(std::endian::native == std::endian::little);  // as the page reads heights
 
 cv::Mat read_png(const std::filesystem::path& file, int flags, int type) {
-    cv::Mat picture = cv::imread(file.string(), flags);
-    if (picture.empty() || picture.type() != type)
+    cv::Mat image = cv::imread(file.string(), flags);
+    if (image.empty() || image.type() != type)
         throw Error(ErrorCode::BadData,
                     file.string() + " is not the image that divemesh wrote: reconstruct again");
-    return picture;
+    return image;
 }
 
-cv::Mat no_larger(const cv::Mat& picture, double most_side_px, int interpolation) {
-    const double factor = most_side_px / std::max(picture.cols, picture.rows);
-    if (factor >= 1.0) return picture;
+cv::Mat no_larger(const cv::Mat& image, double max_image_side_px, int interpolation) {
+    const double factor = max_image_side_px / std::max(image.cols, image.rows);
+    if (factor >= 1.0) return image;
     cv::Mat smaller;
-    cv::resize(picture, smaller, {}, factor, factor, interpolation);
+    cv::resize(image, smaller, {}, factor, factor, interpolation);
     return smaller;
 }
 
-std::string picture_url(const std::filesystem::path& file) {
+std::string image_url(const std::filesystem::path& file) {
     const cv::Mat mosaic = no_larger(
-        read_png(file, cv::IMREAD_UNCHANGED, CV_8UC4), kMostPictureSide_px, cv::INTER_AREA);
-    cv::Mat picture;
-    cv::cvtColor(mosaic, picture, cv::COLOR_BGRA2BGR);
+        read_png(file, cv::IMREAD_UNCHANGED, CV_8UC4), kMaxPictureSide_px, cv::INTER_AREA);
+    cv::Mat image;
+    cv::cvtColor(mosaic, image, cv::COLOR_BGRA2BGR);
     cv::Mat unseen;
     cv::extractChannel(mosaic, unseen, 3);
-    picture.setTo(cv::Scalar(255, 255, 255), unseen == 0);
+    image.setTo(cv::Scalar(255, 255, 255), unseen == 0);
     std::vector<std::uint8_t> jpeg;
-    cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+    cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
     return "data:image/jpeg;base64," +
            encode_base64({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
@@ -56,7 +56,7 @@ std::string picture_url(const std::filesystem::path& file) {
 // Picked, not averaged: 0 says that nothing is there.
 json height_grid(const std::filesystem::path& file, const json& elevation, double width_m) {
     const cv::Mat steps = no_larger(
-        read_png(file, cv::IMREAD_UNCHANGED, CV_16UC1), kMostHeightSide_px, cv::INTER_NEAREST);
+        read_png(file, cv::IMREAD_UNCHANGED, CV_16UC1), kMaxHeightSide_px, cv::INTER_NEAREST);
     return {{"width", steps.cols},
             {"height", steps.rows},
             {"pixel_m", width_m / steps.cols},
@@ -93,7 +93,7 @@ std::string drawing_page(const ReconstructionFolder& model) {
             {"pixel_m", pixel_m},
             {"corner_x_m", mosaic.at("corner_x_m")},
             {"corner_y_m", mosaic.at("corner_y_m")},
-            {"picture", picture_url(model.path() / "mosaic.png")},
+            {"picture", image_url(model.path() / "mosaic.png")},
             {"heights",
              height_grid(
                  model.path() / "mosaic_height.png", mosaic.at("elevation"), pixel_m * width_px)}};

@@ -33,11 +33,11 @@ Bounds bounds_of(const Mesh& mesh) {
 }
 
 double choose_pixel_m(const Mesh& mesh, const Bounds& bounds, const MosaicOptions& options) {
-    constexpr double kFinest_m = 1e-4;
+    constexpr double kMinPixel_m = 1e-4;
     const Eigen::Vector2d size = bounds.size().cast<double>();
     double pixel_m = options.pixel_m > 0.0 ? options.pixel_m : 0.5 * mean_edge_m(mesh);
     pixel_m = std::max({pixel_m,
-                        kFinest_m,
+                        kMinPixel_m,
                         size.maxCoeff() / (options.max_side_px - 1),
                         std::sqrt(size.prod() / static_cast<double>(options.max_pixels))});
     return pixel_m;
@@ -109,17 +109,17 @@ Mosaic render_mosaic(const Mesh& mesh, const MosaicOptions& options) {
 }
 
 std::string thumbnail_png(const Mosaic& mosaic, int max_side_px) {
-    cv::Mat picture(mosaic.color.size(), CV_8UC3);
-    for (int row = 0; row < picture.rows; ++row)
-        for (int column = 0; column < picture.cols; ++column) {
+    cv::Mat image(mosaic.color.size(), CV_8UC3);
+    for (int row = 0; row < image.rows; ++row)
+        for (int column = 0; column < image.cols; ++column) {
             const auto& pixel = mosaic.color.at<cv::Vec4b>(row, column);
-            picture.at<cv::Vec3b>(row, column) =
+            image.at<cv::Vec3b>(row, column) =
                 pixel[3] == 0 ? cv::Vec3b(255, 255, 255) : cv::Vec3b(pixel[0], pixel[1], pixel[2]);
         }
-    const double scale = static_cast<double>(max_side_px) / std::max(picture.rows, picture.cols);
-    if (scale < 1.0) cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
+    const double scale = static_cast<double>(max_side_px) / std::max(image.rows, image.cols);
+    if (scale < 1.0) cv::resize(image, image, {}, scale, scale, cv::INTER_AREA);
     std::vector<std::uint8_t> png;
-    cv::imencode(".png", picture, png);
+    cv::imencode(".png", image, png);
     return {png.begin(), png.end()};
 }
 

@@ -11,36 +11,36 @@ namespace divemesh::worker {
 namespace {
 
 // Heights as steps above the lowest, from 1; 0 where there is no surface.
-struct HeightPicture {
+struct HeightImage {
     cv::Mat steps;  // CV_16U
     double lowest_m = 0.0;
     double step_m = 1e-4;
 };
 
-HeightPicture height_picture(const cv::Mat& height_m) {
-    constexpr double kMostSteps = 65534.0;
-    HeightPicture picture;
+HeightImage height_image(const cv::Mat& height_m) {
+    constexpr double kMaxStepCount = 65534.0;
+    HeightImage image;
     double lowest = 0.0;
     double highest = 0.0;
     const cv::Mat is_known = height_m == height_m;
     if (cv::countNonZero(is_known) > 0)
         cv::minMaxLoc(height_m, &lowest, &highest, nullptr, nullptr, is_known);
-    picture.lowest_m = lowest;
-    picture.step_m = std::max(picture.step_m, (highest - lowest) / kMostSteps);
-    picture.steps = cv::Mat(height_m.size(), CV_16U, cv::Scalar::all(0));
+    image.lowest_m = lowest;
+    image.step_m = std::max(image.step_m, (highest - lowest) / kMaxStepCount);
+    image.steps = cv::Mat(height_m.size(), CV_16U, cv::Scalar::all(0));
     for (int row = 0; row < height_m.rows; ++row)
         for (int column = 0; column < height_m.cols; ++column) {
             const auto height = static_cast<double>(height_m.at<float>(row, column));
             if (std::isnan(height)) continue;
-            picture.steps.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
-                1.0 + std::min(kMostSteps, std::round((height - lowest) / picture.step_m)));
+            image.steps.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
+                1.0 + std::min(kMaxStepCount, std::round((height - lowest) / image.step_m)));
         }
-    return picture;
+    return image;
 }
 
-void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
+void write_png(const std::filesystem::path& file, const cv::Mat& image) {
     std::vector<std::uint8_t> png;
-    cv::imencode(".png", picture, png);
+    cv::imencode(".png", image, png);
     write_file(file, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
@@ -64,7 +64,7 @@ std::string world_file(const Mosaic& mosaic) {
 }  // namespace
 
 void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic) {
-    const HeightPicture heights = height_picture(mosaic.height_m);
+    const HeightImage heights = height_image(mosaic.height_m);
     const nlohmann::json description = {
         {"frame", "world (m, z up); columns run along +x, rows along -y, seen from +z"},
         {"width_px", mosaic.color.cols},

@@ -22,10 +22,10 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Geotiff, "geotiff"},
 };
 
-cv::Mat read_picture(const std::filesystem::path& file) {
-    cv::Mat picture = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
-    if (picture.empty()) throw Error(ErrorCode::BadData, "cannot read the image " + file.string());
-    return picture;
+cv::Mat read_image(const std::filesystem::path& file) {
+    cv::Mat image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    if (image.empty()) throw Error(ErrorCode::BadData, "cannot read the image " + file.string());
+    return image;
 }
 
 // mosaic.json and its two pictures, as write_mosaic left them.
@@ -47,8 +47,8 @@ cv::Mat heights_of(const cv::Mat& steps, const nlohmann::json& elevation) {
 StoredMosaic read_mosaic(const ReconstructionFolder& reconstruction) try {
     StoredMosaic mosaic;
     mosaic.description = reconstruction.mosaic();
-    mosaic.color = read_picture(reconstruction.path() / "mosaic.png");
-    mosaic.height_m = heights_of(read_picture(reconstruction.path() / "mosaic_height.png"),
+    mosaic.color = read_image(reconstruction.path() / "mosaic.png");
+    mosaic.height_m = heights_of(read_image(reconstruction.path() / "mosaic_height.png"),
                                  mosaic.description.at("elevation"));
     const double pixel_m = mosaic.description.at("pixel_m").get<double>();
     // clang-format off

@@ -15,7 +15,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kPiece_bytes = std::size_t{1} << 20;
+constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 constexpr std::string_view kMaterial =
     "# the colour is that of the vertices\n"
     "newmtl surface\nKa 1 1 1\nKd 1 1 1\nillum 0\n";
@@ -86,7 +86,7 @@ public:
 
     void add(std::string_view text) {
         text_ += text;
-        if (text_.size() > kPiece_bytes) flush();
+        if (text_.size() > kChunk_bytes) flush();
     }
     template <typename Number>
     void add_number(Number value) {

@@ -180,7 +180,7 @@ private:
 };
 
 // The fewest bytes an element can take: what bounds a hostile count before anything is allocated.
-std::size_t least_bytes(const Element& element, Format format) {
+std::size_t min_bytes(const Element& element, Format format) {
     std::size_t bytes = 0;
     for (const Property& property : element.properties)
         bytes += format == Format::Ascii ? 1 : size_of(property.count_type.value_or(property.type));
@@ -322,7 +322,7 @@ Mesh parse_ply(std::string_view bytes, const std::string& name) {
     Body body(bytes.substr(header.size_bytes), header.format, name);
     Mesh mesh;
     for (const Element& element : header.elements) {
-        if (element.count > body.remaining_bytes() / least_bytes(element, header.format))
+        if (element.count > body.remaining_bytes() / min_bytes(element, header.format))
             fail(name,
                  "PLY announces " + std::to_string(element.count) + " of element " + element.name +
                      ", but the file is too short: copy it again");
@@ -342,9 +342,9 @@ Mesh read_ply(const std::filesystem::path& file) {
     const std::uintmax_t size_bytes = std::filesystem::file_size(file, unknown);
     std::string bytes;
     if (!unknown) bytes.reserve(size_bytes);  // growing would take twice as much
-    std::vector<char> piece(1 << 20);
-    while (stream.read(piece.data(), std::ssize(piece)) || stream.gcount() > 0)
-        bytes.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
+    std::vector<char> segment(1 << 20);
+    while (stream.read(segment.data(), std::ssize(segment)) || stream.gcount() > 0)
+        bytes.append(segment.data(), static_cast<std::size_t>(stream.gcount()));
     return parse_ply(bytes, file.filename().string());
 }
 

@@ -5,7 +5,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastArea_m2 = 1e-8;  // a tenth of a millimetre square
+constexpr double kMinArea_m2 = 1e-8;  // a tenth of a millimetre square
 
 Eigen::Isometry3d T_plane_world(const Eigen::Vector3d& origin,
                                 const Eigen::Vector3d& ahead,
@@ -26,7 +26,7 @@ Eigen::Vector3d upward_normal(const std::vector<Eigen::Vector3d>& corners) {
     Eigen::Vector3d twice = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < corners.size(); ++i)
         twice += (corners[i] - corners[0]).cross(corners[(i + 1) % corners.size()] - corners[0]);
-    if (!(twice.norm() > 2.0 * kLeastArea_m2)) return Eigen::Vector3d::Zero();
+    if (!(twice.norm() > 2.0 * kMinArea_m2)) return Eigen::Vector3d::Zero();
     const Eigen::Vector3d normal = twice.normalized();
     return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
 }
@@ -46,7 +46,7 @@ AreaPlane plane_of(const Area& area) {
         throw Error(ErrorCode::BadData,
                     "area '" + area.name +
                         "': its sides cross or touch: give the corners in order, each once");
-    if (!(area_m2(plane.outline) > kLeastArea_m2))
+    if (!(area_m2(plane.outline) > kMinArea_m2))
         throw Error(
             ErrorCode::BadData,
             "area '" + area.name +

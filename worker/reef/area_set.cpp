@@ -17,8 +17,8 @@ constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
 constexpr std::size_t kMaxAreas = 10'000;
 constexpr std::size_t kMaxPoints = 1'000;  // of an area
 constexpr std::size_t kMaxNameLength = 200;
-constexpr double kFarthest_m = 1e5;
-constexpr double kLongest_m = 1e4;  // of a transect, which is sampled every 5 mm
+constexpr double kMaxCoordinate_m = 1e5;
+constexpr double kMaxTransect_m = 1e4;  // of a transect, which is sampled every 5 mm
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
     throw Error(ErrorCode::BadData, where + ": " + what);
@@ -30,7 +30,7 @@ Eigen::Vector3d read_vector(const json& value, const std::string& where) {
     for (int i = 0; i < 3; ++i) {
         if (!value[i].is_number()) refuse(where, "a coordinate is not a number");
         vector[i] = value[i].get<double>();
-        if (!(std::abs(vector[i]) <= kFarthest_m))
+        if (!(std::abs(vector[i]) <= kMaxCoordinate_m))
             refuse(where, "a coordinate is not finite or is beyond 100 km");
     }
     return vector;
@@ -84,7 +84,7 @@ void check_line(const Area& area, const std::string& where) {
         if (!((area.points[i] - area.points[i - 1]).cross(normal).norm() > 1e-4))
             refuse(where, "two points of the transect are above each other");
     }
-    if (length_m > kLongest_m) refuse(where, "the transect is longer than 10 km");
+    if (length_m > kMaxTransect_m) refuse(where, "the transect is longer than 10 km");
 }
 
 Area read_area(const json& entry, std::size_t index) {

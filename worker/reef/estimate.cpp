@@ -39,7 +39,9 @@ double sharpened(double measured, double blurred, double blurred_twice) {
     return measured + first * (2.0 - std::clamp(std::isfinite(next) ? next : 1.0, 0.0, 1.0));
 }
 
-Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedError& shared) {
+Estimate estimate(const Simulated& simulated,
+                  double sigma_relative_error,
+                  const SharedError& shared) {
     double noise = 0.0;  // what it added
     double half_width = 0.0;
     if (simulated.once.size() > 1) {
@@ -50,11 +52,11 @@ Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedEr
                      deviation_of(simulated, once, twice);
     }
     const double value = simulated.sharp - noise;
-    const Eigen::Vector4d doubts(2.0 * sigma_doubt * noise,
-                                 simulated.sharp - simulated.measured,
-                                 shared.relative * value,
-                                 shared.absolute);
-    half_width = std::hypot(half_width, kNormal975 * doubts.norm());
+    const Eigen::Vector4d systematic(2.0 * sigma_relative_error * noise,
+                                     simulated.sharp - simulated.measured,
+                                     shared.relative * value,
+                                     shared.absolute);
+    half_width = std::hypot(half_width, kNormal975 * systematic.norm());
     return {value, value - half_width, value + half_width};
 }
 

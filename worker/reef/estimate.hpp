@@ -35,8 +35,10 @@ struct SharedError {
 
 // Noise raises rugosity and lowers nothing, so the sharpened figure is taken back to noise of no
 // variance by the parabola through the three (SIMEX; Cook and Stefanski 1994). The interval:
-// Student's t over the spread of the replicates; `sigma_doubt` of the noise's size, which goes into
-// its part twice; what sharpening put back as one standard deviation; the shared errors.
-Estimate estimate(const Simulated& simulated, double sigma_doubt, const SharedError& shared = {});
+// Student's t over the spread of the replicates; `sigma_relative_error` of the noise's size, which
+// goes into its part twice; what sharpening put back as one standard deviation; the shared errors.
+Estimate estimate(const Simulated& simulated,
+                  double sigma_relative_error,
+                  const SharedError& shared = {});
 
 }  // namespace divemesh::worker

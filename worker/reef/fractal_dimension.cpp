@@ -7,8 +7,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastSeen = 0.9;  // of a square
-constexpr std::size_t kLeastScales = 3;
+constexpr double kMinSeenShare = 0.9;  // of a square
+constexpr std::size_t kMinScales = 3;
 
 // Columns [first, last], rows likewise.
 std::optional<double> range_within(const HeightGrid& grid, const std::array<int, 4>& bounds) {
@@ -23,7 +23,7 @@ std::optional<double> range_within(const HeightGrid& grid, const std::array<int,
             high = std::max(high, grid.at(column, row));
         }
     const int num = (bounds[1] - bounds[0] + 1) * (bounds[3] - bounds[2] + 1);
-    if (num_seen < kLeastSeen * num) return std::nullopt;
+    if (num_seen < kMinSeenShare * num) return std::nullopt;
     return high - low;
 }
 
@@ -76,16 +76,16 @@ std::vector<double> height_ranges(const HeightGrid& grid, double side_m) {
     return ranges;
 }
 
-std::vector<double> halved_scales(const HeightGrid& grid, double least_m) {
+std::vector<double> halved_scales(const HeightGrid& grid, double min_m) {
     const int shorter = std::min(grid.shape.num_columns, grid.shape.num_rows) - 1;
     std::vector<double> scales;
-    for (double side = shorter * grid.shape.spacing_m; side >= least_m * (1.0 - 1e-9); side *= 0.5)
+    for (double side = shorter * grid.shape.spacing_m; side >= min_m * (1.0 - 1e-9); side *= 0.5)
         scales.push_back(side);
     return scales;
 }
 
 std::optional<double> log_log_slope(const std::vector<double>& x, const std::vector<double>& y) {
-    if (x.size() < kLeastScales) return std::nullopt;
+    if (x.size() < kMinScales) return std::nullopt;
     double mean_x = 0.0;
     double mean_y = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -102,11 +102,10 @@ std::optional<double> log_log_slope(const std::vector<double>& x, const std::vec
     return products / squares;
 }
 
-std::optional<double> fractal_dimension_by_height_variation(const HeightGrid& grid,
-                                                            double least_m) {
+std::optional<double> fractal_dimension_by_height_variation(const HeightGrid& grid, double min_m) {
     std::vector<double> scales;
     std::vector<double> means;
-    for (const double side : halved_scales(grid, least_m)) {
+    for (const double side : halved_scales(grid, min_m)) {
         const std::vector<double> ranges = height_ranges(grid, side);
         double sum = 0.0;
         for (const double range : ranges) sum += range;
@@ -119,7 +118,7 @@ std::optional<double> fractal_dimension_by_height_variation(const HeightGrid& gr
     return 3.0 - *slope;
 }
 
-std::optional<double> fractal_dimension_by_cubes(const HeightGrid& grid, double least_m) {
+std::optional<double> fractal_dimension_by_cubes(const HeightGrid& grid, double min_m) {
     const Extent extent = extent_of(grid);
     const double longest = (extent.high - extent.low).maxCoeff();
     if (!(longest > 0.0)) return std::nullopt;
@@ -127,7 +126,7 @@ std::optional<double> fractal_dimension_by_cubes(const HeightGrid& grid, double 
     const Eigen::Vector3d low = extent.low.array() - 0.5 * grid.shape.spacing_m;
     std::vector<double> sides;
     std::vector<double> counts;
-    for (double side = longest + grid.shape.spacing_m; side >= least_m; side *= 0.5) {
+    for (double side = longest + grid.shape.spacing_m; side >= min_m; side *= 0.5) {
         sides.push_back(side);
         counts.push_back(static_cast<double>(num_cubes(grid, low, side)));
     }

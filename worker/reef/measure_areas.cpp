@@ -33,8 +33,8 @@ AreaResult measure(const Mesh& mesh, const Area& area, const MeasureOptions& opt
 
 bool is_survey(const Area& area) { return area.kind == AreaKind::Quadrat && area.label.empty(); }
 
-void append(const json& figures, json& all) {
-    all.insert(all.end(), figures.begin(), figures.end());
+void append(const json& metrics, json& all) {
+    all.insert(all.end(), metrics.begin(), metrics.end());
 }
 
 void check(const Mesh& mesh, const AreaSet& set) {
@@ -56,13 +56,13 @@ json measure_areas(const Mesh& mesh, const AreaSet& set, MeasureOptions options)
     // How far the stated noise is too large is alike all over a dive, and shows on smooth ground.
     options.noise_share = std::min(options.noise_share, all.noise_share);
     json areas = json::array({all.area});
-    json figures = all.figures;
+    json metrics = all.metrics;
     SurveyedGround ground{std::string(kWholeModel), all.planar_m2, {}};
     double seen_in_quadrats = 0.0;
     for (const Area& area : set.areas) {
         const AreaResult result = measure(mesh, area, options);
         areas.push_back(result.area);
-        append(result.figures, figures);
+        append(result.metrics, metrics);
         if (!is_survey(area)) continue;
         ground.quadrats.push_back(plane_of(area));
         seen_in_quadrats += result.coverage * result.planar_m2;
@@ -71,8 +71,8 @@ json measure_areas(const Mesh& mesh, const AreaSet& set, MeasureOptions options)
         ground.name = "quadrats";
         ground.seen_m2 = seen_in_quadrats;
     }
-    append(measure_labels(set, ground, options.seed), figures);
-    return {{"areas", areas}, {"figures", figures}};
+    append(measure_labels(set, ground, options.seed), metrics);
+    return {{"areas", areas}, {"figures", metrics}};
 }
 
 }  // namespace divemesh::worker

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "worker/reef/figure_json.hpp"
+#include "worker/reef/metric_json.hpp"
 #include "worker/reef/population.hpp"
 
 namespace divemesh::worker {
@@ -21,14 +21,14 @@ bool is_on(const SurveyedGround& ground, const Area& colony) {
 }
 
 void add(const AreaTask& task,
-         const std::string& figure,
+         const std::string& metric,
          const std::string& unit,
          const std::string& method,
          const Estimate& estimate,
-         nlohmann::json& figures) {
-    FigureKind kind{figure, unit, std::nullopt, method};
+         nlohmann::json& metrics) {
+    MetricKind kind{metric, unit, std::nullopt, method};
     kind.lowest = 0.0;
-    figures.push_back(figure_json(task, kind, estimate));
+    metrics.push_back(metric_json(task, kind, estimate));
 }
 
 void add_sizes(const AreaTask& task,
@@ -36,11 +36,11 @@ void add_sizes(const AreaTask& task,
                const std::string& unit,
                const std::vector<double>& sizes,
                std::uint64_t seed,
-               nlohmann::json& figures) {
+               nlohmann::json& metrics) {
     const std::string method = "over the colonies, bootstrap";
-    add(task, what + "_q25", unit, method, size_quantile(sizes, 0.25, seed), figures);
-    add(task, what + "_median", unit, method, size_quantile(sizes, 0.5, seed), figures);
-    add(task, what + "_q75", unit, method, size_quantile(sizes, 0.75, seed), figures);
+    add(task, what + "_q25", unit, method, size_quantile(sizes, 0.25, seed), metrics);
+    add(task, what + "_median", unit, method, size_quantile(sizes, 0.5, seed), metrics);
+    add(task, what + "_q75", unit, method, size_quantile(sizes, 0.75, seed), metrics);
 }
 
 }  // namespace
@@ -55,13 +55,13 @@ nlohmann::json measure_labels(const AreaSet& set,
         Population& population = populations[area.label];
         population.surveyed_m2 = ground.seen_m2;
         population.areas_m2.push_back(area_m2(plane.outline));
-        population.diameters_m.push_back(longest_diameter_m(plane.outline));
+        population.diameters_m.push_back(max_diameter_m(plane.outline));
     }
-    nlohmann::json figures = nlohmann::json::array();
+    nlohmann::json metrics = nlohmann::json::array();
     for (const auto& [label, population] : populations) {
         const AreaTask task{ground.name, label, ""};
         if (!(ground.seen_m2 > 0.0)) {
-            figures.push_back(refused_json(task,
+            metrics.push_back(refused_json(task,
                                            {"population_density", "1/m2", std::nullopt},
                                            "none of the surveyed ground was seen"));
             continue;
@@ -71,17 +71,17 @@ nlohmann::json measure_labels(const AreaSet& set,
             "1/m2",
             "colonies over surveyed ground, Poisson",
             density_per_m2(population),
-            figures);
+            metrics);
         add(task,
             "cover",
             "",
             "planar area of the colonies over surveyed ground, compound Poisson",
             cover(population),
-            figures);
-        add_sizes(task, "colony_area", "m2", population.areas_m2, seed, figures);
-        add_sizes(task, "colony_diameter", "m", population.diameters_m, seed, figures);
+            metrics);
+        add_sizes(task, "colony_area", "m2", population.areas_m2, seed, metrics);
+        add_sizes(task, "colony_diameter", "m", population.diameters_m, seed, metrics);
     }
-    return figures;
+    return metrics;
 }
 
 }  // namespace divemesh::worker

@@ -18,11 +18,11 @@ struct AreaTask {
 
 struct AreaResult {
     nlohmann::json area;                               // as measure_areas answers it
-    nlohmann::json figures = nlohmann::json::array();  // likewise
+    nlohmann::json metrics = nlohmann::json::array();  // likewise
     double planar_m2 = 0.0;                            // of the outline; the whole: what was seen
     double border_sigma_m2 = 0.0;                      // what planar_m2 of the whole errs by
     double coverage = 0.0;
-    double noise_share = 1.0;  // of the stated local sigma, what the surface shows (ShownNoise)
+    double noise_share = 1.0;  // of the stated local sigma, what the surface shows (NoiseLevel)
 };
 
 // The figures over the ground within an outline.

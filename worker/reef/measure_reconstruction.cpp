@@ -31,7 +31,7 @@ MeasureOptions measure_options(const ReconstructionFolder& reconstruction) {
     for (const StampedPose& pose : reconstruction.trajectory())
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
     options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
-    options.least_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
+    options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
     return options;
@@ -59,7 +59,7 @@ json measure_reconstruction(const MeasureRequest& request) {
     return measure_areas(reconstruction.mesh(), areas, options);
 }
 
-std::string figures_csv(const json& figures) {
+std::string metrics_csv(const json& metrics) {
     constexpr std::array<const char*, 10> kColumns = {"figure",
                                                       "area",
                                                       "label",
@@ -73,11 +73,11 @@ std::string figures_csv(const json& figures) {
     std::string csv;
     for (const char* column : kColumns) csv.append(csv.empty() ? "" : ",").append(column);
     csv += "\n";
-    for (const json& figure : figures) {
+    for (const json& metric : metrics) {
         std::string row;
         for (const char* column : kColumns) {
             if (column != kColumns.front()) row += ",";
-            row += csv_field(figure.value(column, json()));
+            row += csv_field(metric.value(column, json()));
         }
         csv += row + "\n";
     }

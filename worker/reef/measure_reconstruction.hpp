@@ -32,6 +32,6 @@ nlohmann::json measure_reconstruction(const MeasureRequest& request);
 
 // A heading and a row per figure: figure, area, label, unit, resolution_m, value, low, high,
 // method, refused (RFC 4180; lines end with \n).
-std::string figures_csv(const nlohmann::json& figures);
+std::string metrics_csv(const nlohmann::json& metrics);
 
 }  // namespace divemesh::worker

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/reef/area_figures.hpp"
-#include "worker/reef/figure_json.hpp"
+#include "worker/reef/area_metrics.hpp"
 #include "worker/reef/measure_outline.hpp"
+#include "worker/reef/metric_json.hpp"
+#include "worker/reef/noise_level.hpp"
 #include "worker/reef/rugosity.hpp"
-#include "worker/reef/shown_noise.hpp"
-#include "worker/reef/simulate_figures.hpp"
+#include "worker/reef/simulate_metrics.hpp"
 #include "worker/reef/transect_profile.hpp"
 
 namespace divemesh::worker {
@@ -15,7 +15,7 @@ namespace {
 constexpr double kMargin_m = 0.05;
 
 // At each spacing; NaN: shorter than a link.
-std::vector<double> chain_figures(const Profile& profile, const MeasureOptions& options) {
+std::vector<double> chain_metrics(const Profile& profile, const MeasureOptions& options) {
     std::vector<double> values;
     for (const double spacing_m : options.spacings_m)
         values.push_back(chain_rugosity(every(profile, spacing_m)).value_or(std::nan("")));
@@ -24,14 +24,14 @@ std::vector<double> chain_figures(const Profile& profile, const MeasureOptions& 
 
 // As areas take hidden ground: bridged, and no less than what was seen.
 std::vector<double> with_hidden(const Profile& profile, const MeasureOptions& options) {
-    std::vector<double> values = chain_figures(bridged(profile), options);
-    const std::vector<double> seen = chain_figures(profile, options);
+    std::vector<double> values = chain_metrics(gaps_filled(profile), options);
+    const std::vector<double> seen = chain_metrics(profile, options);
     for (std::size_t k = 0; k < values.size(); ++k) values[k] = std::fmax(values[k], seen[k]);
     return values;
 }
 
-FigureKind chain_kind(double spacing_m) {
-    FigureKind kind{"chain_rugosity", "", spacing_m};
+MetricKind chain_kind(double spacing_m) {
+    MetricKind kind{"chain_rugosity", "", spacing_m};
     kind.method =
         "chain with links of the resolution over the line, both seen from above "
         "(Risk 1972)";
@@ -40,15 +40,15 @@ FigureKind chain_kind(double spacing_m) {
 }
 
 // The roughest of the pieces says what can be said of the whole line.
-Fineness fineness_of_all(const std::vector<TransectPiece>& pieces,
-                         const std::vector<SurfacePatch>& patches,
-                         const MeasureOptions& options) {
-    Fineness all;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
+SamplingResolution sampling_resolution_of_all(const std::vector<TransectSegment>& segments,
+                                              const std::vector<SurfacePatch>& patches,
+                                              const MeasureOptions& options) {
+    SamplingResolution all;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
         std::vector<Eigen::Vector3d> cameras;
         for (const Eigen::Vector3d& position : options.camera_positions_world)
-            cameras.push_back(pieces[i].plane.T_plane_world * position);
-        const Fineness here = fineness_of(patches[i], cameras, options);
+            cameras.push_back(segments[i].plane.T_plane_world * position);
+        const SamplingResolution here = sampling_resolution_of(patches[i], cameras, options);
         if (here.sigma_m) all.sigma_m = std::max(all.sigma_m.value_or(0.0), *here.sigma_m);
         if (here.sigma_local_m)
             all.sigma_local_m = std::max(all.sigma_local_m.value_or(0.0), *here.sigma_local_m);
@@ -58,14 +58,14 @@ Fineness fineness_of_all(const std::vector<TransectPiece>& pieces,
     return all;
 }
 
-void keep_shown_noise(const std::vector<TransectPiece>& pieces,
-                      std::vector<SurfacePatch>& patches,
-                      double most,
-                      Fineness& fineness) {
-    ShownNoise noise(fineness.correlation_length_m);
-    for (std::size_t i = 0; i < pieces.size(); ++i) noise.add(patches[i], pieces[i].shape);
+void limit_to_noise_level(const std::vector<TransectSegment>& segments,
+                          std::vector<SurfacePatch>& patches,
+                          double most,
+                          SamplingResolution& sampling_resolution) {
+    NoiseLevel noise(sampling_resolution.correlation_length_m);
+    for (std::size_t i = 0; i < segments.size(); ++i) noise.add(patches[i], segments[i].shape);
     const double share = std::min(most, noise.share());
-    if (fineness.sigma_local_m) *fineness.sigma_local_m *= share;
+    if (sampling_resolution.sigma_local_m) *sampling_resolution.sigma_local_m *= share;
     for (SurfacePatch& patch : patches)
         for (double& sigma : patch.sigma_local_m) sigma *= share;
 }
@@ -77,59 +77,66 @@ AreaResult measure_transect(const Mesh& mesh,
                             const std::vector<Eigen::Vector3d>& line,
                             const Eigen::Vector3d& normal,
                             const MeasureOptions& options) {
-    const std::vector<TransectPiece> pieces = pieces_of(line, normal);
+    const std::vector<TransectSegment> segments = segments_of(line, normal);
     std::vector<SurfacePatch> patches;
     double length = 0.0;
-    for (const TransectPiece& piece : pieces) {
-        patches.push_back(cut_patch(mesh, piece.plane, kMargin_m));
+    for (const TransectSegment& segment : segments) {
+        patches.push_back(cut_patch(mesh, segment.plane, kMargin_m));
         fill_in_sigma(patches.back(), options);
-        length += piece.plane.outline[1].x() - piece.plane.outline[0].x();
+        length += segment.plane.outline[1].x() - segment.plane.outline[0].x();
     }
     Places measured;
     for (const SurfacePatch& patch : patches) measured.push_back(patch.vertices);
     AreaResult result;
-    result.coverage = coverage_of(profile_of(pieces, patches, measured));
-    Fineness fineness = fineness_of_all(pieces, patches, options);
-    keep_shown_noise(pieces, patches, options.noise_share, fineness);
+    result.coverage = coverage_of(profile_of(segments, patches, measured));
+    SamplingResolution sampling_resolution = sampling_resolution_of_all(segments, patches, options);
+    limit_to_noise_level(segments, patches, options.noise_share, sampling_resolution);
     result.area = {{"name", task.name},
                    {"kind", task.kind},
                    {"length_m", length},
                    {"coverage", result.coverage},
-                   {"correlation_length_m", fineness.correlation_length_m}};
+                   {"correlation_length_m", sampling_resolution.correlation_length_m}};
     if (!task.label.empty()) result.area["label"] = task.label;
-    if (fineness.sigma_m) result.area["sigma_m"] = *fineness.sigma_m;
-    if (fineness.sigma_local_m) result.area["sigma_local_m"] = *fineness.sigma_local_m;
-    if (fineness.detail_m) result.area["detail_m"] = *fineness.detail_m;
+    if (sampling_resolution.sigma_m) result.area["sigma_m"] = *sampling_resolution.sigma_m;
+    if (sampling_resolution.sigma_local_m)
+        result.area["sigma_local_m"] = *sampling_resolution.sigma_local_m;
+    if (sampling_resolution.detail_m) result.area["detail_m"] = *sampling_resolution.detail_m;
     const Evaluate evaluate = [&](const Places& places, int num_blurs) {
-        Profile profile = profile_of(pieces, patches, places);
-        for (int i = 0; i < num_blurs; ++i) profile = blurred(profile, *fineness.detail_m);
+        Profile profile = profile_of(segments, patches, places);
+        for (int i = 0; i < num_blurs; ++i)
+            profile = blurred(profile, *sampling_resolution.detail_m);
         return with_hidden(profile, options);
     };
-    const std::vector<Simulated> simulated = simulate_figures(
-        patches, fineness.correlation_length_m, fineness.detail_m.has_value(), options, evaluate);
-    const std::vector<double> bends =
-        bend_deviations(patches,
-                        fineness.detail_m.value_or(fineness.correlation_length_m),
-                        options,
-                        [&](const Places& places) { return evaluate(places, 0); });
-    const std::vector<double> seen = chain_figures(profile_of(pieces, patches, measured), options);
+    const std::vector<Simulated> simulated =
+        simulate_metrics(patches,
+                         sampling_resolution.correlation_length_m,
+                         sampling_resolution.detail_m.has_value(),
+                         options,
+                         evaluate);
+    const std::vector<double> bends = bend_deviations(
+        patches,
+        sampling_resolution.detail_m.value_or(sampling_resolution.correlation_length_m),
+        options,
+        [&](const Places& places) { return evaluate(places, 0); });
+    const std::vector<double> seen =
+        chain_metrics(profile_of(segments, patches, measured), options);
     for (std::size_t k = 0; k < options.spacings_m.size(); ++k) {
-        const FigureKind kind = chain_kind(options.spacings_m[k]);
+        const MetricKind kind = chain_kind(options.spacings_m[k]);
         const double hidden = std::isfinite(seen[k]) ? simulated[k].measured - seen[k] : 0.0;
         const Estimate estimated = estimate(
             simulated[k],
-            options.sigma_doubt,
+            options.sigma_relative_error,
             {.relative = 0.0, .absolute = std::hypot(hidden, bends.empty() ? 0.0 : bends[k])});
-        const auto refused = refused_at(options.spacings_m[k], fineness);
-        if (result.coverage < options.least_coverage)
-            result.figures.push_back(
+        const auto refused = refused_at(options.spacings_m[k], sampling_resolution);
+        if (result.coverage < options.min_coverage)
+            result.metrics.push_back(
                 refused_json(task, kind, "less than half of the line was seen"));
         else if (refused)
-            result.figures.push_back(refused_json(task, kind, *refused));
+            result.metrics.push_back(refused_json(task, kind, *refused));
         else if (!std::isfinite(estimated.low))
-            result.figures.push_back(refused_json(task, kind, "the line is shorter than a link"));
+            result.metrics.push_back(refused_json(task, kind, "the line is shorter than a link"));
         else
-            result.figures.push_back(figure_json(task, kind, estimated));
+            result.metrics.push_back(metric_json(task, kind, estimated));
     }
     return result;
 }

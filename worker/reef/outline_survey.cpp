@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "worker/reef/noise_level.hpp"
 #include "worker/reef/rugosity.hpp"
-#include "worker/reef/shown_noise.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -14,7 +14,7 @@ constexpr double kMargin_m = 0.05;  // of mesh around an area: noise moves what 
 // it may have: fine grids are for small areas.
 struct GridChoice {
     double spacing_m;
-    double most_nodes;
+    double max_nodes;
 };
 constexpr GridChoice kGrids[] = {
     {0.001, 150e3}, {0.002, 150e3}, {0.005, 150e3}, {0.01, 10e6}, {0.05, 10e6}, {0.25, 10e6}};
@@ -31,7 +31,7 @@ std::optional<GridShape> finest_grid(const Polygon& outline) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& corner : outline) box.extend(corner);
     for (const GridChoice& grid : kGrids)
-        if (box.volume() <= grid.most_nodes * grid.spacing_m * grid.spacing_m)
+        if (box.volume() <= grid.max_nodes * grid.spacing_m * grid.spacing_m)
             return grid_over(outline, grid.spacing_m);
     return std::nullopt;
 }
@@ -55,14 +55,15 @@ Ground OutlineSurvey::ground(const std::vector<Eigen::Vector3d>& vertices,
     Ground ground{patch[0], vertices, of_area(*this, heights), {}, {}};
     ground.R_world_plane = plane.T_plane_world.linear().transpose();
     // What was seen beside the outline helps to bridge within it.
-    if (has_hidden) ground.bridged = of_area(*this, bridge(heights));
+    if (has_hidden) ground.gaps_filled = of_area(*this, bridge(heights));
     const double sharp_m2 = num_blurs > 0 ? grid_area(ground.grid).surface_m2 : 0.0;
     for (int i = 0; i < num_blurs; ++i) {
-        ground.grid = blurred(ground.grid, *fineness.detail_m);
-        if (has_hidden) ground.bridged = blurred(ground.bridged, *fineness.detail_m);
+        ground.grid = blurred(ground.grid, *sampling_resolution.detail_m);
+        if (has_hidden)
+            ground.gaps_filled = blurred(ground.gaps_filled, *sampling_resolution.detail_m);
     }
     if (num_blurs > 0) ground.lost_to_blur_m2 = sharp_m2 - grid_area(ground.grid).surface_m2;
-    if (!has_hidden) ground.bridged = ground.grid;
+    if (!has_hidden) ground.gaps_filled = ground.grid;
     return ground;
 }
 
@@ -71,21 +72,22 @@ CutOutline cut_outline(const Mesh& mesh, const AreaPlane& plane, const MeasureOp
     CutOutline cut{{plane, {cut_patch(mesh, plane, kMargin_m)}, {}, {}, {}}, shape.has_value()};
     OutlineSurvey& survey = cut.survey;
     fill_in_sigma(survey.patch[0], options);
-    survey.fineness = fineness_of(survey.patch[0], cameras_in(plane, options), options);
+    survey.sampling_resolution =
+        sampling_resolution_of(survey.patch[0], cameras_in(plane, options), options);
     if (!shape) return cut;
     survey.shape = *shape;
-    survey.fineness.least_sample_m = shape->spacing_m;
+    survey.sampling_resolution.min_sample_m = shape->spacing_m;
     survey.within = nodes_within(*shape, plane.outline);
     return cut;
 }
 
-double keep_shown_noise(OutlineSurvey& survey, double most) {
+double limit_to_noise_level(OutlineSurvey& survey, double most) {
     SurfacePatch& patch = survey.patch[0];
-    ShownNoise noise(survey.fineness.correlation_length_m);
+    NoiseLevel noise(survey.sampling_resolution.correlation_length_m);
     noise.add(patch, survey.shape);
     const double share = std::min(most, noise.share());
     for (double& sigma : patch.sigma_local_m) sigma *= share;
-    survey.fineness.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
+    survey.sampling_resolution.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
     return share;
 }
 

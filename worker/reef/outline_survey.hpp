@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "worker/reef/area_figures.hpp"
+#include "worker/reef/area_metrics.hpp"
 #include "worker/reef/area_plane.hpp"
-#include "worker/reef/bridge_gaps.hpp"
-#include "worker/reef/fineness.hpp"
+#include "worker/reef/fill_gaps.hpp"
 #include "worker/reef/measure_options.hpp"
+#include "worker/reef/sampling_resolution.hpp"
 #include "worker/reef/surface_patch.hpp"
 
 namespace divemesh::worker {
@@ -17,7 +17,7 @@ namespace divemesh::worker {
 struct OutlineSurvey {
     AreaPlane plane;
     std::vector<SurfacePatch> patch;  // one
-    Fineness fineness;
+    SamplingResolution sampling_resolution;
     GridShape shape;
     std::vector<std::uint8_t> within;  // of the nodes, those of the outline
     bool has_hidden = false;           // of these, some were not seen
@@ -25,7 +25,7 @@ struct OutlineSurvey {
     HeightGrid grid(const std::vector<Eigen::Vector3d>& vertices) const;
     Ground ground(const std::vector<Eigen::Vector3d>& vertices,
                   int num_blurs = 0,
-                  HeightGrid bridge(const HeightGrid&) = bridged) const;
+                  HeightGrid bridge(const HeightGrid&) = gaps_filled) const;
 };
 
 // Nothing but the patch and its fineness where the outline is too large for samples of 25 cm.
@@ -37,7 +37,7 @@ CutOutline cut_outline(const Mesh& mesh, const AreaPlane& plane, const MeasureOp
 
 // Brings the vertices' local sigma down to what the surface shows of it, no more than `most` of
 // what is stated. Answers the share that was kept.
-double keep_shown_noise(OutlineSurvey& survey, double most);
+double limit_to_noise_level(OutlineSurvey& survey, double most);
 
 struct SeenNodes {
     double num_within = 0.0;

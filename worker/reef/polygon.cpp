@@ -87,7 +87,7 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& point) {
     return is_inside;
 }
 
-double longest_diameter_m(const Polygon& polygon) {
+double max_diameter_m(const Polygon& polygon) {
     double longest = 0.0;
     for (std::size_t i = 0; i < polygon.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)

@@ -17,7 +17,7 @@ bool is_self_crossing(const Polygon& polygon);
 bool contains(const Polygon& polygon, const Eigen::Vector2d& point);
 
 // Between the two corners that are farthest from each other (the major diameter of a colony).
-double longest_diameter_m(const Polygon& polygon);
+double max_diameter_m(const Polygon& polygon);
 
 // Area of what a triangle and the polygon have in common: the polygon clipped by the triangle's
 // three sides (Sutherland and Hodgman 1974), which may be concave.

@@ -76,11 +76,13 @@ private:
 
 SurfacePatch cut_patch(const Mesh& mesh, const AreaPlane& plane, double margin_m) {
     const Box bounds = bounds_of(plane.outline, margin_m);
-    const Eigen::Matrix<float, 2, 3> turn = plane.T_plane_world.linear().topRows<2>().cast<float>();
+    const Eigen::Matrix<float, 2, 3> rotation =
+        plane.T_plane_world.linear().topRows<2>().cast<float>();
     const Eigen::Vector2f shift = plane.T_plane_world.translation().head<2>().cast<float>();
     std::vector<Eigen::Vector2f> places;
     places.reserve(mesh.vertices.size());
-    for (const Eigen::Vector3f& vertex : mesh.vertices) places.emplace_back(turn * vertex + shift);
+    for (const Eigen::Vector3f& vertex : mesh.vertices)
+        places.emplace_back(rotation * vertex + shift);
     const Eigen::AlignedBox2f near(bounds.min().cast<float>(), bounds.max().cast<float>());
     const Box tight = bounds_of(plane.outline, 0.0);
     const bool is_rectangle = fills(plane.outline, tight);
@@ -133,8 +135,8 @@ std::optional<double> typical_sigma_m(const std::vector<double>& sigma_m) {
 std::optional<double> median_range_m(const SurfacePatch& patch,
                                      const std::vector<Eigen::Vector3d>& cameras_plane) {
     if (patch.vertices.empty() || cameras_plane.empty()) return std::nullopt;
-    constexpr std::size_t kMostVertices = 500;
-    const std::size_t step = patch.vertices.size() / kMostVertices + 1;
+    constexpr std::size_t kMaxVertices = 500;
+    const std::size_t step = patch.vertices.size() / kMaxVertices + 1;
     std::vector<double> ranges;
     for (std::size_t i = 0; i < patch.vertices.size(); i += step) {
         double nearest = std::numeric_limits<double>::infinity();

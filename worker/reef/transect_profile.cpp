@@ -10,41 +10,42 @@ constexpr double kStep_m = 0.005;  // of which every spacing of the options is a
 
 }  // namespace
 
-std::vector<TransectPiece> pieces_of(const std::vector<Eigen::Vector3d>& line,
-                                     const Eigen::Vector3d& normal) {
-    std::vector<TransectPiece> pieces;
+std::vector<TransectSegment> segments_of(const std::vector<Eigen::Vector3d>& line,
+                                         const Eigen::Vector3d& normal) {
+    std::vector<TransectSegment> segments;
     double along = 0.0;
     std::int64_t next = 0;  // step
     for (std::size_t i = 1; i < line.size(); ++i) {
-        TransectPiece piece;
-        piece.plane = plane_along(line[i - 1], line[i], normal);
-        const double length = piece.plane.outline[1].x() - piece.plane.outline[0].x();
+        TransectSegment segment;
+        segment.plane = plane_along(line[i - 1], line[i], normal);
+        const double length = segment.plane.outline[1].x() - segment.plane.outline[0].x();
         constexpr double kSlack_m = 1e-6;
         const auto end =
             static_cast<std::int64_t>(std::floor((along + length + kSlack_m) / kStep_m));
-        piece.first_along_m = static_cast<double>(next) * kStep_m;
-        piece.shape.origin_m = {piece.first_along_m - along, 0.0};
-        piece.shape.spacing_m = kStep_m;
-        piece.shape.num_columns = static_cast<int>(std::max<std::int64_t>(0, end - next + 1));
-        piece.shape.num_rows = 1;
-        piece.datum_m = normal.dot(line[i - 1] - line[0]);
-        pieces.push_back(piece);
+        segment.first_along_m = static_cast<double>(next) * kStep_m;
+        segment.shape.origin_m = {segment.first_along_m - along, 0.0};
+        segment.shape.spacing_m = kStep_m;
+        segment.shape.num_columns = static_cast<int>(std::max<std::int64_t>(0, end - next + 1));
+        segment.shape.num_rows = 1;
+        segment.datum_m = normal.dot(line[i - 1] - line[0]);
+        segments.push_back(segment);
         next = std::max(next, end + 1);
         along += length;
     }
-    return pieces;
+    return segments;
 }
 
-Profile profile_of(const std::vector<TransectPiece>& pieces,
+Profile profile_of(const std::vector<TransectSegment>& segments,
                    const std::vector<SurfacePatch>& patches,
                    const Places& places) {
     Profile profile;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const HeightGrid heights = sample_heights(places[i], patches[i].triangles, pieces[i].shape);
-        for (int k = 0; k < pieces[i].shape.num_columns; ++k)
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const HeightGrid heights =
+            sample_heights(places[i], patches[i].triangles, segments[i].shape);
+        for (int k = 0; k < segments[i].shape.num_columns; ++k)
             profile.push_back(
-                {pieces[i].first_along_m + k * kStep_m,
-                 heights.is_seen(k, 0) ? heights.at(k, 0) + pieces[i].datum_m : kUnseen_m});
+                {segments[i].first_along_m + k * kStep_m,
+                 heights.is_seen(k, 0) ? heights.at(k, 0) + segments[i].datum_m : kUnseen_m});
     }
     return profile;
 }
@@ -76,7 +77,7 @@ Profile blurred(const Profile& profile, double side_m) {
     return out;
 }
 
-Profile bridged(Profile profile) {
+Profile gaps_filled(Profile profile) {
     std::size_t last = profile.size();  // seen
     for (std::size_t i = 0; i < profile.size(); ++i) {
         if (!(profile[i].height_m > kUnseen_m)) continue;

@@ -5,26 +5,26 @@
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/height_grid.hpp"
 #include "worker/reef/rugosity.hpp"
-#include "worker/reef/simulate_figures.hpp"
+#include "worker/reef/simulate_metrics.hpp"
 #include "worker/reef/surface_patch.hpp"
 
 namespace divemesh::worker {
 
 // A straight piece of the line with the mesh around it; samples at whole steps of the line.
-struct TransectPiece {
+struct TransectSegment {
     AreaPlane plane;
     GridShape shape;  // one row
     double first_along_m = 0.0;
     double datum_m = 0.0;  // of its heights, against the first piece's
 };
 
-std::vector<TransectPiece> pieces_of(const std::vector<Eigen::Vector3d>& line,
-                                     const Eigen::Vector3d& normal);
+std::vector<TransectSegment> segments_of(const std::vector<Eigen::Vector3d>& line,
+                                         const Eigen::Vector3d& normal);
 
 using Profile = std::vector<ProfilePoint>;  // kUnseen_m: no surface there
 
 // The highest surface along all pieces, every 5 mm, with the patches' vertices at these places.
-Profile profile_of(const std::vector<TransectPiece>& pieces,
+Profile profile_of(const std::vector<TransectSegment>& segments,
                    const std::vector<SurfacePatch>& patches,
                    const Places& places);
 
@@ -35,7 +35,7 @@ Profile every(const Profile& profile, double spacing_m);
 Profile blurred(const Profile& profile, double side_m);
 
 // The straight line over every gap between what was seen.
-Profile bridged(Profile profile);
+Profile gaps_filled(Profile profile);
 
 double coverage_of(const Profile& profile);  // share that was seen
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "schemas/figure.hpp"
 #include "schemas/json.hpp"
+#include "schemas/metric.hpp"
 #include "schemas/requirement.hpp"
 #include "worker/output/atomic_file.hpp"
 #include "worker/report/report_formats.hpp"
@@ -18,12 +18,12 @@ namespace {
 
 using nlohmann::json;
 
-json to_json(const Figure& figure) {
-    return {{"figure", figure.name},
-            {"value", figure.value ? json(*figure.value) : json()},
-            {"unit", figure.unit},
-            {"method", figure.method},
-            {"alignment", figure.alignment}};
+json to_json(const Metric& metric) {
+    return {{"figure", metric.name},
+            {"value", metric.value ? json(*metric.value) : json()},
+            {"unit", metric.unit},
+            {"method", metric.method},
+            {"alignment", metric.alignment}};
 }
 
 std::string text_at(const json& document, const char* pointer) {
@@ -35,11 +35,11 @@ json report_document(const AccuracyReportRequest& request,
                      const ReportInputs& inputs,
                      const ReportMeasurements& measured) {
     const json& metrics = measured.document;
-    std::vector<Figure> figures = figures_of(metrics);
-    for (Figure& figure : reef_figures(measured.reef)) figures.push_back(std::move(figure));
-    for (Figure& figure : figures)
-        if (!figure.value && figure.name.ends_with(".drift_percent"))
-            figure.method = "refused: the path is shorter than the shortest segment";
+    std::vector<Metric> flattened = flatten_metrics(metrics);
+    for (Metric& metric : reef_metrics(measured.reef)) flattened.push_back(std::move(metric));
+    for (Metric& metric : flattened)
+        if (!metric.value && metric.name.ends_with(".drift_percent"))
+            metric.method = "refused: the path is shorter than the shortest segment";
     json report = {{"format", 1},
                    {"version", DIVEMESH_VERSION},
                    {"dive",
@@ -51,10 +51,10 @@ json report_document(const AccuracyReportRequest& request,
                      {"calibration_sha256", text_at(metrics, "/calibration/sha256")}}},
                    {"files", inputs.files},
                    {"figures", json::array()},
-                   {"requirements", judge_requirements(requirements, figures)},
-                   {"regressions", find_regressions(request.history, figures)},
+                   {"requirements", judge_requirements(requirements, flattened)},
+                   {"regressions", find_regressions(request.history, flattened)},
                    {"findings", measured.findings}};
-    for (const Figure& figure : figures) report["figures"].push_back(to_json(figure));
+    for (const Metric& metric : flattened) report["figures"].push_back(to_json(metric));
     report["passed"] = passed(report["requirements"]);
     if (!measured.reef.is_null()) report["reef"] = measured.reef;
     if (!metrics.contains("truth")) return report;

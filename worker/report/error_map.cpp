@@ -47,7 +47,7 @@ double rounded_up(double value) {
     return 10.0 * power;
 }
 
-double longest_side_m(const Mesh& mesh) {
+double max_side_m(const Mesh& mesh) {
     Eigen::AlignedBox3f box;
     for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex);
     return box.isEmpty() ? 1.0 : static_cast<double>(box.sizes().head<2>().maxCoeff());
@@ -71,7 +71,7 @@ private:
 };
 
 // Of each pixel that shows surface within range; NaN elsewhere.
-cv::Mat distances_m(const Mosaic& picture, const Mesh& reference, const SurfaceErrorInput& input) {
+cv::Mat distances_m(const Mosaic& image, const Mesh& reference, const SurfaceErrorInput& input) {
     const DistanceToReference surface(reference);
     std::vector<Eigen::Vector3f> cameras;
     for (const Eigen::Vector3d& position : input.camera_positions_world)
@@ -80,15 +80,15 @@ cv::Mat distances_m(const Mosaic& picture, const Mesh& reference, const SurfaceE
     const auto limit_m = input.camera_positions_world.empty()
                              ? std::numeric_limits<float>::infinity()
                              : static_cast<float>(input.max_range_m);
-    cv::Mat distance_m(picture.height_m.size(), CV_32F, cv::Scalar(std::nanf("")));
+    cv::Mat distance_m(image.height_m.size(), CV_32F, cv::Scalar(std::nanf("")));
     for_each_index(
         input.num_threads, static_cast<std::size_t>(distance_m.rows), [&](std::size_t index) {
             const int row = static_cast<int>(index);
             for (int column = 0; column < distance_m.cols; ++column) {
-                const float height_m = picture.height_m.at<float>(row, column);
+                const float height_m = image.height_m.at<float>(row, column);
                 if (std::isnan(height_m)) continue;
-                const Eigen::Vector3d p_world(picture.corner_x_m + (column + 0.5) * picture.pixel_m,
-                                              picture.corner_y_m - (row + 0.5) * picture.pixel_m,
+                const Eigen::Vector3d p_world(image.corner_x_m + (column + 0.5) * image.pixel_m,
+                                              image.corner_y_m - (row + 0.5) * image.pixel_m,
                                               static_cast<double>(height_m));
                 if (nearest_camera.distance_m(p_world.cast<float>()) > limit_m) continue;
                 distance_m.at<float>(row, column) =
@@ -114,14 +114,14 @@ double scale_end_m(const cv::Mat& distance_m) {
 ErrorMap render_error_map(const Mesh& mesh_world,
                           const Mesh& reference,
                           const SurfaceErrorInput& input) {
-    Mosaic picture = render_mosaic(
-        mesh_world, {.pixel_m = std::max(1e-6, longest_side_m(mesh_world) / (kSide_px - 1))});
-    const cv::Mat distance_m = distances_m(picture, reference, input);
+    Mosaic image = render_mosaic(
+        mesh_world, {.pixel_m = std::max(1e-6, max_side_m(mesh_world) / (kSide_px - 1))});
+    const cv::Mat distance_m = distances_m(image, reference, input);
     ErrorMap map;
     map.end_m = scale_end_m(distance_m);
     for (int row = 0; row < distance_m.rows; ++row)
         for (int column = 0; column < distance_m.cols; ++column) {
-            auto& pixel = picture.color.at<cv::Vec4b>(row, column);
+            auto& pixel = image.color.at<cv::Vec4b>(row, column);
             if (pixel[3] == 0) continue;
             const float distance = distance_m.at<float>(row, column);
             const Color color = std::isnan(distance)
@@ -129,7 +129,7 @@ ErrorMap render_error_map(const Mesh& mesh_world,
                                     : color_of(static_cast<double>(distance) / map.end_m);
             pixel = {color[2], color[1], color[0], 255};
         }
-    map.png = thumbnail_png(picture, kSide_px);
+    map.png = thumbnail_png(image, kSide_px);
     return map;
 }
 

@@ -1,9 +1,9 @@
 #include "worker/report/report.hpp"
 
 #include "schemas/base64.hpp"
-#include "worker/report/figure_rows.hpp"
 #include "worker/report/html_template.hpp"
 #include "worker/report/html_templates.hpp"
+#include "worker/report/metric_rows.hpp"
 #include "worker/report/path_plots.hpp"
 
 namespace divemesh::worker {
@@ -17,14 +17,14 @@ std::string report_html(const ReportInput& input) {
     const std::string name = text("/dive/name");
     const auto& trajectory = input.evaluation.trajectory;
     const TrajectoryError* error = trajectory ? &*trajectory : nullptr;
-    json picture;
-    if (!input.picture_png.empty()) picture = {{"png", encode_base64(input.picture_png)}};
+    json image;
+    if (!input.image_png.empty()) image = {{"png", encode_base64(input.image_png)}};
     return fill_template(
         reconstruction_page_html(),
         {{"title", name.empty() ? "dive " + text("/dive/content_sha256").substr(0, 12) : name},
          {"version", text("/version")},
          {"preset", text("/preset")},
-         {"picture", picture},
+         {"picture", image},
          {"accuracy", rows_values(accuracy_rows(input.metrics))},
          {"expected", rows_values(expected_rows(input.metrics))},
          {"path_from_above", svg_plot(path_from_above(error, input.trajectory))},

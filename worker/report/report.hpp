@@ -13,7 +13,7 @@ struct ReportInput {
     const nlohmann::json& metrics;  // metrics.json
     const Trajectory& trajectory;   // final
     const Evaluation& evaluation;
-    std::string picture_png;  // of the result, at most some 100 kB; "" for none
+    std::string image_png;  // of the result, at most some 100 kB; "" for none
 };
 
 // report.html: one self-contained page for a person. Figures, two plots, the picture, the

@@ -54,10 +54,10 @@ std::string test_case(const json& requirement) {
 
 std::string report_csv(const json& report) {
     std::string csv = "figure,value,unit,method,alignment\r\n";
-    for (const json& figure : report.at("figures"))
-        csv += csv_cell(figure.at("figure")) + "," + number_text(figure.at("value")) + "," +
-               csv_cell(figure.at("unit")) + "," + csv_cell(figure.at("method")) + "," +
-               csv_cell(figure.at("alignment")) + "\r\n";
+    for (const json& metric : report.at("figures"))
+        csv += csv_cell(metric.at("figure")) + "," + number_text(metric.at("value")) + "," +
+               csv_cell(metric.at("unit")) + "," + csv_cell(metric.at("method")) + "," +
+               csv_cell(metric.at("alignment")) + "\r\n";
     return csv;
 }
 

@@ -24,10 +24,10 @@ json described(const std::string& role, const fs::path& file) {
         throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
     Sha256 hash;
     std::int64_t size_bytes = 0;
-    std::vector<char> piece(std::size_t{1} << 20);
-    while (stream.read(piece.data(), std::ssize(piece)) || stream.gcount() > 0) {
+    std::vector<char> segment(std::size_t{1} << 20);
+    while (stream.read(segment.data(), std::ssize(segment)) || stream.gcount() > 0) {
         const auto count = static_cast<std::size_t>(stream.gcount());
-        hash.update({piece.data(), count});
+        hash.update({segment.data(), count});
         size_bytes += static_cast<std::int64_t>(count);
     }
     return {{"role", role},

@@ -17,13 +17,13 @@ namespace {
 using nlohmann::json;
 
 // The frames of the piece that has most of them, by metrics.json.
-Trajectory largest_piece(Trajectory trajectory, const json& metrics) {
-    const json pieces = metrics.value("pieces", json::array());
+Trajectory largest_segment(Trajectory trajectory, const json& metrics) {
+    const json segments = metrics.value("pieces", json::array());
     const auto largest =
-        std::max_element(pieces.begin(), pieces.end(), [](const json& a, const json& b) {
+        std::max_element(segments.begin(), segments.end(), [](const json& a, const json& b) {
             return a.value("num_frames", 0) < b.value("num_frames", 0);
         });
-    if (pieces.size() < 2) return trajectory;
+    if (segments.size() < 2) return trajectory;
     const json intervals = largest->value("intervals", json::array());
     std::erase_if(trajectory, [&](const StampedPose& pose) {
         return std::none_of(intervals.begin(), intervals.end(), [&](const json& interval) {
@@ -53,7 +53,7 @@ public:
               ReportMeasurements& result)
         : inputs_(inputs), request_(request), result_(result) {
         result_.document = inputs.reconstruction.metrics();
-        result_.path = largest_piece(inputs.reconstruction.trajectory(), result_.document);
+        result_.path = largest_segment(inputs.reconstruction.trajectory(), result_.document);
         result_.findings = inputs.findings;
     }
 
@@ -92,7 +92,7 @@ void Measuring::compare_trajectories() try {
     const TrajectoryErrorOptions& options = registered_.options;
     result_.trajectory = trajectory_error(result_.path, poses, options);
     result_.has_orientation = registration.has_orientation;
-    const auto figures = [&](json metrics) {
+    const auto known_sections = [&](json metrics) {
         // Nothing to take it over is not a drift of zero.
         if (metrics.at("segments").empty()) metrics["drift_percent"] = nullptr;
         return registration.has_orientation ? metrics : without_rotations(std::move(metrics));
@@ -101,13 +101,13 @@ void Measuring::compare_trajectories() try {
     json final_path = to_metrics(*result_.trajectory);
     final_path["relative_pose"] =
         to_metrics(relative_pose_error(pair_poses(result_.path, poses, options), {.delta_m = 1.0}));
-    section["final"] = figures(std::move(final_path));
+    section["final"] = known_sections(std::move(final_path));
     if (inputs_.truth_source != "dive" && section.contains("covariance"))
         section["covariance"].erase("check");
     section.erase("causal");
     if (std::filesystem::exists(inputs_.reconstruction.path() / "trajectory_causal.tum") &&
         !options.pair_by_index)
-        section["causal"] = figures(to_metrics(
+        section["causal"] = known_sections(to_metrics(
             trajectory_error(inputs_.reconstruction.causal_trajectory(), poses, options)));
     result_.document["truth"] = to_metrics(registration, request_.truth);
 } catch (const Error& error) {

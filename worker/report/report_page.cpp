@@ -5,9 +5,9 @@
 
 #include "schemas/base64.hpp"
 #include "worker/report/error_map.hpp"
-#include "worker/report/figure_rows.hpp"
 #include "worker/report/html_template.hpp"
 #include "worker/report/html_templates.hpp"
+#include "worker/report/metric_rows.hpp"
 #include "worker/report/path_plots.hpp"
 #include "worker/report/report_reef.hpp"
 
@@ -52,8 +52,8 @@ json regressions(const json& report) {
     return grid_values(grid);
 }
 
-std::string interval_text(const json& figure) {
-    const json interval = figure.value("interval95_m", json());
+std::string interval_text(const json& metric) {
+    const json interval = metric.value("interval95_m", json());
     if (!interval.is_array() || interval.size() != 2) return "";
     return number_text(interval[0], "%.4f") + " to " + number_text(interval[1], "%.4f");
 }
@@ -168,14 +168,14 @@ json provenance(const json& report) {
             {"files", grid_values(grid)}};
 }
 
-json all_figures(const json& report) {
+json all_metrics(const json& report) {
     Grid grid = {{"Figure", "Value", "Unit", "Method", "Alignment"}};
-    for (const json& figure : report.at("figures"))
-        grid.push_back({figure.at("figure"),
-                        number_text(figure.at("value")),
-                        figure.at("unit"),
-                        figure.at("method"),
-                        figure.at("alignment")});
+    for (const json& metric : report.at("figures"))
+        grid.push_back({metric.at("figure"),
+                        number_text(metric.at("value")),
+                        metric.at("unit"),
+                        metric.at("method"),
+                        metric.at("alignment")});
     return grid_values(grid);
 }
 
@@ -216,7 +216,7 @@ std::string report_page(const json& report, const ReportMeasurements& measured) 
                    {"findings", findings_values(report.at("findings"))},
                    {"provenance", provenance(report)},
                    {"num_figures", report.at("figures").size()},
-                   {"figures", all_figures(report)}};
+                   {"figures", all_metrics(report)}};
     values.update(plots(measured));
     return fill_template(accuracy_page_html(), values);
 }

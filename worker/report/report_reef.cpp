@@ -16,13 +16,13 @@ std::string number_text(const json& value) {
     return text;
 }
 
-std::string name_of(const json& figure) {
+std::string name_of(const json& metric) {
     std::string name = "reef.";
-    name.append(figure.at("figure").get<std::string>());
+    name.append(metric.at("figure").get<std::string>());
     const auto add = [&](const std::string& part) { name.append("[").append(part).append("]"); };
-    add(figure.at("area").get<std::string>());
-    if (figure.contains("label")) add(figure["label"].get<std::string>());
-    if (figure.contains("resolution_m")) add(number_text(figure["resolution_m"]));
+    add(metric.at("area").get<std::string>());
+    if (metric.contains("label")) add(metric["label"].get<std::string>());
+    if (metric.contains("resolution_m")) add(number_text(metric["resolution_m"]));
     return name;
 }
 
@@ -33,45 +33,45 @@ const json& list_of(const json& reef) {
 
 }  // namespace
 
-std::vector<Figure> reef_figures(const json& reef) {
-    std::vector<Figure> figures;
-    for (const json& figure : list_of(reef)) {
-        const std::string name = name_of(figure);
-        const auto unit = figure.at("unit").get<std::string>();
-        if (figure.contains("refused")) {
-            figures.push_back({name,
+std::vector<Metric> reef_metrics(const json& reef) {
+    std::vector<Metric> metrics;
+    for (const json& metric : list_of(reef)) {
+        const std::string name = name_of(metric);
+        const auto unit = metric.at("unit").get<std::string>();
+        if (metric.contains("refused")) {
+            metrics.push_back({name,
                                std::nullopt,
                                unit,
-                               "refused: " + figure["refused"].get<std::string>(),
+                               "refused: " + metric["refused"].get<std::string>(),
                                "none"});
             continue;
         }
-        const auto method = figure.at("method").get<std::string>();
-        figures.push_back({name, figure.at("value").get<double>(), unit, method, "none"});
+        const auto method = metric.at("method").get<std::string>();
+        metrics.push_back({name, metric.at("value").get<double>(), unit, method, "none"});
         for (const char* end : {"low", "high"})
-            figures.push_back({std::string(name).append(".").append(end),
-                               figure.at(end).get<double>(),
+            metrics.push_back({std::string(name).append(".").append(end),
+                               metric.at(end).get<double>(),
                                unit,
                                "end of the 95 % interval; " + method,
                                "none"});
     }
-    return figures;
+    return metrics;
 }
 
 json reef_table(const json& reef) {
     std::vector<std::vector<std::string>> rows = {
         {"Area", "Figure", "Label", "At, m", "Value", "Unit", "95 % interval"}};
-    for (const json& figure : list_of(reef)) {
-        const bool is_refused = figure.contains("refused");
+    for (const json& metric : list_of(reef)) {
+        const bool is_refused = metric.contains("refused");
         rows.push_back(
-            {figure.at("area"),
-             figure.at("figure"),
-             figure.value("label", ""),
-             number_text(figure.value("resolution_m", json())),
-             is_refused ? "refused" : number_text(figure.at("value")),
-             figure.at("unit"),
-             is_refused ? figure.at("refused").get<std::string>()
-                        : number_text(figure.at("low")) + " to " + number_text(figure.at("high"))});
+            {metric.at("area"),
+             metric.at("figure"),
+             metric.value("label", ""),
+             number_text(metric.value("resolution_m", json())),
+             is_refused ? "refused" : number_text(metric.at("value")),
+             metric.at("unit"),
+             is_refused ? metric.at("refused").get<std::string>()
+                        : number_text(metric.at("low")) + " to " + number_text(metric.at("high"))});
     }
     return grid_values(rows);
 }

@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "schemas/figure.hpp"
+#include "schemas/metric.hpp"
 
 namespace divemesh::worker {
 
 // What measure_areas() answers as figures of a report: "reef.rugosity[quadrat 1][0.05]" by area,
 // label where there is one, and resolution in m, its interval as ".low" and ".high". One that is
 // refused has no value, and its method says why. Of null: none.
-std::vector<Figure> reef_figures(const nlohmann::json& reef);
+std::vector<Metric> reef_metrics(const nlohmann::json& reef);
 
 // The same for {{>grid}} of the page; null of null.
 nlohmann::json reef_table(const nlohmann::json& reef);

@@ -18,10 +18,10 @@ std::string number_text(double value) {
     return text;
 }
 
-const Figure* find(const std::vector<Figure>& figures, const std::string& name) {
+const Metric* find(const std::vector<Metric>& metrics, const std::string& name) {
     const auto found = std::find_if(
-        figures.begin(), figures.end(), [&](const Figure& figure) { return figure.name == name; });
-    return found == figures.end() ? nullptr : &*found;
+        metrics.begin(), metrics.end(), [&](const Metric& metric) { return metric.name == name; });
+    return found == metrics.end() ? nullptr : &*found;
 }
 
 std::string missing_reason(const std::string& name) {
@@ -86,24 +86,24 @@ Better better(const std::string& name) {
 }  // namespace
 
 json judge_requirements(const std::vector<Requirement>& requirements,
-                        const std::vector<Figure>& figures) {
+                        const std::vector<Metric>& metrics) {
     json verdicts = json::array();
     for (const Requirement& requirement : requirements) {
-        const Figure* figure = find(figures, requirement.figure);
+        const Metric* metric = find(metrics, requirement.metric);
         json verdict = {{"text", requirement.text},
-                        {"figure", requirement.figure},
+                        {"figure", requirement.metric},
                         {"value", nullptr},
                         {"met", false},
-                        {"reason", missing_reason(requirement.figure)}};
-        if (figure != nullptr && !figure->value && figure->method.starts_with("refused: "))
-            verdict["reason"] = figure->method;
-        if (figure != nullptr && figure->value) {
-            const bool met = is_met(requirement, *figure->value);
-            verdict["value"] = *figure->value;
+                        {"reason", missing_reason(requirement.metric)}};
+        if (metric != nullptr && !metric->value && metric->method.starts_with("refused: "))
+            verdict["reason"] = metric->method;
+        if (metric != nullptr && metric->value) {
+            const bool met = is_met(requirement, *metric->value);
+            verdict["value"] = *metric->value;
             verdict["met"] = met;
             verdict["reason"] = met ? ""
-                                    : "it is " + number_text(*figure->value) +
-                                          (figure->unit == "1" ? "" : " " + figure->unit);
+                                    : "it is " + number_text(*metric->value) +
+                                          (metric->unit == "1" ? "" : " " + metric->unit);
         }
         verdicts.push_back(std::move(verdict));
     }
@@ -118,19 +118,19 @@ json passed(const json& requirements) {
 }
 
 json find_regressions(const std::map<std::string, std::vector<double>>& history,
-                      const std::vector<Figure>& figures) {
-    constexpr std::size_t kLeastValues = 3;
+                      const std::vector<Metric>& metrics) {
+    constexpr std::size_t kMinValues = 3;
     constexpr double kSigmas = 3.0;
     constexpr double kTolerated = 0.1;
     json regressions = json::array();
     for (const auto& [name, earlier] : history) {
-        const Figure* figure = find(figures, name);
-        if (figure == nullptr || !figure->value || earlier.size() < kLeastValues) continue;
+        const Metric* metric = find(metrics, name);
+        if (metric == nullptr || !metric->value || earlier.size() < kMinValues) continue;
         const Better sense = better(name);
         if (sense == Better::Neither) continue;
         std::vector<double> sizes;  // an error may have either sign
         for (const double value : earlier) sizes.push_back(std::abs(value));
-        const double size = std::abs(*figure->value);
+        const double size = std::abs(*metric->value);
         const double middle = median(sizes);
         std::vector<double> deviations;
         for (const double value : sizes) deviations.push_back(std::abs(value - middle));

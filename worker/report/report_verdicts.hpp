@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "schemas/figure.hpp"
+#include "schemas/metric.hpp"
 #include "schemas/requirement.hpp"
 
 namespace divemesh::worker {
 
 // "requirements" of report.json. What is not to be had is not met.
 nlohmann::json judge_requirements(const std::vector<Requirement>& requirements,
-                                  const std::vector<Figure>& figures);
+                                  const std::vector<Metric>& metrics);
 
 // "passed": whether all are met; null when there are none.
 nlohmann::json passed(const nlohmann::json& requirements);
@@ -23,6 +23,6 @@ nlohmann::json passed(const nlohmann::json& requirements);
 // they are larger, by their size whatever their sign; coverage, shares of what fits and counts of
 // what was found when they are smaller; other figures are neither good nor bad.
 nlohmann::json find_regressions(const std::map<std::string, std::vector<double>>& history,
-                                const std::vector<Figure>& figures);
+                                const std::vector<Metric>& metrics);
 
 }  // namespace divemesh::worker

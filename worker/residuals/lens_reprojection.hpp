@@ -29,25 +29,25 @@ class LensReprojectionCost
 public:
     explicit LensReprojectionCost(const LensReprojection& reprojection)
         : stereo_(reprojection.stereo),
-          by_change_(reprojection.stereo.sigma_px.cwiseInverse().asDiagonal() *
-                     reprojection.shift_px) {
-        if (reprojection.stereo.measured_px.z() <= 0.0) by_change_.row(2).setZero();
+          jacobian_of_change_(reprojection.stereo.sigma_px.cwiseInverse().asDiagonal() *
+                              reprojection.shift_px) {
+        if (reprojection.stereo.measured_px.z() <= 0.0) jacobian_of_change_.row(2).setZero();
     }
 
     bool Evaluate(double const* const* blocks, double* r, double** jacobians) const override {
         if (!stereo_.Evaluate(blocks, r, jacobians)) return false;
         Eigen::Map<Eigen::Vector3d>{r} +=
-            by_change_ *
+            jacobian_of_change_ *
             Eigen::Map<const Eigen::Matrix<double, LensReprojection::kNumChanges, 1>>(blocks[3]);
         if (jacobians && jacobians[3])
             Eigen::Map<Eigen::Matrix<double, 3, LensReprojection::kNumChanges, Eigen::RowMajor>>{
-                jacobians[3]} = by_change_;
+                jacobians[3]} = jacobian_of_change_;
         return true;
     }
 
 private:
     StereoReprojectionCost stereo_;
-    LensReprojection::Shift by_change_;
+    LensReprojection::Shift jacobian_of_change_;
 };
 
 inline ceres::CostFunction* LensReprojection::create(const LensReprojection& reprojection) {

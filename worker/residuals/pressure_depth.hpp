@@ -8,18 +8,19 @@ namespace divemesh::worker {
 //
 //     r = (offset + down^T p - depth) / sigma
 //
-// Blocks: p_world_imu (m), down_world (unit vector), offset (m): the depth of the world's origin.
+// Blocks: p_world_imu (m), gravity_direction_world (unit vector), offset (m): the depth of the
+// world's origin.
 struct PressureDepth {
     double depth_m = 0.0;
     double sigma_m = 0.0;
 
     template <typename T>
     bool operator()(const T* const p_world_imu,
-                    const T* const down_world,
+                    const T* const gravity_direction_world,
                     const T* const offset_m,
                     T* residual) const {
         T depth = offset_m[0];
-        for (int i = 0; i < 3; ++i) depth += down_world[i] * p_world_imu[i];
+        for (int i = 0; i < 3; ++i) depth += gravity_direction_world[i] * p_world_imu[i];
         residual[0] = (depth - T(depth_m)) / T(sigma_m);
         return true;
     }

@@ -48,27 +48,27 @@ struct StereoReprojection {
                    const double* p_world_imu,
                    const double* p_world,
                    Eigen::Vector3d& residual,
-                   Eigen::Matrix3d& by_world) const {
+                   Eigen::Matrix3d& jacobian_world) const {
         if (!(*this)(q_world_imu, p_world_imu, p_world, residual.data())) return false;
         const Eigen::Map<const Eigen::Quaterniond> q(q_world_imu);
         const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(p_world) -
                                   Eigen::Map<const Eigen::Vector3d>(p_world_imu);
         const Eigen::Matrix3d U = -cross_matrix(q.vec());
-        by_world = by_point_in_imu(q.conjugate() * d) *
-                   (Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U);
+        jacobian_world = jacobian_of_point(q.conjugate() * d) *
+                         (Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U);
         return true;
     }
 
-    Eigen::Matrix3d by_point_in_imu(const Eigen::Vector3d& in_imu) const {
+    Eigen::Matrix3d jacobian_of_point(const Eigen::Vector3d& in_imu) const {
         const Eigen::Matrix3d R_cam_imu = rig.T_imu_cam.linear().transpose();
         const Eigen::Vector3d p = R_cam_imu * (in_imu - rig.T_imu_cam.translation());
         const double scale = rig.focal_px / p.z();
-        Eigen::Matrix3d by_cam;
-        by_cam << scale / sigma_px.x(), 0.0, -scale * p.x() / p.z() / sigma_px.x(),  //
-            0.0, scale / sigma_px.y(), -scale * p.y() / p.z() / sigma_px.y(),        //
+        Eigen::Matrix3d jacobian_cam;
+        jacobian_cam << scale / sigma_px.x(), 0.0, -scale * p.x() / p.z() / sigma_px.x(),  //
+            0.0, scale / sigma_px.y(), -scale * p.y() / p.z() / sigma_px.y(),              //
             0.0, 0.0, -scale * rig.baseline_m / p.z() / sigma_px.z();
-        if (measured_px.z() <= 0.0) by_cam.row(2).setZero();
-        return by_cam * R_cam_imu;
+        if (measured_px.z() <= 0.0) jacobian_cam.row(2).setZero();
+        return jacobian_cam * R_cam_imu;
     }
 
     static ceres::CostFunction* create(const StereoReprojection& reprojection);
@@ -87,23 +87,24 @@ public:
     bool Evaluate(double const* const* blocks, double* r, double** jacobians) const override {
         if (!jacobians) return reprojection_(blocks[0], blocks[1], blocks[2], r);
         Eigen::Vector3d residual;
-        Eigen::Matrix3d by_world;
-        if (!reprojection_.linearise(blocks[0], blocks[1], blocks[2], residual, by_world))
+        Eigen::Matrix3d jacobian_world;
+        if (!reprojection_.linearise(blocks[0], blocks[1], blocks[2], residual, jacobian_world))
             return false;
         Eigen::Map<Eigen::Vector3d>{r} = residual;
-        if (jacobians[2]) store(by_world, jacobians[2]);
-        if (jacobians[1]) store(-by_world, jacobians[1]);
+        if (jacobians[2]) store(jacobian_world, jacobians[2]);
+        if (jacobians[1]) store(-jacobian_world, jacobians[1]);
         if (!jacobians[0]) return true;
         const Eigen::Map<const Eigen::Quaterniond> q(blocks[0]);
         const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(blocks[2]) -
                                   Eigen::Map<const Eigen::Vector3d>(blocks[1]);
-        const Eigen::Matrix3d by_imu = reprojection_.by_point_in_imu(q.conjugate() * d);
+        const Eigen::Matrix3d jacobian_imu = reprojection_.jacobian_of_point(q.conjugate() * d);
         const Eigen::Vector3d u = -q.vec();
-        Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> by_q(jacobians[0]);
-        by_q.leftCols<3>() = by_imu * (2.0 * q.w() * cross_matrix(d) -
-                                       2.0 * (u.dot(d) * Eigen::Matrix3d::Identity() +
-                                              u * d.transpose() - 2.0 * d * u.transpose()));
-        by_q.col(3) = by_imu * (2.0 * u.cross(d));
+        Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> jacobian_q(jacobians[0]);
+        jacobian_q.leftCols<3>() =
+            jacobian_imu *
+            (2.0 * q.w() * cross_matrix(d) - 2.0 * (u.dot(d) * Eigen::Matrix3d::Identity() +
+                                                    u * d.transpose() - 2.0 * d * u.transpose()));
+        jacobian_q.col(3) = jacobian_imu * (2.0 * u.cross(d));
         return true;
     }
 

@@ -43,7 +43,7 @@ std::uint8_t tone(float linear) {
 }
 
 cv::Mat develop(const cv::Mat& radiance,
-                std::uint64_t picture,
+                std::uint64_t image_number,
                 double t_s,
                 const SensorOptions& options) {
     cv::Mat image(radiance.size(), CV_8UC3);
@@ -53,7 +53,7 @@ cv::Mat develop(const cv::Mat& radiance,
     const float center_u = 0.5F * static_cast<float>(radiance.cols - 1);
     const float center_v = 0.5F * static_cast<float>(radiance.rows - 1);
     const float corner2 = center_u * center_u + center_v * center_v;
-    const std::uint64_t seed = hash64(options.seed, picture);
+    const std::uint64_t seed = hash64(options.seed, image_number);
     tbb::parallel_for(0, radiance.rows, [&](int v) {
         for (int u = 0; u < radiance.cols; ++u) {
             const float du = static_cast<float>(u) - center_u;

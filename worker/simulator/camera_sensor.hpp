@@ -17,7 +17,7 @@ struct SensorOptions {
 // Turns linear light (CV_32FC3, r g b) into the picture a camera stores: vignetting, exposure that
 // wanders by a few per cent, noise, tone curve; 8 bit BGR. `picture` numbers pictures of a dive.
 cv::Mat develop(const cv::Mat& radiance,
-                std::uint64_t picture,
+                std::uint64_t image_number,
                 double t_s,
                 const SensorOptions& options);
 

@@ -74,11 +74,10 @@ void write_camera_files(const std::filesystem::path& folder,
                         const Camera& camera,
                         const Eigen::Isometry3d& T_imu_cam,
                         double rate_hz,
-                        const std::vector<PictureName>& pictures) {
+                        const std::vector<ImageName>& images) {
     std::ostringstream rows;
     rows << "#timestamp [ns],filename\n";
-    for (const PictureName& picture : pictures)
-        rows << picture.timestamp_ns << ',' << picture.file << '\n';
+    for (const ImageName& image : images) rows << image.timestamp_ns << ',' << image.file << '\n';
     write_text(folder / "data.csv", rows.str());
     std::ostringstream rest;
     const auto& k = camera.distortion_coefficients;

@@ -16,7 +16,7 @@
 // The files of a dive on disk, in EuRoC's forms. All throw as AtomicFile does.
 namespace divemesh::worker {
 
-struct PictureName {
+struct ImageName {
     std::int64_t timestamp_ns = 0;
     std::string file;
 };
@@ -25,7 +25,7 @@ void write_camera_files(const std::filesystem::path& folder,
                         const Camera& camera,
                         const Eigen::Isometry3d& T_imu_cam,
                         double rate_hz,
-                        const std::vector<PictureName>& pictures);
+                        const std::vector<ImageName>& images);
 void write_imu_files(const std::filesystem::path& folder,
                      const ImuNoise& noise,
                      const std::vector<ImuRecord>& records);

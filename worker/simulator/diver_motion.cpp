@@ -77,13 +77,13 @@ DiverMotion DiverMotion::closed_lap(const SurveyPath& path,
         motion.close(lap_s);
         return motion;
     };
-    const double shortest_m = scaled(0.0).length_m(lap_s);
-    const double longest_m = scaled(path.max_scale).length_m(lap_s);
-    if (length_m < shortest_m || length_m > longest_m)
+    const double min_length_m = scaled(0.0).length_m(lap_s);
+    const double max_length_m = scaled(path.max_scale).length_m(lap_s);
+    if (length_m < min_length_m || length_m > max_length_m)
         throw Error(ErrorCode::InvalidArgument,
                     "a closed lap of " + std::to_string(length_m) +
                         " m does not fit this scene: choose a length up to " +
-                        std::to_string(longest_m) + " m, or an open path");
+                        std::to_string(max_length_m) + " m, or an open path");
     const double scale = bisect(0.0, path.max_scale, [&](double candidate) {
         return scaled(candidate).length_m(lap_s) - length_m;
     });

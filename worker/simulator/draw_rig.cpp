@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-Eigen::Matrix3d small_rotation(RandomRow& random, double most_deg) {
-    const double x = random.uniform(-most_deg, most_deg) * kDegree;
-    const double y = random.uniform(-most_deg, most_deg) * kDegree;
-    const double z = random.uniform(-most_deg, most_deg) * kDegree;
+Eigen::Matrix3d small_rotation(RandomRow& random, double max_deg) {
+    const double x = random.uniform(-max_deg, max_deg) * kDegree;
+    const double y = random.uniform(-max_deg, max_deg) * kDegree;
+    const double z = random.uniform(-max_deg, max_deg) * kDegree;
     return (Eigen::AngleAxisd(x, Eigen::Vector3d::UnitX()) *
             Eigen::AngleAxisd(y, Eigen::Vector3d::UnitY()) *
             Eigen::AngleAxisd(z, Eigen::Vector3d::UnitZ()))

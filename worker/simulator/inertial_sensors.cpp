@@ -28,9 +28,9 @@ Eigen::Vector3d gaussian3(RandomRow& random) {
 }
 
 // A slow sine mixture of unit RMS.
-class Wander {
+class GaussMarkovProcess {
 public:
-    Wander(RandomRow& random, double period_s) {
+    GaussMarkovProcess(RandomRow& random, double period_s) {
         for (Term& term : terms_)
             term = {random.uniform(0.8, 1.25) / period_s,
                     random.uniform(0.0, 2.0 * std::numbers::pi)};
@@ -95,9 +95,9 @@ std::vector<OrientationSample> simulate_ahrs(const DiverMotion& motion,
                                              bool noise,
                                              std::uint64_t seed) {
     RandomRow random(hash64(seed, 0x61687273ULL));
-    const Wander tilt_x(random, 12.0);
-    const Wander tilt_y(random, 12.0);
-    const Wander heading(random, 25.0);
+    const GaussMarkovProcess tilt_x(random, 12.0);
+    const GaussMarkovProcess tilt_y(random, 12.0);
+    const GaussMarkovProcess heading(random, 25.0);
     const double rms = noise ? random.uniform(0.3, 0.5) * kDegree / std::sqrt(3.0) : 0.0;
     const double white = noise ? 0.02 * kDegree : 0.0;
     std::vector<OrientationSample> samples;

@@ -16,10 +16,10 @@ namespace divemesh::worker {
 namespace {
 
 constexpr float kThickness_m = 0.004F;
-constexpr float kGap_m = 0.01F;       // between the board and the highest ground under it
-constexpr float kFarthest_m = 2.2F;   // from the camera
-constexpr float kLeastCosine = 0.5F;  // between the board's normal and the way to the camera
-constexpr float kSteepest_cosine = 0.7F;
+constexpr float kGap_m = 0.01F;      // between the board and the highest ground under it
+constexpr float kMaxRange_m = 2.2F;  // from the camera
+constexpr float kMinCosine = 0.5F;   // between the board's normal and the way to the camera
+constexpr float kMinSlopeCosine = 0.7F;
 
 // One cell of white around the picture of the tag.
 float edge_of_board_m(const SimulateOptions& options) {
@@ -43,14 +43,14 @@ public:
         const Eigen::Vector3f eye = T_world_cam.translation().cast<float>();
         const Eigen::Vector3f ray = (T_world_cam.linear() * ray_cam).normalized().cast<float>();
         const RayHit hit = caster_.cast(eye, ray);
-        if (!hit.valid() || hit.t > kFarthest_m) return;
+        if (!hit.valid() || hit.t > kMaxRange_m) return;
         const Eigen::Vector3f p = eye + hit.t * ray;
         for (const LaidMarker& board : boards_)
             if ((board.T_world_board.translation() - p).norm() < 2.0F * edge_m_) return;
         const auto board = board_on(p);
         if (!board) return;
         const Eigen::Vector3f to_eye = (eye - board->T_world_board.translation()).normalized();
-        if (board->T_world_board.linear().col(2).dot(to_eye) < kLeastCosine ||
+        if (board->T_world_board.linear().col(2).dot(to_eye) < kMinCosine ||
             !is_in_sight(*board, eye))
             return;
         boards_.push_back(*board);
@@ -83,26 +83,26 @@ private:
     std::optional<LaidMarker> board_on(const Eigen::Vector3f& p) const {
         const auto yaw = static_cast<float>(
             6.283 * to_unit(hash64(seed_, static_cast<std::int64_t>(boards_.size()))));
-        const Eigen::AngleAxisf turn(yaw, Eigen::Vector3f::UnitZ());
+        const Eigen::AngleAxisf rotation(yaw, Eigen::Vector3f::UnitZ());
         Eigen::Matrix<float, 25, 3> A;
         Eigen::Matrix<float, 25, 1> z;
         for (int i = 0; i < 25; ++i) {
             const Eigen::Vector3f offset(0.25F * edge_m_ * static_cast<float>(i % 5 - 2),
                                          0.25F * edge_m_ * static_cast<float>(i / 5 - 2),
                                          0);
-            const auto ground = ground_below(p + turn * offset);
+            const auto ground = ground_below(p + rotation * offset);
             if (!ground) return std::nullopt;
             A.row(i) << ground->x() - p.x(), ground->y() - p.y(), 1.0F;
             z[i] = ground->z() - p.z();
         }
         const Eigen::Vector3f plane = A.colPivHouseholderQr().solve(z);
         const Eigen::Vector3f normal = Eigen::Vector3f(-plane.x(), -plane.y(), 1).normalized();
-        if (normal.z() < kSteepest_cosine) return std::nullopt;
+        if (normal.z() < kMinSlopeCosine) return std::nullopt;
         const float lift = (z - A * plane).maxCoeff() + kGap_m;
         LaidMarker board;
         board.id = static_cast<int>(boards_.size());
         board.T_world_board.linear() =
-            (Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal) * turn)
+            (Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal) * rotation)
                 .toRotationMatrix();
         board.T_world_board.translation() = p + Eigen::Vector3f(0, 0, plane.z() + lift);
         return board;
@@ -121,10 +121,10 @@ void put_into(Scene& scene, const LaidMarker& marker, const SimulateOptions& opt
                        .material = Material::Marker,
                        .T_object_world = marker.T_world_board.inverse(),
                        .length_m = edge_m};
-    object.tag = tag_picture(options.marker_family, marker.id);
+    object.tag = tag_image(options.marker_family, marker.id);
     object.cell_m = static_cast<float>(options.marker_size_m / layout.size_cells);
-    constexpr float kPiece_m = 0.04F;
-    add_object(scene, std::move(object), make_box({edge_m, edge_m, kThickness_m}, kPiece_m));
+    constexpr float kMeshStep_m = 0.04F;
+    add_object(scene, std::move(object), make_box({edge_m, edge_m, kThickness_m}, kMeshStep_m));
 }
 
 // At this height of the picture, evenly along the way first, then between.

@@ -21,13 +21,13 @@ constexpr std::size_t kVerticesAtOnce = 16384;  // some 50 ms
 float sky_at(const RayCaster& caster,
              const Eigen::Vector3f& p,
              const Eigen::Vector3f& normal,
-             double turn) {
+             double rotation) {
     const Eigen::Vector3f side = normal.unitOrthogonal();
     const Eigen::Vector3f other = normal.cross(side);
     int open = 0;
     for (int i = 0; i < kSkyRays; ++i) {
         const double r2 = (i + 0.5) / kSkyRays;
-        const double angle = 2.39996323 * i + turn;
+        const double angle = 2.39996323 * i + rotation;
         const auto x = static_cast<float>(std::sqrt(r2) * std::cos(angle));
         const auto y = static_cast<float>(std::sqrt(r2) * std::sin(angle));
         const auto z = static_cast<float>(std::sqrt(1.0 - r2));
@@ -62,8 +62,8 @@ BakedLight::BakedLight(const Scene& scene,
     const auto bake = [&](std::size_t i) {
         const Eigen::Vector3f& p = scene.vertices[i];
         const Eigen::Vector3f& normal = scene.normals[i];
-        const double turn = 2.0 * std::numbers::pi * to_unit(hash64(i));
-        sky_[i] = sky_at(caster, p, normal, turn);
+        const double rotation = 2.0 * std::numbers::pi * to_unit(hash64(i));
+        sky_[i] = sky_at(caster, p, normal, rotation);
         const bool shadow =
             normal.dot(to_sun) <= 0.0F || caster.is_blocked(p + kOffset_m * normal, to_sun, 50.0F);
         sun_[i] = shadow ? 0.0F : 1.0F;

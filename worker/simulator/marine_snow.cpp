@@ -12,7 +12,7 @@ namespace {
 // The water repeats itself in cubes of this size; a camera sees less than half of it.
 constexpr double kCube_m = 2.6;
 constexpr double kReach_m = 1.2;  // farther ones are too faint
-constexpr double kNearest_m = 0.12;
+constexpr double kMinDepth_m = 0.12;
 constexpr double kFocus_m = 1.6;
 constexpr double kBlur_px = 0.9;  // at half the focus distance, for a lens of 500 px
 
@@ -53,7 +53,7 @@ void MarineSnow::draw(const Camera& camera,
         const Eigen::Vector3d near(wrap(away.x()), wrap(away.y()), wrap(away.z()));
         const Eigen::Vector3d p_cam = T_cam_world.linear() * near;
         const double range_m = p_cam.norm();
-        if (p_cam.z() < kNearest_m || range_m > kReach_m) continue;
+        if (p_cam.z() < kMinDepth_m || range_m > kReach_m) continue;
         const auto pixel = project(camera, p_cam);
         if (!pixel) continue;
         const double sharp_px = camera.fx_px * particle.radius_m / p_cam.z();

@@ -60,7 +60,7 @@ struct Scene {
     double surface_z_m = 0.0;  // of the water
 };
 
-constexpr double kLongestTransect_m = 400.0;  // by the memory that its triangles take
+constexpr double kMaxTransectLength_m = 400.0;  // by the memory that its triangles take
 
 // The same seed gives the same place; later years change single objects of it and nothing else. A
 // transect goes on for `length_m`; the others have their size.

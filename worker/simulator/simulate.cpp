@@ -42,7 +42,7 @@ void check(const SimulateOptions& options) {
     check_range("length_m",
                 options.length_m,
                 0.1,
-                options.scene == SceneKind::Transect ? kLongestTransect_m : 1000.0);
+                options.scene == SceneKind::Transect ? kMaxTransectLength_m : 1000.0);
     check_range("rate_hz", options.rate_hz, 1.0, 100.0);
     check_range("laps", options.laps, 0, 1000);
     check_range("year", options.year, 1, 10);
@@ -77,7 +77,7 @@ std::vector<Exposure> plan_exposures(const SimulateOptions& options, const Diver
     return exposures;
 }
 
-void write_picture(const fs::path& file, const cv::Mat& image, int jpeg_quality) {
+void write_image(const fs::path& file, const cv::Mat& image, int jpeg_quality) {
     std::vector<std::uint8_t> bytes;
     cv::imencode(file.extension().string(), image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
     std::ofstream stream(file, std::ios::binary);
@@ -120,7 +120,7 @@ public:
         for (std::size_t i = 0; i < exposures_.size(); ++i) {
             for (int camera = 0; camera < 2; ++camera) {
                 tell(i);
-                take_picture(renderer, i, camera);
+                take_image(renderer, i, camera);
             }
         }
         write_sensors();
@@ -188,16 +188,16 @@ private:
         }
     }
 
-    std::string picture_name(std::size_t exposure) const {
+    std::string image_name(std::size_t exposure) const {
         return std::to_string(exposures_[exposure].timestamp_ns) + (options_.png ? ".png" : ".jpg");
     }
 
-    void take_picture(Renderer& renderer, std::size_t index, int camera) const {
+    void take_image(Renderer& renderer, std::size_t index, int camera) const {
         const Exposure& exposure = exposures_[index];
         const fs::path folder = camera_folder(camera) / "data";
         const auto shown = static_cast<std::size_t>(exposure.shown);
         if (shown != index) {  // copies, not links: archives with links are refused
-            fs::copy_file(folder / picture_name(shown), folder / picture_name(index));
+            fs::copy_file(folder / image_name(shown), folder / image_name(index));
             return;
         }
         const Rendering rendering =
@@ -207,7 +207,7 @@ private:
             2 * index + static_cast<std::size_t>(camera),
             exposure.t_s,
             {.exposure = survey_.water.exposure, .noise = options_.noise, .seed = survey_.seed});
-        write_picture(folder / picture_name(index), image, options_.jpeg_quality);
+        write_image(folder / image_name(index), image, options_.jpeg_quality);
         if (options_.truth) write_truth(rendering, exposure.timestamp_ns, camera);
     }
 
@@ -215,21 +215,19 @@ private:
         const std::string name = std::to_string(timestamp_ns) + ".png";
         cv::Mat depth_mm;
         rendering.depth.convertTo(depth_mm, CV_16U, 1000.0);
-        write_picture(truth_folder(camera, "depth") / name, depth_mm, 100);
-        write_picture(truth_folder(camera, "albedo") / name, to_8_bit(rendering.albedo), 100);
-        write_picture(truth_folder(camera, "fish") / name, rendering.fish, 100);
-        write_picture(truth_folder(camera, "snow") / name, rendering.snow, 100);
+        write_image(truth_folder(camera, "depth") / name, depth_mm, 100);
+        write_image(truth_folder(camera, "albedo") / name, to_8_bit(rendering.albedo), 100);
+        write_image(truth_folder(camera, "fish") / name, rendering.fish, 100);
+        write_image(truth_folder(camera, "snow") / name, rendering.snow, 100);
     }
 
     void write_sensors() const {
         const fs::path mav0 = options_.out / "mav0";
-        std::vector<PictureName> pictures;
+        std::vector<ImageName> images;
         for (std::size_t i = 0; i < exposures_.size(); ++i)
-            pictures.push_back({exposures_[i].timestamp_ns, picture_name(i)});
-        write_camera_files(
-            camera_folder(0), rig_.cam0, rig_.T_imu_cam0, options_.rate_hz, pictures);
-        write_camera_files(
-            camera_folder(1), rig_.cam1, rig_.T_imu_cam1, options_.rate_hz, pictures);
+            images.push_back({exposures_[i].timestamp_ns, image_name(i)});
+        write_camera_files(camera_folder(0), rig_.cam0, rig_.T_imu_cam0, options_.rate_hz, images);
+        write_camera_files(camera_folder(1), rig_.cam1, rig_.T_imu_cam1, options_.rate_hz, images);
         const double end_s = exposures_.back().t_s;
         const auto records =
             simulate_imu(motion_, end_s, options_.noise ? &*rig_.imu_noise : nullptr, survey_.seed);

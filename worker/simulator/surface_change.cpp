@@ -11,7 +11,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr float kSmallest_m = 0.001F;
+constexpr float kMinChange_m = 0.001F;
 constexpr float kAbove_m = 50.0F;
 
 using Cell = std::pair<int, int>;  // row, column: multiples of the cell's size in the world
@@ -57,7 +57,7 @@ std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& aft
     for (auto& [cell, changed] : cells)
         changed.change_m = depth_below(caster_before, cell) - depth_below(caster_after, cell);
     std::erase_if(cells,
-                  [](const auto& entry) { return std::abs(entry.second.change_m) < kSmallest_m; });
+                  [](const auto& entry) { return std::abs(entry.second.change_m) < kMinChange_m; });
     std::map<Cell, std::size_t> number;
     for (const auto& [cell, changed] : cells) number.emplace(cell, number.size());
     DisjointSets sets(cells.size());

@@ -9,12 +9,12 @@ namespace {
 
 constexpr int kMaxIterations = 10;
 constexpr double kConverged_px = 0.03;  // the step; the next would be a tenth of it
-constexpr double kFarthest_px = 4.0;
-constexpr double kLeastGain = 0.1;
+constexpr double kMaxDistance_px = 4.0;
+constexpr double kMinGain = 0.1;
 // Grey levels of noise in a picture, and how far they may move the place.
 constexpr double kNoise = 1.5;
 constexpr double kUnsteady_px = 0.25;
-constexpr double kLeastHessian =
+constexpr double kMinHessian =
     (kNoise / kUnsteady_px) * (kNoise / kUnsteady_px) * kGreyLevel * kGreyLevel;
 constexpr double kSixBits = 64.0;
 constexpr double kWeight = 32768.0;
@@ -110,7 +110,7 @@ std::optional<Patch::Alignment> Patch::align(const cv::Mat& image,
     const double half_trace = 0.5 * hessian_.trace();
     const double spread =
         std::sqrt(std::max(0.0, half_trace * half_trace - hessian_.determinant()));
-    if (!(half_trace - spread >= kLeastHessian)) return std::nullopt;
+    if (!(half_trace - spread >= kMinHessian)) return std::nullopt;
     const Eigen::Matrix2d inverse = hessian_.inverse();
     Alignment result{start, 0.0};
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -123,11 +123,12 @@ std::optional<Patch::Alignment> Patch::align(const cv::Mat& image,
         const double sum = seen.seen;
         const double squared_norm = seen.seen_seen - sum * sum / kPatchPixels;
         const double gain = std::sqrt(squared_norm / squared_norm_);
-        if (!(gain >= kLeastGain)) return std::nullopt;
+        if (!(gain >= kMinGain)) return std::nullopt;
         result.correlation = (seen.value_seen - sum_ * sum / kPatchPixels) / (gain * squared_norm_);
         const Eigen::Vector2d step = inverse * by_gradient / gain;
         result.pixel -= step;
-        if ((result.pixel - start).squaredNorm() > kFarthest_px * kFarthest_px) return std::nullopt;
+        if ((result.pixel - start).squaredNorm() > kMaxDistance_px * kMaxDistance_px)
+            return std::nullopt;
         if (step.squaredNorm() < kConverged_px * kConverged_px) break;
     }
     return result;

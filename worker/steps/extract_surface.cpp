@@ -2,15 +2,15 @@
 
 #include <utility>
 
-#include "worker/volume/even_out.hpp"
 #include "worker/volume/marching_cubes.hpp"
 #include "worker/volume/mesh_components.hpp"
+#include "worker/volume/smooth_membrane.hpp"
 #include "worker/volume/surface_nets.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr double kLeastComponent_voxels = 100.0;  // faces of a voxel
+constexpr double kMinComponent_voxels = 100.0;  // faces of a voxel
 
 }  // namespace
 
@@ -26,8 +26,8 @@ Mesh extract_surface(const Volume& volume,
     Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
                                                     : surface_nets(*field, settings);
     Mesh surface = keep_large_components(
-        std::move(whole), kLeastComponent_voxels * volume.voxel_m() * volume.voxel_m());
-    even_out(surface, volume.voxel_m(), options.num_threads);
+        std::move(whole), kMinComponent_voxels * volume.voxel_m() * volume.voxel_m());
+    smooth_membrane(surface, volume.voxel_m(), options.num_threads);
     return surface;
 }
 

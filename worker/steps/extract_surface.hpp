@@ -2,7 +2,7 @@
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/observer.hpp"
-#include "worker/steps/add_points.hpp"
+#include "worker/steps/fusion_volume.hpp"
 #include "worker/volume/mesh.hpp"
 
 namespace divemesh::worker {

@@ -6,36 +6,36 @@
 
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/coarse_disparity_search.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
-#include "worker/stereo/range_survey.hpp"
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/speckles.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr int kLeastIsland = 120;        // pixels
-constexpr float kLargestStep_px = 1.5F;  // between neighbours of one surface
-constexpr float kLargestSigma_px = 1.0F;
-constexpr float kLeastSigma_px = 0.15F;  // what calibration, interpolation and slant leave
+constexpr int kMinSpeckleSize = 120;  // pixels
+constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
+constexpr float kMaxSigma_px = 1.0F;
+constexpr float kMinSigma_px = 0.15F;  // what calibration, interpolation and slant leave
 
 void remove_islands(DepthMap& depth) {
-    remove_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
+    remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
 }
 
 // What is left of an island after the refinement goes; so do those that it made, where it took out
 // what has no texture.
 void refine(const RectifiedFrame& frame, DisparityRefiner& refiner, DepthMap& depth) {
-    doubt_speckles(depth.disparity_px, kLeastIsland, kLargestStep_px);
+    unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
     depth.sigma_disparity_px =
-        cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kLeastSigma_px);
+        cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
     remove_islands(depth);
 }
 
 void rate_by_texture(const RectifiedFrame& frame, DepthMap& depth) {
     depth.sigma_disparity_px = disparity_sigma(frame.left);
-    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kLargestSigma_px);
-    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kLargestSigma_px);
+    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kMaxSigma_px);
+    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kMaxSigma_px);
     remove_islands(depth);
 }
 
@@ -65,7 +65,7 @@ struct StereoMatcher::Implementation {
         : num_disparities_px(num_disparities), survey(num_disparities) {}
 
     int num_disparities_px;
-    RangeSurvey survey;
+    CoarseDisparitySearch survey;
     bool searches_within_range = false;
     std::function<void(const RectifiedFrame& frame, const DisparityRange& range, DepthMap& depth)>
         compute;

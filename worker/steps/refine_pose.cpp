@@ -21,7 +21,7 @@ using Matrix36d = Eigen::Matrix<double, 3, 6>;
 constexpr int kMaxIterations = 10;
 constexpr double kHuber = 2.0;       // sigmas of a whole measurement
 constexpr double kConverged = 1e-6;  // rad and m
-constexpr double kNearest_m = 1e-3;
+constexpr double kMinDepth_m = 1e-3;
 constexpr double kFirstDamping = 1e-6;  // of the diagonal
 constexpr double kMoreDamping = 100.0;
 constexpr double kTolerance = 1e-3;  // of the cost, which moves with the covariances, too
@@ -34,7 +34,7 @@ struct NormalEquations {
 };
 
 // d h / d p.
-Eigen::Matrix3d projection_by_point(const RectifiedRig& rig, const Eigen::Vector3d& p) {
+Eigen::Matrix3d projection_jacobian(const RectifiedRig& rig, const Eigen::Vector3d& p) {
     const double scale = rig.focal_px / p.z();
     Eigen::Matrix3d by_point;
     by_point << scale, 0.0, -scale * p.x() / p.z(),  //
@@ -62,9 +62,9 @@ bool add_pair(const RectifiedRig& rig,
               NormalEquations& equations) {
     const Eigen::Vector3d turned = T_current_previous.linear() * pair.p_previous;
     const Eigen::Vector3d moved = turned + T_current_previous.translation();
-    if (moved.z() < kNearest_m) return false;
+    if (moved.z() < kMinDepth_m) return false;
     const Eigen::Vector3d error = project_px(rig, moved) - pair.current_px;
-    const Eigen::Matrix3d by_point = projection_by_point(rig, moved);
+    const Eigen::Matrix3d by_point = projection_jacobian(rig, moved);
     const Eigen::Matrix3d J = by_point * T_current_previous.linear() *
                               point_by_measurement(rig, pair.p_previous, pair.previous_px.z()) *
                               pair.previous_sigma_px.asDiagonal();
@@ -154,9 +154,7 @@ Matrix6d motion_covariance(const RectifiedRig& rig,
         .solve(Matrix6d::Identity());
 }
 
-double least_certain_rad(const RectifiedRig& rig,
-                         const PointPairs& pairs,
-                         const MotionGuess& motion) {
+double max_sigma_rad(const RectifiedRig& rig, const PointPairs& pairs, const MotionGuess& motion) {
     constexpr double kUnknown_rad = std::numeric_limits<double>::infinity();
     if (pairs.empty()) return kUnknown_rad;
     std::vector<double> depths_m;

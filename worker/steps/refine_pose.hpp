@@ -31,8 +31,6 @@ Eigen::Matrix<double, 6, 6> motion_covariance(const RectifiedRig& rig,
 // Standard deviation of a motion that refine_pose has found, along what the pairs and the known
 // rotation say least about; in rad, translations as angles at the pairs' median depth. Large where
 // the pairs are too few, too far or nearly on one line.
-double least_certain_rad(const RectifiedRig& rig,
-                         const PointPairs& pairs,
-                         const MotionGuess& motion);
+double max_sigma_rad(const RectifiedRig& rig, const PointPairs& pairs, const MotionGuess& motion);
 
 }  // namespace divemesh::worker

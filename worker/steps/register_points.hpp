@@ -17,7 +17,7 @@ struct Registration {
     std::size_t num_pairs = 0;
 };
 
-inline constexpr std::size_t kFewestInliers = 8;
+inline constexpr std::size_t kMinInliers = 8;
 // A pair agrees with a motion within this.
 inline constexpr double kInlierTolerance_px = 2.0;
 

@@ -11,7 +11,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr double kBackwardError_px = 0.5;
-constexpr double kLeastCorrelation = 0.7;
+constexpr double kMinCorrelation = 0.7;
 constexpr double kSameCorrelation = 0.8;  // with how a feature looked at first
 constexpr int kBorder_px = 10;            // a patch and a pixel more
 constexpr float kCornerQuality = 0.01F;   // of the best corner of the picture
@@ -69,34 +69,39 @@ FeatureTracker::FeatureTracker(const RectifiedRig& rig, int num_features)
 Features FeatureTracker::track(const cv::Mat& left,
                                const Features& previous,
                                const Eigen::Isometry3d& T_cam_previous) {
-    std::swap(before_, now_);
-    high_pass_.apply(left, now_[0]);
-    for (std::size_t i = 1; i < kNumLevels; ++i) cv::pyrDown(now_[i - 1], now_[i]);
+    std::swap(previous_pyramid_, current_pyramid_);
+    high_pass_.apply(left, current_pyramid_[0]);
+    for (std::size_t i = 1; i < kNumLevels; ++i)
+        cv::pyrDown(current_pyramid_[i - 1], current_pyramid_[i]);
     Features features;
-    if (before_[0].empty()) return features;
-    std::unordered_map<std::int64_t, FirstLook> first_looks = std::move(looks_);
-    looks_.clear();
-    Occupancy occupancy(left, nearest_px());
+    if (previous_pyramid_[0].empty()) return features;
+    std::unordered_map<std::int64_t, ReferencePatch> reference_patches =
+        std::move(reference_patches_);
+    reference_patches_.clear();
+    Occupancy occupancy(left, min_distance_px());
     for (const Feature& feature : previous) {
         const Eigen::Vector3d guess = expected(rig_, feature, T_cam_previous);
-        const Eigen::Vector2d near = roughly(feature.pixel, guess.head<2>());
-        const auto known = first_looks.find(feature.id);
-        std::optional<Patch> first_look;
-        if (known != first_looks.end()) first_look = known->second.from_here(rig_, T_cam_previous);
-        const auto seen = exactly(feature.pixel, near, first_look ? &*first_look : nullptr);
-        if (!seen && known != first_looks.end() && has_depth(feature))
+        const Eigen::Vector2d near = track_coarse(feature.pixel, guess.head<2>());
+        const auto known = reference_patches.find(feature.id);
+        std::optional<Patch> reference_patch;
+        if (known != reference_patches.end())
+            reference_patch = known->second.warp_to_current(rig_, T_cam_previous);
+        const auto seen =
+            track_fine(feature.pixel, near, reference_patch ? &*reference_patch : nullptr);
+        if (!seen && known != reference_patches.end() && has_depth(feature))
             lost_.lose(feature, known->second);
         if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
         features.push_back({feature.id, seen->pixel, guess.z()});
-        if (seen->as_at_first) {
+        if (seen->matches_reference) {
             known->second.move(T_cam_previous);
-            looks_.emplace(feature.id, std::move(known->second));
+            reference_patches_.emplace(feature.id, std::move(known->second));
         } else {
-            FirstLook anew = known == first_looks.end()
-                                 ? FirstLook(rig_, before_[0], feature)
-                                 : FirstLook(rig_, before_[0], feature, known->second);
+            ReferencePatch anew =
+                known == reference_patches.end()
+                    ? ReferencePatch(rig_, previous_pyramid_[0], feature)
+                    : ReferencePatch(rig_, previous_pyramid_[0], feature, known->second);
             anew.move(T_cam_previous);
-            looks_.emplace(feature.id, std::move(anew));
+            reference_patches_.emplace(feature.id, std::move(anew));
         }
     }
     return features;
@@ -104,53 +109,55 @@ Features FeatureTracker::track(const cv::Mat& left,
 
 Features FeatureTracker::find_lost(const Eigen::Isometry3d& T_cam_previous,
                                    const Features& present) {
-    Occupancy occupancy(now_[0], nearest_px());
+    Occupancy occupancy(current_pyramid_[0], min_distance_px());
     for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
     Features features;
-    for (const LostFeatures::Found& found : lost_.find(now_[0], T_cam_previous)) {
+    for (const LostFeatures::Found& found : lost_.find(current_pyramid_[0], T_cam_previous)) {
         const Eigen::Vector2d& pixel = found.feature.pixel;
-        if (!inside(now_[0], pixel) || !occupancy.take(pixel.x(), pixel.y())) continue;
+        if (!inside(current_pyramid_[0], pixel) || !occupancy.take(pixel.x(), pixel.y())) continue;
         features.push_back(found.feature);
-        looks_.emplace(found.feature.id, found.look);
+        reference_patches_.emplace(found.feature.id, found.look);
     }
     return features;
 }
 
 // By the coarser levels of the pyramids.
-Eigen::Vector2d FeatureTracker::roughly(const Eigen::Vector2d& from,
-                                        const Eigen::Vector2d& guess) const {
+Eigen::Vector2d FeatureTracker::track_coarse(const Eigen::Vector2d& from,
+                                             const Eigen::Vector2d& guess) const {
     Eigen::Vector2d there = guess;
     for (std::size_t level = kNumLevels - 1; level > 0; --level) {
         const double scale = 1 << level;
-        const auto patch = Patch::read(before_[level], from / scale);
-        const auto found = patch ? patch->align(now_[level], there / scale) : std::nullopt;
-        if (found && found->correlation >= kLeastCorrelation) there = found->pixel * scale;
+        const auto patch = Patch::read(previous_pyramid_[level], from / scale);
+        const auto found =
+            patch ? patch->align(current_pyramid_[level], there / scale) : std::nullopt;
+        if (found && found->correlation >= kMinCorrelation) there = found->pixel * scale;
     }
     return there;
 }
 
-std::optional<FeatureTracker::Seen> FeatureTracker::exactly(const Eigen::Vector2d& from,
-                                                            const Eigen::Vector2d& near,
-                                                            const Patch* first_look) const {
+std::optional<FeatureTracker::Seen> FeatureTracker::track_fine(const Eigen::Vector2d& from,
+                                                               const Eigen::Vector2d& near,
+                                                               const Patch* reference_patch) const {
     std::optional<Seen> seen;
-    const auto look_for = [&](const Patch& look, double least_correlation) {
-        const auto found = look.align(now_[0], near);
-        if (found && found->correlation >= least_correlation)
-            seen = Seen{found->pixel, &look == first_look};
+    const auto look_for = [&](const Patch& look, double min_correlation) {
+        const auto found = look.align(current_pyramid_[0], near);
+        if (found && found->correlation >= min_correlation)
+            seen = Seen{found->pixel, &look == reference_patch};
     };
-    if (first_look != nullptr) look_for(*first_look, kSameCorrelation);
+    if (reference_patch != nullptr) look_for(*reference_patch, kSameCorrelation);
     if (!seen)
-        if (const auto last_look = Patch::read(before_[0], from))
-            look_for(*last_look, kLeastCorrelation);
-    if (!seen || !inside(now_[0], seen->pixel)) return std::nullopt;
-    const auto look_now = Patch::read(now_[0], seen->pixel);
-    const auto back = look_now ? look_now->align(before_[0], from) : std::nullopt;
+        if (const auto previous_patch = Patch::read(previous_pyramid_[0], from))
+            look_for(*previous_patch, kMinCorrelation);
+    if (!seen || !inside(current_pyramid_[0], seen->pixel)) return std::nullopt;
+    const auto current_patch = Patch::read(current_pyramid_[0], seen->pixel);
+    const auto back =
+        current_patch ? current_patch->align(previous_pyramid_[0], from) : std::nullopt;
     if (!back || (back->pixel - from).norm() > kBackwardError_px) return std::nullopt;
     return seen;
 }
 
 Features FeatureTracker::detect(const Features& present) {
-    const cv::Mat& left = now_[0];
+    const cv::Mat& left = current_pyramid_[0];
     const cv::Mat& scores = corner_scores_.of(left);
     double best = 0.0;
     cv::minMaxLoc(scores, nullptr, &best);

@@ -11,9 +11,9 @@
 #include "worker/steps/align_patch.hpp"
 #include "worker/steps/feature.hpp"
 #include "worker/tracking/corner_scores.hpp"
-#include "worker/tracking/first_look.hpp"
 #include "worker/tracking/high_pass.hpp"
 #include "worker/tracking/lost_features.hpp"
+#include "worker/tracking/reference_patch.hpp"
 
 namespace divemesh::worker {
 
@@ -50,23 +50,23 @@ private:
     using Pyramid = std::array<cv::Mat, kNumLevels>;  // each half as wide as the one before
 
     // Two features nearer than this are one.
-    int nearest_px() const { return std::max(4, cell_px_ / 4); }
+    int min_distance_px() const { return std::max(4, cell_px_ / 4); }
 
     struct Seen {
         Eigen::Vector2d pixel;
-        bool as_at_first = false;  // else as in the picture before
+        bool matches_reference = false;  // else as in the picture before
     };
-    Eigen::Vector2d roughly(const Eigen::Vector2d& from, const Eigen::Vector2d& guess) const;
-    std::optional<Seen> exactly(const Eigen::Vector2d& from,
-                                const Eigen::Vector2d& near,
-                                const Patch* first_look) const;
+    Eigen::Vector2d track_coarse(const Eigen::Vector2d& from, const Eigen::Vector2d& guess) const;
+    std::optional<Seen> track_fine(const Eigen::Vector2d& from,
+                                   const Eigen::Vector2d& near,
+                                   const Patch* reference_patch) const;
 
     RectifiedRig rig_;
     int cell_px_ = 0;
     std::int64_t next_id_ = 0;
-    Pyramid before_;
-    Pyramid now_;                                        // of the last picture
-    std::unordered_map<std::int64_t, FirstLook> looks_;  // of the features
+    Pyramid previous_pyramid_;
+    Pyramid current_pyramid_;                                             // of the last picture
+    std::unordered_map<std::int64_t, ReferencePatch> reference_patches_;  // of the features
     LostFeatures lost_;
     HighPass high_pass_;
     CornerScores corner_scores_;

@@ -32,10 +32,10 @@ DIVEMESH_INLINE_BODY void slide(Sum* __restrict cost,
         cost[d] = static_cast<Sum>(cost[d] + entering[d] - leaving[d]);
 }
 
-DIVEMESH_INLINE_BODY Sum least(const Sum* cost, int num) {
-    Sum least = 0xffff;
-    for (int d = 0; d < (num & ~31); ++d) least = std::min(least, cost[d]);
-    return least;
+DIVEMESH_INLINE_BODY Sum min_cost(const Sum* cost, int num) {
+    Sum min_cost = 0xffff;
+    for (int d = 0; d < (num & ~31); ++d) min_cost = std::min(min_cost, cost[d]);
+    return min_cost;
 }
 
 DIVEMESH_INLINE_BODY int find(const Sum* cost, Sum value, int num) {
@@ -50,7 +50,7 @@ DIVEMESH_INLINE_BODY int find(const Sum* cost, Sum value, int num) {
 BlockKernels block_kernels(Instructions instructions) {
     return {compiled_for<accumulate>(instructions),
             compiled_for<slide>(instructions),
-            compiled_for<least>(instructions),
+            compiled_for<min_cost>(instructions),
             compiled_for<find>(instructions)};
 }
 

@@ -20,7 +20,7 @@ struct BlockKernels {
                   const std::uint16_t* leaving,
                   int num);
     // The least of cost.
-    std::uint16_t (*least)(const std::uint16_t* cost, int num);
+    std::uint16_t (*min_cost)(const std::uint16_t* cost, int num);
     // The first place of `value` in cost.
     int (*find)(const std::uint16_t* cost, std::uint16_t value, int num);
 };

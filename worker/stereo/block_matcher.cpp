@@ -9,8 +9,8 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr int kRadius_px = 4;       // of the window
-constexpr int kLargestDetail = 31;  // grey values; 81 differences of at most twice that fit 16 bit
+constexpr int kRadius_px = 4;   // of the window
+constexpr int kMaxDetail = 31;  // grey values; 81 differences of at most twice that fit 16 bit
 constexpr int kUniqueness_percent = 8;
 constexpr int kLeftRightTolerance_px = 1;
 constexpr std::int16_t kUnknown = -1;
@@ -26,8 +26,8 @@ cv::Mat high_pass(const cv::Mat& image) {
         std::uint8_t* out = detail.ptr<std::uint8_t>(y);
         for (int x = 0; x < image.cols; ++x) {
             const int difference = in[x] - around[x];
-            out[x] = static_cast<std::uint8_t>(
-                std::clamp(difference, -kLargestDetail, kLargestDetail) + kLargestDetail);
+            out[x] = static_cast<std::uint8_t>(std::clamp(difference, -kMaxDetail, kMaxDetail) +
+                                               kMaxDetail);
         }
     }
     return detail;
@@ -108,7 +108,7 @@ void BlockMatcher::select_pixel(int x, std::uint16_t* window_cost) {
         std::fill(cut.begin() + num_in_image, cut.end(), std::uint16_t{0xffff});
         cost = cut.data();
     }
-    const std::uint16_t best = kernels.least(cost, num_disparities_);
+    const std::uint16_t best = kernels.min_cost(cost, num_disparities_);
     const int d = kernels.find(cost, best, num_disparities_);
     if (best < right_best_cost_[x - d]) {
         right_best_cost_[x - d] = best;
@@ -118,7 +118,7 @@ void BlockMatcher::select_pixel(int x, std::uint16_t* window_cost) {
 
     const std::uint16_t around[3] = {cost[d - 1], cost[d], cost[d + 1]};
     std::fill(cost + d - 1, cost + d + 2, std::uint16_t{0xffff});
-    const int second = kernels.least(cost, num_disparities_);
+    const int second = kernels.min_cost(cost, num_disparities_);
     std::copy(around, around + 3, cost + d - 1);
     if (second * (100 - kUniqueness_percent) <= best * 100) return;
 

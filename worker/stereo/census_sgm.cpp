@@ -77,7 +77,7 @@ cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right, const Disp
     census(right,
            kernels_.census,
            true,
-           static_cast<std::size_t>(first_disparity_ + num_disparities_) + kWidestVector,
+           static_cast<std::size_t>(first_disparity_ + num_disparities_) + kMaxVectorBytes,
            right_census_);
     for (int y = 0; y < left.rows; y += kRowsAtOnce) {
         const int num_rows = std::min(kRowsAtOnce, left.rows - y);
@@ -90,7 +90,7 @@ cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right, const Disp
 }
 
 void CensusSgm::Costs::resize(std::size_t num_bytes) {
-    lines.resize((num_bytes + kWidestVector - 1) / kWidestVector);
+    lines.resize((num_bytes + kMaxVectorBytes - 1) / kMaxVectorBytes);
 }
 
 // Zero before a path begins, so that the first pixel has its own costs.
@@ -107,8 +107,8 @@ void CensusSgm::prepare(const cv::Mat& left) {
     for (Row& row : rows_) {
         row.cost.resize(width * stride_);
         row.sum.resize(width * stride_);
-        row.least.resize(width);
-        row.least_at.resize(width);
+        row.min_cost.resize(width);
+        row.min_at.resize(width);
         row.is_unique.resize(width);
         row.lower.resize(width);
         row.upper.resize(width);
@@ -119,7 +119,7 @@ void CensusSgm::prepare(const cv::Mat& left) {
         path.costs.resize((width + 1) * stride_);
         for (int slot = 0; slot <= width_; ++slot)
             begin_path(path.costs.begin() + static_cast<std::ptrdiff_t>(slot) * stride_);
-        path.least.assign(width + 1, 0);
+        path.min_cost.assign(width + 1, 0);
     }
 }
 
@@ -162,13 +162,13 @@ VerticalPath CensusSgm::vertical_path(int p, int y) {
     const int sideways = p - 1;  // from above left, above, above right
     VerticalPath path;
     path.costs = above_[p].costs.begin();
-    path.least = above_[p].least.data();
+    path.min_cost = above_[p].min_cost.data();
     path.first_slot = (sideways * y % num_slots + num_slots) % num_slots;
     if (sideways != 0) {  // it begins anew where it enters the picture
         const int slot =
             sideways < 0 ? path.first_slot : (path.first_slot + width_ - 1) % num_slots;
         begin_path(path.costs + static_cast<std::ptrdiff_t>(slot) * stride_);
-        path.least[slot] = 0;
+        path.min_cost[slot] = 0;
     }
     return path;
 }
@@ -182,8 +182,8 @@ void CensusSgm::select_winners(int num_rows) {
         backward[i].penalty = row.penalty[4].data();
         backward[i].cost = row.cost.begin();
         backward[i].sum = row.sum.begin();
-        backward[i].least = row.least.data();
-        backward[i].least_at = row.least_at.data();
+        backward[i].min_cost = row.min_cost.data();
+        backward[i].min_at = row.min_at.data();
         backward[i].is_unique = row.is_unique.data();
         backward[i].lower = row.lower.data();
         backward[i].upper = row.upper.data();
@@ -195,24 +195,24 @@ void CensusSgm::select_winners(int num_rows) {
 // of equal ones the rightmost. Cost and disparity are one number, the larger disparity the lower;
 // what ends left of the picture has its place before the others.
 void CensusSgm::write_row(Row& row, float* disparity_px) {
-    constexpr std::uint32_t kLargest = 0xffff;
+    constexpr std::uint32_t kMaxPacked = 0xffff;
     std::fill(right_best_.begin(), right_best_.end(), ~std::uint32_t{0});
     std::uint32_t* best = right_best_.data() + num_disparities_;  // by x - d + first_disparity_
     for (int x = 0; x < width_; ++x) {
-        const int d = row.least_at[x];
-        const std::uint32_t found = (std::uint32_t{row.least[x]} << 16) | (kLargest - d);
+        const int d = row.min_at[x];
+        const std::uint32_t found = (std::uint32_t{row.min_cost[x]} << 16) | (kMaxPacked - d);
         best[x - d] = std::min(best[x - d], found);
     }
     for (int x = 0; x < width_; ++x) {
-        const int d = row.least_at[x];
-        const int other = static_cast<int>(kLargest - (best[x - d] & kLargest));
+        const int d = row.min_at[x];
+        const int other = static_cast<int>(kMaxPacked - (best[x - d] & kMaxPacked));
         if (std::abs(other - d) > kLeftRightTolerance_px) row.is_unique[x] = 0;
     }
     WinnerRow winners;
     winners.width = width_;
     winners.first_disparity = first_disparity_;
-    winners.least = row.least.data();
-    winners.least_at = row.least_at.data();
+    winners.min_cost = row.min_cost.data();
+    winners.min_at = row.min_at.data();
     winners.lower = row.lower.data();
     winners.upper = row.upper.data();
     winners.is_confirmed = row.is_unique.data();

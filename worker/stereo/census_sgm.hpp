@@ -29,8 +29,8 @@ private:
     static constexpr int kRowsAtOnce = 2;  // as the kernels take them
 
     // Costs where vectors begin.
-    struct alignas(kWidestVector) Line {
-        std::uint8_t bytes[kWidestVector];
+    struct alignas(kMaxVectorBytes) Line {
+        std::uint8_t bytes[kMaxVectorBytes];
     };
     struct Costs {
         std::vector<Line> lines;
@@ -41,8 +41,8 @@ private:
         std::vector<std::uint8_t> penalty[5];  // P2: three from above, from left, from right
         Costs cost;                            // [x][d]
         Costs sum;                             // over the paths, [x][d]
-        std::vector<std::uint8_t> least;       // of the sums, by x, and where and how
-        std::vector<std::int16_t> least_at;
+        std::vector<std::uint8_t> min_cost;    // of the sums, by x, and where and how
+        std::vector<std::int16_t> min_at;
         std::vector<std::uint8_t> is_unique;
         std::vector<std::uint8_t> lower;
         std::vector<std::uint8_t> upper;
@@ -50,7 +50,7 @@ private:
     // Costs of one path, see VerticalPath.
     struct Slots {
         Costs costs;
-        std::vector<std::uint8_t> least;
+        std::vector<std::uint8_t> min_cost;
     };
 
     void begin_path(std::uint8_t* costs) const;

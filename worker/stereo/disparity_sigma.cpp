@@ -13,9 +13,9 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kWindow_px = 7;
-constexpr double kLeastNoise = 0.5;    // grey values: quantisation and a little
-constexpr double kLargestNoise = 8.0;  // more than that is texture
-constexpr float kFloor_px = 0.15F;     // what calibration, interpolation and slant leave
+constexpr double kMinNoise = 0.5;   // grey values: quantisation and a little
+constexpr double kMaxNoise = 8.0;   // more than that is texture
+constexpr float kFloor_px = 0.15F;  // what calibration, interpolation and slant leave
 
 struct Noise {
     float energy;
@@ -59,7 +59,7 @@ double image_noise(const cv::Mat& image) {
     int quantile = 0;
     while (quantile < 2047 && below + histogram[quantile] <= quarter)
         below += histogram[quantile++];
-    return std::clamp(quantile / (6.0 * 0.3186), kLeastNoise, kLargestNoise);
+    return std::clamp(quantile / (6.0 * 0.3186), kMinNoise, kMaxNoise);
 }
 
 cv::Mat disparity_sigma(const cv::Mat& image, Instructions instructions) {

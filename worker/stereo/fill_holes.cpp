@@ -14,9 +14,9 @@ constexpr int kReach_px = 2 * kDistances[2];
 constexpr float kPairNoise_px = 1.0F;
 constexpr float kPairSlope = 1.0F / 16.0F;
 constexpr float kAgreement_px = 2.0F;  // of winner and pair: each may be a pixel off
-constexpr float kLeastPairs = 3.0F;
+constexpr float kMinPairs = 3.0F;
 
-static_assert(kReach_px + kLanes <= DisparityPlane::kMargin_px);
+static_assert(kReach_px + kLanes <= PaddedDisparity::kMargin_px);
 
 // The mean of the pairs that agree with each winner, 0 where they are too few.
 DIVEMESH_INLINE_BODY Floats supported(const float* const* rows, int x, Floats winner) {
@@ -28,13 +28,13 @@ DIVEMESH_INLINE_BODY Floats supported(const float* const* rows, int x, Floats wi
             const Floats a = load(rows[kReach_px + distance * dy] + x + distance * dx);
             const Floats b = load(rows[kReach_px - distance * dy] + x - distance * dx);
             const Floats mean = 0.5F * (a + b);
-            const Masks agree = (a > 0.0F) & (b > 0.0F) & (size_of(a - b) <= largest) &
-                                (size_of(mean - winner) <= kAgreement_px);
-            sum += where(agree, mean);
-            count += where(agree, splat(1.0F));
+            const Masks agree = (a > 0.0F) & (b > 0.0F) & (abs(a - b) <= largest) &
+                                (abs(mean - winner) <= kAgreement_px);
+            sum += select(agree, mean);
+            count += select(agree, broadcast(1.0F));
         }
     }
-    return where(count >= kLeastPairs, sum / largest_of(count, splat(1.0F)));
+    return select(count >= kMinPairs, sum / max(count, broadcast(1.0F)));
 }
 
 DIVEMESH_INLINE_BODY void fill_row(const float* const* rows, int width, float* out) {
@@ -47,11 +47,11 @@ DIVEMESH_INLINE_BODY void fill_row(const float* const* rows, int width, float* o
         }
         const Floats mean = supported(rows, x, -here);
         const Masks filled = unconfirmed & (mean > 0.0F);
-        store(out + x, where(filled, mean) + where(~filled, here));
+        store(out + x, select(filled, mean) + select(~filled, here));
     }
 }
 
-void fill(const DisparityPlane& from, DisparityPlane& to, Instructions instructions) {
+void fill(const PaddedDisparity& from, PaddedDisparity& to, Instructions instructions) {
     const auto fill_one = compiled_for<fill_row>(instructions);
     for (int y = 0; y < from.height(); ++y) {
         const float* rows[2 * kReach_px + 1];
@@ -62,7 +62,7 @@ void fill(const DisparityPlane& from, DisparityPlane& to, Instructions instructi
 
 }  // namespace
 
-void fill_holes(DisparityPlane& disparity_px, DisparityPlane& spare, Instructions instructions) {
+void fill_holes(PaddedDisparity& disparity_px, PaddedDisparity& spare, Instructions instructions) {
     spare.resize(disparity_px.size());
     fill(disparity_px, spare, instructions);
     fill(spare, disparity_px, instructions);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "worker/instructions.hpp"
-#include "worker/stereo/disparity_plane.hpp"
+#include "worker/stereo/padded_disparity.hpp"
 
 namespace divemesh::worker {
 
@@ -9,8 +9,8 @@ namespace divemesh::worker {
 // at least three pairs of confirmed disparities on opposite sides within 8 px say the same: it then
 // gets their mean. In two rounds, the second from what the first gave. What no winner supports, or
 // lies beside a surface and not within, stays a hole (0). `spare` is written to.
-void fill_holes(DisparityPlane& disparity_px,
-                DisparityPlane& spare,
+void fill_holes(PaddedDisparity& disparity_px,
+                PaddedDisparity& spare,
                 Instructions instructions = best_instructions());
 
 }  // namespace divemesh::worker

@@ -2,8 +2,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "worker/stereo/disparity_plane.hpp"
-#include "worker/stereo/disparity_step.hpp"
+#include "worker/stereo/padded_disparity.hpp"
+#include "worker/stereo/subpixel_refinement.hpp"
 
 namespace divemesh::worker {
 
@@ -24,11 +24,11 @@ public:
 
 private:
     Instructions instructions_;
-    DisparityStep step_;
-    DisparityPlane one_px_;
-    DisparityPlane other_px_;
-    DisparityPlane sigma_px_;
-    DisparityPlane smooth_sigma_px_;
+    SubpixelRefinement step_;
+    PaddedDisparity one_px_;
+    PaddedDisparity other_px_;
+    PaddedDisparity sigma_px_;
+    PaddedDisparity smooth_sigma_px_;
 };
 
 }  // namespace divemesh::worker

@@ -6,8 +6,8 @@
 
 namespace divemesh::worker {
 
-// Where a picture was searched, and how many of the patches of its survey (RangeSurvey) lie outside
-// of that: what a search within a range cannot find, it cannot count either.
+// Where a picture was searched, and how many of the patches of its survey (CoarseDisparitySearch)
+// lie outside of that: what a search within a range cannot find, it cannot count either.
 struct SearchOutcome {
     DisparityRange range;
     std::int64_t num_patches = 0;

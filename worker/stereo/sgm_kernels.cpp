@@ -23,26 +23,26 @@ DIVEMESH_INLINE_BODY V load(const std::uint8_t* from) {
     return v;
 }
 DIVEMESH_INLINE_BODY void store(std::uint8_t* to, V v) { std::memcpy(to, &v, kBytes); }
-DIVEMESH_INLINE_BODY V splat(int value) { return V{} + static_cast<std::uint8_t>(value); }
-DIVEMESH_INLINE_BODY V least_of(V a, V b) { return a < b ? a : b; }
+DIVEMESH_INLINE_BODY V broadcast(int value) { return V{} + static_cast<std::uint8_t>(value); }
+DIVEMESH_INLINE_BODY V min(V a, V b) { return a < b ? a : b; }
 DIVEMESH_INLINE_BODY V add(V a, V b) { return a + b; }
 DIVEMESH_INLINE_BODY V subtract(V a, V b) { return a - b; }
 DIVEMESH_INLINE_BODY V add_saturated(V a, V b) {
     const V sum = a + b;
-    return sum < a ? splat(255) : sum;
+    return sum < a ? broadcast(255) : sum;
 }
 DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
     constexpr V kPlace = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    return kPlace < splat(std::clamp(num, 0, kBytes)) ? v : splat(other);
+    return kPlace < broadcast(std::clamp(num, 0, kBytes)) ? v : broadcast(other);
 }
-DIVEMESH_INLINE_BODY int least_byte(V v) {
+DIVEMESH_INLINE_BODY int min_byte(V v) {
     using Words = std::uint64_t __attribute__((vector_size(kBytes)));
     for (const int shift : {32, 16, 8})
-        v = least_of(v, reinterpret_cast<V>(reinterpret_cast<Words>(v) >> shift));
+        v = min(v, reinterpret_cast<V>(reinterpret_cast<Words>(v) >> shift));
     return std::min(v[0], v[8]);
 }
 DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
-    const V ones = (a == b) ? splat(1) : splat(0);
+    const V ones = (a == b) ? broadcast(1) : broadcast(0);
     std::uint64_t halves[2];
     std::memcpy(halves, &ones, kBytes);
     // Byte i, 0 or 1, times 2^(56 - 7 i) is bit i of the highest byte.
@@ -51,14 +51,14 @@ DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
 }
 // How many of the first `num` are no larger.
 DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int /*num: all*/) {
-    const V ones = (least_of(a, limit) == a) ? splat(1) : splat(0);
+    const V ones = (min(a, limit) == a) ? broadcast(1) : broadcast(0);
     std::uint64_t halves[2];
     std::memcpy(halves, &ones, kBytes);
     constexpr std::uint64_t kSum = 0x0101010101010101U;  // into the highest byte
     return static_cast<int>(((halves[0] + halves[1]) * kSum) >> 56);
 }
-DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
-    return (a == b) ? splat(value) : splat(0);
+DIVEMESH_INLINE_BODY V broadcast_where_equal(V a, V b, int value) {
+    return (a == b) ? broadcast(value) : broadcast(0);
 }
 // The bytes at d - 1, where `before` ends at the first of `here`, and those at d + 1.
 #if defined(__SSE2__)
@@ -80,25 +80,27 @@ DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
         here, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
 }
 #endif
-struct Leasts {
+struct PathMinima {
     std::uint8_t of[4];
 };
-DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
-    Leasts leasts;
-    for (int p = 0; p < 4; ++p) leasts.of[p] = static_cast<std::uint8_t>(least_byte(v[p]));
-    return leasts;
+DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
+    PathMinima minima;
+    for (int p = 0; p < 4; ++p) minima.of[p] = static_cast<std::uint8_t>(min_byte(v[p]));
+    return minima;
 }
 template <int p>
-DIVEMESH_INLINE_BODY std::uint8_t least_of_path(Leasts leasts) {
-    return leasts.of[p];
+DIVEMESH_INLINE_BODY std::uint8_t min_of_path(PathMinima minima) {
+    return minima.of[p];
 }
-DIVEMESH_INLINE_BODY V splat_last(Leasts leasts) { return splat(leasts.of[3]); }
+DIVEMESH_INLINE_BODY V broadcast_last(PathMinima minima) { return broadcast(minima.of[3]); }
 // Bits set in each nibble of a byte.
 DIVEMESH_INLINE_BODY V nibble_counts(V bits) {
-    const V pairs = bits - ((bits >> 1) & splat(0x55));
-    return (pairs & splat(0x33)) + ((pairs >> 2) & splat(0x33));
+    const V pairs = bits - ((bits >> 1) & broadcast(0x55));
+    return (pairs & broadcast(0x33)) + ((pairs >> 2) & broadcast(0x33));
 }
-DIVEMESH_INLINE_BODY V byte_counts(V nibbles) { return (nibbles & splat(0x0f)) + (nibbles >> 4); }
+DIVEMESH_INLINE_BODY V byte_counts(V nibbles) {
+    return (nibbles & broadcast(0x0f)) + (nibbles >> 4);
+}
 DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
     V nibbles[4];
     for (int p = 0; p < 4; ++p) nibbles[p] = nibble_counts(left[p] ^ load(right[p] + d));
@@ -124,8 +126,8 @@ DIVEMESH_INLINE_BODY V load(const std::uint8_t* from) {
 DIVEMESH_INLINE_BODY void store(std::uint8_t* to, V v) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), v);
 }
-DIVEMESH_INLINE_BODY V splat(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
-DIVEMESH_INLINE_BODY V least_of(V a, V b) { return _mm256_min_epu8(a, b); }
+DIVEMESH_INLINE_BODY V broadcast(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
+DIVEMESH_INLINE_BODY V min(V a, V b) { return _mm256_min_epu8(a, b); }
 DIVEMESH_INLINE_BODY V add(V a, V b) { return _mm256_add_epi8(a, b); }
 DIVEMESH_INLINE_BODY V subtract(V a, V b) { return _mm256_sub_epi8(a, b); }
 DIVEMESH_INLINE_BODY V add_saturated(V a, V b) { return _mm256_adds_epu8(a, b); }
@@ -163,9 +165,9 @@ DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
                                      30,
                                      31);
     const int first = num < 0 ? 0 : num > kBytes ? kBytes : num;
-    return _mm256_blendv_epi8(splat(other), v, _mm256_cmpgt_epi8(splat(first), place));
+    return _mm256_blendv_epi8(broadcast(other), v, _mm256_cmpgt_epi8(broadcast(first), place));
 }
-DIVEMESH_INLINE_BODY int least_byte(V v) {
+DIVEMESH_INLINE_BODY int min_byte(V v) {
     const __m128i halves = _mm_min_epu8(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
     const __m128i pairs = _mm_min_epu8(halves, _mm_srli_epi16(halves, 8));
     return _mm_cvtsi128_si32(_mm_minpos_epu16(pairs)) & 0xff;
@@ -174,10 +176,10 @@ DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
     return static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a, b)));
 }
 DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int /*num: all*/) {
-    return __builtin_popcountll(where_equal(least_of(a, limit), a));
+    return __builtin_popcountll(where_equal(min(a, limit), a));
 }
-DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
-    return _mm256_and_si256(_mm256_cmpeq_epi8(a, b), splat(value));
+DIVEMESH_INLINE_BODY V broadcast_where_equal(V a, V b, int value) {
+    return _mm256_and_si256(_mm256_cmpeq_epi8(a, b), broadcast(value));
 }
 DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
     return _mm256_alignr_epi8(here, _mm256_permute2x128_si256(before, here, 0x21), 15);
@@ -185,19 +187,19 @@ DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
 DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
     return _mm256_alignr_epi8(_mm256_permute2x128_si256(here, after, 0x21), here, 1);
 }
-struct Leasts {
+struct PathMinima {
     std::uint8_t of[4];
 };
-DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
-    Leasts leasts;
-    for (int p = 0; p < 4; ++p) leasts.of[p] = static_cast<std::uint8_t>(least_byte(v[p]));
-    return leasts;
+DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
+    PathMinima minima;
+    for (int p = 0; p < 4; ++p) minima.of[p] = static_cast<std::uint8_t>(min_byte(v[p]));
+    return minima;
 }
 template <int p>
-DIVEMESH_INLINE_BODY std::uint8_t least_of_path(Leasts leasts) {
-    return leasts.of[p];
+DIVEMESH_INLINE_BODY std::uint8_t min_of_path(PathMinima minima) {
+    return minima.of[p];
 }
-DIVEMESH_INLINE_BODY V splat_last(Leasts leasts) { return splat(leasts.of[3]); }
+DIVEMESH_INLINE_BODY V broadcast_last(PathMinima minima) { return broadcast(minima.of[3]); }
 DIVEMESH_INLINE_BODY V by_nibble(V table, V bits) {
     const V low = _mm256_set1_epi8(0x0f);
     return _mm256_add_epi8(
@@ -264,17 +266,17 @@ using V = __m512i;
 
 DIVEMESH_INLINE_BODY V load(const std::uint8_t* from) { return _mm512_loadu_si512(from); }
 DIVEMESH_INLINE_BODY void store(std::uint8_t* to, V v) { _mm512_storeu_si512(to, v); }
-DIVEMESH_INLINE_BODY V splat(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
-DIVEMESH_INLINE_BODY V least_of(V a, V b) { return _mm512_min_epu8(a, b); }
+DIVEMESH_INLINE_BODY V broadcast(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
+DIVEMESH_INLINE_BODY V min(V a, V b) { return _mm512_min_epu8(a, b); }
 DIVEMESH_INLINE_BODY V add(V a, V b) { return _mm512_add_epi8(a, b); }
 DIVEMESH_INLINE_BODY V subtract(V a, V b) { return _mm512_sub_epi8(a, b); }
 DIVEMESH_INLINE_BODY V add_saturated(V a, V b) { return _mm512_adds_epu8(a, b); }
 DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
     const int first = num < 0 ? 0 : num > kBytes ? kBytes : num;
     const __mmask64 keep = first == kBytes ? ~__mmask64{0} : (__mmask64{1} << first) - 1;
-    return _mm512_mask_blend_epi8(keep, splat(other), v);
+    return _mm512_mask_blend_epi8(keep, broadcast(other), v);
 }
-DIVEMESH_INLINE_BODY int least_byte(V v) {
+DIVEMESH_INLINE_BODY int min_byte(V v) {
     // With a mask, as g++ 12 warns of its own header otherwise (bug 105593).
     constexpr __mmask8 kAll = 0xff;
     const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, v, 0),
@@ -289,8 +291,8 @@ DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int num) {
     const __mmask64 all = _mm512_cmple_epu8_mask(a, limit);
     return __builtin_popcountll(num < kBytes ? all & ((__mmask64{1} << num) - 1) : all);
 }
-DIVEMESH_INLINE_BODY V splat_where_equal(V a, V b, int value) {
-    return _mm512_maskz_mov_epi8(_mm512_cmpeq_epi8_mask(a, b), splat(value));
+DIVEMESH_INLINE_BODY V broadcast_where_equal(V a, V b, int value) {
+    return _mm512_maskz_mov_epi8(_mm512_cmpeq_epi8_mask(a, b), broadcast(value));
 }
 // 0, 1, 2 ... and so on from `first`.
 struct Places {
@@ -308,17 +310,17 @@ DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
     return _mm512_permutex2var_epi8(here, load(kOneUpper.bytes), after);
 }
 // In the lowest byte of each of four words.
-using Leasts = __m128i;
-DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
-    // With masks, as in least_byte.
+using PathMinima = __m128i;
+DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
+    // With masks, as in min_byte.
     constexpr __mmask8 kAll = 0xff;
     constexpr __mmask16 kAllWords = 0xffff;
     __m512 pairs_of[2];
     for (int i = 0; i < 2; ++i)
-        pairs_of[i] = _mm512_castsi512_ps(
-            least_of(_mm512_maskz_unpacklo_epi64(kAll, v[2 * i], v[2 * i + 1]),
-                     _mm512_maskz_unpackhi_epi64(kAll, v[2 * i], v[2 * i + 1])));
-    const V all = least_of(
+        pairs_of[i] =
+            _mm512_castsi512_ps(min(_mm512_maskz_unpacklo_epi64(kAll, v[2 * i], v[2 * i + 1]),
+                                    _mm512_maskz_unpackhi_epi64(kAll, v[2 * i], v[2 * i + 1])));
+    const V all = min(
         _mm512_castps_si512(_mm512_maskz_shuffle_ps(kAllWords, pairs_of[0], pairs_of[1], 0x88)),
         _mm512_castps_si512(_mm512_maskz_shuffle_ps(kAllWords, pairs_of[0], pairs_of[1], 0xdd)));
     const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, all, 0),
@@ -329,11 +331,11 @@ DIVEMESH_INLINE_BODY Leasts least_bytes(const V (&v)[4]) {
     return _mm_min_epu8(pairs, _mm_srli_epi32(pairs, 8));
 }
 template <int p>
-DIVEMESH_INLINE_BODY std::uint8_t least_of_path(Leasts leasts) {
-    return static_cast<std::uint8_t>(_mm_extract_epi8(leasts, 4 * p));
+DIVEMESH_INLINE_BODY std::uint8_t min_of_path(PathMinima minima) {
+    return static_cast<std::uint8_t>(_mm_extract_epi8(minima, 4 * p));
 }
-DIVEMESH_INLINE_BODY V splat_last(Leasts leasts) {
-    return _mm512_maskz_broadcastb_epi8(~__mmask64{0}, _mm_srli_si128(leasts, 12));
+DIVEMESH_INLINE_BODY V broadcast_last(PathMinima minima) {
+    return _mm512_maskz_broadcastb_epi8(~__mmask64{0}, _mm_srli_si128(minima, 12));
 }
 DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
     V counts[4];

@@ -7,14 +7,14 @@
 
 namespace divemesh::worker {
 
-inline constexpr int kOutsideCost = 200;        // of a path beside the range: never the least
-inline constexpr int kSmallStepPenalty = 6;     // P1
-inline constexpr int kLargestStepPenalty = 60;  // P2 on even ground
-inline constexpr int kLeastStepPenalty = 20;    // P2 across an edge
+inline constexpr int kOutsideCost = 200;     // of a path beside the range: never the least
+inline constexpr int kSmallStepPenalty = 6;  // P1
+inline constexpr int kMaxStepPenalty = 60;   // P2 on even ground
+inline constexpr int kMinStepPenalty = 20;   // P2 across an edge
 inline constexpr int kNumCensusBits = 32;
 inline constexpr int kUniqueness_percent = 5;
-inline constexpr int kMostDisparities = 512;
-inline constexpr int kWidestVector = 64;  // bytes: the kernels read so far past the end
+inline constexpr int kMaxDisparities = 512;
+inline constexpr int kMaxVectorBytes = 64;  // bytes: the kernels read so far past the end
 
 // Costs of one path, kept from row to row: slot s holds those of one pixel, [d], and their least.
 // A path that comes from above left finds the pixel before it where its own costs go when the slot
@@ -22,7 +22,7 @@ inline constexpr int kWidestVector = 64;  // bytes: the kernels read so far past
 // too many keeps a row that goes along with the one above it out of that one's way.
 struct VerticalPath {
     std::uint8_t* costs = nullptr;  // of slot 0 at d = 0
-    std::uint8_t* least = nullptr;
+    std::uint8_t* min_cost = nullptr;
     int first_slot = 0;  // of x = 0
 };
 
@@ -46,8 +46,8 @@ struct BackwardRow {
     const std::uint8_t* cost = nullptr;
     const std::uint8_t* sum = nullptr;
     // Out, by x:
-    std::uint8_t* least = nullptr;     // of the sums
-    std::int16_t* least_at = nullptr;  // the first d that has it
+    std::uint8_t* min_cost = nullptr;  // of the sums
+    std::int16_t* min_at = nullptr;    // the first d that has it
     std::uint8_t* is_unique = nullptr;
     std::uint8_t* lower = nullptr;  // where unique the sums at d - 1 and d + 1
     std::uint8_t* upper = nullptr;
@@ -57,8 +57,8 @@ struct BackwardRow {
 struct WinnerRow {
     int width = 0;
     int first_disparity = 0;
-    const std::uint8_t* least = nullptr;
-    const std::int16_t* least_at = nullptr;
+    const std::uint8_t* min_cost = nullptr;
+    const std::int16_t* min_at = nullptr;
     const std::uint8_t* lower = nullptr;
     const std::uint8_t* upper = nullptr;
     const std::uint8_t* is_confirmed = nullptr;
@@ -70,7 +70,7 @@ using ForwardKernel = void (*)(const ForwardRow* rows, int num_rows);
 // The fifth path added to the sum, and the least of it.
 using BackwardKernel = void (*)(const BackwardRow* rows, int num_rows);
 // To fractions of a pixel; negative: not confirmed, to the pixel; 0: from outside of the picture.
-using PlaceKernel = void (*)(const WinnerRow& row, float* disparity_px);
+using SubpixelKernel = void (*)(const WinnerRow& row, float* disparity_px);
 // One byte plane of the census of a row: bit k tells whether the k-th neighbour is at least as
 // bright as the centre.
 using CensusKernel = void (*)(const std::uint8_t* center,
@@ -87,7 +87,7 @@ using PenaltyKernel = void (*)(const std::uint8_t* a,
 struct SgmKernels {
     ForwardKernel forward;
     BackwardKernel backward;
-    PlaceKernel place;
+    SubpixelKernel place;
     CensusKernel census;
     PenaltyKernel penalties;
     int vector_bytes;

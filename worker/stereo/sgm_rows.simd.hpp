@@ -9,9 +9,9 @@ void census(const std::uint8_t* center,
     for (int start = 0; start < first_rest; start += kBytes) {
         const int x = std::min(start, num - kBytes);  // the last vector overlaps the one before
         const V c = load(center + x);
-        V bits = splat(0);
+        V bits = broadcast(0);
         for (int k = 0; k < 8; ++k)
-            bits = add(bits, splat_where_equal(least_of(load(neighbours[k] + x), c), c, 1 << k));
+            bits = add(bits, broadcast_where_equal(min(load(neighbours[k] + x), c), c, 1 << k));
         store(plane + x, bits);
     }
     for (int x = first_rest; x < num; ++x) {
@@ -29,26 +29,25 @@ void penalties(const std::uint8_t* __restrict a,
     constexpr int kHalving = 12;  // grey values that halve it
     for (int x = 0; x < num; ++x) {
         const int step = a[x] > b[x] ? a[x] - b[x] : b[x] - a[x];
-        const float lowered = static_cast<float>(kLargestStepPenalty * kHalving) /
-                              static_cast<float>(kHalving + step);
+        const float lowered =
+            static_cast<float>(kMaxStepPenalty * kHalving) / static_cast<float>(kHalving + step);
         const int whole = static_cast<int>(lowered);
-        penalty[x] =
-            static_cast<std::uint8_t>(whole > kLeastStepPenalty ? whole : kLeastStepPenalty);
+        penalty[x] = static_cast<std::uint8_t>(whole > kMinStepPenalty ? whole : kMinStepPenalty);
     }
 }
 
 // What is behind the last disparity where the vectors end later: costs too large to be chosen from
 // any path, and not too large for a byte.
 constexpr int kBehindRange = 140;
-static_assert(kNumCensusBits + kLargestStepPenalty < kBehindRange);
-static_assert(kBehindRange + kLargestStepPenalty <= kOutsideCost);
+static_assert(kNumCensusBits + kMaxStepPenalty < kBehindRange);
+static_assert(kBehindRange + kMaxStepPenalty <= kOutsideCost);
 
 DIVEMESH_INLINE_BODY int stride_of(int num_disparities) {
     return (num_disparities + kBytes - 1) / kBytes * kBytes;
 }
 
 struct Step {
-    V least;
+    V min_cost;
     V far;
     V before;  // costs of the pixel before: at the last disparities, at these and at the next
     V here;
@@ -58,15 +57,14 @@ struct Step {
 // L(p, d) = C(p, d) + min(L(q, d), L(q, d +- 1) + P1, min L(q) + P2) - min L(q); eq. 14 of
 // Hirschmueller 2008.
 DIVEMESH_INLINE_BODY V path_cost(const Step& step, V cost) {
-    const V near =
-        add(least_of(one_lower(step.before, step.here), one_upper(step.here, step.after)),
-            splat(kSmallStepPenalty));
-    return add(subtract(least_of(least_of(step.here, near), step.far), step.least), cost);
+    const V near = add(min(one_lower(step.before, step.here), one_upper(step.here, step.after)),
+                       broadcast(kSmallStepPenalty));
+    return add(subtract(min(min(step.here, near), step.far), step.min_cost), cost);
 }
 
 // The path's next step; its costs replace those that it comes from.
 DIVEMESH_INLINE_BODY V take_step(Step& step, std::uint8_t* costs, int d, int stride, V cost) {
-    step.after = d + kBytes < stride ? load(costs + d + kBytes) : splat(kOutsideCost);
+    step.after = d + kBytes < stride ? load(costs + d + kBytes) : broadcast(kOutsideCost);
     const V next = path_cost(step, cost);
     store(costs + d, next);
     step.before = step.here;
@@ -74,11 +72,11 @@ DIVEMESH_INLINE_BODY V take_step(Step& step, std::uint8_t* costs, int d, int str
     return next;
 }
 
-DIVEMESH_INLINE_BODY Step first_step(const std::uint8_t* costs, V least, int penalty) {
+DIVEMESH_INLINE_BODY Step first_step(const std::uint8_t* costs, V min_cost, int penalty) {
     Step step;
-    step.least = least;
-    step.far = add(least, splat(penalty));
-    step.before = splat(kOutsideCost);
+    step.min_cost = min_cost;
+    step.far = add(min_cost, broadcast(penalty));
+    step.before = broadcast(kOutsideCost);
     step.here = load(costs);
     return step;
 }
@@ -87,8 +85,8 @@ DIVEMESH_INLINE_BODY Step first_step(const std::uint8_t* costs, V least, int pen
 struct Sweep {
     const ForwardRow* row = nullptr;
     int slots[3] = {};
-    V left_least;
-    alignas(kWidestVector) std::uint8_t from_left[kMostDisparities];
+    V left_min;
+    alignas(kMaxVectorBytes) std::uint8_t from_left[kMaxDisparities];
 };
 
 template <bool kClipped>
@@ -100,7 +98,7 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
     const std::uint8_t* right[4];
     V left[4];
     for (int p = 0; p < 4; ++p) {
-        left[p] = splat(row.left[p][x]);
+        left[p] = broadcast(row.left[p][x]);
         right[p] = row.right_reversed[p] + reversed;
     }
     std::uint8_t* paths[4];
@@ -110,10 +108,11 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
         paths[p] = p == 3
                        ? sweep.from_left
                        : row.above[p].costs + static_cast<std::ptrdiff_t>(sweep.slots[p]) * stride;
-        step[p] = first_step(paths[p],
-                             p == 3 ? sweep.left_least : splat(row.above[p].least[sweep.slots[p]]),
-                             row.penalty[p][x]);
-        lowest[p] = splat(255);
+        step[p] =
+            first_step(paths[p],
+                       p == 3 ? sweep.left_min : broadcast(row.above[p].min_cost[sweep.slots[p]]),
+                       row.penalty[p][x]);
+        lowest[p] = broadcast(255);
     }
     std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * stride;
     std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * stride;
@@ -127,16 +126,16 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
         V costs[4];
         for (int p = 0; p < 4; ++p) {
             costs[p] = take_step(step[p], paths[p], d, stride, c);
-            lowest[p] = least_of(lowest[p], costs[p]);
+            lowest[p] = min(lowest[p], costs[p]);
         }
         store(sum + d,
               add_saturated(add_saturated(costs[0], costs[1]), add_saturated(costs[2], costs[3])));
     }
-    const Leasts leasts = least_bytes(lowest);
-    row.above[0].least[sweep.slots[0]] = least_of_path<0>(leasts);
-    row.above[1].least[sweep.slots[1]] = least_of_path<1>(leasts);
-    row.above[2].least[sweep.slots[2]] = least_of_path<2>(leasts);
-    sweep.left_least = splat_last(leasts);
+    const PathMinima minima = path_minima(lowest);
+    row.above[0].min_cost[sweep.slots[0]] = min_of_path<0>(minima);
+    row.above[1].min_cost[sweep.slots[1]] = min_of_path<1>(minima);
+    row.above[2].min_cost[sweep.slots[2]] = min_of_path<2>(minima);
+    sweep.left_min = broadcast_last(minima);
 }
 
 DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x, int num_vectors) {
@@ -155,10 +154,10 @@ DIVEMESH_INLINE_BODY void forward_body(const ForwardRow* rows, int num_rows, int
     Sweep sweeps[2];
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
-        sweeps[r].left_least = splat(0);
+        sweeps[r].left_min = broadcast(0);
         for (int i = 0; i < num_vectors; ++i)
             store(sweeps[r].from_left + i * kBytes,
-                  first_or(splat(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
+                  first_or(broadcast(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
         for (int p = 0; p < 3; ++p) sweeps[r].slots[p] = rows[r].above[p].first_slot;
     }
     const int width = rows[0].width;
@@ -176,7 +175,7 @@ DIVEMESH_INLINE_BODY void forward_body(const ForwardRow* rows, int num_rows, int
 
 // The first place of `best`, which is the least of the sums.
 DIVEMESH_INLINE_BODY int find_first(const std::uint8_t* sums, int num_vectors, int best) {
-    const V best_v = splat(best);
+    const V best_v = broadcast(best);
     int first = 0;
     for (int i = num_vectors - 1; i >= 0; --i) {
         const std::uint64_t equal = where_equal(load(sums + i * kBytes), best_v);
@@ -194,78 +193,78 @@ DIVEMESH_INLINE_BODY bool is_unique(const std::uint8_t* sums,
     const int limit = std::min(255, best * 100 / (100 - kUniqueness_percent));
     int num_near = 0;
     for (int i = 0; i < num_vectors; ++i)
-        num_near += num_at_most(load(sums + i * kBytes), splat(limit), num - i * kBytes);
+        num_near += num_at_most(load(sums + i * kBytes), broadcast(limit), num - i * kBytes);
     const int num_own =
         1 + (sums[winner - 1] <= limit ? 1 : 0) + (sums[winner + 1] <= limit ? 1 : 0);
     return (best < 255) & (winner > 0) & (winner < num - 1) & (num_near == num_own);
 }
 
 // One row on its way from right to left.
-struct Return {
+struct BackwardSweep {
     const BackwardRow* row = nullptr;
-    V least;
-    alignas(kWidestVector) std::uint8_t from_right[kMostDisparities];
+    V min_cost;
+    alignas(kMaxVectorBytes) std::uint8_t from_right[kMaxDisparities];
     // What the last pixel's disparities sum up to, between margins.
-    alignas(kWidestVector) std::uint8_t sums[kMostDisparities + 2 * kWidestVector] = {};
+    alignas(kMaxVectorBytes) std::uint8_t sums[kMaxDisparities + 2 * kMaxVectorBytes] = {};
 };
 
-DIVEMESH_INLINE_BODY void retreat(Return& sweep, int x, int num_vectors) {
+DIVEMESH_INLINE_BODY void backward_pixel(BackwardSweep& sweep, int x, int num_vectors) {
     const BackwardRow& row = *sweep.row;
     const int stride = num_vectors * kBytes;
-    Step step = first_step(sweep.from_right, sweep.least, row.penalty[x]);
+    Step step = first_step(sweep.from_right, sweep.min_cost, row.penalty[x]);
     const std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * stride;
     const std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * stride;
-    std::uint8_t* sums = sweep.sums + kWidestVector;
-    V least = splat(255);
-    V best = splat(255);
+    std::uint8_t* sums = sweep.sums + kMaxVectorBytes;
+    V min_cost = broadcast(255);
+    V best = broadcast(255);
     for (int i = 0; i < num_vectors; ++i) {
         const int d = i * kBytes;
         const V c = take_step(step, sweep.from_right, d, stride, load(cost + d));
         const V s = add_saturated(load(sum + d), c);
         store(sums + d, s);
-        least = least_of(least, c);
-        best = least_of(best, s);
+        min_cost = min(min_cost, c);
+        best = min(best, s);
     }
-    const Leasts leasts = least_bytes({best, least, best, least});
-    sweep.least = splat_last(leasts);
-    row.least[x] = least_of_path<0>(leasts);
-    const int winner = find_first(sums, num_vectors, row.least[x]);
-    row.least_at[x] = static_cast<std::int16_t>(winner);
+    const PathMinima minima = path_minima({best, min_cost, best, min_cost});
+    sweep.min_cost = broadcast_last(minima);
+    row.min_cost[x] = min_of_path<0>(minima);
+    const int winner = find_first(sums, num_vectors, row.min_cost[x]);
+    row.min_at[x] = static_cast<std::int16_t>(winner);
     row.is_unique[x] = is_unique(sums, row.num_disparities, num_vectors, winner) ? 1 : 0;
     row.lower[x] = sums[winner - 1];
     row.upper[x] = sums[winner + 1];
 }
 
 DIVEMESH_INLINE_BODY void backward_body(const BackwardRow* rows, int num_rows, int num_vectors) {
-    Return sweeps[2];
+    BackwardSweep sweeps[2];
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
-        sweeps[r].least = splat(0);
+        sweeps[r].min_cost = broadcast(0);
         for (int i = 0; i < num_vectors; ++i)
             store(sweeps[r].from_right + i * kBytes,
-                  first_or(splat(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
+                  first_or(broadcast(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
     }
     if (num_rows == 1) {
-        for (int x = rows[0].width - 1; x >= 0; --x) retreat(sweeps[0], x, num_vectors);
+        for (int x = rows[0].width - 1; x >= 0; --x) backward_pixel(sweeps[0], x, num_vectors);
         return;
     }
     for (int x = rows[0].width - 1; x >= 0; --x) {
-        retreat(sweeps[0], x, num_vectors);
-        retreat(sweeps[1], x, num_vectors);
+        backward_pixel(sweeps[0], x, num_vectors);
+        backward_pixel(sweeps[1], x, num_vectors);
     }
 }
 
 // Between whole disparities by the two lines that a cost of absolute differences has.
 void place(const WinnerRow& row, float* __restrict disparity_px) {
-    const std::int16_t* __restrict least_at = row.least_at;
-    const std::uint8_t* __restrict least = row.least;
+    const std::int16_t* __restrict min_at = row.min_at;
+    const std::uint8_t* __restrict min_cost = row.min_cost;
     const std::uint8_t* __restrict lower = row.lower;
     const std::uint8_t* __restrict upper = row.upper;
     const std::uint8_t* __restrict is_confirmed = row.is_confirmed;
     for (int x = 0; x < row.width; ++x) {
-        const int d = row.first_disparity + least_at[x];
+        const int d = row.first_disparity + min_at[x];
         const int larger = lower[x] > upper[x] ? lower[x] : upper[x];
-        const int slope = larger - least[x];
+        const int slope = larger - min_cost[x];
         const auto whole = static_cast<float>(d);
         const float between = whole + 0.5F * static_cast<float>(lower[x] - upper[x]) /
                                           static_cast<float>(slope > 0 ? slope : 1);

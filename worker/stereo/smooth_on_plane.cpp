@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "worker/lanes.hpp"
-#include "worker/stereo/disparity_step.hpp"
+#include "worker/stereo/subpixel_refinement.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -12,14 +12,14 @@ namespace {
 constexpr int kRadius = 2;  // in strides
 constexpr int kNumRows = 2 * kRadius + 1;
 constexpr int kWideStride_px = 3;
-constexpr float kLargestSlope = 1.0F;  // disparity per pixel; steeper is an edge
-constexpr float kWidestGate_px = 0.8F;
+constexpr float kMaxSlope = 1.0F;  // disparity per pixel; steeper is an edge
+constexpr float kMaxGate_px = 0.8F;
 constexpr float kCertain_px = 0.15F;  // a disparity this well known is left as it is
 constexpr float kReach_px = 2 * kRadius * kWideStride_px + kWindow_px;
-constexpr float kMostWindows = kReach_px * kReach_px / (1.0F * kWindow_px * kWindow_px);
-constexpr float kMostOthers = kNumRows * kNumRows - 1;
+constexpr float kMaxWindows = kReach_px * kReach_px / (1.0F * kWindow_px * kWindow_px);
+constexpr float kMaxOthers = kNumRows * kNumRows - 1;
 
-static_assert(kRadius * kWideStride_px + kLanes <= DisparityPlane::kMargin_px);
+static_assert(kRadius * kWideStride_px + kLanes <= PaddedDisparity::kMargin_px);
 
 struct Mean {
     Floats value;
@@ -38,23 +38,24 @@ mean_on_plane(const float* const* rows, int x, int stride, Floats center, Floats
             const Floats ahead = load(rows[kRadius + dy] + x + dx * stride);
             const Floats behind = load(rows[kRadius - dy] + x - dx * stride);
             const Floats largest =
-                gate + kLargestSlope * static_cast<float>(stride * std::max(dy, std::abs(dx)));
+                gate + kMaxSlope * static_cast<float>(stride * std::max(dy, std::abs(dx)));
             const Floats up = ahead - center;
             const Floats down = behind - center;
-            const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) & (size_of(up) < largest) &
-                                   (size_of(down) < largest) & (size_of(up + down) < 2.0F * gate);
-            sum += where(on_plane, up + down);
-            count += where(on_plane, splat(2.0F));
+            const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) & (abs(up) < largest) &
+                                   (abs(down) < largest) & (abs(up + down) < 2.0F * gate);
+            sum += select(on_plane, up + down);
+            count += select(on_plane, broadcast(2.0F));
         }
     }
-    return {center + where(center > 0.0F, sum / (1.0F + count)), count};
+    return {center + select(center > 0.0F, sum / (1.0F + count)), count};
 }
 
 DIVEMESH_INLINE_BODY void smooth_row(const float* const* rows, float gate, int width, float* out) {
     for (int x = 0; x < width; x += kLanes) {
         const Floats center = load(rows[kRadius] + x);
-        store(out + x,
-              any(center > 0.0F) ? mean_on_plane(rows, x, 1, center, splat(gate)).value : center);
+        store(
+            out + x,
+            any(center > 0.0F) ? mean_on_plane(rows, x, 1, center, broadcast(gate)).value : center);
     }
 }
 
@@ -67,18 +68,18 @@ DIVEMESH_INLINE_BODY void smooth_uncertain_row(
         store(out + x, center);
         store(out_sigmas + x, sigma);
         if (!any(uncertain)) continue;
-        const Floats gate = where(uncertain, least_of(2.0F * sigma, splat(kWidestGate_px)));
+        const Floats gate = select(uncertain, min(2.0F * sigma, broadcast(kMaxGate_px)));
         const Mean mean = mean_on_plane(rows, x, kWideStride_px, center, gate);
-        const Floats windows = 1.0F + (kMostWindows - 1.0F) / kMostOthers * mean.num_others;
+        const Floats windows = 1.0F + (kMaxWindows - 1.0F) / kMaxOthers * mean.num_others;
         store(out + x, mean.value);
         const Masks apart = sigma < kWideSigma_px;
         store(out_sigmas + x,
-              where(apart, sigma / square_root(square_root(windows))) + where(~apart, sigma));
+              select(apart, sigma / square_root(square_root(windows))) + select(~apart, sigma));
     }
 }
 
 struct Rows {
-    Rows(const DisparityPlane& plane, int y, int stride) {
+    Rows(const PaddedDisparity& plane, int y, int stride) {
         for (int i = 0; i < kNumRows; ++i) begin[i] = plane.row(y + (i - kRadius) * stride);
     }
     const float* begin[kNumRows];
@@ -86,9 +87,9 @@ struct Rows {
 
 }  // namespace
 
-void smooth_on_plane(const DisparityPlane& disparity_px,
+void smooth_on_plane(const PaddedDisparity& disparity_px,
                      float gate_px,
-                     DisparityPlane& smooth_px,
+                     PaddedDisparity& smooth_px,
                      Instructions instructions) {
     const auto smooth = compiled_for<smooth_row>(instructions);
     smooth_px.resize(disparity_px.size());
@@ -96,10 +97,10 @@ void smooth_on_plane(const DisparityPlane& disparity_px,
         smooth(Rows(disparity_px, y, 1).begin, gate_px, disparity_px.width(), smooth_px.row(y));
 }
 
-void smooth_uncertain(const DisparityPlane& disparity_px,
-                      const DisparityPlane& sigma_px,
-                      DisparityPlane& smooth_px,
-                      DisparityPlane& smooth_sigma_px,
+void smooth_uncertain(const PaddedDisparity& disparity_px,
+                      const PaddedDisparity& sigma_px,
+                      PaddedDisparity& smooth_px,
+                      PaddedDisparity& smooth_sigma_px,
                       Instructions instructions) {
     const auto smooth = compiled_for<smooth_uncertain_row>(instructions);
     smooth_px.resize(disparity_px.size());

@@ -1,25 +1,25 @@
 #pragma once
 
 #include "worker/instructions.hpp"
-#include "worker/stereo/disparity_plane.hpp"
+#include "worker/stereo/padded_disparity.hpp"
 
 namespace divemesh::worker {
 
 // Mean of those pairs of opposite neighbours within 2 px whose own mean is within `gate_px` of the
 // centre: planes of any slant stay as they are, edges stay sharp.
-void smooth_on_plane(const DisparityPlane& disparity_px,
+void smooth_on_plane(const PaddedDisparity& disparity_px,
                      float gate_px,
-                     DisparityPlane& smooth_px,
+                     PaddedDisparity& smooth_px,
                      Instructions instructions = best_instructions());
 
 // The same for uncertain disparities, with the gate at two of their standard deviations, by
 // neighbours three times as far. The deviation falls as it does for a mean of the square root of so
 // many windows as do not overlap: where texture is weak, neighbours are off together. That of a
 // wide window stays. Certain ones stay as they are.
-void smooth_uncertain(const DisparityPlane& disparity_px,
-                      const DisparityPlane& sigma_px,
-                      DisparityPlane& smooth_px,
-                      DisparityPlane& smooth_sigma_px,
+void smooth_uncertain(const PaddedDisparity& disparity_px,
+                      const PaddedDisparity& sigma_px,
+                      PaddedDisparity& smooth_px,
+                      PaddedDisparity& smooth_sigma_px,
                       Instructions instructions = best_instructions());
 
 }  // namespace divemesh::worker

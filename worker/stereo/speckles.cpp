@@ -88,7 +88,7 @@ void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
     });
 }
 
-void doubt_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
+void unconfirm_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
     for_each_speckle(disparity_px, min_pixels, max_step_px, [](float* first, int num) {
         for (int i = 0; i < num; ++i) first[i] = -first[i];
     });

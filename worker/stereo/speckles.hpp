@@ -9,6 +9,6 @@ namespace divemesh::worker {
 void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
 
 // The same, but makes them negative: winners of a matcher that are not confirmed.
-void doubt_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
+void unconfirm_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
 
 }  // namespace divemesh::worker

@@ -6,7 +6,7 @@
 
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/steps/feature.hpp"
-#include "worker/tracking/first_look.hpp"
+#include "worker/tracking/reference_patch.hpp"
 
 namespace divemesh::worker {
 
@@ -16,22 +16,22 @@ class LostFeatures {
 public:
     struct Found {
         Feature feature;  // with the disparity that is to be expected
-        FirstLook look;
+        ReferencePatch look;
     };
 
     explicit LostFeatures(const RectifiedRig& rig) : rig_(rig) {}
 
     // `feature` as the frame before had it, with depth; `look`: how it looks.
-    void lose(const Feature& feature, const FirstLook& look);
+    void lose(const Feature& feature, const ReferencePatch& look);
     // What has come back in the next picture, by id, once its motion is known.
-    std::vector<Found> find(const cv::Mat& picture, const Eigen::Isometry3d& T_current_previous);
+    std::vector<Found> find(const cv::Mat& image, const Eigen::Isometry3d& T_current_previous);
 
 private:
     struct Lost {
         std::int64_t id = 0;
         Eigen::Vector3d p_cam;  // as the camera stands now
         int num_frames = 0;     // since it was seen
-        FirstLook look;
+        ReferencePatch look;
     };
 
     RectifiedRig rig_;

@@ -11,8 +11,8 @@ constexpr int kRadius_px = 8;
 constexpr int kSide_px = 2 * kRadius_px + 1;
 constexpr int kNumPixels = kSide_px * kSide_px;
 constexpr int kIterations = 3;
-constexpr float kNoise = 3.0F;     // of the difference of two pictures, grey levels
-constexpr float kMostLean = 2.0F;  // depth over breadth: beyond it is an edge
+constexpr float kNoise = 3.0F;           // of the difference of two pictures, grey levels
+constexpr float kMaxSlope_depth = 2.0F;  // depth over breadth: beyond it is an edge
 
 using Values = std::array<float, kNumPixels>;
 
@@ -116,7 +116,8 @@ Eigen::Vector2d slope_of(const RectifiedFrame& frame, const Feature& feature, fl
             return Eigen::Vector2d::Zero();
         improve(left, right, prior, plane);
     }
-    if (!(std::hypot(plane.by_u, plane.by_v) < kMostLean * prior)) return Eigen::Vector2d::Zero();
+    if (!(std::hypot(plane.by_u, plane.by_v) < kMaxSlope_depth * prior))
+        return Eigen::Vector2d::Zero();
     return {plane.by_u, plane.by_v};
 }
 

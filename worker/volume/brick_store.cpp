@@ -13,20 +13,20 @@ namespace divemesh::worker {
 namespace {
 
 // Leaves: more would lie idle where bricks hold few, fewer cost more handles.
-constexpr int kRoom = 2;
-constexpr std::size_t kMostRooms = kBlockSamples / kRoom;
+constexpr int kLeavesPerSlot = 2;
+constexpr std::size_t kMaxLeafSlots = kBlockSamples / kLeavesPerSlot;
 // Of a record, in words of 32 bits: owner; how many leaves and how many rooms; then the rooms'
 // handles; then the places of the leaves, two in a word.
 constexpr std::size_t kHeaderWords = 2;
-constexpr std::size_t kWordsPerRoom = 1 + kRoom / 2;
+constexpr std::size_t kWordsPerSlot = 1 + kLeavesPerSlot / 2;
 constexpr std::uint32_t kPageWords = 1U << 10;
 constexpr std::size_t kSlackWords = 4;  // that find_place() may read behind a page
 
-constexpr std::uint32_t words_of(std::size_t num_rooms) {
-    return static_cast<std::uint32_t>(kHeaderWords + kWordsPerRoom * num_rooms);
+constexpr std::uint32_t words_of(std::size_t num_slots) {
+    return static_cast<std::uint32_t>(kHeaderWords + kWordsPerSlot * num_slots);
 }
-constexpr std::uint32_t records_per_page(std::size_t num_rooms) {
-    return kPageWords / words_of(num_rooms);
+constexpr std::uint32_t records_per_page(std::size_t num_slots) {
+    return kPageWords / words_of(num_slots);
 }
 
 // Among the first `num`, or -1. Looks at eight at once, some of them beyond.
@@ -54,13 +54,13 @@ struct BrickStore::Record {
 
     std::uint32_t owner() const { return words[0]; }
     int num_leaves() const { return static_cast<int>(words[1] & 0xffff); }
-    std::size_t num_rooms() const { return words[1] >> 16; }
-    Word* rooms() const { return words + kHeaderWords; }
-    Place* places() const { return reinterpret_cast<Place*>(rooms() + num_rooms()); }
+    std::size_t num_slots() const { return words[1] >> 16; }
+    Word* slots() const { return words + kHeaderWords; }
+    Place* places() const { return reinterpret_cast<Place*>(slots() + num_slots()); }
 };
 
 BrickStore::BrickStore(SpillSettings spill, Moved moved)
-    : leaves_(std::move(spill)), moved_(std::move(moved)), sizes_(kMostRooms + 1) {}
+    : leaves_(std::move(spill)), moved_(std::move(moved)), sizes_(kMaxLeafSlots + 1) {}
 
 std::int64_t BrickStore::index_bytes() const {
     return static_cast<std::int64_t>(pages_.size() * (kPageWords + kSlackWords) *
@@ -79,7 +79,7 @@ BrickStore::Handle BrickStore::make(std::uint32_t owner) {
     std::uint32_t* words = record(brick).words;
     words[0] = owner;
     words[1] = 1U << 16;
-    words[kHeaderWords] = leaves_.allocate(kRoom * sizeof(PointLeaf));
+    words[kHeaderWords] = leaves_.allocate(kLeavesPerSlot * sizeof(PointLeaf));
     return brick;
 }
 
@@ -88,19 +88,22 @@ PointLeaf& BrickStore::leaf(Handle brick, int place) {
     int i = find_place(found.places(), found.num_leaves(), place);
     if (i < 0) {
         i = found.num_leaves();
-        if (i == kRoom * static_cast<int>(found.num_rooms())) found = record(add_room(brick));
+        if (i == kLeavesPerSlot * static_cast<int>(found.num_slots()))
+            found = record(add_slot(brick));
         found.places()[i] = static_cast<std::uint16_t>(place);
         ++found.words[1];
         ++num_leaves_;
     }
-    return reinterpret_cast<PointLeaf*>(leaves_.write(found.rooms()[i / kRoom]))[i % kRoom];
+    return reinterpret_cast<PointLeaf*>(
+        leaves_.write(found.slots()[i / kLeavesPerSlot]))[i % kLeavesPerSlot];
 }
 
 const PointLeaf* BrickStore::find(Handle brick, int place) const {
     const auto found = record(brick);
     const int i = find_place(found.places(), found.num_leaves(), place);
     if (i < 0) return nullptr;
-    return reinterpret_cast<const PointLeaf*>(leaves_.read(found.rooms()[i / kRoom])) + i % kRoom;
+    return reinterpret_cast<const PointLeaf*>(leaves_.read(found.slots()[i / kLeavesPerSlot])) +
+           i % kLeavesPerSlot;
 }
 
 void BrickStore::for_each(Handle brick,
@@ -113,24 +116,24 @@ void BrickStore::for_each(Handle brick,
         index[place] = static_cast<std::uint16_t>(i);
         there[place / 64] |= std::uint64_t{1} << (place % 64);
     }
-    std::array<const PointLeaf*, kMostRooms> rooms{};
-    for (std::size_t i = 0; i < found.num_rooms(); ++i)
-        rooms[i] = reinterpret_cast<const PointLeaf*>(leaves_.read(found.rooms()[i]));
+    std::array<const PointLeaf*, kMaxLeafSlots> slots{};
+    for (std::size_t i = 0; i < found.num_slots(); ++i)
+        slots[i] = reinterpret_cast<const PointLeaf*>(leaves_.read(found.slots()[i]));
     for (std::size_t word = 0; word < there.size(); ++word)
         for (std::uint64_t left = there[word]; left != 0; left &= left - 1) {
             const int place = static_cast<int>(word) * 64 + std::countr_zero(left);
-            visit(place, rooms[index[place] / kRoom][index[place] % kRoom]);
+            visit(place, slots[index[place] / kLeavesPerSlot][index[place] % kLeavesPerSlot]);
         }
 }
 
-BrickStore::Handle BrickStore::record_at(std::size_t num_rooms, std::uint32_t i) const {
-    const std::uint32_t per_page = records_per_page(num_rooms);
-    return sizes_[num_rooms].pages[i / per_page] * kPageWords + i % per_page * words_of(num_rooms);
+BrickStore::Handle BrickStore::record_at(std::size_t num_slots, std::uint32_t i) const {
+    const std::uint32_t per_page = records_per_page(num_slots);
+    return sizes_[num_slots].pages[i / per_page] * kPageWords + i % per_page * words_of(num_slots);
 }
 
-BrickStore::Handle BrickStore::take_record(std::size_t num_rooms) {
-    auto& [pages, num_records] = sizes_[num_rooms];
-    if (num_records == pages.size() * records_per_page(num_rooms)) {
+BrickStore::Handle BrickStore::take_record(std::size_t num_slots) {
+    auto& [pages, num_records] = sizes_[num_slots];
+    if (num_records == pages.size() * records_per_page(num_slots)) {
         if (free_pages_.empty()) {
             free_pages_.push_back(static_cast<std::uint32_t>(pages_.size()));
             pages_.push_back(std::make_unique<std::uint32_t[]>(kPageWords + kSlackWords));
@@ -138,36 +141,36 @@ BrickStore::Handle BrickStore::take_record(std::size_t num_rooms) {
         pages.push_back(free_pages_.back());
         free_pages_.pop_back();
     }
-    return record_at(num_rooms, num_records++);
+    return record_at(num_slots, num_records++);
 }
 
 // The last record of this size takes the place of one that is no longer needed.
-void BrickStore::give_back(Handle brick, std::size_t num_rooms) {
-    auto& [pages, num_records] = sizes_[num_rooms];
-    const Handle last = record_at(num_rooms, --num_records);
+void BrickStore::give_back(Handle brick, std::size_t num_slots) {
+    auto& [pages, num_records] = sizes_[num_slots];
+    const Handle last = record_at(num_slots, --num_records);
     if (last != brick) {
         std::memcpy(
-            record(brick).words, record(last).words, words_of(num_rooms) * sizeof(std::uint32_t));
+            record(brick).words, record(last).words, words_of(num_slots) * sizeof(std::uint32_t));
         moved_(record(brick).owner(), brick);
     }
-    if (num_records % records_per_page(num_rooms) == 0) {
+    if (num_records % records_per_page(num_slots) == 0) {
         free_pages_.push_back(pages.back());
         pages.pop_back();
     }
 }
 
-BrickStore::Handle BrickStore::add_room(Handle brick) {
-    const std::size_t num_rooms = record(brick).num_rooms();
-    const Handle larger = take_record(num_rooms + 1);
+BrickStore::Handle BrickStore::add_slot(Handle brick) {
+    const std::size_t num_slots = record(brick).num_slots();
+    const Handle larger = take_record(num_slots + 1);
     const auto from = record(brick);
     const auto to = record(larger);
     to.words[0] = from.words[0];
     to.words[1] = from.words[1] + (1U << 16);
-    std::copy_n(from.rooms(), num_rooms, to.rooms());
-    to.rooms()[num_rooms] = leaves_.allocate(kRoom * sizeof(PointLeaf));
+    std::copy_n(from.slots(), num_slots, to.slots());
+    to.slots()[num_slots] = leaves_.allocate(kLeavesPerSlot * sizeof(PointLeaf));
     std::copy_n(from.places(), from.num_leaves(), to.places());
     moved_(to.owner(), larger);
-    give_back(brick, num_rooms);
+    give_back(brick, num_slots);
     return larger;
 }
 

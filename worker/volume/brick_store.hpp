@@ -65,10 +65,10 @@ private:
     std::int64_t index_bytes() const;
     Record<std::uint32_t> record(Handle brick);
     Record<const std::uint32_t> record(Handle brick) const;
-    Handle record_at(std::size_t num_rooms, std::uint32_t i) const;
-    Handle take_record(std::size_t num_rooms);
-    void give_back(Handle brick, std::size_t num_rooms);
-    Handle add_room(Handle brick);
+    Handle record_at(std::size_t num_slots, std::uint32_t i) const;
+    Handle take_record(std::size_t num_slots);
+    void give_back(Handle brick, std::size_t num_slots);
+    Handle add_slot(Handle brick);
 
     SpillStore leaves_;
     Moved moved_;

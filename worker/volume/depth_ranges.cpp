@@ -5,14 +5,14 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr float kFarthest = 3.0F;  // of a pixel's depth: what is seen at a graze has no end
+constexpr float kMaxDepthRatio = 3.0F;  // of a pixel's depth: what is seen at a graze has no end
 
 // How far before and behind its surface a pixel changes samples, along the optical axis. They lie
 // anywhere in the pixel, so the surface may be as near and as far as at its corners. The noise, and
 // so the truncation, grows with the square of the depth: behind, z - depth = noise z^2 is where it
 // ends, if it does.
 DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
-    const float most = kFarthest * pixel.depth_m;
+    const float most = kMaxDepthRatio * pixel.depth_m;
     const float across = pixel.offset_m / pixel.depth_m;  // metres across the plane, per metre of z
     const float to_corner =
         0.5F * (std::abs(pixel.normal[0]) + std::abs(pixel.normal[1])) / view.focal_px;
@@ -26,8 +26,8 @@ DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     const float nearest = std::max(least, noise * near_depth * near_depth) / (across + to_corner);
     const float root = 1.0F - 4.0F * noise * far_depth / (across - to_corner);
     const float noise_ends = root <= 0.0F ? most : 2.0F * far_depth / (1.0F + std::sqrt(root));
-    const float least_ends = far_depth + least / (across - to_corner);
-    return {near_depth - nearest, std::min(most, std::max(least_ends, noise_ends))};
+    const float min_ends = far_depth + least / (across - to_corner);
+    return {near_depth - nearest, std::min(most, std::max(min_ends, noise_ends))};
 }
 
 }  // namespace

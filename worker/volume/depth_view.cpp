@@ -11,12 +11,12 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr float kLargestSlope = 1.0F;    // of disparity per pixel; steeper is a jump
-constexpr int kReach_px = 4;             // of the gradient, at full sampling
-constexpr float kLargestBend_px = 1.0F;  // of the disparity over that reach
+constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a jump
+constexpr int kReach_px = 4;         // of the gradient, at full sampling
+constexpr float kMaxBend_px = 1.0F;  // of the disparity over that reach
 constexpr float kDeadRim_px = 2.0F;
 constexpr float kFullWeight_px = 5.0F;  // from a jump or the unknown
-constexpr float kLeastCosine = 0.15F;   // of the angle of incidence
+constexpr float kMinCosine = 0.15F;     // of the angle of incidence
 
 DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
                                       const float* __restrict row,
@@ -25,10 +25,10 @@ DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
                                       std::uint8_t* __restrict inside) {
     for (int x = 1; x + 1 < width; ++x) {
         const float d = row[x];
-        const int near = static_cast<int>(std::abs(row[x - 1] - d) < kLargestSlope) &
-                         static_cast<int>(std::abs(row[x + 1] - d) < kLargestSlope) &
-                         static_cast<int>(std::abs(above[x] - d) < kLargestSlope) &
-                         static_cast<int>(std::abs(below[x] - d) < kLargestSlope) &
+        const int near = static_cast<int>(std::abs(row[x - 1] - d) < kMaxSlope) &
+                         static_cast<int>(std::abs(row[x + 1] - d) < kMaxSlope) &
+                         static_cast<int>(std::abs(above[x] - d) < kMaxSlope) &
+                         static_cast<int>(std::abs(below[x] - d) < kMaxSlope) &
                          static_cast<int>(d > 0.0F);
         inside[x] = static_cast<std::uint8_t>(near);
     }
@@ -45,10 +45,10 @@ DIVEMESH_INLINE_BODY void add_pair(
     SlopeFit& fit, Floats center, Floats ahead, Floats behind, int reach_px, float bend_px) {
     const auto reach = static_cast<float>(reach_px);
     const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) &
-                           (size_of(ahead - behind) <= 2.0F * kLargestSlope * reach) &
-                           (size_of(ahead + behind - 2.0F * center) <= bend_px);
-    fit.numerator += where(on_plane, 2.0F * reach * (ahead - behind));
-    fit.denominator += where(on_plane, splat(4.0F * reach * reach));
+                           (abs(ahead - behind) <= 2.0F * kMaxSlope * reach) &
+                           (abs(ahead + behind - 2.0F * center) <= bend_px);
+    fit.numerator += select(on_plane, 2.0F * reach * (ahead - behind));
+    fit.denominator += select(on_plane, broadcast(4.0F * reach * reach));
 }
 
 // One row of a keyframe's depth, and the rows around it.
@@ -86,7 +86,7 @@ DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
                                      const Optics& optics,
                                      SurfacePixel* pixels) {
     const int furthest = kReach_px / optics.step_px;
-    const float bend_px = kLargestBend_px / static_cast<float>(optics.step_px);
+    const float bend_px = kMaxBend_px / static_cast<float>(optics.step_px);
     for (int start = furthest; start < row.width - furthest; start += kLanes) {
         // The last eight overlap the ones before.
         const int u = std::min(start, row.width - furthest - kLanes);
@@ -109,8 +109,8 @@ DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
                 add_pair(along_v, d, below, above, reach, bend_px);
             }
         good &= (along_u.denominator > 0.0F) & (along_v.denominator > 0.0F);
-        const Floats slope_u = along_u.numerator / largest_of(along_u.denominator, splat(1.0F));
-        const Floats slope_v = along_v.numerator / largest_of(along_v.denominator, splat(1.0F));
+        const Floats slope_u = along_u.numerator / max(along_u.denominator, broadcast(1.0F));
+        const Floats slope_v = along_v.numerator / max(along_v.denominator, broadcast(1.0F));
         const Floats du =
             __builtin_convertvector(kLaneNumbers, Floats) + (static_cast<float>(u) - optics.cx);
         const Floats plane_x = optics.focal * slope_u;
@@ -121,17 +121,17 @@ DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
         const Floats ray =
             square_root(du * du + (row.v * row.v + optics.focal * optics.focal)) / optics.focal;
         const Floats cosine = d / (length * ray);
-        good &= cosine >= kLeastCosine;
+        good &= cosine >= kMinCosine;
         const Floats ramp =
-            least_of(splat(1.0F), (inside - kDeadRim_px) / (kFullWeight_px - kDeadRim_px));
-        Floats fields[kLanes] = {where(good, plane_x / length),
-                                 where(good, plane_y / length),
-                                 where(good, plane_z / length),
-                                 where(good, optics.focal_baseline / length),
-                                 where(good, load(row.sigma + u)),
-                                 where(good, optics.focal_baseline / d),
-                                 where(good, cosine * ramp),
-                                 where(good, reinterpret_cast<Floats>(colors(row.image + 3 * u)))};
+            min(broadcast(1.0F), (inside - kDeadRim_px) / (kFullWeight_px - kDeadRim_px));
+        Floats fields[kLanes] = {select(good, plane_x / length),
+                                 select(good, plane_y / length),
+                                 select(good, plane_z / length),
+                                 select(good, optics.focal_baseline / length),
+                                 select(good, load(row.sigma + u)),
+                                 select(good, optics.focal_baseline / d),
+                                 select(good, cosine * ramp),
+                                 select(good, reinterpret_cast<Floats>(colors(row.image + 3 * u)))};
         transpose(fields);
         std::memcpy(pixels + u, fields, sizeof fields);
     }
@@ -186,7 +186,7 @@ cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
 }
 
 // What planes are fitted to.
-struct DepthPicture {
+struct DepthImage {
     cv::Mat disparity;  // CV_32F
     cv::Mat sigma;      // CV_32F
     cv::Mat rim;        // CV_32F, distance from the nearest pixel outside of a surface
@@ -194,7 +194,7 @@ struct DepthPicture {
 };
 
 // The means of two by two pixels, in units of their own width; 0 where a disparity is not known.
-void halve_row(const DepthPicture& from, int row, DepthPicture& to) {
+void halve_row(const DepthImage& from, int row, DepthImage& to) {
     const auto* above = from.disparity.ptr<float>(2 * row);
     const auto* below = from.disparity.ptr<float>(2 * row + 1);
     const auto mean_of = [&](const cv::Mat& values, int x) {
@@ -214,9 +214,9 @@ void halve_row(const DepthPicture& from, int row, DepthPicture& to) {
     }
 }
 
-DepthPicture halved(const DepthPicture& full) {
+DepthImage halved(const DepthImage& full) {
     const cv::Size size(full.disparity.cols / 2, full.disparity.rows / 2);
-    DepthPicture half{cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), {}};
+    DepthImage half{cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), {}};
     for (int row = 0; row < size.height; ++row) halve_row(full, row, half);
     const cv::Rect whole(0, 0, 2 * size.width, 2 * size.height);
     cv::resize(full.color(whole), half.color, size, 0.0, 0.0, cv::INTER_AREA);
@@ -254,7 +254,7 @@ DepthView::DepthView(const RectifiedRig& rig,
                      Instructions instructions)
     : step_px_(sampling == Sampling::Half ? 2 : 1),
       rig_(sampling == Sampling::Half ? halved(rig) : rig),
-      picture_(images.left_color),
+      image_(images.left_color),
       pixels_(static_cast<std::size_t>(rig_.width_px) * rig_.height_px) {
     const int reach = kReach_px / step_px_;
     if (images.depth.disparity_px.empty() || rig_.width_px < 2 * reach + kLanes ||
@@ -262,21 +262,21 @@ DepthView::DepthView(const RectifiedRig& rig,
         return;
     const Kernels kernels{compiled_for<mark_inside>(instructions),
                           compiled_for<fit_planes>(instructions)};
-    DepthPicture picture{images.depth.disparity_px,
-                         images.depth.sigma_disparity_px,
-                         distance_from_rim(images.depth.disparity_px, kernels),
-                         images.left_color};
-    if (sampling == Sampling::Half) picture = halved(picture);
+    DepthImage image{images.depth.disparity_px,
+                     images.depth.sigma_disparity_px,
+                     distance_from_rim(images.depth.disparity_px, kernels),
+                     images.left_color};
+    if (sampling == Sampling::Half) image = halved(image);
     const Optics optics{static_cast<float>(rig_.focal_px),
                         static_cast<float>(rig_.focal_px * rig_.baseline_m),
                         static_cast<float>(rig_.cx_px),
                         step_px_};
     for (int v = reach; v < rig_.height_px - reach; ++v) {
-        const DepthRow row{picture.disparity.ptr<float>(v),
-                           static_cast<std::ptrdiff_t>(picture.disparity.step1()),
-                           picture.sigma.ptr<float>(v),
-                           picture.rim.ptr<float>(v),
-                           picture.color.ptr<std::uint8_t>(v),
+        const DepthRow row{image.disparity.ptr<float>(v),
+                           static_cast<std::ptrdiff_t>(image.disparity.step1()),
+                           image.sigma.ptr<float>(v),
+                           image.rim.ptr<float>(v),
+                           image.color.ptr<std::uint8_t>(v),
                            rig_.width_px,
                            static_cast<float>(v - rig_.cy_px)};
         kernels.fit_planes(

@@ -45,12 +45,12 @@ public:
     }
     const SurfacePixel* pixels() const { return pixels_.data(); }  // row by row
     int step_px() const { return step_px_; }  // of the keyframe's pixels between two of these
-    const cv::Mat& picture() const { return picture_; }  // CV_8UC3, all of the keyframe's pixels
+    const cv::Mat& image() const { return image_; }  // CV_8UC3, all of the keyframe's pixels
 
 private:
     int step_px_;
     RectifiedRig rig_;
-    cv::Mat picture_;
+    cv::Mat image_;
     std::vector<SurfacePixel> pixels_;
 };
 

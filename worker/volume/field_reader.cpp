@@ -21,7 +21,7 @@ float between(float from, float to, float share) { return from + share * (to - f
 
 }  // namespace
 
-FieldReader::FieldReader(const SignedField& field) : field_(field) {
+FieldReader::FieldReader(const SignedDistanceField& field) : field_(field) {
     index_.reserve(field.blocks().size());
     for (std::size_t i = 0; i < field.blocks().size(); ++i) index_.emplace(field.blocks()[i], i);
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "worker/volume/signed_field.hpp"
+#include "worker/volume/signed_distance_field.hpp"
 
 namespace divemesh::worker {
 
@@ -21,7 +21,7 @@ struct BlockNeighbourhood {
 // Looks a field up by coordinates, across blocks.
 class FieldReader {
 public:
-    explicit FieldReader(const SignedField& field);
+    explicit FieldReader(const SignedDistanceField& field);
 
     static constexpr std::size_t kNone = ~std::size_t{0};
     std::size_t find(const BlockCoordinate& block) const;
@@ -35,13 +35,13 @@ public:
     // cells around the edge, those that are known.
     Eigen::Vector3f edge_normal(const Eigen::Vector3i& sample, int axis, float fraction) const;
 
-    const SignedField& field() const { return field_; }
+    const SignedDistanceField& field() const { return field_; }
 
 private:
     // Of each corner of a cell, or kNone.
     std::array<std::size_t, 8> blocks_around(const Eigen::Vector3i& cell) const;
 
-    const SignedField& field_;
+    const SignedDistanceField& field_;
     std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
 };
 

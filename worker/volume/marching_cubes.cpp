@@ -12,7 +12,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr float kLeastFraction = 0.001F;  // of an edge: no two vertices coincide in a sample
+constexpr float kMinFraction = 0.001F;  // of an edge: no two vertices coincide in a sample
 
 // A crossed lattice edge that a cell uses: where it begins, along which axis, where the zero is.
 struct EdgeVertex {
@@ -32,7 +32,7 @@ constexpr std::uint16_t kNotCrossed = 0xffff;
 
 class MarchingCubes {
 public:
-    MarchingCubes(const SignedField& field, const MeshingSettings& settings)
+    MarchingCubes(const SignedDistanceField& field, const MeshingSettings& settings)
         : field_(field), settings_(settings), reader_(field), blocks_(field.blocks().size()) {}
 
     Mesh run() {
@@ -51,7 +51,7 @@ private:
     void phase(double begin, double end, const Work& work) const {
         ProgressShare share = settings_.progress;
         share.report = [this](const Progress& progress) {
-            field_.let_go();
+            field_.release_memory();
             settings_.progress.report(progress);
         };
         const double whole = share.end - share.begin;
@@ -65,7 +65,7 @@ private:
     std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge) const;
     Mesh make_mesh(std::uint32_t num_vertices) const;
 
-    const SignedField& field_;
+    const SignedDistanceField& field_;
     const MeshingSettings& settings_;
     FieldReader reader_;
     std::vector<BlockEdges> blocks_;
@@ -89,7 +89,7 @@ void MarchingCubes::find_vertices(std::size_t block) {
             if (edges.index.empty()) edges.index.assign(3 * kBlockSamples, kNotCrossed);
             edges.index[3 * i + axis] = static_cast<std::uint16_t>(edges.vertices.size());
             const float fraction =
-                std::clamp(from / (from - to), kLeastFraction, 1.0F - kLeastFraction);
+                std::clamp(from / (from - to), kMinFraction, 1.0F - kMinFraction);
             edges.vertices.push_back({first + sample, axis, fraction});
         }
     }
@@ -144,7 +144,7 @@ Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
 
 }  // namespace
 
-Mesh marching_cubes(const SignedField& field, const MeshingSettings& settings) {
+Mesh marching_cubes(const SignedDistanceField& field, const MeshingSettings& settings) {
     return MarchingCubes(field, settings).run();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "worker/volume/mesh.hpp"
-#include "worker/volume/signed_field.hpp"
+#include "worker/volume/signed_distance_field.hpp"
 #include "worker/volume/surface_nets.hpp"
 
 namespace divemesh::worker {
@@ -10,6 +10,6 @@ namespace divemesh::worker {
 // welded across cells and blocks, and with one rule for ambiguous faces, so that it has no cracks.
 // The surface goes exactly through the zeros of the field on the lattice edges. Cells with an
 // unknown corner have no surface.
-Mesh marching_cubes(const SignedField& field, const MeshingSettings& settings);
+Mesh marching_cubes(const SignedDistanceField& field, const MeshingSettings& settings);
 
 }  // namespace divemesh::worker

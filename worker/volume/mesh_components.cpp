@@ -55,7 +55,7 @@ MeshComponents find_components(const Mesh& mesh) {
     return components;
 }
 
-void drop_unused_vertices(Mesh& mesh) {
+void remove_unreferenced_vertices(Mesh& mesh) {
     std::vector<std::uint32_t> renumbered(mesh.vertices.size(), 0);
     for (const auto& triangle : mesh.triangles)
         for (const std::uint32_t vertex : triangle) renumbered[vertex] = 1;
@@ -82,7 +82,7 @@ Mesh keep_large_components(Mesh mesh, double min_area_m2) {
         if (components.area_m2[components.of_triangle[i]] >= min_area_m2)
             mesh.triangles[num_kept++] = mesh.triangles[i];
     mesh.triangles.resize(num_kept);
-    drop_unused_vertices(mesh);
+    remove_unreferenced_vertices(mesh);
     return mesh;
 }
 
@@ -116,8 +116,8 @@ MeshTopology check_topology(const Mesh& mesh) {
         if (num == 2 && forward != 1) ++topology.num_misoriented_edges;
         i = end;
     }
-    topology.euler_number = std::count(used.begin(), used.end(), true) - num_edges +
-                            static_cast<std::int64_t>(mesh.triangles.size());
+    topology.euler_characteristic = std::count(used.begin(), used.end(), true) - num_edges +
+                                    static_cast<std::int64_t>(mesh.triangles.size());
     return topology;
 }
 

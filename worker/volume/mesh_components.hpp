@@ -16,7 +16,7 @@ struct MeshComponents {
 MeshComponents find_components(const Mesh& mesh);
 
 // Takes out the vertices that no triangle names. Order is kept.
-void drop_unused_vertices(Mesh& mesh);
+void remove_unreferenced_vertices(Mesh& mesh);
 
 // The mesh without components of less than `min_area_m2` and without unused vertices. Order is
 // kept.
@@ -27,7 +27,7 @@ struct MeshTopology {
     std::int64_t num_border_edges = 0;       // of one triangle alone
     std::int64_t num_nonmanifold_edges = 0;  // of more than two
     std::int64_t num_misoriented_edges = 0;  // run through twice in the same direction
-    std::int64_t euler_number = 0;           // vertices in use - edges + triangles
+    std::int64_t euler_characteristic = 0;   // vertices in use - edges + triangles
     double area_m2 = 0.0;
     double volume_m3 = 0.0;  // signed; of a closed surface, positive when it faces outward
 };

@@ -9,7 +9,7 @@
 namespace divemesh::worker {
 namespace {
 
-constexpr int kLeastViews = 2;  // of a leaf before it counts: what one view saw may be snow
+constexpr int kMinViews = 2;  // of a leaf before it counts: what one view saw may be snow
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void OctreeVolume::insert_four(const Eigen::Isometry3d& T_world_cam,
         const Eigen::Vector2i full(2 * at.x() + (i & 1), 2 * at.y() + (i >> 1));
         const Eigen::Vector3d ray = settings_.rig.point_cam(full.x(), full.y(), 1.0);
         point.p_world = T_world_cam * (pixel.offset_m / normal.cast<double>().dot(ray) * ray);
-        const auto& bgr = depth.picture().at<cv::Vec3b>(full.y(), full.x());
+        const auto& bgr = depth.image().at<cv::Vec3b>(full.y(), full.x());
         point.color = {bgr[2], bgr[1], bgr[0]};
         octree_.insert(point);
     }
@@ -66,16 +66,14 @@ void OctreeVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_
     for (const Eigen::Vector3d& p : p_world) {
         const Eigen::Vector3i cell = (p / settings_.voxel_m).array().floor().cast<int>();
         const PointLeaf* leaf = octree_.find(cell);
-        *out++ = leaf != nullptr && leaf->num_views >= least_views();
+        *out++ = leaf != nullptr && leaf->num_views >= min_views();
     }
 }
 
-int OctreeVolume::least_views() const {
-    return std::min(kLeastViews, static_cast<int>(num_views_));
-}
+int OctreeVolume::min_views() const { return std::min(kMinViews, static_cast<int>(num_views_)); }
 
-std::unique_ptr<SignedField> OctreeVolume::field(int num_threads) const {
-    return std::make_unique<PointField>(octree_, least_views(), num_threads);
+std::unique_ptr<SignedDistanceField> OctreeVolume::field(int num_threads) const {
+    return std::make_unique<PointField>(octree_, min_views(), num_threads);
 }
 
 void OctreeVolume::save(const std::filesystem::path& path) const {

@@ -17,7 +17,7 @@ public:
 
     void add(const Keyframe& keyframe, const DepthView& depth) override;
     void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
-    std::unique_ptr<SignedField> field(int num_threads) const override;
+    std::unique_ptr<SignedDistanceField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
     std::int64_t memory_bytes() const override { return octree_.memory_bytes(); }
     void trim() const override { octree_.trim(); }
@@ -27,7 +27,7 @@ public:
     static std::unique_ptr<OctreeVolume> load(class BinaryReader& file, SpillSettings spill);
 
 private:
-    int least_views() const;
+    int min_views() const;
     void insert_four(const Eigen::Isometry3d& T_world_cam,
                      const DepthView& depth,
                      const Eigen::Vector2i& at,

@@ -8,7 +8,7 @@ namespace divemesh::worker {
 
 DIVEMESH_INLINE_BODY Floats unpack_weights(Masks packed) {
     const Floats weights = reinterpret_cast<Floats>((packed << kWeightShift) + kWeightBase);
-    return where(packed != 0, weights);
+    return select(packed != 0, weights);
 }
 DIVEMESH_INLINE_BODY Masks pack_weights(Floats weights) {
     const Masks bits = reinterpret_cast<Masks>(weights) - kWeightBase;

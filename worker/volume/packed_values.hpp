@@ -42,6 +42,6 @@ inline std::uint8_t unpack_grey(std::uint32_t color, int i) {
 
 // Steps are coarse: a mean moves by no less than this share of the way to a new colour, or it would
 // stand still after many views.
-inline constexpr float kLeastColorShare = 1.0F / 32.0F;
+inline constexpr float kMinColorShare = 1.0F / 32.0F;
 
 }  // namespace divemesh::worker

@@ -68,9 +68,9 @@ private:
     std::array<bool, kBlockSamples> reached_{};
 };
 
-PointField::PointField(const PointOctree& octree, int least_views, int num_threads)
+PointField::PointField(const PointOctree& octree, int min_views, int num_threads)
     : voxel_m_(octree.leaf_m()) {
-    collect_points(octree, least_views);
+    collect_points(octree, min_views);
     choose_blocks();
     blocks_.resize(coordinates_.size());
     for_each_index(num_threads, blocks_.size(), [this](std::size_t i) { fill_block(i); });
@@ -84,10 +84,10 @@ PointField::PointField(const PointOctree& octree, int least_views, int num_threa
     blocks_.resize(num);
 }
 
-void PointField::collect_points(const PointOctree& octree, int least_views) {
+void PointField::collect_points(const PointOctree& octree, int min_views) {
     octree.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
         const Eigen::Vector3f normal = leaf_normal(leaf);
-        if (leaf.num_views < least_views || normal.norm() < 0.1F) return;
+        if (leaf.num_views < min_views || normal.norm() < 0.1F) return;
         const BlockCoordinate block = block_of(cell);
         if (ranges_.empty() || ranges_.back().first != block)
             ranges_.push_back({block, {points_.size(), points_.size()}});

@@ -5,16 +5,16 @@
 #include <vector>
 
 #include "worker/volume/point_octree.hpp"
-#include "worker/volume/signed_field.hpp"
+#include "worker/volume/signed_distance_field.hpp"
 
 namespace divemesh::worker {
 
 // The signed distance to oriented points (Hoppe et al. 1992): at each sample the mean of the
 // distances to the tangent planes of the leaves within 2.5 leaves, weighted by their certainty and
 // nearness. Known where some leaf lies within a leaf's edge of the sample's foot on its plane.
-class PointField : public SignedField {
+class PointField : public SignedDistanceField {
 public:
-    PointField(const PointOctree& octree, int least_views, int num_threads);
+    PointField(const PointOctree& octree, int min_views, int num_threads);
 
     double voxel_m() const override { return voxel_m_; }
     const std::vector<BlockCoordinate>& blocks() const override { return coordinates_; }
@@ -42,7 +42,7 @@ private:
     };
     class Sums;
 
-    void collect_points(const PointOctree& octree, int least_views);
+    void collect_points(const PointOctree& octree, int min_views);
     void choose_blocks();
     void fill_block(std::size_t block);
 

@@ -43,7 +43,7 @@ bool PointOctree::insert(const PointObservation& observation) {
     const bool is_new = leaf.weight == 0;
     const float weight = unpack_weight(leaf.weight) + observation.weight;
     const float share = is_new ? 1.0F : observation.weight / weight;
-    const float color_share = std::max(share, kLeastColorShare);
+    const float color_share = std::max(share, kMinColorShare);
     const Eigen::Vector3f place = (scaled - cell.cast<double>()).cast<float>();
     PointLeaf mean = leaf;
     mean.weight = pack_weight(weight);

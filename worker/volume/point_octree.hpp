@@ -27,19 +27,19 @@ template <typename T>
 class Pool {
 public:
     std::uint32_t add(const T& value) {
-        if ((size_ & kMask) == 0) pieces_.push_back(std::make_unique<T[]>(kMask + 1));
-        pieces_.back()[size_ & kMask] = value;
+        if ((size_ & kMask) == 0) chunks_.push_back(std::make_unique<T[]>(kMask + 1));
+        chunks_.back()[size_ & kMask] = value;
         return size_++;
     }
-    T& operator[](std::uint32_t i) { return pieces_[i >> kShift][i & kMask]; }
-    const T& operator[](std::uint32_t i) const { return pieces_[i >> kShift][i & kMask]; }
+    T& operator[](std::uint32_t i) { return chunks_[i >> kShift][i & kMask]; }
+    const T& operator[](std::uint32_t i) const { return chunks_[i >> kShift][i & kMask]; }
     std::uint32_t size() const { return size_; }
-    std::size_t memory_bytes() const { return pieces_.size() * sizeof(T) * (kMask + 1); }
+    std::size_t memory_bytes() const { return chunks_.size() * sizeof(T) * (kMask + 1); }
 
 private:
     static constexpr int kShift = 12;
     static constexpr std::uint32_t kMask = (1U << kShift) - 1;
-    std::vector<std::unique_ptr<T[]>> pieces_;
+    std::vector<std::unique_ptr<T[]>> chunks_;
     std::uint32_t size_ = 0;
 };
 

@@ -33,7 +33,7 @@ Mesh simplify_mesh(const Mesh& mesh, const SimplifyLimits& limits) {
                                                   0,
                                                   nullptr);
     simplified.triangles.resize(num_left / 3);
-    drop_unused_vertices(simplified);
+    remove_unreferenced_vertices(simplified);
     return simplified;
 }
 

@@ -18,11 +18,11 @@ namespace {
 
 constexpr std::size_t kUnitBytes = 16;
 constexpr int kUnitBits = 16;
-static_assert(SpillStore::kPieceBytes == kUnitBytes << kUnitBits);
-constexpr std::size_t kMostSpare = 64;  // pieces
+static_assert(SpillStore::kChunkBytes == kUnitBytes << kUnitBits);
+constexpr std::size_t kMaxSpare = 64;  // pieces
 constexpr double kKeptShare = 0.75;  // after pieces have gone, so that not every trim() drops some
 
-std::size_t piece_of(SpillStore::Handle record) { return record >> kUnitBits; }
+std::size_t chunk_of(SpillStore::Handle record) { return record >> kUnitBits; }
 std::size_t place_of(SpillStore::Handle record) {
     return (record & ((1U << kUnitBits) - 1)) * kUnitBytes;
 }
@@ -45,9 +45,9 @@ int open_unnamed(const std::filesystem::path& folder) {
 
 // Calls `move` (pread or pwrite) until a whole piece has gone over.
 template <typename Move>
-void move_piece(Move&& move) {
+void move_chunk(Move&& move) {
     std::size_t done = 0;
-    while (done < SpillStore::kPieceBytes) {
+    while (done < SpillStore::kChunkBytes) {
         const ssize_t moved = move(done);
         if (moved < 0 && errno == EINTR) continue;
         if (moved <= 0) throw std::system_error(moved < 0 ? errno : EIO, std::generic_category());
@@ -57,9 +57,9 @@ void move_piece(Move&& move) {
 
 // Mapped, not from the heap: small things would settle in the gaps that pieces leave there, and the
 // heap would grow to several times what the pieces hold.
-std::byte* map_piece() {
+std::byte* map_chunk() {
     void* memory = mmap(nullptr,
-                        SpillStore::kPieceBytes,
+                        SpillStore::kChunkBytes,
                         PROT_READ | PROT_WRITE,
                         MAP_PRIVATE | MAP_ANONYMOUS,
                         -1,
@@ -68,103 +68,103 @@ std::byte* map_piece() {
     return static_cast<std::byte*>(memory);
 }
 
-void unmap_piece(std::byte* memory) {
-    if (memory != nullptr) munmap(memory, SpillStore::kPieceBytes);
+void unmap_chunk(std::byte* memory) {
+    if (memory != nullptr) munmap(memory, SpillStore::kChunkBytes);
 }
 
 }  // namespace
 
 SpillStore::~SpillStore() {
-    for (Piece& piece : pieces_) unmap_piece(piece.memory.load());
-    for (std::byte* memory : spare_) unmap_piece(memory);
+    for (Chunk& chunk : chunks_) unmap_chunk(chunk.memory.load());
+    for (std::byte* memory : spare_) unmap_chunk(memory);
     if (file_ >= 0) close(file_);
 }
 
 std::byte* SpillStore::take_memory() const {
-    if (spare_.empty()) return map_piece();
+    if (spare_.empty()) return map_chunk();
     std::byte* memory = spare_.back();
     spare_.pop_back();
     return memory;
 }
 
 void SpillStore::give_memory(std::byte* memory) const {
-    if (spare_.size() < kMostSpare)
+    if (spare_.size() < kMaxSpare)
         spare_.push_back(memory);
     else
-        unmap_piece(memory);
+        unmap_chunk(memory);
 }
 
 SpillStore::Handle SpillStore::allocate(std::size_t num_bytes) {
     const std::size_t rounded = (num_bytes + kUnitBytes - 1) / kUnitBytes * kUnitBytes;
-    if (used_bytes_ + rounded > kPieceBytes) {
-        if (pieces_.size() > 0xffff)
+    if (used_bytes_ + rounded > kChunkBytes) {
+        if (chunks_.size() > 0xffff)
             throw Error(ErrorCode::TooLarge, "the map is larger than 64 GiB: choose larger voxels");
         std::byte* memory = take_memory();
-        std::memset(memory, 0, kPieceBytes);
-        pieces_.emplace_back().memory = memory;
+        std::memset(memory, 0, kChunkBytes);
+        chunks_.emplace_back().memory = memory;
         ++num_resident_;
         used_bytes_ = 0;
     }
     const auto record =
-        static_cast<Handle>(((pieces_.size() - 1) << kUnitBits) | (used_bytes_ / kUnitBytes));
+        static_cast<Handle>(((chunks_.size() - 1) << kUnitBits) | (used_bytes_ / kUnitBytes));
     used_bytes_ += rounded;
     return record;
 }
 
 std::byte* SpillStore::write(Handle record) {
-    std::byte* memory = resident(piece_of(record));
-    pieces_[piece_of(record)].changed = true;
+    std::byte* memory = resident(chunk_of(record));
+    chunks_[chunk_of(record)].changed = true;
     return memory + place_of(record);
 }
 
 const std::byte* SpillStore::read(Handle record) const {
-    return resident(piece_of(record)) + place_of(record);
+    return resident(chunk_of(record)) + place_of(record);
 }
 
 std::byte* SpillStore::resident(std::size_t index) const {
-    Piece& piece = pieces_[index];
-    if (piece.last_use.load(std::memory_order_relaxed) != now_)
-        piece.last_use.store(now_, std::memory_order_relaxed);
-    std::byte* memory = piece.memory.load(std::memory_order_acquire);
+    Chunk& chunk = chunks_[index];
+    if (chunk.last_use.load(std::memory_order_relaxed) != now_)
+        chunk.last_use.store(now_, std::memory_order_relaxed);
+    std::byte* memory = chunk.memory.load(std::memory_order_acquire);
     if (memory != nullptr) return memory;
     const std::lock_guard lock(loading_);
-    memory = piece.memory.load(std::memory_order_relaxed);
+    memory = chunk.memory.load(std::memory_order_relaxed);
     if (memory != nullptr) return memory;
     memory = take_memory();
     try {
-        move_piece([&](std::size_t done) {
+        move_chunk([&](std::size_t done) {
             return pread(file_,
                          memory + done,
-                         kPieceBytes - done,
-                         static_cast<off_t>(index * kPieceBytes + done));
+                         kChunkBytes - done,
+                         static_cast<off_t>(index * kChunkBytes + done));
         });
     } catch (const std::system_error& error) {
         give_memory(memory);
         fail(settings_.folder, "read", error.code().value());
     }
-    piece.memory.store(memory, std::memory_order_release);
+    chunk.memory.store(memory, std::memory_order_release);
     ++num_resident_;
     return memory;
 }
 
 void SpillStore::spill(std::size_t index) const {
-    Piece& piece = pieces_[index];
-    std::byte* memory = piece.memory.load();
-    if (piece.changed) {
+    Chunk& chunk = chunks_[index];
+    std::byte* memory = chunk.memory.load();
+    if (chunk.changed) {
         if (file_ < 0) file_ = open_unnamed(settings_.folder);
         try {
-            move_piece([&](std::size_t done) {
+            move_chunk([&](std::size_t done) {
                 return pwrite(file_,
                               memory + done,
-                              kPieceBytes - done,
-                              static_cast<off_t>(index * kPieceBytes + done));
+                              kChunkBytes - done,
+                              static_cast<off_t>(index * kChunkBytes + done));
             });
         } catch (const std::system_error& error) {
             fail(settings_.folder, "write", error.code().value());
         }
-        piece.changed = false;
+        chunk.changed = false;
     }
-    piece.memory = nullptr;
+    chunk.memory = nullptr;
     give_memory(memory);
     --num_resident_;
 }
@@ -173,8 +173,8 @@ void SpillStore::trim() const {
     ++now_;
     if (settings_.folder.empty() || memory_bytes() <= settings_.memory_bytes) return;
     std::vector<std::pair<std::uint64_t, std::size_t>> oldest_first;
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
-        if (pieces_[i].memory.load() != nullptr) oldest_first.emplace_back(pieces_[i].last_use, i);
+    for (std::size_t i = 0; i < chunks_.size(); ++i)
+        if (chunks_[i].memory.load() != nullptr) oldest_first.emplace_back(chunks_[i].last_use, i);
     std::sort(oldest_first.begin(), oldest_first.end());
     const auto kept =
         static_cast<std::int64_t>(kKeptShare * static_cast<double>(settings_.memory_bytes));
@@ -185,7 +185,7 @@ void SpillStore::trim() const {
 }
 
 std::int64_t SpillStore::size_bytes() const {
-    return static_cast<std::int64_t>(pieces_.size() * kPieceBytes);
+    return static_cast<std::int64_t>(chunks_.size() * kChunkBytes);
 }
 
 }  // namespace divemesh::worker

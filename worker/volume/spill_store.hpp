@@ -23,7 +23,7 @@ class SpillStore {
 public:
     // Where a record is: its piece in the upper half, 16 bytes a unit in the lower.
     using Handle = std::uint32_t;
-    static constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+    static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
     explicit SpillStore(SpillSettings settings = {}) : settings_(std::move(settings)) {}
     ~SpillStore();
@@ -37,10 +37,10 @@ public:
     void trim() const;
 
     std::int64_t size_bytes() const;  // in memory and on disk
-    std::int64_t memory_bytes() const { return num_resident_ * std::int64_t{kPieceBytes}; }
+    std::int64_t memory_bytes() const { return num_resident_ * std::int64_t{kChunkBytes}; }
 
 private:
-    struct Piece {
+    struct Chunk {
         std::atomic<std::byte*> memory = nullptr;
         std::atomic<std::uint64_t> last_use = 0;
         bool changed = true;  // since it was written to the file
@@ -48,12 +48,12 @@ private:
 
     std::byte* take_memory() const;
     void give_memory(std::byte* memory) const;
-    std::byte* resident(std::size_t piece) const;
-    void spill(std::size_t piece) const;
+    std::byte* resident(std::size_t chunk) const;
+    void spill(std::size_t chunk) const;
 
     SpillSettings settings_;
     // Where a record is kept is not part of its value.
-    mutable std::deque<Piece> pieces_;
+    mutable std::deque<Chunk> chunks_;
     mutable std::mutex loading_;
     // Memory of pieces that were let go, for the next ones: with those in memory never more than
     // were in memory at once.
@@ -61,7 +61,7 @@ private:
     mutable std::uint64_t now_ = 1;
     mutable std::atomic<std::int64_t> num_resident_ = 0;
     mutable int file_ = -1;
-    std::size_t used_bytes_ = kPieceBytes;  // of the last piece
+    std::size_t used_bytes_ = kChunkBytes;  // of the last piece
 };
 
 }  // namespace divemesh::worker

@@ -43,7 +43,7 @@ using Quad = std::array<std::uint32_t, 4>;
 
 class SurfaceNets {
 public:
-    SurfaceNets(const SignedField& field, const MeshingSettings& settings)
+    SurfaceNets(const SignedDistanceField& field, const MeshingSettings& settings)
         : field_(field), settings_(settings), reader_(field), nets_(field.blocks().size()) {}
 
     Mesh run() {
@@ -78,7 +78,7 @@ private:
     void set_vertex(std::size_t vertex, Mesh& mesh) const;
     void set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const;
 
-    const SignedField& field_;
+    const SignedDistanceField& field_;
     const MeshingSettings& settings_;
     FieldReader reader_;
     std::vector<BlockNet> nets_;
@@ -97,7 +97,7 @@ template <typename Work>
 void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& work) const {
     ProgressShare share = settings_.progress;
     share.report = [this](const Progress& progress) {
-        field_.let_go();
+        field_.release_memory();
         settings_.progress.report(progress);
     };
     const double whole = share.end - share.begin;
@@ -371,7 +371,7 @@ void SurfaceNets::set_triangles(std::size_t block, std::size_t first, Mesh& mesh
 
 }  // namespace
 
-Mesh surface_nets(const SignedField& field, const MeshingSettings& settings) {
+Mesh surface_nets(const SignedDistanceField& field, const MeshingSettings& settings) {
     return SurfaceNets(field, settings).run();
 }
 

@@ -2,7 +2,7 @@
 
 #include "worker/parallel.hpp"
 #include "worker/volume/mesh.hpp"
-#include "worker/volume/signed_field.hpp"
+#include "worker/volume/signed_distance_field.hpp"
 
 namespace divemesh::worker {
 
@@ -18,6 +18,6 @@ struct MeshingSettings {
 // cell and within one standard deviation of the zero: what the net evens out is noise, not shape.
 // A vertex per sheet and rejoined folds (Wenger 2013, section 5.3) keep it a manifold. Vertices
 // are shared across blocks. Cells with an unknown corner have no surface: holes stay holes.
-Mesh surface_nets(const SignedField& field, const MeshingSettings& settings);
+Mesh surface_nets(const SignedDistanceField& field, const MeshingSettings& settings);
 
 }  // namespace divemesh::worker

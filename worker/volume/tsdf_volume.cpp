@@ -13,9 +13,9 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kWidestStep_voxels = 6.0F;       // between rays that miss no block
-constexpr float kLeastDisparitySigma_px = 0.1F;  // less than is ever stated
-constexpr float kLargestSigma_voxels = 6.0F;     // of a depth that may make surface
+constexpr float kMaxStep_voxels = 6.0F;        // between rays that miss no block
+constexpr float kMinDisparitySigma_px = 0.1F;  // less than is ever stated
+constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
 // How far from the surface a point may lie: where as many views looked through as saw something,
 // the zero is farther off.
 constexpr float kConfirmed_voxels = 1.5F;
@@ -73,7 +73,7 @@ TsdfView view_of(const Keyframe& keyframe, const DepthView& depth, const VolumeS
     view.t_cam_world = T_cam_world.translation();
     view.voxel_m = static_cast<float>(settings.voxel_m);
     view.max_depth_m = static_cast<float>(settings.max_depth_m);
-    view.max_sigma_m = kLargestSigma_voxels * view.voxel_m;
+    view.max_sigma_m = kMaxSigma_voxels * view.voxel_m;
     view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
     return view;
 }
@@ -83,9 +83,9 @@ TsdfView view_of(const Keyframe& keyframe, const DepthView& depth, const VolumeS
 int allocation_step_px(const TsdfView& view) {
     const float farthest_m =
         std::min(view.max_depth_m,
-                 std::sqrt(view.max_sigma_m / (kLeastDisparitySigma_px * view.depth_sigma_scale)));
+                 std::sqrt(view.max_sigma_m / (kMinDisparitySigma_px * view.depth_sigma_scale)));
     const float apart_m = kAllocationStep_px * farthest_m / view.focal_px;
-    return apart_m <= kWidestStep_voxels * view.voxel_m ? kAllocationStep_px : 1;
+    return apart_m <= kMaxStep_voxels * view.voxel_m ? kAllocationStep_px : 1;
 }
 
 }  // namespace
@@ -159,7 +159,7 @@ const TsdfBlock* TsdfVolume::find(const BlockCoordinate& coordinate) const {
 }
 
 void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {
-    constexpr float kFarthest = kConfirmed_voxels * kDistanceSteps;
+    constexpr float kMaxDistanceSteps = kConfirmed_voxels * kDistanceSteps;
     BlockCoordinate at{INT32_MAX, 0, 0};
     const TsdfBlock* samples = nullptr;
     for (const Eigen::Vector3d& p : p_world) {
@@ -169,17 +169,17 @@ void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t*
             samples = find(here);
         }
         const int i = index_in_block(sample);
-        *out++ = samples != nullptr && samples->num_views[i] >= least_views() &&
-                 std::abs(static_cast<float>(samples->distance[i])) < kFarthest;
+        *out++ = samples != nullptr && samples->num_views[i] >= min_views() &&
+                 std::abs(static_cast<float>(samples->distance[i])) < kMaxDistanceSteps;
     }
 }
 
 // What the meshers see: samples that enough views agree on.
-class TsdfField : public SignedField {
+class TsdfField : public SignedDistanceField {
 public:
     explicit TsdfField(const TsdfVolume& volume)
         : volume_(volume),
-          least_views_(volume.least_views()),
+          min_views_(volume.min_views()),
           step_m_(static_cast<float>(volume.voxel_m()) / kDistanceSteps) {
         order_.resize(volume.blocks_.size());
         std::iota(order_.begin(), order_.end(), 0U);
@@ -210,23 +210,23 @@ public:
         attributes.num_observations = samples.num_views[sample];
         return attributes;
     }
-    void let_go() const override { volume_.trim(); }
+    void release_memory() const override { volume_.trim(); }
 
 private:
     float distance_of(const TsdfBlock& samples, int i) const {
-        return samples.num_views[i] >= least_views_ && samples.weight[i] != 0
+        return samples.num_views[i] >= min_views_ && samples.weight[i] != 0
                    ? step_m_ * static_cast<float>(samples.distance[i])
                    : kUnknownDistance;
     }
 
     const TsdfVolume& volume_;
-    std::uint32_t least_views_;
+    std::uint32_t min_views_;
     float step_m_;
     std::vector<std::uint32_t> order_;
     std::vector<BlockCoordinate> blocks_;
 };
 
-std::unique_ptr<SignedField> TsdfVolume::field(int) const {
+std::unique_ptr<SignedDistanceField> TsdfVolume::field(int) const {
     return std::make_unique<TsdfField>(*this);
 }
 

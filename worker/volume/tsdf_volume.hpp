@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "worker/steps/add_points.hpp"
+#include "worker/steps/fusion_volume.hpp"
 #include "worker/volume/block_coordinate.hpp"
 #include "worker/volume/spill_store.hpp"
 #include "worker/volume/tsdf_block.hpp"
@@ -29,7 +29,7 @@ public:
 
     void add(const Keyframe& keyframe, const DepthView& depth) override;
     void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
-    std::unique_ptr<SignedField> field(int num_threads) const override;
+    std::unique_ptr<SignedDistanceField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
     std::int64_t memory_bytes() const override;
     void trim() const override { samples_.trim(); }
@@ -46,11 +46,11 @@ private:
     const TsdfBlock* find(const BlockCoordinate& block) const;  // null: there is none
 
     // Of a sample before it may be surface.
-    std::uint32_t least_views() const { return std::min(kLeastViews, num_views_); }
+    std::uint32_t min_views() const { return std::min(kMinViews, num_views_); }
 
     // What is far away or at the rim of a dive has depth in two views and no more: with three, 4 %
     // of the reference within 10 mm are lost on tank and barge.
-    static constexpr std::uint32_t kLeastViews = 2;
+    static constexpr std::uint32_t kMinViews = 2;
     std::uint32_t num_views_ = 0;
     std::vector<BlockCoordinate> coordinates_;  // in the order of allocation
     BlockRegions regions_;                      // the same blocks, by where they are

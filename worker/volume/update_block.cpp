@@ -7,13 +7,13 @@ namespace divemesh::worker {
 namespace {
 
 constexpr float kColorBand_voxels = 2.0F;
-constexpr float kNearest_m = 0.1F;
+constexpr float kMinDepth_m = 0.1F;
 // A view looks through what is so far before its surface. Readings that are too near are cut off at
 // the truncation; if those as much too far counted, noise would push the surface back.
 constexpr float kClear_sigmas = 2.0F * kTruncation_sigmas;
 constexpr std::int32_t kFreeSteps = 2 * static_cast<std::int32_t>(kDistanceSteps);
-constexpr std::int32_t kLargestSteps_int = 0x7fff;
-constexpr float kLargestSteps = kLargestSteps_int;
+constexpr std::int32_t kMaxSteps_int = 0x7fff;
+constexpr float kMaxSteps = kMaxSteps_int;
 
 // What a view says about the eight samples of a row.
 struct Sighting {
@@ -25,12 +25,12 @@ struct Sighting {
 };
 
 DIVEMESH_INLINE_BODY Floats within_range(Floats steps) {
-    return largest_of(least_of(steps, splat(kLargestSteps)), splat(-kLargestSteps));
+    return max(min(steps, broadcast(kMaxSteps)), broadcast(-kMaxSteps));
 }
 
 DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, TsdfBlock& block) {
     const Masks before = load_lanes<Masks>(block.color.data() + sample);
-    const Floats share = largest_of(sighting.share, splat(kLeastColorShare));
+    const Floats share = max(sighting.share, broadcast(kMinColorShare));
     Masks after{};
     for (int channel = 0; channel < 3; ++channel) {
         const int shift = PackedTriple::kShift[channel];
@@ -40,7 +40,7 @@ DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, Tsd
         const Masks mean = (before >> shift) & PackedTriple::largest(channel);
         const Floats mean_before = __builtin_convertvector(mean, Floats);
         const Floats moved = mean_before + share * (seen - mean_before);
-        after |= whole((before == 0 ? seen : moved) + 0.5F) << shift;
+        after |= to_integers((before == 0 ? seen : moved) + 0.5F) << shift;
     }
     store(block.color.data() + sample, sighting.colored ? after : before);
 }
@@ -60,11 +60,12 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const Floats scale = view.focal_px / z;
     const Floats u = scale * x + (view.cx_px + 0.5F);
     const Floats v = scale * y + (view.cy_px + 0.5F);
-    const Masks in_view = (z >= kNearest_m) & (u >= 0.0F) & (v >= 0.0F) &
+    const Masks in_view = (z >= kMinDepth_m) & (u >= 0.0F) & (v >= 0.0F) &
                           (u < static_cast<float>(view.width_px)) &
                           (v < static_cast<float>(view.height_px));
     if (!any(in_view)) return;
-    const Masks pixel = whole(where(in_view, v)) * view.width_px + whole(where(in_view, u));
+    const Masks pixel =
+        to_integers(select(in_view, v)) * view.width_px + to_integers(select(in_view, u));
     Floats farthest{};
     for (int lane = 0; lane < kLanes; ++lane) farthest[lane] = ranges.farthest_m()[pixel[lane]];
     if (!any(in_view & (z <= farthest))) return;
@@ -82,24 +83,24 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const Floats sigma_scale = sigma_disparity * view.depth_sigma_scale;
     const Floats sigma = z * z * sigma_scale;
     const Floats truncation =
-        largest_of(splat(kTruncation_voxels * view.voxel_m), kTruncation_sigmas * sigma);
+        max(broadcast(kTruncation_voxels * view.voxel_m), kTruncation_sigmas * sigma);
     const Masks known = in_view & (certainty > 0.0F) & (distance >= -truncation);
     if (!any(known)) return;
     const Masks packed_before =
         __builtin_convertvector(load_lanes<Shorts>(block.weight.data() + sample), Masks);
     const Floats weight_before = unpack_weights(packed_before);
     const Masks passed_through = distance > truncation;
-    const Masks looked_through = distance > largest_of(truncation, kClear_sigmas * sigma);
+    const Masks is_free = distance > max(truncation, kClear_sigmas * sigma);
     const Masks in_range =
         (depth <= view.max_depth_m) & (depth * depth * sigma_scale <= view.max_sigma_m);
     sighting.seen_near = known & ~passed_through & in_range;
     // What is in front of the surface, and what lies behind too far a surface, changes what is
     // there but makes nothing new.
-    sighting.updated = sighting.seen_near | (known & (weight_before > 0.0F) & looked_through);
+    sighting.updated = sighting.seen_near | (known & (weight_before > 0.0F) & is_free);
     if (!any(sighting.updated)) return;
 
     // Behind the surface the weight falls, but not within the noise: the zero would move back.
-    const Floats certain = largest_of(splat(view.voxel_m), 2.0F * sigma);
+    const Floats certain = max(broadcast(view.voxel_m), 2.0F * sigma);
     const Floats full = certainty / (sigma * sigma);
     const Floats weight =
         distance < -certain ? full * ((truncation + distance) / (truncation - certain)) : full;
@@ -108,11 +109,11 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const float steps = kDistanceSteps / view.voxel_m;
     const SignedShorts steps_before = load_lanes<SignedShorts>(block.distance.data() + sample);
     const Floats distance_before = __builtin_convertvector(steps_before, Floats);
-    const Floats seen = within_range(steps * least_of(distance, truncation));
+    const Floats seen = within_range(steps * min(distance, truncation));
     const Floats distance_after = distance_before + sighting.share * (seen - distance_before);
     // Rounded where all are positive: whole() cuts toward zero.
     const Masks steps_after =
-        whole(where(sighting.updated, distance_after) + (kLargestSteps + 0.5F)) - kLargestSteps_int;
+        to_integers(select(sighting.updated, distance_after) + (kMaxSteps + 0.5F)) - kMaxSteps_int;
     store(block.weight.data() + sample,
           __builtin_convertvector(sighting.updated ? pack_weights(weight_after) : packed_before,
                                   Shorts));
@@ -127,7 +128,7 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
         const Masks one_more = sighting.seen_near & (views_before < 0xffff) & 1;
         store(views, __builtin_convertvector(views_before + one_more, Shorts));
     }
-    sighting.colored = sighting.updated & (size_of(distance) <= kColorBand_voxels * view.voxel_m);
+    sighting.colored = sighting.updated & (abs(distance) <= kColorBand_voxels * view.voxel_m);
     if (any(sighting.colored)) update_color(sighting, sample, block);
 }
 
@@ -150,7 +151,8 @@ struct RowPlaces {
 // Of pixels; of what is beside the picture the nearest tile in it.
 DIVEMESH_INLINE_BODY Masks tile_of(Floats at_px, int tile_px, int num_tiles) {
     const Floats tile = (at_px + 0.5F) / static_cast<float>(tile_px);
-    return whole(least_of(largest_of(tile, splat(0.0F)), splat(static_cast<float>(num_tiles - 1))));
+    return to_integers(
+        min(max(tile, broadcast(0.0F)), broadcast(static_cast<float>(num_tiles - 1))));
 }
 
 // A row is a line in the picture too, no longer than from its first to its last sample.
@@ -163,9 +165,9 @@ DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
     const Floats along = __builtin_convertvector(kLaneNumbers, Floats);
     const Floats z0 = p_cam.z() + along * step_y.z();
     const Floats z1 = z0 + kLast * step_x.z();
-    const Floats nearest = least_of(z0, z1);
-    if (any(nearest < kNearest_m)) return {};
-    const Floats farthest = largest_of(z0, z1);
+    const Floats nearest = min(z0, z1);
+    if (any(nearest < kMinDepth_m)) return {};
+    const Floats farthest = max(z0, z1);
     const Floats scale0 = view.focal_px / z0;
     const Floats scale1 = view.focal_px / z1;
     const Floats x0 = p_cam.x() + along * step_y.x();
@@ -173,7 +175,7 @@ DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
     const Floats u0 = x0 * scale0, v0 = y0 * scale0;
     const Floats u1 = (x0 + kLast * step_x.x()) * scale1;
     const Floats v1 = (y0 + kLast * step_x.y()) * scale1;
-    const Floats half_length = 0.5F * largest_of(size_of(u1 - u0), size_of(v1 - v0));
+    const Floats half_length = 0.5F * max(abs(u1 - u0), abs(v1 - v0));
     int level = 0;
     while (any(half_length > static_cast<float>(DepthRanges::tile_px(level))))
         if (++level == DepthRanges::kNumLevels) return {};

@@ -22,9 +22,9 @@ void write_file(const fs::path& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;
 }
 
-std::string read_from(ByteSource& source, std::int64_t offset, std::size_t piece) {
+std::string read_from(ByteSource& source, std::int64_t offset, std::size_t chunk) {
     std::string bytes;
-    std::vector<char> buffer(piece);
+    std::vector<char> buffer(chunk);
     while (const std::size_t count = source.read_at(offset, buffer)) {
         bytes.append(buffer.data(), count);
         offset += static_cast<std::int64_t>(count);

@@ -103,7 +103,7 @@ protected:
     static inline const Eigen::Vector2d new2_{-1.1, 0.7};
 };
 
-json figure(const json& document, const json& wanted) {
+json metric(const json& document, const json& wanted) {
     for (const json& one : document.at("areas").at("figures")) {
         bool is_it = one.contains("area") == wanted.contains("area");
         for (const auto& [key, value] : wanted.items())
@@ -123,17 +123,17 @@ TEST_F(AreaChangesTest, CountsDensityAndCoverOfALabelChangeByWhatCameAndWent) {
     const json& document = both_years_;
     const double surveyed_m2 = document["areas"]["surveyed_m2"];
     EXPECT_NEAR(surveyed_m2, 3.2 * 2.4, 0.25);
-    const json count = figure(document, {{"figure", "count"}, {"label", "Porites"}});
+    const json count = metric(document, {{"figure", "count"}, {"label", "Porites"}});
     EXPECT_EQ(count["earlier"]["value"], 3);
     EXPECT_EQ(count["later"]["value"], 4);
     EXPECT_EQ(count["change"]["value"], 1);
-    const json density = figure(document, {{"figure", "population_density"}});
+    const json density = metric(document, {{"figure", "population_density"}});
     EXPECT_NEAR(density["change"]["value"].get<double>(), 1.0 / surveyed_m2, 1e-9);
-    const json cover = figure(document, {{"figure", "cover"}});
+    const json cover = metric(document, {{"figure", "cover"}});
     const double outline_m2 = 12.0 * 0.28 * 0.28 * std::sin(std::numbers::pi / 12.0);
     EXPECT_NEAR(cover["earlier"]["value"].get<double>(), 3 * outline_m2 / surveyed_m2, 1e-3);
     EXPECT_NEAR(cover["change"]["value"].get<double>(), outline_m2 / surveyed_m2, 1e-3);
-    const json median = figure(document, {{"figure", "colony_area_median"}});
+    const json median = metric(document, {{"figure", "colony_area_median"}});
     EXPECT_NEAR(median["later"]["value"].get<double>(), outline_m2, 1e-5);
     EXPECT_NEAR(median["change"]["value"].get<double>(), 0.0, 1e-5);
 }
@@ -141,17 +141,17 @@ TEST_F(AreaChangesTest, CountsDensityAndCoverOfALabelChangeByWhatCameAndWent) {
 TEST_F(AreaChangesTest, VolumesOfOutlinesAndLabelsHoldTheKnownOnes) {
     const json& document = both_years_;
     expect_holds(
-        figure(document, {{"figure", "lost_volume"}, {"area", "a3"}}), "change", kVolume_m3);
+        metric(document, {{"figure", "lost_volume"}, {"area", "a3"}}), "change", kVolume_m3);
     expect_holds(
-        figure(document, {{"figure", "grown_volume"}, {"area", "b4"}}), "change", kVolume_m3);
-    expect_holds(figure(document, {{"figure", "net_volume"}, {"area", "a1"}}), "change", 0.0);
+        metric(document, {{"figure", "grown_volume"}, {"area", "b4"}}), "change", kVolume_m3);
+    expect_holds(metric(document, {{"figure", "net_volume"}, {"area", "a1"}}), "change", 0.0);
     expect_holds(
-        figure(document, {{"figure", "net_volume"}, {"area", "a3"}}), "change", -kVolume_m3);
-    expect_holds(figure(document, {{"figure", "grown_volume"}, {"label", "Porites"}}),
+        metric(document, {{"figure", "net_volume"}, {"area", "a3"}}), "change", -kVolume_m3);
+    expect_holds(metric(document, {{"figure", "grown_volume"}, {"label", "Porites"}}),
                  "change",
                  2.0 * kVolume_m3);
     EXPECT_TRUE(
-        figure(document, {{"figure", "net_volume"}, {"area", "beside"}}).contains("refused"));
+        metric(document, {{"figure", "net_volume"}, {"area", "beside"}}).contains("refused"));
     EXPECT_EQ(document["areas"]["areas"][0]["same_as"], "b1");
     EXPECT_FALSE(document["areas"]["areas"][2].contains("same_as"));
 }
@@ -159,8 +159,8 @@ TEST_F(AreaChangesTest, VolumesOfOutlinesAndLabelsHoldTheKnownOnes) {
 TEST_F(AreaChangesTest, OutlinesOfOneYearGiveVolumesAndRefuseTheChangeOfCounts) {
     const json document = compare(false);
     expect_holds(
-        figure(document, {{"figure", "lost_volume"}, {"area", "a3"}}), "change", kVolume_m3);
-    const json count = figure(document, {{"figure", "count"}});
+        metric(document, {{"figure", "lost_volume"}, {"area", "a3"}}), "change", kVolume_m3);
+    const json count = metric(document, {{"figure", "count"}});
     EXPECT_EQ(count["earlier"]["value"], 3);
     EXPECT_TRUE(count.contains("refused"));
     EXPECT_FALSE(count.contains("later"));

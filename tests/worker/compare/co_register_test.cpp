@@ -32,7 +32,7 @@ Eigen::Isometry3d pose(double heading, double tilt, const Eigen::Vector3d& shift
     return T;
 }
 
-Registration registered(const Mesh& a, const Mesh& b) {
+CoRegistration registered(const Mesh& a, const Mesh& b) {
     return co_register(a, b, {.spacing_m = kStep_m, .num_threads = 2}, {});
 }
 
@@ -43,11 +43,12 @@ TEST(CoRegister, FindsAnyHeadingThoughAFifthOfTheGroundHasChanged) {
         const Eigen::Isometry3d T_b_a = pose(heading, 0.005, {3.0, -2.0, 0.7});
         const Mesh b =
             moved(ground_mesh(with_a_fifth_raised(ground), 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
-        const Registration fit = registered(a, b);
+        const CoRegistration fit = registered(a, b);
         const Eigen::Isometry3d off = fit.T_a_b * T_b_a;
-        const double turn_deg = 57.3 * Eigen::AngleAxisd(off.linear()).angle();
-        std::cout << "off by " << turn_deg << " deg, " << 1e3 * off.translation().norm() << " mm\n";
-        EXPECT_LT(turn_deg, 0.1);
+        const double rotation_deg = 57.3 * Eigen::AngleAxisd(off.linear()).angle();
+        std::cout << "off by " << rotation_deg << " deg, " << 1e3 * off.translation().norm()
+                  << " mm\n";
+        EXPECT_LT(rotation_deg, 0.1);
         EXPECT_LT(off.translation().norm(), 0.002);
         EXPECT_GT(fit.overlap, 0.9);
         EXPECT_NEAR(fit.agreement, 0.8, 0.05);
@@ -65,10 +66,10 @@ TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
         const Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed + 1);
         const PointGrid grid_a(a.vertices, 0.06F);
         const PointGrid grid_b(b.vertices, 0.06F);
-        const auto fit = register_surfaces({a.vertices, a.normals, unknown, grid_a},
-                                           {b.vertices, b.normals, unknown, grid_b},
-                                           Eigen::Isometry3d::Identity(),
-                                           {.num_threads = 2});
+        const auto fit = point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
+                                            {b.vertices, b.normals, unknown, grid_b},
+                                            Eigen::Isometry3d::Identity(),
+                                            {.num_threads = 2});
         ASSERT_TRUE(fit);
         const Eigen::Vector3d off = fit->T_a_b * fit->pivot - fit->pivot;
         num_within +=
@@ -82,7 +83,7 @@ TEST(CoRegister, RefusesAnotherPlace) {
     for (const unsigned place : {4U, 5U, 6U}) {
         const Mesh b = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 2);
         try {
-            const Registration fit = registered(a, b);
+            const CoRegistration fit = registered(a, b);
             FAIL() << "laid place " << place << " over place 3, agreement " << fit.agreement;
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ErrorCode::Conflict) << error.what();
@@ -97,7 +98,7 @@ TEST(CoRegister, RefusesAnotherPlaceAlsoWhereSurfacesAreNotWellKnown) {
         Mesh b = ground_mesh(rough_ground(place + 1), 1.2, 1.0, kStep_m, kNoise_m, 2);
         for (Mesh* mesh : {&a, &b}) mesh->sigma_m.assign(mesh->vertices.size(), 0.02F);
         try {
-            const Registration fit = registered(a, b);
+            const CoRegistration fit = registered(a, b);
             ADD_FAILURE() << "laid place " << place + 1 << " over " << place << ", agreement "
                           << fit.agreement;
         } catch (const Error& error) {
@@ -110,11 +111,11 @@ TEST(CoRegister, FindsLowGroundOfWhichEachSurfaceShowsTheShape) {
     const auto low = [ground = rough_ground(9)](double x, double y) { return 0.4 * ground(x, y); };
     const Eigen::Isometry3d T_b_a = pose(1.0, 0.0, {0.5, 0.2, -0.1});
     const Mesh later = moved(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
-    const Registration fit = registered(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 1), later);
+    const CoRegistration fit = registered(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 1), later);
     EXPECT_LT((fit.T_a_b * T_b_a).translation().norm(), 0.005);
 }
 
-TEST(CoRegister, RefusesGroundWithoutShapeAndWithoutPictures) {
+TEST(CoRegister, RefusesGroundWithoutShapeAndWithoutImages) {
     const HeightOf flat = [](double, double) { return 0.0; };
     const Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);
     const Mesh b = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 2);

@@ -13,7 +13,7 @@ Polygon square(double x, double y, double side_m) {
 }
 
 Colony colony(const std::string& label, const Polygon& outline) {
-    return {label, label, outline, area_m2(outline), longest_diameter_m(outline), 1.0};
+    return {label, label, outline, area_m2(outline), max_diameter_m(outline), 1.0};
 }
 
 TEST(Colonies, TheSameIsTheOneWithTheMostInCommonNeverOneOfAnotherLabel) {

@@ -6,8 +6,8 @@
 
 #include "tests/synthetic/true_change.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/compare/coarse_alignment.hpp"
 #include "worker/compare/compare.hpp"
-#include "worker/compare/first_guess.hpp"
 #include "worker/output/reconstruction_folder.hpp"
 #include "worker/reconstruct_dive.hpp"
 
@@ -101,16 +101,16 @@ TEST_F(ComparedDives, MarkersTellWhereTheLaterYearLies) {
     const auto markers = [](const char* year) {
         return marker_positions(ReconstructionFolder(*folder_ / year / "model"));
     };
-    const auto guesses = guess_by_markers(markers("first"), markers("second"));
-    ASSERT_EQ(guesses.size(), 1U);
-    EXPECT_GE(guesses[0].score, 3.0);
+    const auto coarse_alignments = align_by_markers(markers("first"), markers("second"));
+    ASSERT_EQ(coarse_alignments.size(), 1U);
+    EXPECT_GE(coarse_alignments[0].score, 3.0);
     const Eigen::Isometry3d T_true = T_scene_world("first").inverse() * T_scene_world("second");
     const auto expect_near_truth = [&](const Eigen::Isometry3d& T_a_b, double most_m) {
         for (const MarkerPosition& marker : markers("second"))
             EXPECT_LT((T_a_b * marker.p_world - T_true * marker.p_world).norm(), most_m)
                 << marker.id;
     };
-    expect_near_truth(guesses[0].T_a_b, 0.02);
+    expect_near_truth(coarse_alignments[0].T_a_b, 0.02);
 
     const json fit = compare("model")["registration"];
     EXPECT_EQ(fit["method"], "markers");

@@ -23,9 +23,7 @@ protected:
         return examine_dive(tiny_.folder(), folder_ / "scratch", ignore_progress);
     }
     std::vector<Finding> findings() { return report().findings; }
-    static std::string picture(int index) {
-        return "mav0/cam0/data/" + TinyDive::picture_name(index);
-    }
+    static std::string image(int index) { return "mav0/cam0/data/" + TinyDive::image_name(index); }
     void write_imu(const std::string& values, std::int64_t period_ns = 5'000'000) const {
         std::string rows;
         for (int i = -10; i < 100; ++i)
@@ -102,7 +100,7 @@ TEST_F(BadRecordingTest, ACalibrationThatCannotBeInvertedIsRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
 }
 
-TEST_F(BadRecordingTest, LensDistortionThatFoldsThePictureIsRefused) {
+TEST_F(BadRecordingTest, LensDistortionThatFoldsTheImageIsRefused) {
     tiny_.replace(kCam0Yaml, "[-0.1, 0.01", "[-3.0, 0.01");
 
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
@@ -176,13 +174,13 @@ TEST_F(BadRecordingTest, LeftAndRightWithoutOverlapAreRefused) {
     std::string rows;
     for (int i = 0; i < TinyDive::kNumFrames; ++i)
         rows += std::to_string(TinyDive::kFirst_ns + 60'000'000'000LL + i * 100'000'000LL) + "," +
-                TinyDive::picture_name(i) + "\n";
+                TinyDive::image_name(i) + "\n";
     tiny_.write(kCam1Rows, rows);
 
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "left_right_no_overlap", kCam1Rows));
 }
 
-TEST_F(BadRecordingTest, APictureWithoutPartnerIsCounted) {
+TEST_F(BadRecordingTest, AnImageWithoutPartnerIsCounted) {
     const std::string rows = tiny_.read(kCam1Rows);
     tiny_.write(kCam1Rows, rows.substr(0, rows.rfind('\n', rows.size() - 2) + 1));
 
@@ -197,7 +195,7 @@ TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {
     std::string rows;
     for (int i = 0; i < TinyDive::kNumFrames; ++i)
         rows +=
-            std::to_string(1'600'000'000'000LL + i * 100) + "," + TinyDive::picture_name(i) + "\n";
+            std::to_string(1'600'000'000'000LL + i * 100) + "," + TinyDive::image_name(i) + "\n";
     tiny_.write(kCam0Rows, rows);
     tiny_.write(kCam1Rows, rows);
 
@@ -277,7 +275,7 @@ TEST_F(BadRecordingTest, NamesThatDifferByCaseAreTwoFiles) {
     tiny_.write("DIVE.JSON", R"({"name": "Impostor"})");
     EXPECT_EQ(report().name, "Tiny");
 
-    tiny_.replace(kCam0Rows, TinyDive::picture_name(1), "A.PNG");
+    tiny_.replace(kCam0Rows, TinyDive::image_name(1), "A.PNG");
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", "A.PNG"));
 }
 
@@ -315,21 +313,21 @@ TEST_F(BadRecordingTest, GroundTruthOfAnotherTimeIsRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "ground_truth_no_overlap", file));
 }
 
-TEST_F(BadRecordingTest, PicturesOfAnotherSizeThanTheCalibrationAreRefused) {
+TEST_F(BadRecordingTest, ImagesOfAnotherSizeThanTheCalibrationAreRefused) {
     tiny_.replace(kCam0Yaml, "[64, 48]", "[128, 96]");
     tiny_.replace(kCam0Yaml, "[50.0, 50.0, 32.0, 24.0]", "[100.0, 100.0, 64.0, 48.0]");
 
-    EXPECT_THAT(findings(), HasFinding(Severity::Error, "image_size", picture(0)));
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "image_size", image(0)));
 }
 
 // S16
 TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
-    const std::string bytes = tiny_.read(picture(2));
-    tiny_.write(picture(2), bytes.substr(0, bytes.size() / 2));
+    const std::string bytes = tiny_.read(image(2));
+    tiny_.write(image(2), bytes.substr(0, bytes.size() / 2));
 
     const auto spoiled = findings();
 
-    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_undecodable", picture(2)));
+    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_undecodable", image(2)));
     EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "frames_skipped", "1 of 5"));
     EXPECT_FALSE(has_error(spoiled));
     for (const Finding& finding : spoiled) EXPECT_NE(finding.remedy, "") << finding.code;
@@ -337,27 +335,27 @@ TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
 
 // S15
 TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
-    std::string bytes = tiny_.read(picture(1));
+    std::string bytes = tiny_.read(image(1));
     const std::string huge("\x00\x00\xc3\x50", 4);  // 50000
     bytes.replace(16, 8, huge + huge);
-    tiny_.write(picture(1), bytes);
+    tiny_.write(image(1), bytes);
 
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_too_large", "50000x50000"));
 }
 
 // S16
 TEST_F(BadRecordingTest, SixteenBitsAreReducedAndTold) {
-    tiny_.write(picture(1), png_of_size(64, 48, CV_16UC1));
+    tiny_.write(image(1), png_of_size(64, 48, CV_16UC1));
 
     const auto spoiled = findings();
 
-    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_16_bit", picture(1)));
+    EXPECT_THAT(spoiled, HasFinding(Severity::Warning, "image_16_bit", image(1)));
     EXPECT_FALSE(has_error(spoiled));
 }
 
-TEST_F(BadRecordingTest, BlackPicturesAreRefused) {
+TEST_F(BadRecordingTest, BlackImagesAreRefused) {
     const std::string black = black_png(64, 48);
-    for (int i = 0; i < TinyDive::kNumFrames; ++i) tiny_.write(picture(i), black);
+    for (int i = 0; i < TinyDive::kNumFrames; ++i) tiny_.write(image(i), black);
 
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "images_black", "cam0"));
 }
@@ -370,13 +368,13 @@ TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
 
 // S6
 TEST_F(BadRecordingTest, APictureThatIsNotThereIsSkippedAndNamed) {
-    tiny_.remove(picture(3));
+    tiny_.remove(image(3));
 
-    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", picture(3)));
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", image(3)));
 }
 
-TEST_F(BadRecordingTest, NoPictureThatDecodesIsAnError) {
-    for (int i = 0; i < TinyDive::kNumFrames; ++i) tiny_.write(picture(i), "GIF89a");
+TEST_F(BadRecordingTest, NoImageThatDecodesIsAnError) {
+    for (int i = 0; i < TinyDive::kNumFrames; ++i) tiny_.write(image(i), "GIF89a");
 
     const auto spoiled = findings();
 

@@ -92,14 +92,14 @@ TEST(FolderTest, Mav0ItselfMayBeTheRoot) {
 TEST(FolderTest, ALinkOutOfTheDiveIsNotFollowed) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
-    const std::string picture = "mav0/cam0/data/" + TinyDive::picture_name(1);
-    std::filesystem::rename(tiny.folder() / picture, folder / "outside.png");
-    std::filesystem::create_symlink(folder / "outside.png", tiny.folder() / picture);
+    const std::string image = "mav0/cam0/data/" + TinyDive::image_name(1);
+    std::filesystem::rename(tiny.folder() / image, folder / "outside.png");
+    std::filesystem::create_symlink(folder / "outside.png", tiny.folder() / image);
 
     const auto report = examine_dive(tiny.folder(), folder / "scratch", ignore_progress);
 
-    EXPECT_THAT(report.findings, HasFinding(Severity::Warning, "file_left_out", picture));
-    EXPECT_THAT(report.findings, HasFinding(Severity::Warning, "image_missing", picture));
+    EXPECT_THAT(report.findings, HasFinding(Severity::Warning, "file_left_out", image));
+    EXPECT_THAT(report.findings, HasFinding(Severity::Warning, "image_missing", image));
 }
 
 TEST(FolderTest, NothingThereIsNotFound) {
@@ -124,7 +124,7 @@ TEST(FolderTest, CancellingStopsTheExamination) {
 TEST(FolderTest, ASecondPassGivesTheSameFramesAndTellsNothingTwice) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
-    tiny.write("mav0/cam1/data/" + TinyDive::picture_name(2), "broken");
+    tiny.write("mav0/cam1/data/" + TinyDive::image_name(2), "broken");
     const auto dive = Dive::open(tiny.folder(), folder / "scratch");
     std::vector<int> first;
     std::vector<int> second;

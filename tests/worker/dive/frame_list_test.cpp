@@ -16,7 +16,7 @@ std::vector<CameraRow> rows(const std::vector<std::int64_t>& times_ms) {
     return result;
 }
 
-TEST(FrameListTest, EachLeftPictureGetsTheNearestRightOne) {
+TEST(FrameListTest, EachLeftImageGetsTheNearestRightOne) {
     FindingLog log;
 
     const auto pairs = match_pairs(rows({1000, 1100, 1200, 1300}), rows({1003, 1098, 1199}), log);
@@ -37,7 +37,7 @@ TEST(FrameListTest, MoreThanFiveMillisecondsApartIsNoPair) {
     EXPECT_THAT(log.all(), HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
 }
 
-TEST(FrameListTest, ARightPictureIsGivenOnceToTheNearerLeftOne) {
+TEST(FrameListTest, ARightImageIsGivenOnceToTheNearerLeftOne) {
     FindingLog log;
 
     const auto pairs = match_pairs(rows({1000, 1008, 1016}), rows({1007, 1016}), log);

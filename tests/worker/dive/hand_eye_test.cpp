@@ -119,7 +119,7 @@ TEST(HandEyeTest, SharedDivesWithCamerasInvertedAgainstTheImuAreRefused) {
     }
 }
 
-TEST(HandEyeTest, SharedDiveWithSwappedPicturesIsRefused) {
+TEST(HandEyeTest, SharedDiveWithSwappedImagesIsRefused) {
     const auto original = shared_data("tank");
     if (!std::filesystem::exists(original)) GTEST_SKIP() << "no shared data at " << original;
     const TemporaryFolder folder;

@@ -84,7 +84,7 @@ TEST(HostileBytesTest, DamagedFilesGiveFindingsAndNeverCrash) {
                                     std::string("mav0/cam0/sensor.yaml"),
                                     std::string("mav0/imu0/data.csv"),
                                     std::string("mav0/state_groundtruth_estimate0/data.csv"),
-                                    "mav0/cam1/data/" + TinyDive::picture_name(0),
+                                    "mav0/cam1/data/" + TinyDive::image_name(0),
                                     std::string("dive.json"),
                                     std::string("measurements.json"),
                                     std::string("markers.json"),

@@ -87,7 +87,7 @@ TEST(RigTest, MeasurementsReferenceMeshAndWaterAreRead) {
     EXPECT_EQ(dive->read_reference_mesh()->triangles.size(), 1U);
 }
 
-TEST(MeasurementsTest, EndsMarkedInPictures) {
+TEST(MeasurementsTest, EndsMarkedInImages) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
     tiny.write("measurements.json", R"({"distances": [

@@ -48,8 +48,8 @@ TinyDive::TinyDive(std::filesystem::path folder) : folder_(std::move(folder)) {
         std::string rows = "#timestamp [ns],filename\n";
         for (int i = 0; i < kNumFrames; ++i) {
             const std::string stamp = std::to_string(kFirst_ns + i * 100'000'000LL);
-            rows += stamp + "," + picture_name(i) + "\n";
-            write(prefix + "data/" + picture_name(i), noise_png(i + (camera == "cam1" ? 100 : 0)));
+            rows += stamp + "," + image_name(i) + "\n";
+            write(prefix + "data/" + image_name(i), noise_png(i + (camera == "cam1" ? 100 : 0)));
         }
         write(prefix + "data.csv", rows);
         const std::string x = camera == "cam1" ? "0.1" : "0";
@@ -61,7 +61,7 @@ TinyDive::TinyDive(std::filesystem::path folder) : folder_(std::move(folder)) {
     write("dive.json", R"({"name": "Tiny", "site": "Tank", "tags": ["test"]})");
 }
 
-std::string TinyDive::picture_name(int index) {
+std::string TinyDive::image_name(int index) {
     return std::to_string(kFirst_ns + index * 100'000'000LL) + ".png";
 }
 

@@ -22,7 +22,7 @@ public:
     // The first `from` becomes `to`; throws when there is none.
     void replace(const std::string& file, const std::string& from, const std::string& to) const;
 
-    static std::string picture_name(int index);  // "1600000000000000000.png"
+    static std::string image_name(int index);  // "1600000000000000000.png"
 
 private:
     std::filesystem::path folder_;

@@ -39,23 +39,23 @@ std::vector<ImuSample> gyroscope(const ImuAlignment& error) {
 }
 
 // What the pictures see at 10 Hz, one in twelve of them wrongly.
-std::vector<SeenTurn> seen_turns(double noise_rad, double wrong_rad) {
+std::vector<VisionRotation> vision_rotations(double noise_rad, double wrong_rad) {
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) {
         return rotation_from_vector(
             sigma * Eigen::Vector3d(normal(random), normal(random), normal(random)));
     };
-    std::vector<SeenTurn> turns;
+    std::vector<VisionRotation> rotations;
     for (int i = 0; i < 300; ++i) {
-        SeenTurn turn;
-        turn.from_ns = std::int64_t{100'000'000} * i;
-        turn.to_ns = turn.from_ns + 100'000'000;
-        turn.q_from_to = q_world_body(0.1 * i).conjugate() * q_world_body(0.1 * (i + 1)) *
-                         noise(noise_rad) * noise(i % 12 == 5 ? wrong_rad : 0.0);
-        turns.push_back(turn);
+        VisionRotation rotation;
+        rotation.from_ns = std::int64_t{100'000'000} * i;
+        rotation.to_ns = rotation.from_ns + 100'000'000;
+        rotation.q_from_to = q_world_body(0.1 * i).conjugate() * q_world_body(0.1 * (i + 1)) *
+                             noise(noise_rad) * noise(i % 12 == 5 ? wrong_rad : 0.0);
+        rotations.push_back(rotation);
     }
-    return turns;
+    return rotations;
 }
 
 ImuAlignment injected(double offset_s, const Eigen::Vector3d& rotation_deg) {
@@ -65,7 +65,7 @@ ImuAlignment injected(double offset_s, const Eigen::Vector3d& rotation_deg) {
 TEST(ImuAlignmentTest, FindsOffsetAndRotationExactlyWithoutNoise) {
     for (const double offset_s : {-0.045, -0.008, 0.0, 0.008, 0.03}) {
         const ImuAlignment error = injected(offset_s, {0.7, -0.5, 0.5});
-        const auto estimate = estimate_alignment(gyroscope(error), seen_turns(0.0, 0.0));
+        const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(0.0, 0.0));
 
         ASSERT_TRUE(estimate);
         EXPECT_NEAR(estimate->alignment.time_offset_s, offset_s, 1e-4);
@@ -75,7 +75,7 @@ TEST(ImuAlignmentTest, FindsOffsetAndRotationExactlyWithoutNoise) {
 
 TEST(ImuAlignmentTest, FindsEightMillisecondsAndOneDegreeInNoiseWithWrongTurns) {
     const ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
-    const auto estimate = estimate_alignment(gyroscope(error), seen_turns(2e-4, 0.05));
+    const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(2e-4, 0.05));
 
     ASSERT_TRUE(estimate);
     EXPECT_NEAR(estimate->alignment.time_offset_s, 0.008, 4.0 * estimate->time_offset_sigma_s);
@@ -86,7 +86,7 @@ TEST(ImuAlignmentTest, FindsEightMillisecondsAndOneDegreeInNoiseWithWrongTurns) 
 }
 
 TEST(ImuAlignmentTest, LeavesAGoodCalibrationAlone) {
-    const auto estimate = estimate_alignment(gyroscope({}), seen_turns(2e-4, 0.05));
+    const auto estimate = estimate_alignment(gyroscope({}), vision_rotations(2e-4, 0.05));
 
     ASSERT_TRUE(estimate);
     EXPECT_FALSE(estimate->time_offset_is_significant());
@@ -94,7 +94,7 @@ TEST(ImuAlignmentTest, LeavesAGoodCalibrationAlone) {
 }
 
 TEST(ImuAlignmentTest, SaysNothingWithoutSamplesOrTurns) {
-    EXPECT_FALSE(estimate_alignment({}, seen_turns(0.0, 0.0)));
+    EXPECT_FALSE(estimate_alignment({}, vision_rotations(0.0, 0.0)));
     EXPECT_FALSE(estimate_alignment(gyroscope({}), {}));
 }
 

@@ -73,8 +73,9 @@ TEST(PathUncertaintyTest, BoundsTheErrorsOfRandomWalksAfterAlignment) {
         mean_m2 += errors_m2.back() / kNumRuns;
     }
     EXPECT_NEAR(path.mean_square_m2, mean_m2, 0.05 * mean_m2);
-    EXPECT_NEAR(
-        share_below(errors_m2, quantile_95(path.mean_square_m2, path.freedom)), 0.95, 0.015);
+    EXPECT_NEAR(share_below(errors_m2, quantile_95(path.mean_square_m2, path.degrees_of_freedom)),
+                0.95,
+                0.015);
 }
 
 TEST(PathUncertaintyTest, RigidMotionsAreNoError) {

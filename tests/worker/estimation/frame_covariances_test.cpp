@@ -8,7 +8,7 @@
 
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
-#include "worker/estimation/global_adjustment.hpp"
+#include "worker/estimation/global_bundle_adjustment.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -74,7 +74,7 @@ public:
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
         RectifiedRig rig = synthetic::rig();
         rig.baseline_m *= 1.0 + 0.001 * normal(random);
-        const AdjustedDive adjusted = adjust_dive(
+        const GlobalBundleAdjustment adjusted = adjust_globally(
             rig, InertialPrior(recording_, {}), keyframes, landmarks, ignore_progress, {});
         return normalised(rig, keyframes, adjusted.covariances);
     }

@@ -37,9 +37,9 @@ ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
         vision.T_current_previous =
             T_world_cam_at(0.1 * k).inverse() * T_world_cam_at(0.1 * (k - 1));
         vision.inliers = measured;
-        const Eigen::Vector3d turn =
+        const Eigen::Vector3d rotation =
             vector_from_rotation(Eigen::Quaterniond(vision.T_current_previous.linear()));
-        const Eigen::Quaterniond askew = rotation_from_vector(landmark_error.cross(turn));
+        const Eigen::Quaterniond askew = rotation_from_vector(landmark_error.cross(rotation));
         for (PointPair& pair : vision.inliers) {
             pair.p_previous = askew * pair.p_previous;
             pair.previous_px = project_px(rig, pair.p_previous);

@@ -39,29 +39,29 @@ struct TiltedDive {
 
     // By what its cameras see and what its sensors feel.
     WorldReference adjust(const InertialPrior& inertial) {
-        Adjustment adjustment(synthetic::rig());
-        see(adjustment, 0.1);
-        return solve(adjustment, inertial);
+        BundleAdjustment bundle_adjustment(synthetic::rig());
+        see(bundle_adjustment, 0.1);
+        return solve(bundle_adjustment, inertial);
     }
 
-    WorldReference solve(Adjustment& adjustment, const InertialPrior& inertial) {
+    WorldReference solve(BundleAdjustment& bundle_adjustment, const InertialPrior& inertial) {
         WorldReference reference;
-        add_inertial_factors(adjustment, inertial, keyframes, states, reference);
-        adjustment.solve_dive(15, ignore_progress, {});
+        add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
+        bundle_adjustment.solve_sparse(15, ignore_progress, {});
         return reference;
     }
 
-    void see(Adjustment& adjustment, double noise_px) {
+    void see(BundleAdjustment& bundle_adjustment, double noise_px) {
         const RectifiedRig rig = synthetic::rig();
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, 3);
         for (std::size_t k = 0; k < states.size(); ++k) {
-            adjustment.add_state(states[k], k == 0);
+            bundle_adjustment.add_state(states[k], k == 0);
             const int frame = kStep * static_cast<int>(k);
             for (const Feature& feature :
                  world.see(synthetic::T_world_cam(frame), frame, noise_px)) {
                 const auto landmark = landmarks.try_emplace(
                     feature.id, keyframes[k].T_world_cam * point_cam(rig, feature));
-                adjustment.add_observation(
+                bundle_adjustment.add_observation(
                     states[k], landmark.first->second, measurement_px(feature), kFeatureSigma_px);
             }
         }
@@ -79,7 +79,7 @@ TEST(InertialFactorsTest, FindTheVerticalOfATiltedWorldWithTheVelocitiesAndBiase
     const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_GT(tilt_deg(kTilt), 6.0);
-    EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.4);
+    EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.4);
     const BodyState& state = dive.states[10];
     const Eigen::Vector3d velocity =
         kTilt *
@@ -96,7 +96,7 @@ TEST(InertialFactorsTest, CarryOnBehindAGapInTheSamples) {
     const InertialPrior inertial(dive.recording, {});
     const WorldReference reference = dive.adjust(inertial);
 
-    EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.4);
+    EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.4);
 }
 
 TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
@@ -111,7 +111,7 @@ TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
     const InertialPrior inertial(dive.recording, {});
     const WorldReference reference = dive.adjust(inertial);
 
-    EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.1);
+    EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.1);
 }
 
 TEST(InertialFactorsTest, TakeTheDepthBetweenReadingsButNotAcrossAGap) {
@@ -122,7 +122,7 @@ TEST(InertialFactorsTest, TakeTheDepthBetweenReadingsButNotAcrossAGap) {
 
     ASSERT_TRUE(readings.depth_m);
     EXPECT_NEAR(*readings.depth_m, 5.25, 1e-12);
-    EXPECT_FALSE(readings.motion || readings.turn || readings.q_ahrs_imu);
+    EXPECT_FALSE(readings.motion || readings.rotation || readings.q_ahrs_imu);
     EXPECT_FALSE(inertial.depth_m(1'000'000'000));
     EXPECT_FALSE(inertial.depth_m(2'000'000'001));
 }
@@ -130,19 +130,19 @@ TEST(InertialFactorsTest, TakeTheDepthBetweenReadingsButNotAcrossAGap) {
 // Up and down along the wall: what the depths have to say is which way that is.
 TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndSinks) {
     TiltedDive dive;
-    Adjustment adjustment(synthetic::rig());
+    BundleAdjustment bundle_adjustment(synthetic::rig());
     for (std::size_t k = 0; k < dive.states.size(); ++k) {
         const auto t = static_cast<double>(k);
         const Eigen::Vector3d p(0.1 * t, 0.3 * std::sin(t), 0.5 * std::sin(0.7 * t));
         dive.states[k].p_world_imu = kTilt * p;
-        adjustment.add_state(dive.states[k], true);
+        bundle_adjustment.add_state(dive.states[k], true);
         dive.recording.its_pressure.push_back({dive.keyframes[k].timestamp_ns, 8.0 - p.z()});
     }
     dive.recording.its_rig.imu_noise.reset();
     const InertialPrior inertial(dive.recording, {});
-    const WorldReference reference = dive.solve(adjustment, inertial);
+    const WorldReference reference = dive.solve(bundle_adjustment, inertial);
 
-    EXPECT_LT(tilt_deg(levelling(inertial, reference) * kTilt), 0.5);
+    EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.5);
     EXPECT_NEAR(reference.depth_offset_m, 8.0, 0.01);
 }
 

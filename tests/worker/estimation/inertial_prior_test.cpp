@@ -35,26 +35,26 @@ TEST(InertialPrior, InThePapersPresetTheAhrsPullsADriftBack) {
     const auto recording = turning_body(kRate_rad_s);
     const InertialPrior inertial(recording, preset_options("paper"));
     const auto drifted = heading(kRate_rad_s * 0.4 + kDrift_rad);
-    const auto turn = inertial.turn_from(drifted, kFrom_ns, kTo_ns);
-    ASSERT_TRUE(turn);
-    EXPECT_NEAR((drifted * turn->q).angularDistance(heading(kRate_rad_s * 0.5)), 0.0, 1e-6);
+    const auto rotation = inertial.rotation_from(drifted, kFrom_ns, kTo_ns);
+    ASSERT_TRUE(rotation);
+    EXPECT_NEAR((drifted * rotation->q).angularDistance(heading(kRate_rad_s * 0.5)), 0.0, 1e-6);
 }
 
 TEST(InertialPrior, WithoutAnAhrsTheGyroscopeGivesTheChangeOfOrientation) {
     auto recording = turning_body(kRate_rad_s);
     recording.its_ahrs.clear();
     const InertialPrior inertial(recording, preset_options("paper"));
-    const auto turn = inertial.turn_from(heading(kDrift_rad), kFrom_ns, kTo_ns);
-    ASSERT_TRUE(turn);
-    EXPECT_NEAR(turn->q.angularDistance(heading(kRate_rad_s * 0.1)), 0.0, 1e-6);
+    const auto rotation = inertial.rotation_from(heading(kDrift_rad), kFrom_ns, kTo_ns);
+    ASSERT_TRUE(rotation);
+    EXPECT_NEAR(rotation->q.angularDistance(heading(kRate_rad_s * 0.1)), 0.0, 1e-6);
 }
 
 TEST(InertialPrior, TheWindowTakesTheChangeFromTheGyroscopeThoughThereIsAnAhrs) {
     const auto recording = turning_body(0.7);
     const InertialPrior inertial(recording, preset_options("standard"));
-    const auto turn = inertial.turn_from(heading(kDrift_rad), kFrom_ns, kTo_ns);
-    ASSERT_TRUE(turn);
-    EXPECT_NEAR(turn->q.angularDistance(heading(0.07)), 0.0, 1e-6);
+    const auto rotation = inertial.rotation_from(heading(kDrift_rad), kFrom_ns, kTo_ns);
+    ASSERT_TRUE(rotation);
+    EXPECT_NEAR(rotation->q.angularDistance(heading(0.07)), 0.0, 1e-6);
 }
 
 }  // namespace

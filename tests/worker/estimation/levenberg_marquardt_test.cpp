@@ -40,18 +40,19 @@ struct NoisyWindow {
 
     template <typename Solve>
     void adjust(const Solve& solve) {
-        Adjustment adjustment(synthetic::rig());
-        for (std::size_t k = 0; k < states.size(); ++k) adjustment.add_state(states[k], k == 0);
+        BundleAdjustment bundle_adjustment(synthetic::rig());
+        for (std::size_t k = 0; k < states.size(); ++k)
+            bundle_adjustment.add_state(states[k], k == 0);
         for (const auto& [id, observations] : seen)
             for (const auto& [k, measured] : observations)
                 if (observations.size() > 1)
-                    adjustment.add_observation(states[static_cast<std::size_t>(k)],
-                                               points.at(id),
-                                               measured,
-                                               kFeatureSigma_px);
+                    bundle_adjustment.add_observation(states[static_cast<std::size_t>(k)],
+                                                      points.at(id),
+                                                      measured,
+                                                      kFeatureSigma_px);
         add_inertial_factors(
-            adjustment, InertialPrior(recording, {}), keyframes, states, reference);
-        solve(adjustment);
+            bundle_adjustment, InertialPrior(recording, {}), keyframes, states, reference);
+        solve(bundle_adjustment);
     }
 
     synthetic::SensorRecording recording;
@@ -64,12 +65,12 @@ struct NoisyWindow {
 
 TEST(LevenbergMarquardtTest, EndsWhereCeresEnds) {
     NoisyWindow own;
-    own.adjust([](Adjustment& adjustment) {
-        for (int i = 0; i < 4; ++i) adjustment.solve_window(10);
+    own.adjust([](BundleAdjustment& bundle_adjustment) {
+        for (int i = 0; i < 4; ++i) bundle_adjustment.solve_dense(10);
     });
     NoisyWindow theirs;
-    theirs.adjust([](Adjustment& adjustment) {
-        for (int i = 0; i < 4; ++i) adjustment.solve_dive(30, ignore_progress, {});
+    theirs.adjust([](BundleAdjustment& bundle_adjustment) {
+        for (int i = 0; i < 4; ++i) bundle_adjustment.solve_sparse(30, ignore_progress, {});
     });
 
     ASSERT_FALSE(own.states.empty());
@@ -79,12 +80,14 @@ TEST(LevenbergMarquardtTest, EndsWhereCeresEnds) {
         EXPECT_LT((own.states[k].velocity_world - theirs.states[k].velocity_world).norm(), 1e-4);
         EXPECT_LT((own.states[k].bias.gyroscope - theirs.states[k].bias.gyroscope).norm(), 1e-5);
     }
-    EXPECT_LT((own.reference.down_world - theirs.reference.down_world).norm(), 1e-4);
+    EXPECT_LT(
+        (own.reference.gravity_direction_world - theirs.reference.gravity_direction_world).norm(),
+        1e-4);
 }
 
 TEST(LevenbergMarquardtTest, FindsTheWayWithinAFewMillimetres) {
     NoisyWindow window;
-    window.adjust([](Adjustment& adjustment) { adjustment.solve_window(6); });
+    window.adjust([](BundleAdjustment& bundle_adjustment) { bundle_adjustment.solve_dense(6); });
     for (int k = 0; k < kNumKeyframes; ++k)
         EXPECT_THAT(window.states[static_cast<std::size_t>(k)].T_world_imu(),
                     synthetic::IsPoseWithin(
@@ -94,7 +97,9 @@ TEST(LevenbergMarquardtTest, FindsTheWayWithinAFewMillimetres) {
 }
 
 TEST(LevenbergMarquardtTest, GivesTheSameBitsAgain) {
-    const auto solve = [](Adjustment& adjustment) { adjustment.solve_window(6); };
+    const auto solve = [](BundleAdjustment& bundle_adjustment) {
+        bundle_adjustment.solve_dense(6);
+    };
     NoisyWindow once;
     once.adjust(solve);
     NoisyWindow again;

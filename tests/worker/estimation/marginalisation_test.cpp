@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/estimation/adjustment.hpp"
+#include "worker/estimation/bundle_adjustment.hpp"
 #include "worker/geometry/rotation_vector.hpp"
-#include "worker/residuals/gyroscope_turn.hpp"
-#include "worker/residuals/known_orientation.hpp"
+#include "worker/residuals/gyro_rotation_cost.hpp"
+#include "worker/residuals/orientation_prior.hpp"
 #include "worker/residuals/random_walk.hpp"
 #include "worker/residuals/vector_prior.hpp"
 
@@ -98,15 +98,15 @@ struct Turns {
     ceres::EigenQuaternionManifold rotation;
 
     void add_first(FactorGraph& graph) {
-        GyroscopeIntegral turn;
-        turn.duration_s = 0.5;
-        turn.q_from_to = rotation_from_vector({0.05, -0.06, 0.31});
-        turn.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
-        turn.sigma_rad = 0.01;
+        GyroscopeIntegral gyro_rotation;
+        gyro_rotation.duration_s = 0.5;
+        gyro_rotation.q_from_to = rotation_from_vector({0.05, -0.06, 0.31});
+        gyro_rotation.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
+        gyro_rotation.sigma_rad = 0.01;
         graph.add_block(q_first.coeffs().data(), 4, &rotation);
         add_second(graph);
         add(graph,
-            GyroscopeTurn::create(turn),
+            GyroRotationCost::create(gyro_rotation),
             {q_first.coeffs().data(), q_second.coeffs().data(), bias.data()});
         add(graph, VectorPrior::create({Eigen::Vector3d::Zero(), 0.02}), {bias.data()});
         add_orientation(graph, q_first, rotation_from_vector({0.31, 0.11, -0.21}));
@@ -120,7 +120,7 @@ struct Turns {
                          Eigen::Quaterniond& q,
                          const Eigen::Quaterniond& known) {
         add(graph,
-            KnownOrientation::create({known, 0.02}),
+            OrientationPrior::create({known, 0.02}),
             {q_world_ahrs.coeffs().data(), q.coeffs().data()});
     }
 };
@@ -152,15 +152,15 @@ TEST(MarginalisationTest, AtItsMinimumANonlinearProblemKeepsItWhenAStateLeaves) 
 }
 
 TEST(MarginalisationTest, KeepsTheFirstEstimateOfWhatItHeldBefore) {
-    Turns turns;
+    Turns rotations;
     FactorGraph leaving(1.0);
-    turns.add_first(leaving);
-    const LinearPrior prior = marginalise(leaving, {turns.q_first.coeffs().data()});
-    const Eigen::Vector4d before = turns.q_second.coeffs();
-    turns.q_second = turns.q_second * rotation_from_vector({0.1, -0.1, 0.05});
+    rotations.add_first(leaving);
+    const LinearPrior prior = marginalise(leaving, {rotations.q_first.coeffs().data()});
+    const Eigen::Vector4d before = rotations.q_second.coeffs();
+    rotations.q_second = rotations.q_second * rotation_from_vector({0.1, -0.1, 0.05});
 
     FactorGraph again(1.0);
-    turns.add_second(again);
+    rotations.add_second(again);
     add_prior(again, prior);
     const LinearPrior once_more = marginalise(again, {});
 

@@ -35,8 +35,8 @@ PreintegratedImu integrated(const std::vector<ImuSample>& samples, const ImuBias
 // Turn, velocity and position of `a` against those of `b`.
 Vector9 difference(const PreintegratedImu& a, const PreintegratedImu& b) {
     Vector9 result;
-    result << vector_from_rotation(b.turn.q_from_to.conjugate() * a.turn.q_from_to),
-        a.velocity_change - b.velocity_change, a.position_change - b.position_change;
+    result << vector_from_rotation(b.rotation.q_from_to.conjugate() * a.rotation.q_from_to),
+        a.delta_velocity - b.delta_velocity, a.delta_position - b.delta_position;
     return result;
 }
 
@@ -49,9 +49,9 @@ PreintegratedImu truth() {
     const Eigen::Vector3d v_i = synthetic::velocity(lively, from_s);
     const Eigen::Vector3d v_j = synthetic::velocity(lively, from_s + dt);
     PreintegratedImu result;
-    result.turn.q_from_to = Eigen::Quaterniond(i.linear().transpose() * j.linear());
-    result.velocity_change = i.linear().transpose() * (v_j - v_i - g * dt);
-    result.position_change =
+    result.rotation.q_from_to = Eigen::Quaterniond(i.linear().transpose() * j.linear());
+    result.delta_velocity = i.linear().transpose() * (v_j - v_i - g * dt);
+    result.delta_position =
         i.linear().transpose() * (j.translation() - i.translation() - v_i * dt - 0.5 * g * dt * dt);
     return result;
 }
@@ -63,7 +63,7 @@ TEST(PreintegrationTest, GivesTheMotionBetweenTwoTimesToTheSecondOrderOfTheSampl
 
     EXPECT_LT(difference(coarse, truth()).cwiseAbs().maxCoeff(), 1e-4);
     EXPECT_LT(difference(fine, truth()).cwiseAbs().maxCoeff(), 1e-6);
-    EXPECT_DOUBLE_EQ(coarse.turn.duration_s, 0.5);
+    EXPECT_DOUBLE_EQ(coarse.rotation.duration_s, 0.5);
 }
 
 TEST(PreintegrationTest, GoesByTheStampsWhereSamplesAreMissing) {
@@ -80,7 +80,7 @@ TEST(PreintegrationTest, ItsDerivativesByTheBiasesAreThoseOfIntegratingAgain) {
     const auto samples = synthetic::imu_along(lively, 0.0, 1.0, {});
     const auto at_zero = integrated(samples, {});
     Eigen::Matrix<double, 9, 6> stated = Eigen::Matrix<double, 9, 6>::Zero();
-    stated << at_zero.turn.d_rotation_d_bias, Eigen::Matrix3d::Zero(),
+    stated << at_zero.rotation.d_rotation_d_bias, Eigen::Matrix3d::Zero(),
         at_zero.d_velocity_d_gyroscope, at_zero.d_velocity_d_accelerometer,
         at_zero.d_position_d_gyroscope, at_zero.d_position_d_accelerometer;
 

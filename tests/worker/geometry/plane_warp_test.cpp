@@ -35,7 +35,7 @@ TEST(PlaneWarpTest, WhatIsStretchedTooFarOrBehindTheCameraHasNone) {
     for (const double ahead_m : {1.5, 2.5}) {
         Eigen::Isometry3d T_to_from = Eigen::Isometry3d::Identity();
         T_to_from.translation().z() = -ahead_m;
-        EXPECT_FALSE(plane_warp(rig, p_from, facing_plane(p_from), T_to_from));
+        EXPECT_FALSE(plane_warp(rig, p_from, fronto_parallel_plane(p_from), T_to_from));
     }
 }
 

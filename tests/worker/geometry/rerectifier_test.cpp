@@ -45,17 +45,17 @@ std::array<LensChange, 2> change_of_k1(double change) {
 TEST(RerectifierTest, PutsObservationsWhereTheTrueLensesWouldHaveShownThem) {
     const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const Rerectifier rerectifier(rig_with(kStated), rectified, change_of_k1(kTrue - kStated));
-    double largest_error_px = 0.0;
+    double max_error_px = 0.0;
     for (const Eigen::Vector3d& p_cam : {Eigen::Vector3d(0.9, 0.7, 1.5),
                                          Eigen::Vector3d(-0.4, 0.2, 1.1),
                                          Eigen::Vector3d(0.8, -0.9, 2.0)}) {
         const Eigen::Vector2d left = rectified.pixel(p_cam);
         const Eigen::Vector3d ideal(left.x(), left.y(), rectified.disparity_px(p_cam.z()));
         const Eigen::Vector3d measured = measured_px(rectified, p_cam);
-        largest_error_px = std::max(largest_error_px, (measured - ideal).norm());
+        max_error_px = std::max(max_error_px, (measured - ideal).norm());
         EXPECT_LT((rerectifier.moved(measured) - ideal).norm(), 0.05);
     }
-    EXPECT_GT(largest_error_px, 1.0);
+    EXPECT_GT(max_error_px, 1.0);
 }
 
 TEST(RerectifierTest, MovesAKeyframesDepthAsItMovesObservations) {
@@ -93,7 +93,7 @@ TEST(RerectifierTest, LeavesASlopeSmooth) {
 
     const KeyframeImages moved = KeyframeRerectifier(rectified, rerectifier).moved(images);
 
-    double largest_error_px = 0.0;
+    double max_error_px = 0.0;
     for (int v = 100; v < 400; v += 7)
         for (int u = 150; u < 500; u += 7) {
             Eigen::Vector2d old(u, v);  // that comes to lie at u, v
@@ -104,10 +104,10 @@ TEST(RerectifierTest, LeavesASlopeSmooth) {
             }
             const double expected_px =
                 rerectifier.moved({old.x(), old.y(), slope_px(old.x(), old.y())}).z();
-            largest_error_px = std::max(
-                largest_error_px, std::abs(moved.depth.disparity_px.at<float>(v, u) - expected_px));
+            max_error_px = std::max(
+                max_error_px, std::abs(moved.depth.disparity_px.at<float>(v, u) - expected_px));
         }
-    EXPECT_LT(largest_error_px, 0.01);
+    EXPECT_LT(max_error_px, 0.01);
 }
 
 TEST(ShiftOfChangeTest, IsWhereTheChangedLensShowsARay) {

@@ -190,7 +190,7 @@ nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const 
              << std::ifstream(*request.ground_truth).rdbuf();
     for (const Finding& finding : request.findings) file << ' ' << finding.message;
     for (const auto& [name, values] : request.history) file << ' ' << name << ' ' << values.size();
-    const auto figure = nlohmann::json{
+    const auto metric = nlohmann::json{
         {"figure", "trajectory.path_length_m"}, {"value", 2.5}, {"unit", "m"}, {"method", ""}};
     nlohmann::json requirements = nlohmann::json::array();
     for (const std::string& text : request.requirements)
@@ -198,7 +198,7 @@ nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const 
             {{"text", text}, {"figure", text}, {"value", 2.5}, {"met", false}, {"reason", "fake"}});
     return {{"version", "fake 2"},
             {"reconstruction", {{"calibration_sha256", "fake calibration"}}},
-            {"figures", nlohmann::json::array({figure})},
+            {"figures", nlohmann::json::array({metric})},
             {"requirements", requirements},
             {"regressions", nlohmann::json::array()}};
 }

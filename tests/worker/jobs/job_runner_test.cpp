@@ -16,8 +16,8 @@
 #include "storage/catalog.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/event_store.hpp"
-#include "storage/figure_store.hpp"
 #include "storage/job_store.hpp"
+#include "storage/metric_store.hpp"
 #include "storage/truth_store.hpp"
 #include "storage/upload_store.hpp"
 #include "storage/worker_store.hpp"
@@ -141,7 +141,7 @@ protected:
     int num_workers_ = 0;
 };
 
-TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept) {
+TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsMetricsAreKept) {
     const Job reconstruction = make_job("plain");
     const Process worker = start_worker();
     ASSERT_TRUE(reaches(reconstruction, JobState::Succeeded));
@@ -155,7 +155,7 @@ TEST_F(JobRunnerTest, AReportReadsItsReconstructionAndTruthAndItsFiguresAreKept)
     EXPECT_EQ(verdict_of(jobs_.get(report.id)), "failed");
     EXPECT_EQ(content_of(jobs_.artifact(report.id, "report.json")), "ply\n.._a_b.tum poses");
     const auto points =
-        storage::FigureStore(catalog_).series({.figure = "trajectory.path_length_m"}, {}).items;
+        storage::MetricStore(catalog_).series({.metric = "trajectory.path_length_m"}, {}).items;
     ASSERT_EQ(points.size(), 2U);
     EXPECT_EQ(points[0].version, "fake 1");
     EXPECT_EQ(points[1].version, "fake 2");

@@ -52,19 +52,19 @@ inline cv::Mat draw(const std::vector<DrawnTag>& tags,
                     const Spoiling& spoiling = {}) {
     constexpr int kSub = 6;
     std::mt19937 random(spoiling.seed);
-    cv::Mat picture(rig.height_px, rig.width_px, CV_32F);
+    cv::Mat image(rig.height_px, rig.width_px, CV_32F);
     cv::RNG rng(spoiling.seed);
-    rng.fill(picture, cv::RNG::NORMAL, 90.0, 40.0);
-    cv::GaussianBlur(picture, picture, {}, 3.0);
+    rng.fill(image, cv::RNG::NORMAL, 90.0, 40.0);
+    cv::GaussianBlur(image, image, {}, 3.0);
     for (const DrawnTag& tag : tags) {
-        const cv::Mat cells = tag_picture(tag.family, tag.id);
+        const cv::Mat cells = tag_image(tag.family, tag.id);
         const TagLayout layout = tag_layout(tag.family);
         const double cell_m = tag.size_m / layout.size_cells;
         const double half_cells = 0.5 * layout.total_cells + 1.0;
         const Eigen::Isometry3d T_marker_cam = tag.T_world_marker.inverse() * T_world_cam;
         const Eigen::Vector3d eye = T_marker_cam.translation();
-        for (int v = 0; v < picture.rows; ++v)
-            for (int u = 0; u < picture.cols; ++u) {
+        for (int v = 0; v < image.rows; ++v)
+            for (int u = 0; u < image.cols; ++u) {
                 double sum = 0.0;
                 int num = 0;
                 for (int i = 0; i < kSub * kSub; ++i) {
@@ -84,19 +84,19 @@ inline cv::Mat draw(const std::vector<DrawnTag>& tags,
                     sum += on_tag && cells.at<std::uint8_t>(row, column) == 0 ? 25.0 : 210.0;
                 }
                 if (num == 0) continue;
-                float& pixel = picture.at<float>(v, u);
+                float& pixel = image.at<float>(v, u);
                 const double share = static_cast<double>(num) / (kSub * kSub);
                 pixel = static_cast<float>((1.0 - share) * pixel + sum / (kSub * kSub));
             }
     }
-    if (spoiling.blur_px > 0.0) cv::GaussianBlur(picture, picture, {}, spoiling.blur_px);
-    picture = spoiling.contrast * picture + (1.0 - spoiling.contrast) * 120.0;
+    if (spoiling.blur_px > 0.0) cv::GaussianBlur(image, image, {}, spoiling.blur_px);
+    image = spoiling.contrast * image + (1.0 - spoiling.contrast) * 120.0;
     std::normal_distribution<float> noise(0.0F, static_cast<float>(spoiling.noise));
     if (spoiling.noise > 0.0)
-        for (int v = 0; v < picture.rows; ++v)
-            for (int u = 0; u < picture.cols; ++u) picture.at<float>(v, u) += noise(random);
+        for (int v = 0; v < image.rows; ++v)
+            for (int u = 0; u < image.cols; ++u) image.at<float>(v, u) += noise(random);
     cv::Mat result;
-    picture.convertTo(result, CV_8U);
+    image.convertTo(result, CV_8U);
     return result;
 }
 

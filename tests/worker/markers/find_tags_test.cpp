@@ -7,9 +7,7 @@
 namespace divemesh::worker {
 namespace {
 
-double largest_error_px(const Tag& found,
-                        const DrawnTag& tag,
-                        const Eigen::Isometry3d& T_world_cam) {
+double max_error_px(const Tag& found, const DrawnTag& tag, const Eigen::Isometry3d& T_world_cam) {
     double largest = 0.0;
     for (std::size_t i = 0; i < kNumTagCorners; ++i) {
         const Eigen::Vector3d p_cam =
@@ -37,7 +35,7 @@ TEST_P(FindTagsTest, CornersAreWhereTheyAreToAFifteenthOfAPixel) {
 
         ASSERT_EQ(found.size(), 1U) << tilt;
         EXPECT_EQ(found[0].id, 7);
-        EXPECT_LT(largest_error_px(found[0], tag_, T_world_cam), 1.0 / 15.0) << tilt;
+        EXPECT_LT(max_error_px(found[0], tag_, T_world_cam), 1.0 / 15.0) << tilt;
     }
 }
 
@@ -48,7 +46,7 @@ TEST_P(FindTagsTest, BlurNoiseAndHazeLeaveAFourthOfAPixel) {
     const auto found = find_tags(draw({tag_}, T_world_cam, test_rig(), turbid), tag_.family);
 
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_LT(largest_error_px(found[0], tag_, T_world_cam), 0.25);
+    EXPECT_LT(max_error_px(found[0], tag_, T_world_cam), 0.25);
 }
 
 TEST_P(FindTagsTest, GroundWithoutTagsHasNone) {
@@ -61,13 +59,13 @@ INSTANTIATE_TEST_SUITE_P(Families,
                                          MarkerFamily::Tag25h9,
                                          MarkerFamily::TagStandard41h12));
 
-TEST(FindTagsInBadPicturesTest, ATagWithASoiledCellIsNone) {
+TEST(FindTagsInBadImagesTest, ATagWithASoiledCellIsNone) {
     DrawnTag tag{.id = 3};
     const auto T_world_cam = looking_down({0, 0, 0.6}, 0.0, 0.0);
-    cv::Mat picture = draw({tag}, T_world_cam, test_rig());
-    ASSERT_EQ(find_tags(picture, tag.family).size(), 1U);
+    cv::Mat image = draw({tag}, T_world_cam, test_rig());
+    ASSERT_EQ(find_tags(image, tag.family).size(), 1U);
     const auto cell_px = 100.0 / 8.0;
-    cv::rectangle(picture,
+    cv::rectangle(image,
                   cv::Rect(static_cast<int>(320 - 1.9 * cell_px),
                            static_cast<int>(240 - 1.9 * cell_px),
                            static_cast<int>(1.8 * cell_px),
@@ -75,7 +73,7 @@ TEST(FindTagsInBadPicturesTest, ATagWithASoiledCellIsNone) {
                   255,
                   cv::FILLED);
 
-    EXPECT_TRUE(find_tags(picture, tag.family).empty());
+    EXPECT_TRUE(find_tags(image, tag.family).empty());
 }
 
 }  // namespace

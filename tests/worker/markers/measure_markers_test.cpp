@@ -101,24 +101,24 @@ private:
     CovarianceTrack covariances_;
 };
 
-std::vector<std::string> codes(const MarkerFigures& figures) {
+std::vector<std::string> codes(const MarkerMetrics& metrics) {
     std::vector<std::string> result;
-    for (const Finding& finding : figures.findings) result.push_back(finding.code);
+    for (const Finding& finding : metrics.findings) result.push_back(finding.code);
     return result;
 }
 
 TEST(MeasureMarkersTest, TagsReadWithoutErrorLieWhereTheyAre) {
     MarkerSwim swim(6);
 
-    const MarkerFigures figures = measure_markers(swim.views(0.0), swim.plan(), swim.world());
+    const MarkerMetrics metrics = measure_markers(swim.views(0.0), swim.plan(), swim.world());
 
-    ASSERT_EQ(figures.markers.size(), 6U);
+    ASSERT_EQ(metrics.markers.size(), 6U);
     for (std::size_t i = 0; i < 6; ++i)
         EXPECT_TRUE(
-            figures.markers[i].T_world_marker.isApprox(swim.tags()[i].T_world_marker, 1e-6));
-    for (const BarFigures& bar : figures.bars) EXPECT_NEAR(bar.error_m(), 0.0, 1e-7);
-    EXPECT_NEAR(figures.scale->factor, 1.0, 1e-6);
-    EXPECT_TRUE(figures.findings.empty());
+            metrics.markers[i].T_world_marker.isApprox(swim.tags()[i].T_world_marker, 1e-6));
+    for (const BarMetrics& bar : metrics.bars) EXPECT_NEAR(bar.error_m(), 0.0, 1e-7);
+    EXPECT_NEAR(metrics.scale->factor, 1.0, 1e-6);
+    EXPECT_TRUE(metrics.findings.empty());
 }
 
 // The share of bars whose true length lies in the stated interval, over dives of their own.
@@ -129,7 +129,7 @@ double covered_share(double reading_px, double position_m, double rotation_rad) 
         MarkerSwim swim(6, seed);
         const auto views = swim.views(reading_px);
         swim.shake_poses(position_m, rotation_rad);
-        for (const BarFigures& bar : measure_markers(views, swim.plan(), swim.world()).bars) {
+        for (const BarMetrics& bar : measure_markers(views, swim.plan(), swim.world()).bars) {
             ++num;
             if (std::abs(bar.error_m()) < 1.96 * bar.own_sigma_m) ++num_covered;
         }
@@ -160,15 +160,15 @@ TEST(MeasureMarkersTest, AFalseTagMovesNothing) {
             for (auto& corner : view.corners_px) corner += Eigen::Vector2d(60, 40);
     ASSERT_GT(num_false, 0U);
 
-    const auto figures = measure_markers(views, swim.plan(), swim.world());
+    const auto metrics = measure_markers(views, swim.plan(), swim.world());
 
-    ASSERT_EQ(figures.markers.size(), 5U);
-    EXPECT_EQ(figures.markers[3].num_rejected_views, static_cast<int>(num_false));
-    EXPECT_LT((figures.markers[3].T_world_marker.translation() -
+    ASSERT_EQ(metrics.markers.size(), 5U);
+    EXPECT_EQ(metrics.markers[3].num_rejected_views, static_cast<int>(num_false));
+    EXPECT_LT((metrics.markers[3].T_world_marker.translation() -
                swim.tags()[3].T_world_marker.translation())
                   .norm(),
               1e-3);
-    EXPECT_LT(std::abs(*figures.bars[3].measured_m - *good.bars[3].measured_m), 1e-3);
+    EXPECT_LT(std::abs(*metrics.bars[3].measured_m - *good.bars[3].measured_m), 1e-3);
 }
 
 TEST(MeasureMarkersTest, AnIdThatLiesInTwoPlacesIsTold) {
@@ -188,15 +188,15 @@ TEST(MeasureMarkersTest, ATagSeenTwiceIsToldAndNotMeasured) {
     std::erase_if(views, [](const TagView& view) { return view.id == 2 && view.keyframe > 7; });
     std::erase_if(views, [](const TagView& view) { return view.id == 2 && view.keyframe < 6; });
 
-    const auto figures = measure_markers(views, swim.plan(), swim.world());
+    const auto metrics = measure_markers(views, swim.plan(), swim.world());
 
-    EXPECT_EQ(figures.markers.size(), 2U);
-    EXPECT_FALSE(figures.bars[1].measured_m);
-    EXPECT_THAT(codes(figures), testing::Contains("marker_seen_too_few"));
+    EXPECT_EQ(metrics.markers.size(), 2U);
+    EXPECT_FALSE(metrics.bars[1].measured_m);
+    EXPECT_THAT(codes(metrics), testing::Contains("marker_seen_too_few"));
 }
 
-BarFigures bar(double known_m, double measured_m, double sigma_m) {
-    BarFigures bar;
+BarMetrics bar(double known_m, double measured_m, double sigma_m) {
+    BarMetrics bar;
     bar.known_m = known_m;
     bar.measured_m = measured_m;
     bar.own_sigma_m = sigma_m;
@@ -209,7 +209,7 @@ BarFigures bar(double known_m, double measured_m, double sigma_m) {
 // = 2.2802. All: 0.9933339181. Without the first: 1.255 / 1.2601 = 0.9959527022; without the
 // second: 1.265 / 1.2802 = 0.9881268552; without the third: 2.01 / 2.0201 = 0.9950002475.
 TEST(MeasureBarsTest, LeaveOneOutIsTheErrorWithTheScaleOfTheOthers) {
-    std::vector<BarFigures> bars = {
+    std::vector<BarMetrics> bars = {
         bar(1.0, 1.01, 1e-3), bar(2.0, 2.0, 2e-3), bar(0.5, 0.51, 1e-3)};
 
     leave_each_out(bars);
@@ -225,13 +225,13 @@ TEST(MeasureBarsTest, ABarThatIsWrongIsToldAndTheScaleIsOfTheOthers) {
     MarkerPlan plan = swim.plan();
     plan.scale_bars[2].distance_m += 0.02;
 
-    const auto figures = measure_markers(swim.views(0.1), plan, swim.world());
+    const auto metrics = measure_markers(swim.views(0.1), plan, swim.world());
 
-    ASSERT_EQ(figures.bars.size(), plan.scale_bars.size());
-    for (std::size_t i = 0; i < figures.bars.size(); ++i)
-        EXPECT_EQ(figures.bars[i].consistent, i != 2) << i;
-    EXPECT_NEAR(figures.scale->factor, 1.0, 2e-3);
-    EXPECT_THAT(codes(figures), testing::ElementsAre("scale_bar_inconsistent"));
+    ASSERT_EQ(metrics.bars.size(), plan.scale_bars.size());
+    for (std::size_t i = 0; i < metrics.bars.size(); ++i)
+        EXPECT_EQ(metrics.bars[i].consistent, i != 2) << i;
+    EXPECT_NEAR(metrics.scale->factor, 1.0, 2e-3);
+    EXPECT_THAT(codes(metrics), testing::ElementsAre("scale_bar_inconsistent"));
 }
 
 TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
@@ -243,16 +243,16 @@ TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
     swim.keyframes() = smaller.applied(swim.keyframes(), trajectory);
     swim.rig().baseline_m *= 0.99;
 
-    const auto figures = measure_markers(views, swim.plan(), swim.world());
+    const auto metrics = measure_markers(views, swim.plan(), swim.world());
 
-    EXPECT_NEAR(figures.scale->factor, 1.0 / 0.99, 1e-3);
-    EXPECT_THAT(codes(figures), testing::ElementsAre("scale_off"));
-    const WorldScale larger(figures.scale->factor, Eigen::Isometry3d::Identity());
+    EXPECT_NEAR(metrics.scale->factor, 1.0 / 0.99, 1e-3);
+    EXPECT_THAT(codes(metrics), testing::ElementsAre("scale_off"));
+    const WorldScale larger(metrics.scale->factor, Eigen::Isometry3d::Identity());
     swim.keyframes() = larger.applied(swim.keyframes(), trajectory);
-    swim.rig().baseline_m *= figures.scale->factor;
+    swim.rig().baseline_m *= metrics.scale->factor;
     const auto corrected = measure_markers(views, swim.plan(), swim.world());
     EXPECT_NEAR(corrected.scale->factor, 1.0, 1e-9);
-    for (const BarFigures& of_bar : corrected.bars) EXPECT_LT(std::abs(of_bar.error_m()), 1e-3);
+    for (const BarMetrics& of_bar : corrected.bars) EXPECT_LT(std::abs(of_bar.error_m()), 1e-3);
     EXPECT_TRUE(corrected.findings.empty());
 }
 

@@ -8,7 +8,7 @@ namespace divemesh::worker {
 namespace {
 
 // The pictures that everybody prints: AprilRobotics/apriltag-imgs.
-TEST(TagLayoutTest, SizesAreCountedAsThePrintedPicturesHaveThem) {
+TEST(TagLayoutTest, SizesAreCountedAsThePrintedImagesHaveThem) {
     const TagLayout classic = tag_layout(MarkerFamily::Tag36h11);
     EXPECT_EQ(classic.total_cells, 10);
     EXPECT_EQ(classic.size_cells, 8);
@@ -19,9 +19,9 @@ TEST(TagLayoutTest, SizesAreCountedAsThePrintedPicturesHaveThem) {
     EXPECT_EQ(standard.total_cells, 9);
     EXPECT_EQ(standard.size_cells, 5);
     EXPECT_TRUE(standard.white_within);
-    const cv::Mat picture = tag_picture(MarkerFamily::TagStandard41h12, 3);
-    EXPECT_EQ(picture.at<std::uint8_t>(1, 1), 0);    // black ring
-    EXPECT_EQ(picture.at<std::uint8_t>(2, 2), 255);  // white within
+    const cv::Mat image = tag_image(MarkerFamily::TagStandard41h12, 3);
+    EXPECT_EQ(image.at<std::uint8_t>(1, 1), 0);    // black ring
+    EXPECT_EQ(image.at<std::uint8_t>(2, 2), 255);  // white within
 }
 
 TEST(MarkerFamilyTest, HasAsManyIdsAsTheLibraryHasCodes) {

@@ -20,10 +20,10 @@ struct Known {
         optimise.path = {1e-4, 3.0};
         optimise.reprojection_rms_px = 0.3;
     }
-    ExpectedAccuracy expected(std::size_t num_pieces = 1) const {
+    ExpectedAccuracy expected(std::size_t num_segments = 1) const {
         return expected_accuracy({.recording = recording,
                                   .trajectory = trajectory,
-                                  .num_pieces = num_pieces,
+                                  .num_segments = num_segments,
                                   .covariances = covariances,
                                   .track = track,
                                   .optimise = optimise});
@@ -36,9 +36,9 @@ struct Known {
     OptimiseStatistics optimise;
 };
 
-bool left_out(const ExpectedAccuracy& expected, const std::string& figure) {
+bool left_out(const ExpectedAccuracy& expected, const std::string& metric) {
     return std::any_of(expected.left_out.begin(), expected.left_out.end(), [&](const auto& left) {
-        return left.figure == figure && !left.reason.empty();
+        return left.metric == metric && !left.reason.empty();
     });
 }
 
@@ -57,9 +57,9 @@ TEST(ExpectedAccuracyTest, WhatCannotBeSaidIsLeftOutWithItsReasonAndNeverZero) {
     EXPECT_FALSE(metrics.contains("scale"));
     EXPECT_FALSE(metrics.contains("surface"));
     EXPECT_FALSE(metrics.contains("imu_vision_disagreement_deg"));
-    for (const char* figure :
+    for (const char* metric :
          {"trajectory.ate", "scale.accelerometer", "scale.pressure", "surface"})
-        EXPECT_TRUE(left_out(known.expected(), figure)) << figure;
+        EXPECT_TRUE(left_out(known.expected(), metric)) << metric;
 }
 
 TEST(ExpectedAccuracyTest, OfPiecesThatDoNotHangTogetherNoDriftIsSaid) {

@@ -79,7 +79,7 @@ TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
     EXPECT_NEAR(errors.median_abs_error_m, bar_.distance_m * (1.0 - 1.0 / 1.02), 1e-6);
 }
 
-TEST_F(KnownDistancesTest, AnEndOutsideThePicturesIsNotMeasured) {
+TEST_F(KnownDistancesTest, AnEndOutsideTheImagesIsNotMeasured) {
     KnownDistance far = bar_;
     far.b_world = {4.0, 0.0, 0.0};
     const KnownDistanceErrors errors = measure({far, bar_}, truth_);

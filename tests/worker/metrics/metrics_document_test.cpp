@@ -40,18 +40,18 @@ MetricsInput plain_dive() {
     input.rig = rig();
     input.track.num_frames = 100;
     input.track.num_frames_tracked = 90;
-    input.pieces = {{100, 20, 3.5, {{0, 9'900'000'000}}}};
+    input.segments = {{100, 20, 3.5, {{0, 9'900'000'000}}}};
     input.stages = {{"track", 4.0, 8.0}, {"fuse", 1.0, 1.0}, {"evaluate", 20.0, 30.0}};
     input.findings = {{Severity::Warning, "frame_skipped", "frame 3", "cut short", ""}};
     return input;
 }
 
-MarkerFigures marker_figures() {
-    MarkerFigures figures;
+MarkerMetrics marker_metrics() {
+    MarkerMetrics metrics;
     Marker marker{.id = 7, .num_views = 8, .num_keyframes = 4};
     marker.corners_world.fill(Eigen::Vector3d::Ones());
-    figures.markers = {marker};
-    figures.bars = {{.name = "a",
+    metrics.markers = {marker};
+    metrics.bars = {{.name = "a",
                      .from = {7, std::nullopt},
                      .to = {8, TagCorner::TopLeft},
                      .known_m = 1.0,
@@ -62,10 +62,10 @@ MarkerFigures marker_figures() {
                      .leave_one_out_sigma_m = 0.002},
                     {.name = "size of 7", .is_printed_size = true, .from = {7}, .known_m = 0.1},
                     {.name = "not seen", .known_m = 0.5}};
-    figures.scale = MarkerScale{0.99, 0.001, 1, {"a"}};
-    figures.correction = ScaleCorrection{true, *figures.scale};
-    figures.findings = {{Severity::Warning, "scale_off", "markers.json", "long", "calibrate"}};
-    return figures;
+    metrics.scale = MarkerScale{0.99, 0.001, 1, {"a"}};
+    metrics.correction = ScaleCorrection{true, *metrics.scale};
+    metrics.findings = {{Severity::Warning, "scale_off", "markers.json", "long", "calibrate"}};
+    return metrics;
 }
 
 MetricsInput dive_with_everything() {
@@ -87,7 +87,7 @@ MetricsInput dive_with_everything() {
     surface.relative = RelativeDistance{0.001, 0.004};
     surface.near_completeness = DistanceSummary{};
     input.evaluation.surface = surface;
-    input.mesh = MeshFigures{.num_vertices = 3,
+    input.mesh = MeshMetrics{.num_vertices = 3,
                              .num_triangles = 1,
                              .area_m2 = 0.5,
                              .simplification = SimplificationError{9, 0.001, 0.002},
@@ -96,7 +96,7 @@ MetricsInput dive_with_everything() {
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;
     input.evaluation.known_distances = known;
-    input.markers = marker_figures();
+    input.markers = marker_metrics();
     ExpectedAccuracy expected;
     for (auto* value : {&expected.end_bound_m,
                         &expected.end_expected_m,

@@ -39,13 +39,13 @@ TEST(RelativePoseError, APathShorterThanTwoLengthsHasNone) {
     EXPECT_EQ(relative_pose_error({}, {.delta_m = 1.0}).num_pairs, 0);
 }
 
-TEST(RelativePoseError, EqualsThePublishedFiguresOfEvo) {
+TEST(RelativePoseError, EqualsThePublishedMetricsOfEvo) {
     const auto folder = shared_data("evo");
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
-    const auto figures = evaluate_trajectory(
+    const auto metrics = evaluate_trajectory(
         folder / "KITTI_00_ORB.txt", folder / "KITTI_00_gt.txt", {.relative = {.delta_m = 10.0}});
-    EXPECT_NEAR(figures["ate_rmse_m"].get<double>(), 1.3034497145650266, 5e-7);
-    EXPECT_NEAR(figures["relative_pose"]["translation_rmse_m"].get<double>(), 0.226261, 5e-7);
+    EXPECT_NEAR(metrics["ate_rmse_m"].get<double>(), 1.3034497145650266, 5e-7);
+    EXPECT_NEAR(metrics["relative_pose"]["translation_rmse_m"].get<double>(), 0.226261, 5e-7);
 }
 
 }  // namespace

@@ -188,12 +188,12 @@ TEST(TrajectoryError, TruthOfAnotherTimeIsAnErrorThatSaysSo) {
     }
 }
 
-TEST(TrajectoryError, GivesThePublishedFigureOfEvoOnKitti) {
+TEST(TrajectoryError, GivesThePublishedMetricOfEvoOnKitti) {
     const auto folder = shared_data("evo");
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data: " << folder;
-    const nlohmann::json figures =
+    const nlohmann::json metrics =
         evaluate_trajectory(folder / "KITTI_00_ORB.txt", folder / "KITTI_00_gt.txt");
-    EXPECT_NEAR(figures["ate_rmse_m"].get<double>(), 1.3034497145650266, 1e-6);
+    EXPECT_NEAR(metrics["ate_rmse_m"].get<double>(), 1.3034497145650266, 1e-6);
 }
 
 }  // namespace

@@ -105,9 +105,9 @@ TEST(TruthRegistration, FindsLeverArmAxesAndOffsetOfAnExternalTracker) {
     const auto found = register_truth(estimate_of(swim), truth_of(swim), solve_both());
     EXPECT_NEAR(found.time_offset_s, kOffset_s, 2e-4);
     EXPECT_LT((found.T_body_marker.translation() - kLever_m).norm(), 1e-3);
-    const Eigen::Matrix3d turn =
+    const Eigen::Matrix3d rotation =
         found.T_body_marker.linear().transpose() * T_body_marker().linear();
-    EXPECT_LT(Eigen::AngleAxisd(turn).angle(), 1e-3);
+    EXPECT_LT(Eigen::AngleAxisd(rotation).angle(), 1e-3);
     EXPECT_TRUE(found.has_orientation);
 }
 
@@ -153,8 +153,8 @@ TEST(TruthRegistration, ATrackerOfPositionsAloneGivesNoRotations) {
     const auto error = trajectory_error(estimate, registered.poses, registered.options);
     EXPECT_LT(error.ate_rmse_m, 2e-3);
     EXPECT_LT(error.drift_percent, 0.5);
-    const auto figures = without_rotations(to_metrics(error));
-    EXPECT_FALSE(figures.contains("rotation_rmse_deg"));
+    const auto metrics = without_rotations(to_metrics(error));
+    EXPECT_FALSE(metrics.contains("rotation_rmse_deg"));
 }
 
 TEST(TruthRegistration, RefusesALeverArmWhenTheRigTurnedAboutOneAxisAlone) {

@@ -45,7 +45,7 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(DrawingPageTest, HoldsWhereThePictureIsAndHowHighTheSurface) {
+TEST_F(DrawingPageTest, HoldsWhereTheImageIsAndHowHighTheSurface) {
     write_mosaic(folder_.path(), stepped_floor());
     const nlohmann::json data = this->data();
     EXPECT_EQ(data["title"], "</script><b>reef");
@@ -81,7 +81,7 @@ TEST_F(DrawingPageTest, SaysWhatIsMissingWithoutAMosaic) {
     }
 }
 
-TEST_F(DrawingPageTest, RefusesAPictureThatIsNone) {
+TEST_F(DrawingPageTest, RefusesAnImageThatIsNone) {
     write_mosaic(folder_.path(), stepped_floor());
     std::ofstream(folder_ / "mosaic_height.png") << "no picture";
     EXPECT_THROW(drawing_page(ReconstructionFolder(folder_.path())), Error);

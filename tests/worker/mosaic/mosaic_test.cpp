@@ -64,7 +64,7 @@ TEST(Mosaic, NoPixelBetweenNeighbouringTrianglesStaysEmpty) {
             ASSERT_EQ(mosaic.color.at<cv::Vec4b>(row, column)[3], 255) << row << " " << column;
 }
 
-TEST(Mosaic, AHugeMeshGetsCoarserPixelsAndNotAHugePicture) {
+TEST(Mosaic, AHugeMeshGetsCoarserPixelsAndNotAHugeImage) {
     Mesh mesh = floor_with_plate();
     add_rectangle(mesh, {-900, -900}, {900, 900}, -1.0F, {0, 0, 0});
     MosaicOptions options = pixels_of(0.001);
@@ -80,7 +80,7 @@ TEST(Mosaic, AnEmptyMeshIsOneTransparentPixel) {
     EXPECT_EQ(mosaic.color.at<cv::Vec4b>(0, 0)[3], 0);
 }
 
-TEST(Mosaic, TheHeightPictureAndItsScaleGiveTheHeightBack) {
+TEST(Mosaic, TheHeightImageAndItsScaleGiveTheHeightBack) {
     Mesh mesh = floor_with_plate();
     add_rectangle(mesh, {7, 1}, {8, 3}, -1.25F, {9, 9, 9});  // leaves a gap from x = 5 to 7
     const TemporaryFolder folder;
@@ -108,11 +108,10 @@ TEST(Mosaic, TheThumbnailIsSmallAndWhiteWhereThereIsNothing) {
     mesh.colors = {{50, 50, 50}, {50, 50, 50}, {50, 50, 50}};
     mesh.triangles = {{0, 1, 2}};
     const std::string png = thumbnail_png(render_mosaic(mesh, pixels_of(0.01)), 100);
-    const cv::Mat picture =
-        cv::imdecode(std::vector<char>(png.begin(), png.end()), cv::IMREAD_COLOR);
-    EXPECT_EQ(std::max(picture.cols, picture.rows), 100);
-    EXPECT_EQ(picture.at<cv::Vec3b>(10, 90), cv::Vec3b(255, 255, 255));
-    EXPECT_EQ(picture.at<cv::Vec3b>(90, 10), cv::Vec3b(50, 50, 50));
+    const cv::Mat image = cv::imdecode(std::vector<char>(png.begin(), png.end()), cv::IMREAD_COLOR);
+    EXPECT_EQ(std::max(image.cols, image.rows), 100);
+    EXPECT_EQ(image.at<cv::Vec3b>(10, 90), cv::Vec3b(255, 255, 255));
+    EXPECT_EQ(image.at<cv::Vec3b>(90, 10), cv::Vec3b(50, 50, 50));
 }
 
 }  // namespace

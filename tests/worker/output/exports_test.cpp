@@ -160,9 +160,9 @@ std::map<std::string, std::string> unzipped(const std::filesystem::path& file) {
     EXPECT_EQ(archive_read_open_filename(zip, file.c_str(), 1 << 16), ARCHIVE_OK);
     for (archive_entry* entry = nullptr; archive_read_next_header(zip, &entry) == ARCHIVE_OK;) {
         std::string& text = files[archive_entry_pathname(entry)];
-        char piece[4096];
-        for (la_ssize_t n = 0; (n = archive_read_data(zip, piece, sizeof piece)) > 0;)
-            text.append(piece, static_cast<std::size_t>(n));
+        char segment[4096];
+        for (la_ssize_t n = 0; (n = archive_read_data(zip, segment, sizeof segment)) > 0;)
+            text.append(segment, static_cast<std::size_t>(n));
     }
     archive_read_free(zip);
     return files;

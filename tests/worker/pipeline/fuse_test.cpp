@@ -16,7 +16,7 @@ protected:
             auto view = render_view(bump_on_floor, small_rig(), pose);
             view.keyframe.frame_index = static_cast<int>(frames_.size());
             store_.write(view.keyframe.frame_index, view.images.depth);
-            pictures_.push_back(view.images.left_color);
+            images_.push_back(view.images.left_color);
             frames_.push_back(view.keyframe);
         }
         options_.voxel_m = 0.02;
@@ -28,9 +28,9 @@ protected:
     }
 
     TemporaryFolder folder_;
-    std::vector<cv::Mat> pictures_;
+    std::vector<cv::Mat> images_;
     KeyframeStore store_{folder_ / "keyframes",
-                         [this](int frame_index) { return pictures_.at(frame_index); }};
+                         [this](int frame_index) { return images_.at(frame_index); }};
     std::vector<Keyframe> frames_;
     ReconstructionOptions options_;
 };

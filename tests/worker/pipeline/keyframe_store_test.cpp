@@ -22,7 +22,7 @@ DepthMap slope() {
     return depth;
 }
 
-cv::Mat picture_of(int frame_index) { return {48, 64, CV_8UC3, cv::Scalar(10, 20, frame_index)}; }
+cv::Mat image_of(int frame_index) { return {48, 64, CV_8UC3, cv::Scalar(10, 20, frame_index)}; }
 
 TEST(KeyframeStore, KeepsDisparityToAnEighthOfTheStereoNoise) {
     const TemporaryFolder folder;
@@ -36,12 +36,12 @@ TEST(KeyframeStore, KeepsDisparityToAnEighthOfTheStereoNoise) {
               0.5 / 64.0);
 }
 
-TEST(KeyframeStore, ThePictureIsThatOfTheRecording) {
+TEST(KeyframeStore, TheImageIsThatOfTheRecording) {
     const TemporaryFolder folder;
-    const KeyframeStore store(folder.path(), picture_of);
+    const KeyframeStore store(folder.path(), image_of);
     store.write(7, slope());
-    EXPECT_EQ(cv::norm(store.read(7).left_color, picture_of(7), cv::NORM_INF), 0.0);
-    EXPECT_EQ(cv::norm(store.left_in_color(9), picture_of(9), cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(store.read(7).left_color, image_of(7), cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(store.left_in_color(9), image_of(9), cv::NORM_INF), 0.0);
 }
 
 TEST(KeyframeStore, UnknownDisparityStaysUnknown) {

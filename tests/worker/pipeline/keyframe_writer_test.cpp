@@ -27,8 +27,8 @@ RectifiedFrame wall(int index) {
     return frame;
 }
 
-DescribedView view_of(int num_points) {
-    DescribedView view(static_cast<std::size_t>(num_points));
+DescribedKeypoints view_of(int num_points) {
+    DescribedKeypoints view(static_cast<std::size_t>(num_points));
     for (int i = 0; i < num_points; ++i) {
         view[static_cast<std::size_t>(i)].u_px = static_cast<float>(i);
         view[static_cast<std::size_t>(i)].descriptor.fill(0x9E3779B97F4A7C15ULL >> i);
@@ -39,8 +39,8 @@ DescribedView view_of(int num_points) {
 TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
-    Workers workers(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    TaskPool task_pool(2);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
     for (int i = 0; i < 5; ++i) {
         KeyframeWriter::Seen seen;
         if (i % 2 == 0) seen.view = view_of(i);
@@ -50,20 +50,20 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     for (int i = 0; i < 5; ++i)
         EXPECT_NEAR(store.read(i).depth.disparity_px.at<float>(60, 100), 12.0F, 0.1F);
     EXPECT_LT(cv::norm(store.read_left(2), wall(2).left, cv::NORM_INF), 20.0);
-    const DescribedView view = store.read_view(4);
+    const DescribedKeypoints view = store.read_keypoints(4);
     ASSERT_EQ(view.size(), 4U);
     EXPECT_EQ(view[3].u_px, 3.0F);
     EXPECT_EQ(view[3].descriptor, view_of(4)[3].descriptor);
-    EXPECT_TRUE(store.read_view(0).empty());
+    EXPECT_TRUE(store.read_keypoints(0).empty());
     EXPECT_THROW(store.read_left(1), Error);  // no keyframe
-    EXPECT_THROW(store.read_view(1), Error);
+    EXPECT_THROW(store.read_keypoints(1), Error);
 }
 
 TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
-    Workers workers(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    TaskPool task_pool(2);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
     DepthMap depth;
     depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
     depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
@@ -72,13 +72,13 @@ TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     EXPECT_NEAR(store.read(3).depth.disparity_px.at<float>(60, 100), 30.0F, 0.01F);
 }
 
-TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyPictureAlone) {
+TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyImageAlone) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
-    Workers workers(2);
+    TaskPool task_pool(2);
     ReconstructionOptions options;
     options.surface = false;
-    KeyframeWriter writer(small_rig(), options, store, workers);
+    KeyframeWriter writer(small_rig(), options, store, task_pool);
     writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     writer.finish();
     EXPECT_EQ(store.read_left(0).size(), cv::Size(160, 120));
@@ -90,8 +90,8 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     const auto gone = folder / "keyframes";
     const KeyframeStore store(gone);
     std::filesystem::remove(gone);
-    Workers workers(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, workers);
+    TaskPool task_pool(2);
+    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
     writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     EXPECT_THROW(writer.finish(), Error);
 }

@@ -11,9 +11,9 @@
 #include "tests/worker/reef/sheets.hpp"
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/heights.hpp"
+#include "worker/reef/noise_level.hpp"
 #include "worker/reef/rugosity.hpp"
-#include "worker/reef/shown_noise.hpp"
-#include "worker/reef/simulate_figures.hpp"
+#include "worker/reef/simulate_metrics.hpp"
 #include "worker/reef/surface_noise.hpp"
 #include "worker/reef/terrain.hpp"
 
@@ -66,7 +66,7 @@ struct Setting {
     GridShape fine = grid_over(plane.outline, 0.05);
     GridShape coarse = grid_over(plane.outline, 0.1);
 
-    std::vector<double> figures(const SurfacePatch& patch, const Places& places) const {
+    std::vector<double> metrics(const SurfacePatch& patch, const Places& places) const {
         const HeightGrid grid = sample_heights(places[0], patch.triangles, fine);
         return {rugosity(grid).value(),
                 rugosity(sample_heights(places[0], patch.triangles, coarse)).value(),
@@ -94,7 +94,7 @@ SurfacePatch noisy_patch(const Setting& setting, std::uint64_t seed) {
 TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     const Setting setting;
     const SurfacePatch exact = exact_patch(setting);
-    const std::vector<double> truth = setting.figures(exact, {exact.vertices});
+    const std::vector<double> truth = setting.metrics(exact, {exact.vertices});
     MeasureOptions options;
     options.num_replicates = 40;
     constexpr int kNumSeeds = 100;
@@ -102,9 +102,9 @@ TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     double raised = 0.0;
     for (int seed = 1; seed <= kNumSeeds; ++seed) {
         const SurfacePatch patch = noisy_patch(setting, seed);
-        const auto simulated = simulate_figures(
+        const auto simulated = simulate_metrics(
             {patch}, kCorrelationLength_m, false, options, [&](const Places& places, int) {
-                return setting.figures(patch, places);
+                return setting.metrics(patch, places);
             });
         raised += (simulated[0].measured - truth[0]) / kNumSeeds;
         for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -199,28 +199,28 @@ TEST(HeightGrid, BlurringIsTheMeanOfWhatIsSeenWithinTheSquare) {
 }
 
 // Of a patch whose noise is a share of the one that its vertices state.
-double shown_share(const HeightOf& height, double noise_share) {
+double noise_level_share(const HeightOf& height, double noise_share) {
     const Setting setting;
     Mesh mesh = sheet(0.66, 0.01, height);
     mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
     SurfacePatch patch = cut_patch(mesh, setting.plane, 0.05);
     patch.vertices =
         with_noise(patch, patch.sigma_local_m, NoiseField(kCorrelationLength_m, 3), noise_share);
-    ShownNoise shown(kCorrelationLength_m);
+    NoiseLevel shown(kCorrelationLength_m);
     shown.add(patch, grid_over(setting.plane.outline, 0.005));
     return shown.share();
 }
 
-TEST(ShownNoise, OnSmoothGroundIsTheShareThatIsThere) {
+TEST(NoiseLevel, OnSmoothGroundIsTheShareThatIsThere) {
     const auto slope = [](double x, double y) { return 0.1 * x - 0.05 * y; };
-    EXPECT_NEAR(shown_share(slope, 0.3), 0.3, 0.06);
-    EXPECT_NEAR(shown_share(slope, 0.8), 0.8, 0.15);
-    EXPECT_EQ(shown_share(slope, 1.5), 1.0);
-    EXPECT_NEAR(shown_share(slope, 0.0), 0.0, 1e-4);
+    EXPECT_NEAR(noise_level_share(slope, 0.3), 0.3, 0.06);
+    EXPECT_NEAR(noise_level_share(slope, 0.8), 0.8, 0.15);
+    EXPECT_EQ(noise_level_share(slope, 1.5), 1.0);
+    EXPECT_NEAR(noise_level_share(slope, 0.0), 0.0, 1e-4);
 }
 
-TEST(ShownNoise, OnRoughGroundIsNeverLessThanWhatIsThere) {
-    EXPECT_GE(shown_share(sine, 0.5), 0.45);
+TEST(NoiseLevel, OnRoughGroundIsNeverLessThanWhatIsThere) {
+    EXPECT_GE(noise_level_share(sine, 0.5), 0.45);
 }
 
 TEST(NoiseField, HasVarianceOneAndFallsToOneOverEAtItsLength) {

@@ -5,10 +5,10 @@
 
 #include "tests/worker/reef/sheets.hpp"
 #include "worker/reef/area_plane.hpp"
-#include "worker/reef/bridge_gaps.hpp"
+#include "worker/reef/dilate_steps.hpp"
+#include "worker/reef/fill_gaps.hpp"
 #include "worker/reef/heights.hpp"
 #include "worker/reef/measure_areas.hpp"
-#include "worker/reef/move_steps.hpp"
 #include "worker/reef/surface_patch.hpp"
 
 namespace divemesh::worker {
@@ -35,7 +35,7 @@ TEST(BridgeGaps, AHoleInAPlaneIsClosedAlongIt) {
         for (int column = 0; column < 64; ++column)
             if (is_in_hole(whole.shape.x_m(column), whole.shape.y_m(row)))
                 holed.heights_m[whole.shape.index(column, row)] = kUnseen_m;
-    const HeightGrid closed = bridged(holed);
+    const HeightGrid closed = gaps_filled(holed);
     ASSERT_EQ(closed.heights_m.size(), whole.heights_m.size());
     for (std::size_t i = 0; i < closed.heights_m.size(); ++i) {
         EXPECT_NEAR(closed.heights_m[i], whole.heights_m[i], 0.01);  // the plane rises 0.05 over it
@@ -50,7 +50,7 @@ TEST(BridgeGaps, BetweenTwoLevelsLiesBetweenThem) {
     for (int row = 0; row < 41; ++row)
         for (int column = 20; column < 26; ++column)
             step.heights_m[step.shape.index(column, row)] = kUnseen_m;
-    const HeightGrid closed = bridged(step);
+    const HeightGrid closed = gaps_filled(step);
     for (int row = 0; row < 41; ++row)
         for (int column = 20; column < 26; ++column) {
             EXPECT_GE(closed.at(column, row), 0.0);
@@ -65,12 +65,12 @@ TEST(BridgeGaps, GroundAtTheFootOfAStepMayGoOnUpToIt) {
     for (int row = 10; row < 30; ++row)
         for (int column = 20; column < 26; ++column)
             holed.heights_m[step.shape.index(column, row)] = kUnseen_m;
-    EXPECT_EQ(bridged_low(holed).heights_m, step.heights_m);
+    EXPECT_EQ(gaps_filled_low(holed).heights_m, step.heights_m);
 }
 
 TEST(BridgeGaps, NothingSeenStaysUnseen) {
     const HeightGrid dark = grid_of([](double, double) { return kUnseen_m; }, 5, 0.01);
-    EXPECT_EQ(bridged(dark).heights_m, dark.heights_m);
+    EXPECT_EQ(gaps_filled(dark).heights_m, dark.heights_m);
 }
 
 TEST(MoveSteps, ABlockIsWiderOrNarrowerByTheDistance) {
@@ -81,10 +81,10 @@ TEST(MoveSteps, ABlockIsWiderOrNarrowerByTheDistance) {
     const double volume = volume_over_plane(grid);
     EXPECT_NEAR(volume, 0.2 * 0.2 * 0.5, 1e-9);
     // The cone takes one spacing of height for each of way: 0.49 and 0.48 are left of 0.5.
-    const double wider = volume_over_plane(with_steps_moved(grid, 0.02)) - volume;
+    const double wider = volume_over_plane(with_steps_dilated(grid, 0.02)) - volume;
     const double corners = std::numbers::pi * 0.02 * 0.02 * 0.485;
     EXPECT_NEAR(wider, 4 * 0.2 * 0.01 * (0.49 + 0.48) + corners, 0.02 * wider);
-    const double narrower = volume - volume_over_plane(with_steps_moved(grid, -0.02));
+    const double narrower = volume - volume_over_plane(with_steps_dilated(grid, -0.02));
     EXPECT_NEAR(narrower, (4 * 0.2 - 4 * 0.02) * 0.01 * (0.49 + 0.48), 0.02 * narrower);
 }
 
@@ -92,7 +92,7 @@ TEST(MoveSteps, GroundBelowFortyFiveDegreesStays) {
     const auto slope = [](double x, double y) { return 0.6 * x - 0.3 * y; };
     const HeightGrid grid = grid_of(slope, 40, 0.01);
     for (const double outwards_m : {0.03, -0.03})
-        EXPECT_EQ(with_steps_moved(grid, outwards_m).heights_m, grid.heights_m);
+        EXPECT_EQ(with_steps_dilated(grid, outwards_m).heights_m, grid.heights_m);
 }
 
 // Blocks of 10 cm on flat ground, and the same as a camera sees it from one side: a strip of ground
@@ -123,17 +123,17 @@ json measured(const Mesh& mesh) {
     return measure_areas(mesh, {AreaFrame::World, {quadrat("q", 0.0, 1.0)}}, {});
 }
 
-TEST(HiddenGround, BehindBlocksIsPartOfTheFiguresOfAnArea) {
+TEST(HiddenGround, BehindBlocksIsPartOfTheMetricsOfAnArea) {
     const json truth = measured(blocks(false));
     const json seen = measured(blocks(true));
     EXPECT_NEAR(seen["areas"][1]["coverage"].get<double>(), 0.925, 0.02);
-    for (const char* figure : {"rugosity", "volume"}) {
-        const double resolution_m = std::string(figure) == "rugosity" ? 0.02 : 0.0;
-        const double exact = figure_of(truth, "q", figure, resolution_m)["value"];
-        const json entry = figure_of(seen, "q", figure, resolution_m);
-        EXPECT_NEAR(entry["value"].get<double>(), exact, 0.25 * exact) << figure;
-        EXPECT_LE(entry["low"].get<double>(), exact) << figure;
-        EXPECT_GE(entry["high"].get<double>(), exact) << figure;
+    for (const char* metric : {"rugosity", "volume"}) {
+        const double resolution_m = std::string(metric) == "rugosity" ? 0.02 : 0.0;
+        const double exact = metric_of(truth, "q", metric, resolution_m)["value"];
+        const json entry = metric_of(seen, "q", metric, resolution_m);
+        EXPECT_NEAR(entry["value"].get<double>(), exact, 0.25 * exact) << metric;
+        EXPECT_LE(entry["low"].get<double>(), exact) << metric;
+        EXPECT_GE(entry["high"].get<double>(), exact) << metric;
     }
 }
 
@@ -147,8 +147,8 @@ TEST(HiddenGround, FlatGroundThatWasNotSwumOverChangesNothing) {
         if (std::abs(corner.x() - 0.5F) > 0.15F || std::abs(corner.y() - 0.5F) > 0.15F)
             holed.triangles.push_back(triangle);
     }
-    const double exact = figure_of(measured(whole), "q", "rugosity", 0.02)["value"];
-    const double found = figure_of(measured(holed), "q", "rugosity", 0.02)["value"];
+    const double exact = metric_of(measured(whole), "q", "rugosity", 0.02)["value"];
+    const double found = metric_of(measured(holed), "q", "rugosity", 0.02)["value"];
     EXPECT_NEAR(found - 1.0, exact - 1.0, 0.05 * (exact - 1.0));
 }
 
@@ -159,7 +159,7 @@ TEST(HiddenGround, AChainRunsStraightOverIt) {
     line.kind = AreaKind::Transect;
     line.points = {{0.0, 0.1, 0.0}, {1.0, 0.1, 0.0}};
     const json chain =
-        figure_of(measure_areas(mesh, {AreaFrame::World, {line}}, {}), "t", "chain_rugosity", 0.01);
+        metric_of(measure_areas(mesh, {AreaFrame::World, {line}}, {}), "t", "chain_rugosity", 0.01);
     // Up 0.1 within one link, down 0.1 over what is hidden, 3 to 4 cm, five times over a metre.
     const double up = std::hypot(0.1, 0.01) - 0.01;
     const double down = std::hypot(0.1, 0.035) - 0.035;

@@ -25,47 +25,47 @@ MeasureOptions few_replicates() {
 
 AreaSet set_of(std::vector<Area> areas) { return {AreaFrame::World, std::move(areas)}; }
 
-TEST(MeasureAreas, FiguresOfAKnownShapeComeWithUnitResolutionIntervalAndMethod) {
+TEST(MeasureAreas, MetricsOfAKnownShapeComeWithUnitResolutionIntervalAndMethod) {
     const Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
     const json measured = measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), {});
-    EXPECT_NEAR(figure_of(measured, "q", "planar_area")["value"].get<double>(), 0.09, 1e-6);
-    EXPECT_NEAR(figure_of(measured, "q", "surface_area")["value"].get<double>(),
+    EXPECT_NEAR(metric_of(measured, "q", "planar_area")["value"].get<double>(), 0.09, 1e-6);
+    EXPECT_NEAR(metric_of(measured, "q", "surface_area")["value"].get<double>(),
                 0.09 * std::sqrt(1.25),
                 1e-5);
-    EXPECT_NEAR(figure_of(measured, "q", "volume")["value"].get<double>(), 0.09 * 0.225, 1e-5);
-    EXPECT_NEAR(figure_of(measured, "q", "height_range")["value"].get<double>(), 0.15, 1e-5);
-    EXPECT_NEAR(figure_of(measured, "q", "slope")["value"].get<double>(), 26.565, 1e-2);
-    EXPECT_NEAR(figure_of(measured, "q", "aspect")["value"].get<double>(), 270.0, 1e-2);
-    EXPECT_NEAR(figure_of(measured, "q", "longest_diameter")["value"].get<double>(),
+    EXPECT_NEAR(metric_of(measured, "q", "volume")["value"].get<double>(), 0.09 * 0.225, 1e-5);
+    EXPECT_NEAR(metric_of(measured, "q", "height_range")["value"].get<double>(), 0.15, 1e-5);
+    EXPECT_NEAR(metric_of(measured, "q", "slope")["value"].get<double>(), 26.565, 1e-2);
+    EXPECT_NEAR(metric_of(measured, "q", "aspect")["value"].get<double>(), 270.0, 1e-2);
+    EXPECT_NEAR(metric_of(measured, "q", "longest_diameter")["value"].get<double>(),
                 0.3 * std::sqrt(2.0),
                 1e-6);
-    const json rugosity = figure_of(measured, "q", "rugosity", 0.05);
+    const json rugosity = metric_of(measured, "q", "rugosity", 0.05);
     EXPECT_NEAR(rugosity["value"].get<double>(), std::sqrt(1.25), 1e-4);
     EXPECT_EQ(rugosity["unit"], "");
     EXPECT_FALSE(rugosity["method"].get<std::string>().empty());
     EXPECT_LE(rugosity["low"].get<double>(), rugosity["high"].get<double>());
     EXPECT_NEAR(
-        figure_of(measured, "whole model", "planar_area")["value"].get<double>(), 0.25, 0.01);
+        metric_of(measured, "whole model", "planar_area")["value"].get<double>(), 0.25, 0.01);
 }
 
-TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailFiguresAreRefusedWithTheReason) {
+TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailMetricsAreRefusedWithTheReason) {
     Mesh mesh = sheet(0.4, 0.01, hills);
     mesh.sigma_m.assign(mesh.vertices.size(), 0.005F);
     MeasureOptions options = few_replicates();
-    options.least_detail_m = 0.04;
+    options.min_detail_m = 0.04;
     const json measured = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), options);
     const auto refused = [&](double resolution_m) {
-        return figure_of(measured, "q", "rugosity", resolution_m).value("refused", "");
+        return metric_of(measured, "q", "rugosity", resolution_m).value("refused", "");
     };
     EXPECT_NE(refused(0.01).find("3 sigma of the surface, 15.0 mm"), std::string::npos);
     EXPECT_NE(refused(0.02).find("detail of the surface, 40.0 mm"), std::string::npos);
     EXPECT_EQ(refused(0.05), "");
-    EXPECT_NEAR(figure_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
+    EXPECT_NEAR(metric_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
 }
 
 TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
     Mesh mesh = sheet(0.4, 0.01, hills);
-    const double exact = figure_of(measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), {}),
+    const double exact = metric_of(measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), {}),
                                    "q",
                                    "rugosity",
                                    0.05)["value"];
@@ -73,7 +73,7 @@ TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
     mesh.sigma_local_m.assign(mesh.vertices.size(), 0.0001F);
     const json measured = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), few_replicates());
     EXPECT_NEAR(
-        figure_of(measured, "q", "rugosity", 0.05)["value"].get<double>(), exact, 1e-4 * exact);
+        metric_of(measured, "q", "rugosity", 0.05)["value"].get<double>(), exact, 1e-4 * exact);
     EXPECT_NEAR(measured["areas"][1]["sigma_m"].get<double>(), 0.01, 1e-6);
     EXPECT_LE(measured["areas"][1]["sigma_local_m"].get<double>(), 0.000101);
 }
@@ -84,8 +84,8 @@ TEST(MeasureAreas, WhatAllOfTheSurfaceErrsByIsInTheIntervals) {
     options.scale_sigma = 0.01;
     options.sigma_shared_m = 0.002;
     const json measured = measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), options);
-    const auto half_width = [&](const char* figure) {
-        const json entry = figure_of(measured, "q", figure);
+    const auto half_width = [&](const char* metric) {
+        const json entry = metric_of(measured, "q", metric);
         return 0.5 * (entry["high"].get<double>() - entry["low"].get<double>());
     };
     EXPECT_NEAR(half_width("planar_area"), 1.96 * 0.02 * 0.09, 1e-6);
@@ -96,9 +96,9 @@ TEST(MeasureAreas, WhatAllOfTheSurfaceErrsByIsInTheIntervals) {
 TEST(MeasureAreas, TheBorderOfWhatWasSeenIsInTheIntervalOfItsArea) {
     Mesh mesh = sheet(0.5, 0.01, hills);
     MeasureOptions options = few_replicates();
-    options.least_detail_m = 0.02;
+    options.min_detail_m = 0.02;
     options.scale_sigma = 0.0;
-    const json planar = figure_of(measure_areas(mesh, {}, options), "whole model", "planar_area");
+    const json planar = metric_of(measure_areas(mesh, {}, options), "whole model", "planar_area");
     const double sigma = 0.02 * std::sqrt(4.0 * 0.5 * 0.02 / 12.0);
     EXPECT_NEAR(
         planar["high"].get<double>() - planar["value"].get<double>(), 1.96 * sigma, 0.05 * sigma);
@@ -114,22 +114,22 @@ TEST(MeasureAreas, FlatGroundHasNoFractalDimensionAndSaysWhy) {
     for (const auto& [a, b, c] : patch.triangles) noisy.triangles.push_back({a, b, c});
     const json measured =
         measure_areas(noisy, set_of({quadrat("q", 0.05, 0.55)}), few_replicates());
-    for (const char* figure :
+    for (const char* metric :
          {"fractal_dimension_hvar", "fractal_dimension_cubes", "fractal_dimension_rdh"})
-        EXPECT_NE(figure_of(measured, "q", figure).value("refused", "").find("too flat: heights"),
+        EXPECT_NE(metric_of(measured, "q", metric).value("refused", "").find("too flat: heights"),
                   std::string::npos)
-            << figure;
+            << metric;
 }
 
-TEST(MeasureAreas, CoarseCamerasMakeCoarseFigures) {
+TEST(MeasureAreas, CoarseCamerasMakeCoarseMetrics) {
     const Mesh mesh = sheet(0.4, 0.01, hills);
     MeasureOptions options = few_replicates();
     options.focal_px = 500.0;
     options.camera_positions_world = {{0.2, 0.2, 2.05}};
     const json measured = measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), options);
     EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 15.0 * 2.0 / 500.0, 2e-3);
-    EXPECT_TRUE(figure_of(measured, "q", "rugosity", 0.05).contains("refused"));
-    EXPECT_TRUE(figure_of(measured, "q", "rugosity", 0.10).contains("value"));
+    EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.05).contains("refused"));
+    EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.10).contains("value"));
 }
 
 TEST(MeasureAreas, WhatWasNotSeenIsStatedAndNothingIsSaidOfTheArea) {
@@ -137,11 +137,11 @@ TEST(MeasureAreas, WhatWasNotSeenIsStatedAndNothingIsSaidOfTheArea) {
     const json measured = measure_areas(
         mesh, set_of({quadrat("edge", 0.2, 0.6), quadrat("outside", 1.0, 1.2)}), few_replicates());
     EXPECT_NEAR(measured["areas"][1]["coverage"].get<double>(), 0.25, 0.01);
-    EXPECT_NE(figure_of(measured, "edge", "rugosity", 0.05)["refused"].get<std::string>().find(
+    EXPECT_NE(metric_of(measured, "edge", "rugosity", 0.05)["refused"].get<std::string>().find(
                   " % of the area was seen, less than 50 %"),
               std::string::npos);
     EXPECT_EQ(measured["areas"][2]["coverage"], 0.0);
-    EXPECT_TRUE(figure_of(measured, "outside", "surface_area").contains("refused"));
+    EXPECT_TRUE(metric_of(measured, "outside", "surface_area").contains("refused"));
 }
 
 TEST(MeasureAreas, ThreeQuartersSeenGiveRatiosButNoExtremes) {
@@ -149,9 +149,9 @@ TEST(MeasureAreas, ThreeQuartersSeenGiveRatiosButNoExtremes) {
     Area area = quadrat("q", 0.1, 0.5);
     area.points[2].y() = area.points[3].y() = 0.4;
     const json measured = measure_areas(mesh, set_of({area}), few_replicates());
-    EXPECT_TRUE(figure_of(measured, "q", "rugosity", 0.05).contains("value"));
-    EXPECT_TRUE(figure_of(measured, "q", "height_range").contains("refused"));
-    EXPECT_TRUE(figure_of(measured, "q", "volume").contains("refused"));
+    EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.05).contains("value"));
+    EXPECT_TRUE(metric_of(measured, "q", "height_range").contains("refused"));
+    EXPECT_TRUE(metric_of(measured, "q", "volume").contains("refused"));
 }
 
 TEST(MeasureAreas, ATransectIsAsLongAsTheTrianglesBelowIt) {
@@ -162,7 +162,7 @@ TEST(MeasureAreas, ATransectIsAsLongAsTheTrianglesBelowIt) {
     line.kind = AreaKind::Transect;
     line.points = {{0.1, 0.33, 0.0}, {0.52, 0.33, 1.0}, {0.9, 0.33, 0.0}};
     const json measured = measure_areas(roof, set_of({line}), few_replicates());
-    EXPECT_NEAR(figure_of(measured, "t", "chain_rugosity", 0.01)["value"].get<double>(),
+    EXPECT_NEAR(metric_of(measured, "t", "chain_rugosity", 0.01)["value"].get<double>(),
                 std::hypot(1.0, 0.6),
                 1e-3);
     EXPECT_NEAR(measured["areas"][1]["length_m"].get<double>(), 0.8, 1e-9);
@@ -178,16 +178,16 @@ TEST(MeasureAreas, LabelsGiveDensityCoverAndSizesOverTheQuadrats) {
     }
     areas.back().points = quadrat("", 0.9, 0.95).points;  // not in the quadrat
     const json measured = measure_areas(mesh, set_of(areas), few_replicates());
-    const json density = figure_of(measured, "quadrats", "population_density");
+    const json density = metric_of(measured, "quadrats", "population_density");
     EXPECT_EQ(density["label"], "Porites");
     EXPECT_NEAR(density["value"].get<double>(), 4.0 / 0.64, 1e-6);
     EXPECT_NEAR(
-        figure_of(measured, "quadrats", "cover")["value"].get<double>(), 4 * 0.0025 / 0.64, 1e-6);
+        metric_of(measured, "quadrats", "cover")["value"].get<double>(), 4 * 0.0025 / 0.64, 1e-6);
     EXPECT_NEAR(
-        figure_of(measured, "quadrats", "colony_area_median")["value"].get<double>(), 0.0025, 1e-9);
+        metric_of(measured, "quadrats", "colony_area_median")["value"].get<double>(), 0.0025, 1e-9);
 }
 
-TEST(MeasureAreas, TheNumberOfThreadsChangesNoFigure) {
+TEST(MeasureAreas, TheNumberOfThreadsChangesNoMetric) {
     Mesh mesh = sheet(0.4, 0.02, hills);
     mesh.sigma_m.assign(mesh.vertices.size(), 0.002F);
     MeasureOptions options = few_replicates();
@@ -204,8 +204,8 @@ TEST(MeasureAreas, GroundTruthAreasNeedAGroundTruth) {
     EXPECT_THROW(measure_areas(sheet(0.1, 0.05, hills), set, {}), Error);
 }
 
-TEST(FiguresCsv, QuotesWhatHoldsCommasAndDisarmsFormulas) {
-    const json figures = {{{"figure", "cover"},
+TEST(MetricsCsv, QuotesWhatHoldsCommasAndDisarmsFormulas) {
+    const json metrics = {{{"figure", "cover"},
                            {"area", "=1+1"},
                            {"unit", ""},
                            {"label", "a,\"b\""},
@@ -218,7 +218,7 @@ TEST(FiguresCsv, QuotesWhatHoldsCommasAndDisarmsFormulas) {
                            {"unit", ""},
                            {"resolution_m", 0.01},
                            {"refused", "why"}}};
-    EXPECT_EQ(figures_csv(figures),
+    EXPECT_EQ(metrics_csv(metrics),
               "figure,area,label,unit,resolution_m,value,low,high,method,refused\n"
               "cover,'=1+1,\"a,\"\"b\"\"\",,,0.5,0.25,0.75,m,\n"
               "rugosity,q,,,0.01,,,,,why\n");

@@ -36,7 +36,7 @@ TEST(Polygon, OverlapWithATriangleIsExactEvenWhereThePolygonIsConcave) {
 }
 
 TEST(Polygon, LongestDiameterIsBetweenTheFarthestCorners) {
-    EXPECT_NEAR(longest_diameter_m(kLetterL), std::sqrt(8.0), 1e-12);
+    EXPECT_NEAR(max_diameter_m(kLetterL), std::sqrt(8.0), 1e-12);
 }
 
 }  // namespace

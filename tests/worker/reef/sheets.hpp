@@ -67,12 +67,12 @@ inline Area quadrat(const std::string& name, double low, double high) {
 }
 
 // The entry of a figure; null when there is none.
-inline nlohmann::json figure_of(const nlohmann::json& measured,
+inline nlohmann::json metric_of(const nlohmann::json& measured,
                                 const std::string& area,
-                                const std::string& figure,
+                                const std::string& metric,
                                 double resolution_m = 0.0) {
     for (const nlohmann::json& entry : measured["figures"])
-        if (entry["area"] == area && entry["figure"] == figure &&
+        if (entry["area"] == area && entry["figure"] == metric &&
             (resolution_m == 0.0 ||
              std::abs(entry.value("resolution_m", 0.0) - resolution_m) < 1e-9))
             return entry;

@@ -113,7 +113,7 @@ protected:
         std::ifstream stream(request_.out / name, std::ios::binary);
         return {std::istreambuf_iterator<char>(stream), {}};
     }
-    static json figure(const json& report, const std::string& name) {
+    static json metric(const json& report, const std::string& name) {
         for (const json& entry : report.at("figures"))
             if (entry.at("figure") == name) return entry;
         ADD_FAILURE() << "no " << name;
@@ -128,9 +128,9 @@ TEST_F(AccuracyReportTest, MeasuresPathAndSurfaceAgainstTheTruth) {
     give_truth();
     const json report = make();
     EXPECT_TRUE(is_valid(report));
-    EXPECT_LT(figure(report, "trajectory.final.ate_rmse_m")["value"].get<double>(), 1e-6);
-    EXPECT_NEAR(figure(report, "surface.accuracy.median_m")["value"].get<double>(), 0.003, 1e-5);
-    EXPECT_EQ(figure(report, "surface.accuracy.median_m")["unit"], "m");
+    EXPECT_LT(metric(report, "trajectory.final.ate_rmse_m")["value"].get<double>(), 1e-6);
+    EXPECT_NEAR(metric(report, "surface.accuracy.median_m")["value"].get<double>(), 0.003, 1e-5);
+    EXPECT_EQ(metric(report, "surface.accuracy.median_m")["unit"], "m");
     EXPECT_EQ(report["reconstruction"]["calibration_sha256"], "def");
     EXPECT_EQ(report["truth"]["source"], "truth.tum");
     EXPECT_EQ(report["files"].size(), 5U);
@@ -138,7 +138,7 @@ TEST_F(AccuracyReportTest, MeasuresPathAndSurfaceAgainstTheTruth) {
     EXPECT_TRUE(report["passed"].is_null());
 }
 
-TEST_F(AccuracyReportTest, WithoutTruthTheFiguresOfTheReconstructionRemain) {
+TEST_F(AccuracyReportTest, WithoutTruthTheMetricsOfTheReconstructionRemain) {
     request_.requirements = {"coverage>=1", "drift_percent<=0.5"};
     const json report = make();
     EXPECT_TRUE(is_valid(report));
@@ -161,11 +161,11 @@ TEST_F(AccuracyReportTest, AnExternalTrackersLeverArmAndClockAreSolvedAndStated)
     EXPECT_TRUE(report["truth"]["lever_arm_m"].contains("sigma"));
     for (int axis = 0; axis < 3; ++axis)
         EXPECT_NEAR(
-            figure(report, "truth.lever_arm_m.vector[" + std::to_string(axis) + "]")["value"]
+            metric(report, "truth.lever_arm_m.vector[" + std::to_string(axis) + "]")["value"]
                 .get<double>(),
             lever_m[axis],
             2e-3);
-    EXPECT_LT(figure(report, "trajectory.final.ate_rmse_m")["value"].get<double>(), 2e-3);
+    EXPECT_LT(metric(report, "trajectory.final.ate_rmse_m")["value"].get<double>(), 2e-3);
 }
 
 TEST_F(AccuracyReportTest, ACloudAsReferenceSaysHowDenseItIs) {
@@ -174,22 +174,22 @@ TEST_F(AccuracyReportTest, ACloudAsReferenceSaysHowDenseItIs) {
     cloud.triangles.clear();
     write_ply(folder_ / "reference.ply", cloud);
     const json report = make();
-    EXPECT_NEAR(figure(report, "surface.reference_spacing_m")["value"].get<double>(), 0.1, 1e-4);
+    EXPECT_NEAR(metric(report, "surface.reference_spacing_m")["value"].get<double>(), 0.1, 1e-4);
     EXPECT_NEAR(
-        figure(report, "surface.completeness.median_m")["value"].get<double>(), 0.003, 1e-5);
+        metric(report, "surface.completeness.median_m")["value"].get<double>(), 0.003, 1e-5);
     // The mean distance to the nearest point of a square lattice is 0.3826 of its spacing.
-    EXPECT_NEAR(figure(report, "surface.accuracy.mean_m")["value"].get<double>(), 0.0383, 5e-4);
+    EXPECT_NEAR(metric(report, "surface.accuracy.mean_m")["value"].get<double>(), 0.0383, 5e-4);
 }
 
-TEST_F(AccuracyReportTest, TagsAndTheLengthsBetweenThemAreShownAndAreFigures) {
+TEST_F(AccuracyReportTest, TagsAndTheLengthsBetweenThemAreShownAndAreMetrics) {
     const json report = make();
-    EXPECT_EQ(figure(report, "markers.markers[7].sigma_m")["unit"], "m");
-    EXPECT_EQ(figure(report, std::string("markers.bars[") + kHostileName + "].error_mm")["value"],
+    EXPECT_EQ(metric(report, "markers.markers[7].sigma_m")["unit"], "m");
+    EXPECT_EQ(metric(report, std::string("markers.bars[") + kHostileName + "].error_mm")["value"],
               1.0);
     EXPECT_NE(read("report.html").find("Length between tags"), std::string::npos);
 }
 
-TEST_F(AccuracyReportTest, AreasGiveReefFiguresWithIntervalsToRequire) {
+TEST_F(AccuracyReportTest, AreasGiveReefMetricsWithIntervalsToRequire) {
     std::ofstream(folder_ / "areas.json")
         << R"({"frame": "world", "areas": [{"name": "q1", "kind": "quadrat",
                "corners": [[0.5, 0.5, 0], [1.5, 0.5, 0], [1.5, 1.5, 0], [0.5, 1.5, 0]]}]})";
@@ -197,15 +197,15 @@ TEST_F(AccuracyReportTest, AreasGiveReefFiguresWithIntervalsToRequire) {
     request_.requirements = {"reef.planar_area[q1]>=0.99", "reef.nothing[q1]<=1"};
     const json report = make();
     EXPECT_TRUE(is_valid(report));
-    EXPECT_NEAR(figure(report, "reef.planar_area[q1]")["value"].get<double>(), 1.0, 1e-3);
-    EXPECT_TRUE(figure(report, "reef.planar_area[q1].low")["value"].is_number());
+    EXPECT_NEAR(metric(report, "reef.planar_area[q1]")["value"].get<double>(), 1.0, 1e-3);
+    EXPECT_TRUE(metric(report, "reef.planar_area[q1].low")["value"].is_number());
     EXPECT_EQ(report["requirements"][0]["met"], true);
     EXPECT_EQ(report["requirements"][1]["met"], false);
     EXPECT_NE(read("report.html").find("Reef and wreck figures"), std::string::npos);
     EXPECT_NE(read("report.csv").find("reef.planar_area[q1],"), std::string::npos);
 }
 
-TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoFigure) {
+TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoMetric) {
     give_truth();
     write_tum(folder_ / "truth.tum", sway(5000.0, Eigen::Vector3d::Zero()));
     request_.requirements = {"ate_rmse_m<=1"};

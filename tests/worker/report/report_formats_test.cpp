@@ -23,13 +23,13 @@ json report() {
                {"reason", "not available <here>"}}}}};
 }
 
-json figure(const std::string& name, const json& value) {
+json metric(const std::string& name, const json& value) {
     return {{"figure", name}, {"value", value}, {"unit", "m"}, {"method", ""}, {"alignment", ""}};
 }
 
 std::string row_of(const std::string& name, const json& value) {
     json document = report();
-    document["figures"] = {figure(name, value)};
+    document["figures"] = {metric(name, value)};
     const std::string csv = report_csv(document);
     const auto head = std::string("figure,value,unit,method,alignment\r\n");
     EXPECT_TRUE(csv.starts_with(head));

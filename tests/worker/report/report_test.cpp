@@ -48,7 +48,7 @@ TEST(Report, LoadsNothingFromAnywhere) {
     EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw==\""), std::string::npos);
 }
 
-TEST(Report, FiguresAreShownInUnitsForPeopleAndMissingOnesNotAtAll) {
+TEST(Report, MetricsAreShownInUnitsForPeopleAndMissingOnesNotAtAll) {
     const json document = metrics();
     const std::string html = report_html({document, path(), {}, ""});
     EXPECT_NE(html.find("12.3 mm"), std::string::npos);

@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<Figure> figures() {
+std::vector<Metric> metrics() {
     return {{"trajectory.final.drift_percent", 0.4, "%", "", ""},
             {"frames.coverage", 0.5, "1", "", ""},
             {"known_distances.distances[bar].error_m", std::nullopt, "m", "", ""}};
@@ -16,10 +16,10 @@ std::vector<Figure> figures() {
 json judged(const std::vector<std::string>& texts) {
     std::vector<Requirement> requirements;
     for (const std::string& text : texts) requirements.push_back(parse_requirement(text));
-    return judge_requirements(requirements, figures());
+    return judge_requirements(requirements, metrics());
 }
 
-TEST(Verdicts, AFigureWithinItsLimitIsMet) {
+TEST(Verdicts, AMetricWithinItsLimitIsMet) {
     const json verdicts = judged({"drift_percent<=0.4"});
     EXPECT_EQ(verdicts[0]["met"], true);
     EXPECT_EQ(verdicts[0]["reason"], "");
@@ -45,16 +45,16 @@ TEST(Verdicts, WhatIsNotToBeHadIsNotMetAndSaysWhatIsMissing) {
 
 TEST(Verdicts, NothingAskedIsNeitherPassedNorFailed) { EXPECT_TRUE(passed(judged({})).is_null()); }
 
-TEST(Regressions, AFigureThatIsWorseThanItsHistoryAllowsIsNamed) {
+TEST(Regressions, AMetricThatIsWorseThanItsHistoryAllowsIsNamed) {
     const std::string drift = "trajectory.final.drift_percent";
-    EXPECT_EQ(find_regressions({{drift, {0.20, 0.21, 0.19, 0.2}}}, figures()).size(), 1U);
-    EXPECT_EQ(find_regressions({{drift, {0.38, 0.4, 0.39}}}, figures()).size(), 0U);
-    EXPECT_EQ(find_regressions({{drift, {0.1, 0.7, 0.3}}}, figures()).size(), 0U);  // wide
+    EXPECT_EQ(find_regressions({{drift, {0.20, 0.21, 0.19, 0.2}}}, metrics()).size(), 1U);
+    EXPECT_EQ(find_regressions({{drift, {0.38, 0.4, 0.39}}}, metrics()).size(), 0U);
+    EXPECT_EQ(find_regressions({{drift, {0.1, 0.7, 0.3}}}, metrics()).size(), 0U);  // wide
 }
 
 TEST(Regressions, AShareThatFellIsWorseAndOneThatRoseIsNot) {
-    EXPECT_EQ(find_regressions({{"frames.coverage", {0.99, 1.0, 1.0}}}, figures()).size(), 1U);
-    EXPECT_EQ(find_regressions({{"frames.coverage", {0.2, 0.2, 0.2}}}, figures()).size(), 0U);
+    EXPECT_EQ(find_regressions({{"frames.coverage", {0.99, 1.0, 1.0}}}, metrics()).size(), 1U);
+    EXPECT_EQ(find_regressions({{"frames.coverage", {0.2, 0.2, 0.2}}}, metrics()).size(), 0U);
 }
 
 TEST(Regressions, AnErrorIsAsBadAsItIsLargeWhateverItsSign) {
@@ -82,7 +82,7 @@ TEST(Regressions, WhatADiveIsLikeAndHowFastTheMachineWasIsNotJudged) {
 }
 
 TEST(Regressions, TwoEarlierValuesSayNothing) {
-    EXPECT_TRUE(find_regressions({{"frames.coverage", {1.0, 1.0}}}, figures()).empty());
+    EXPECT_TRUE(find_regressions({{"frames.coverage", {1.0, 1.0}}}, metrics()).empty());
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/numeric_jacobian.hpp"
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/residuals/gyroscope_turn.hpp"
-#include "worker/residuals/inertial_motion.hpp"
-#include "worker/residuals/known_orientation.hpp"
+#include "worker/residuals/gyro_rotation_cost.hpp"
+#include "worker/residuals/imu_preintegration_cost.hpp"
 #include "worker/residuals/lens_reprojection.hpp"
-#include "worker/residuals/misaligned_turn.hpp"
+#include "worker/residuals/misaligned_gyro_rotation_cost.hpp"
+#include "worker/residuals/orientation_prior.hpp"
 #include "worker/residuals/point_transfer.hpp"
 #include "worker/residuals/pressure_depth.hpp"
 #include "worker/residuals/random_walk.hpp"
@@ -23,7 +23,7 @@ using CostFunction = std::unique_ptr<ceres::CostFunction>;
 
 std::vector<double> block(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
-double largest_residual(const ceres::CostFunction& cost, std::vector<std::vector<double>> blocks) {
+double max_residual(const ceres::CostFunction& cost, std::vector<std::vector<double>> blocks) {
     std::vector<double*> parameters;
     for (auto& values : blocks) parameters.push_back(values.data());
     Eigen::VectorXd residuals(cost.num_residuals());
@@ -45,7 +45,7 @@ TEST(StereoReprojectionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
         {t.x(), t.y(), t.z()},
         {p_world.x(), p_world.y(), p_world.z()}};
 
-    EXPECT_LT(largest_residual(*cost, blocks), 1e-9);
+    EXPECT_LT(max_residual(*cost, blocks), 1e-9);
     expect_true_jacobians(*cost, blocks);
 }
 
@@ -70,27 +70,27 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
         {p_world.x(), p_world.y(), p_world.z()},
         {change.data(), change.data() + change.size()}};
 
-    EXPECT_LT(largest_residual(*cost, blocks), 1e-9);
+    EXPECT_LT(max_residual(*cost, blocks), 1e-9);
     expect_true_jacobians(*cost, blocks);
 }
 
 TEST(MisalignedTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
-    MisalignedTurn turn;
-    turn.integral.duration_s = 0.5;
-    turn.integral.q_from_to = rotation_from_vector({0.1, -0.05, 0.2});
-    turn.integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
-    turn.integral.sigma_rad = 1e-3;
-    turn.d_rotation_d_time = Eigen::Vector3d(0.1, -0.2, 0.05);
-    turn.time_offset_s = 0.004;
+    MisalignedGyroRotationCost rotation;
+    rotation.integral.duration_s = 0.5;
+    rotation.integral.q_from_to = rotation_from_vector({0.1, -0.05, 0.2});
+    rotation.integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
+    rotation.integral.sigma_rad = 1e-3;
+    rotation.d_rotation_d_time = Eigen::Vector3d(0.1, -0.2, 0.05);
+    rotation.time_offset_s = 0.004;
     const Eigen::Quaterniond q_i = rotation_from_vector({0.4, 0.1, 0.9});
     const Eigen::Vector3d m(0.01, -0.02, 0.015);
-    const Eigen::Quaterniond M = MisalignedTurn::small(m);
-    const Eigen::Quaterniond q_j = q_i * (M * turn.integral.q_from_to * M.conjugate());
-    const CostFunction cost(MisalignedTurn::create(turn));
+    const Eigen::Quaterniond M = MisalignedGyroRotationCost::small(m);
+    const Eigen::Quaterniond q_j = q_i * (M * rotation.integral.q_from_to * M.conjugate());
+    const CostFunction cost(MisalignedGyroRotationCost::create(rotation));
 
-    EXPECT_LT(largest_residual(*cost,
-                               {block(q_i), block(q_j), {0, 0, 0}, {m.x(), m.y(), m.z()}, {0.004}}),
-              1e-9);
+    EXPECT_LT(
+        max_residual(*cost, {block(q_i), block(q_j), {0, 0, 0}, {m.x(), m.y(), m.z()}, {0.004}}),
+        1e-9);
     expect_true_jacobians(*cost,
                           {block(q_i),
                            block(q_j * rotation_from_vector({0.01, 0.0, 0.02})),
@@ -111,23 +111,23 @@ TEST(PointTransferTest, VanishesAtTheTruthAndHasTrueDerivatives) {
                                kFeatureSigma_px,
                                kFeatureSigma_px}));
 
-    EXPECT_LT(largest_residual(*cost, {{w.x(), w.y(), w.z()}, {t.x(), t.y(), t.z()}}), 1e-9);
+    EXPECT_LT(max_residual(*cost, {{w.x(), w.y(), w.z()}, {t.x(), t.y(), t.z()}}), 1e-9);
     expect_true_jacobians(*cost, {{0.03, -0.01, 0.0}, {0.06, -0.02, 0.05}});
 }
 
 TEST(RotationPriorTest, HasTrueDerivatives) {
     const CostFunction cost(RotationPrior::create(rotation_from_vector({0.1, 0.2, -0.1}), 0.01));
 
-    EXPECT_LT(largest_residual(*cost, {{0.1, 0.2, -0.1}}), 1e-9);
+    EXPECT_LT(max_residual(*cost, {{0.1, 0.2, -0.1}}), 1e-9);
     expect_true_jacobians(*cost, {{0.11, 0.18, -0.13}});
 }
 
 TEST(KnownOrientationTest, HasTrueDerivatives) {
     const Eigen::Quaterniond q = rotation_from_vector({0.5, 1.2, -0.4});
     const Eigen::Quaterniond q_world_ahrs = rotation_from_vector({0.02, -0.03, 0.7});
-    const CostFunction cost(KnownOrientation::create({q, 0.02}));
+    const CostFunction cost(OrientationPrior::create({q, 0.02}));
 
-    EXPECT_LT(largest_residual(*cost, {block(q_world_ahrs), block(q_world_ahrs * q)}), 1e-9);
+    EXPECT_LT(max_residual(*cost, {block(q_world_ahrs), block(q_world_ahrs * q)}), 1e-9);
     expect_true_jacobians(*cost,
                           {block(q_world_ahrs),
                            block(q_world_ahrs * q * rotation_from_vector({0.01, -0.02, 0.005}))});
@@ -140,10 +140,9 @@ TEST(GyroscopeTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
     integral.sigma_rad = 1e-3;
     const Eigen::Quaterniond q_i = rotation_from_vector({0.4, 0.1, 0.9});
-    const CostFunction cost(GyroscopeTurn::create(integral));
+    const CostFunction cost(GyroRotationCost::create(integral));
 
-    EXPECT_LT(largest_residual(*cost, {block(q_i), block(q_i * integral.q_from_to), {0, 0, 0}}),
-              1e-9);
+    EXPECT_LT(max_residual(*cost, {block(q_i), block(q_i * integral.q_from_to), {0, 0, 0}}), 1e-9);
     expect_true_jacobians(
         *cost,
         {block(q_i),
@@ -157,7 +156,7 @@ TEST(InertialMotionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     const auto samples = synthetic::imu_along(motion, 0.0, 1.0, bias);
     const auto result = preintegrate(samples, 203'000'000, 703'000'000, bias, ImuNoise{});
     ASSERT_TRUE(std::holds_alternative<PreintegratedImu>(result));
-    const CostFunction cost(InertialMotion::create(std::get<PreintegratedImu>(result)));
+    const CostFunction cost(ImuPreintegrationCost::create(std::get<PreintegratedImu>(result)));
     const auto blocks_of = [&](double t_s) {
         const Eigen::Vector3d p = motion(t_s).translation();
         const Eigen::Vector3d v = synthetic::velocity(motion, t_s);
@@ -171,7 +170,7 @@ TEST(InertialMotionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     for (const auto& values : blocks_of(0.703)) blocks.push_back(values);
     blocks.push_back({0.0, 0.0, -1.0});
 
-    EXPECT_LT(largest_residual(*cost, blocks), 1e-2);  // of a sigma
+    EXPECT_LT(max_residual(*cost, blocks), 1e-2);  // of a sigma
     blocks[3] = {0.013, -0.025, 0.004};
     blocks[4] = {0.1, 0.05, -0.02};
     blocks[6] = {0.2, 0.1, 0.0};
@@ -182,21 +181,21 @@ TEST(InertialMotionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
 TEST(PressureDepthTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     const CostFunction cost(PressureDepth::create({7.5, 0.02}));
 
-    EXPECT_LT(largest_residual(*cost, {{1.0, 2.0, -0.5}, {0.0, 0.0, -1.0}, {7.0}}), 1e-12);
+    EXPECT_LT(max_residual(*cost, {{1.0, 2.0, -0.5}, {0.0, 0.0, -1.0}, {7.0}}), 1e-12);
     expect_true_jacobians(*cost, {{1.0, 2.0, -0.5}, {0.1, -0.2, -0.97}, {6.0}});
 }
 
 TEST(RandomWalkTest, HasTrueDerivatives) {
     const CostFunction cost(RandomWalk::create(0.5));
 
-    EXPECT_LT(largest_residual(*cost, {{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}}), 1e-12);
+    EXPECT_LT(max_residual(*cost, {{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}}), 1e-12);
     expect_true_jacobians(*cost, {{1.0, -2.0, 3.0}, {0.5, 0.0, 0.1}});
 }
 
 TEST(VectorPriorTest, HasTrueDerivatives) {
     const CostFunction cost(VectorPrior::create({Eigen::Vector3d(0.1, 0.2, 0.3), 0.5}));
 
-    EXPECT_LT(largest_residual(*cost, {{0.1, 0.2, 0.3}}), 1e-12);
+    EXPECT_LT(max_residual(*cost, {{0.1, 0.2, 0.3}}), 1e-12);
     expect_true_jacobians(*cost, {{1.0, -2.0, 3.0}});
 }
 

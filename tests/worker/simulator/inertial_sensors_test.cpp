@@ -16,9 +16,11 @@ double position_error_after_integration_m(const std::vector<ImuRecord>& records)
     for (std::size_t i = 0; i + 1 < records.size(); ++i) {
         const ImuSample& a = records[i].sample;
         const ImuSample& b = records[i + 1].sample;
-        const Eigen::Vector3d turn = 0.5 * dt_s * (a.angular_velocity_imu + b.angular_velocity_imu);
+        const Eigen::Vector3d rotation =
+            0.5 * dt_s * (a.angular_velocity_imu + b.angular_velocity_imu);
         const Eigen::Quaterniond q_next =
-            q_world_imu * Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+            q_world_imu *
+            Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.normalized()));
         const Eigen::Vector3d acceleration =
             0.5 * (q_world_imu * a.acceleration_imu + q_next * b.acceleration_imu) -
             Eigen::Vector3d(0.0, 0.0, kGravity);

@@ -133,7 +133,7 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
     }
 }
 
-TEST(SimulateTest, ALaterLapShowsTheSamePicturesWithFreshStampsAndFreshNoise) {
+TEST(SimulateTest, ALaterLapShowsTheSameImagesWithFreshStampsAndFreshNoise) {
     const TemporaryFolder folder;
     auto options = small_dive(folder / "dive");
     options.length_m = 1.2;
@@ -143,12 +143,12 @@ TEST(SimulateTest, ALaterLapShowsTheSamePicturesWithFreshStampsAndFreshNoise) {
     const auto frames = rows_of(options.out / "mav0/cam0/data.csv");
     ASSERT_EQ(frames.size() % 2, 0U);
     const std::size_t lap = frames.size() / 2;
-    const auto picture = [&](std::size_t i) {
+    const auto image = [&](std::size_t i) {
         return content(options.out / "mav0/cam0/data" / frames[i][1]);
     };
     EXPECT_NE(frames[0][0], frames[lap][0]);
-    EXPECT_TRUE(picture(0) == picture(lap));
-    EXPECT_FALSE(picture(0) == picture(1));
+    EXPECT_TRUE(image(0) == image(lap));
+    EXPECT_FALSE(image(0) == image(1));
     std::map<std::string, std::vector<std::string>> imu;
     for (const auto& row : rows_of(options.out / "mav0/imu0/data.csv")) imu[row[0]] = row;
     EXPECT_NE(imu.at(frames[1][0])[1], imu.at(frames[lap + 1][0])[1]);

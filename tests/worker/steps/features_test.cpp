@@ -3,7 +3,7 @@
 #include "tests/synthetic/stereo_world.hpp"
 #include "tests/synthetic/texture.hpp"
 #include "worker/steps/align_patch.hpp"
-#include "worker/steps/match_features.hpp"
+#include "worker/steps/match_sparse_stereo.hpp"
 #include "worker/steps/track_features.hpp"
 
 namespace divemesh::worker {
@@ -14,8 +14,8 @@ constexpr int kNumFeatures = 300;
 RectifiedRig small_rig() { return synthetic::ideal_rig(320, 240, 500.0); }
 
 TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
-    const cv::Mat before = synthetic::picture(0.0, 0.0);
-    const cv::Mat after = synthetic::picture(1.37, -0.82, 0.6, 90.0);
+    const cv::Mat before = synthetic::textured_image(0.0, 0.0);
+    const cv::Mat after = synthetic::textured_image(1.37, -0.82, 0.6, 90.0);
     const auto patch = Patch::read(before, {150.3, 100.6});
     ASSERT_TRUE(patch);
 
@@ -30,18 +30,18 @@ TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
 TEST(PatchTest, RefusesWhatHasNoContrastOrLiesAtTheBorder) {
     const cv::Mat flat(240, 320, CV_8U, cv::Scalar(100));
     EXPECT_FALSE(Patch::read(flat, {100.0, 100.0}));
-    EXPECT_FALSE(Patch::read(synthetic::picture(0.0, 0.0), {3.0, 100.0}));
+    EXPECT_FALSE(Patch::read(synthetic::textured_image(0.0, 0.0), {3.0, 100.0}));
 }
 
 TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
     RectifiedFrame frame;
-    frame.left = synthetic::picture(0.0, 0.0);
-    frame.right = synthetic::picture(-23.4, 0.0, 0.8, 110.0);
+    frame.left = synthetic::textured_image(0.0, 0.0);
+    frame.right = synthetic::textured_image(-23.4, 0.0, 0.8, 110.0);
     Features features;
     for (int i = 0; i < 40; ++i)
         features.push_back({i, {60.0 + 20.0 * (i % 8), 40.0 + 30.0 * (i / 8)}, 0.0});
 
-    match_features(frame, {}, 64, features);
+    match_sparse_stereo(frame, {}, 64, features);
 
     int num_found = 0;
     for (const Feature& feature : features) {
@@ -54,12 +54,12 @@ TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
 
 TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
     FeatureTracker tracker(small_rig(), kNumFeatures);
-    tracker.track(synthetic::picture(0.0, 0.0), {}, Eigen::Isometry3d::Identity());
+    tracker.track(synthetic::textured_image(0.0, 0.0), {}, Eigen::Isometry3d::Identity());
     const Features before = tracker.detect({});
     ASSERT_GE(before.size(), 100U);
 
     const Features after = tracker.track(
-        synthetic::picture(3.2, -2.6, 0.8, 100.0), before, Eigen::Isometry3d::Identity());
+        synthetic::textured_image(3.2, -2.6, 0.8, 100.0), before, Eigen::Isometry3d::Identity());
 
     EXPECT_GE(after.size(), before.size() * 6 / 10);
     for (const Feature& feature : after) {
@@ -68,7 +68,7 @@ TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
     }
 }
 
-TEST(FeatureTrackerTest, ADarkPictureGivesNoFeatures) {
+TEST(FeatureTrackerTest, ADarkImageGivesNoFeatures) {
     FeatureTracker tracker(small_rig(), kNumFeatures);
     const cv::Mat black(240, 320, CV_8U, cv::Scalar(0));
     tracker.track(black, {}, Eigen::Isometry3d::Identity());

@@ -6,7 +6,7 @@
 #include "worker/steps/refine_pose.hpp"
 #include "worker/steps/refine_pose_by_ceres.hpp"
 #include "worker/steps/register_points.hpp"
-#include "worker/steps/register_with_turn.hpp"
+#include "worker/steps/register_with_rotation.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -77,10 +77,10 @@ TEST(RegisterPointsTest, FindsNothingWhereNothingAgrees) {
 TEST(RegisterWithTurnTest, FindsTheMotionAmongSixtyPercentFish) {
     synthetic::World world(1.0, 0.6, 3);
     const PointPairs all = pairs(world, 0.2);
-    const KnownRotation turn{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+    const KnownRotation rotation{Eigen::Quaterniond(true_motion().linear()), 1e-3};
 
-    const Registration motion =
-        register_with_turn(synthetic::rig(), all, turn, Eigen::Isometry3d::Identity(), 2.0, 1);
+    const Registration motion = register_with_rotation(
+        synthetic::rig(), all, rotation, Eigen::Isometry3d::Identity(), 2.0, 1);
 
     ASSERT_TRUE(motion.found);
     EXPECT_THAT(motion.T_current_previous, IsPoseWithin(true_motion(), 0.1, 0.004));
@@ -94,9 +94,9 @@ TEST(RegisterWithTurnTest, FallsBackToHornWhenTheTurnIsUnknownOrWrong) {
     const PointPairs all = pairs(world, 0.2);
     const KnownRotation wrong{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())),
                               1e-3};
-    for (const auto& turn : {std::optional<KnownRotation>(), std::optional(wrong)}) {
-        const Registration motion =
-            register_with_turn(synthetic::rig(), all, turn, Eigen::Isometry3d::Identity(), 2.0, 1);
+    for (const auto& rotation : {std::optional<KnownRotation>(), std::optional(wrong)}) {
+        const Registration motion = register_with_rotation(
+            synthetic::rig(), all, rotation, Eigen::Isometry3d::Identity(), 2.0, 1);
         ASSERT_TRUE(motion.found);
         EXPECT_THAT(motion.T_current_previous, IsPoseWithin(true_motion(), 0.06, 0.003));
     }
@@ -119,10 +119,11 @@ TEST(RegisterWithTurnTest, TellsWhenThePairsLeaveTheMotionOpen) {
         const PointPair pair = with_depth_at_both_times(rig, previous, current)[0];
         line.push_back(pair);
     }
-    const KnownRotation turn{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+    const KnownRotation rotation{Eigen::Quaterniond(true_motion().linear()), 1e-3};
 
-    const Registration blind = register_with_turn(rig, line, std::nullopt, true_motion(), 2.0, 1);
-    const Registration known = register_with_turn(rig, line, turn, true_motion(), 2.0, 1);
+    const Registration blind =
+        register_with_rotation(rig, line, std::nullopt, true_motion(), 2.0, 1);
+    const Registration known = register_with_rotation(rig, line, rotation, true_motion(), 2.0, 1);
 
     EXPECT_TRUE(blind.degenerate);
     EXPECT_FALSE(blind.found);

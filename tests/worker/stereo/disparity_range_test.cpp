@@ -6,41 +6,41 @@
 #include <vector>
 
 #include "tests/worker/stereo/warped_pair.hpp"
-#include "worker/steps/choose_range.hpp"
+#include "worker/steps/disparity_search_range.hpp"
 #include "worker/steps/match_stereo.hpp"
 #include "worker/stereo/census_sgm.hpp"
-#include "worker/stereo/range_survey.hpp"
+#include "worker/stereo/coarse_disparity_search.hpp"
 
 namespace divemesh::worker {
 namespace {
 
 double slanted(double x, double y) { return 40.0 + 0.05 * x + 0.03 * y; }
 
-Features features_from(double least_px, double largest_px, int num) {
+Features features_from(double least_px, double max_px, int num) {
     Features features;
     for (int i = 0; i < num; ++i)
         features.push_back(
-            {i, Eigen::Vector2d::Zero(), least_px + (largest_px - least_px) * i / (num - 1)});
+            {i, Eigen::Vector2d::Zero(), least_px + (max_px - least_px) * i / (num - 1)});
     return features;
 }
 
 TEST(ChooseRange, HoldsTheFeaturesWithRoomAroundThem) {
-    const DisparityRange range = choose_range(features_from(40.0, 60.0, 100), 256);
+    const DisparityRange range = disparity_search_range(features_from(40.0, 60.0, 100), 256);
     EXPECT_EQ(range.num_px, 64);
     EXPECT_LE(range.first_px, 30);
     EXPECT_GE(range.first_px + range.num_px, 80);
 }
 
 TEST(ChooseRange, IsTheWholeOneWhereFeaturesAreFewOrFarApart) {
-    EXPECT_EQ(choose_range(features_from(40.0, 60.0, 20), 128).num_px, 128);
-    EXPECT_EQ(choose_range(features_from(5.0, 90.0, 100), 128).num_px, 128);
-    EXPECT_EQ(choose_range({}, 96).num_px, 96);
+    EXPECT_EQ(disparity_search_range(features_from(40.0, 60.0, 20), 128).num_px, 128);
+    EXPECT_EQ(disparity_search_range(features_from(5.0, 90.0, 100), 128).num_px, 128);
+    EXPECT_EQ(disparity_search_range({}, 96).num_px, 96);
 }
 
 TEST(ChooseRange, StaysWithinTheWholeOne) {
-    const DisparityRange near = choose_range(features_from(110.0, 126.0, 100), 128);
+    const DisparityRange near = disparity_search_range(features_from(110.0, 126.0, 100), 128);
     EXPECT_EQ(near.first_px + near.num_px, 128);
-    EXPECT_EQ(choose_range(features_from(2.0, 10.0, 100), 128).first_px, 0);
+    EXPECT_EQ(disparity_search_range(features_from(2.0, 10.0, 100), 128).first_px, 0);
 }
 
 TEST(CensusSgm, FindsTheSameWithinARangeThatHoldsTheSurface) {
@@ -58,9 +58,9 @@ double block_on_floor(double x, double) { return x > 213.0 && x < 427.0 ? 90.0 :
 
 const WarpedPairOptions kLarge{.width_px = 640, .height_px = 480};
 
-TEST(RangeSurvey, FindsWhereThePatchesLie) {
+TEST(CoarseDisparitySearch, FindsWhereThePatchesLie) {
     const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
-    const auto patches = RangeSurvey(128).survey(pair.left, pair.right);
+    const auto patches = CoarseDisparitySearch(128).survey(pair.left, pair.right);
     ASSERT_GT(patches.size(), 8'000U);  // of 160 x 120
     const auto around = [&](float px) {
         return std::count_if(
@@ -71,9 +71,9 @@ TEST(RangeSurvey, FindsWhereThePatchesLie) {
         static_cast<double>(around(90.0F)) / static_cast<double>(patches.size()), 1.0 / 3.0, 0.12);
 }
 
-TEST(RangeSurvey, CountsWhatNoSearchWithinTheRangeCanFind) {
+TEST(CoarseDisparitySearch, CountsWhatNoSearchWithinTheRangeCanFind) {
     const WarpedPair pair = make_warped_pair([](double, double) { return 60.0; }, kLarge);
-    const auto patches = RangeSurvey(128).survey(pair.left, pair.right);
+    const auto patches = CoarseDisparitySearch(128).survey(pair.left, pair.right);
     const SearchOutcome too_near = outcome_of({9, 32}, patches);
     EXPECT_GT(too_near.num_patches, 8'000);
     EXPECT_GT(100 * too_near.num_too_near, 98 * too_near.num_patches);
@@ -84,15 +84,15 @@ TEST(RangeSurvey, CountsWhatNoSearchWithinTheRangeCanFind) {
     EXPECT_LT(held.num_too_near + held.num_too_far, held.num_patches / 50);
 }
 
-TEST(RangeSurvey, SeesBeyondTheWholeRange) {
+TEST(CoarseDisparitySearch, SeesBeyondTheWholeRange) {
     const WarpedPair pair = make_warped_pair([](double, double) { return 100.0; }, kLarge);
-    const auto patches = RangeSurvey(64).survey(pair.left, pair.right);
+    const auto patches = CoarseDisparitySearch(64).survey(pair.left, pair.right);
     const SearchOutcome outcome = outcome_of({0, 64}, patches);
     EXPECT_GT(outcome.num_patches, 8'000);
     EXPECT_GT(100 * outcome.num_too_near, 98 * outcome.num_patches);
 }
 
-TEST(RangeSurvey, WidensARangeToHoldWhatItShows) {
+TEST(CoarseDisparitySearch, WidensARangeToHoldWhatItShows) {
     std::vector<float> patches(1'000, 30.0F);
     const auto holds = [](const DisparityRange& range, int px) {
         return range.first_px < px && px < range.first_px + range.num_px - 1;

@@ -117,7 +117,7 @@ TEST(SmoothOnPlane, LeavesAnyPlaneAndEveryStepAsItIs) {
         for (int x = 0; x < 60; ++x)
             disparity.at<float>(y, x) = 20.0F + 0.25F * static_cast<float>(x) -
                                         0.5F * static_cast<float>(y) + (x < 30 ? 0.0F : 9.0F);
-    DisparityPlane plane, smooth;
+    PaddedDisparity plane, smooth;
     plane.copy_from(disparity);
     smooth_on_plane(plane, 0.5F, smooth);
     EXPECT_LT(cv::norm(smooth.to_mat(), disparity, cv::NORM_INF), 1e-4);
@@ -132,7 +132,7 @@ TEST(FillHoles, BelievesWinnersThatTheSurfaceAroundThemSupports) {
     disparity.at<float>(30, 40) = -40.0F;              // far from it
     disparity.at<float>(30, 60) = 0.0F;                // no winner
     disparity(cv::Rect(0, 40, 80, 20)).setTo(-30.0F);  // open water beside the surface
-    DisparityPlane filled, spare;
+    PaddedDisparity filled, spare;
     filled.copy_from(disparity);
     fill_holes(filled, spare);
     EXPECT_NEAR(filled.row(30)[20], 25.0F, 1e-3F);
@@ -154,7 +154,7 @@ TEST(DoubtSpeckles, LeavesSmallIslandsAsUnconfirmedWinners) {
     cv::Mat disparity(60, 60, CV_32F, cv::Scalar(0.0));
     disparity(cv::Rect(5, 5, 20, 20)).setTo(30.0);
     disparity(cv::Rect(40, 40, 5, 5)).setTo(20.0);
-    doubt_speckles(disparity, 100, 1.0F);
+    unconfirm_speckles(disparity, 100, 1.0F);
     EXPECT_EQ(disparity.at<float>(10, 10), 30.0F);
     EXPECT_EQ(disparity.at<float>(42, 42), -20.0F);
 }

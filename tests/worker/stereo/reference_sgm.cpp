@@ -10,7 +10,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr int kSmallStep = 6;  // P1
-constexpr int kMostCost = 255;
+constexpr int kMaxCost = 255;
 constexpr int kOutside = 200;  // a path's cost beyond the ends of the range
 constexpr int kBits = 32;
 
@@ -76,9 +76,9 @@ void add_path(const cv::Mat& image, const CostVolume& costs, cv::Point from, Cos
             const cv::Point here(from.x > 0 ? image.cols - 1 - j : j, i);
             const cv::Point before = here + from;
             const bool starts = !inside.contains(before);
-            int least = starts ? 0 : kMostCost;
+            int min_cost = starts ? 0 : kMaxCost;
             for (int d = 0; !starts && d < costs.range; ++d)
-                least = std::min(least, path.at(before.x, before.y, d));
+                min_cost = std::min(min_cost, path.at(before.x, before.y, d));
             const auto cost_before = [&](int d) {
                 return d < 0 || d >= costs.range ? kOutside : path.at(before.x, before.y, d);
             };
@@ -88,10 +88,10 @@ void add_path(const cv::Mat& image, const CostVolume& costs, cv::Point from, Cos
                     way = std::min({cost_before(d),
                                     cost_before(d - 1) + kSmallStep,
                                     cost_before(d + 1) + kSmallStep,
-                                    least + large_step(image, here, before)});
-                path.at(here.x, here.y, d) = costs.at(here.x, here.y, d) + way - least;
+                                    min_cost + large_step(image, here, before)});
+                path.at(here.x, here.y, d) = costs.at(here.x, here.y, d) + way - min_cost;
                 int& sum = sums.at(here.x, here.y, d);
-                sum = std::min(kMostCost, sum + path.at(here.x, here.y, d));
+                sum = std::min(kMaxCost, sum + path.at(here.x, here.y, d));
             }
         }
 }
@@ -105,9 +105,9 @@ int winner(const CostVolume& sums, int x, int y) {
 
 // Nothing but the winner's neighbours costs within 5 % of it.
 bool is_unique(const CostVolume& sums, int x, int y, int best) {
-    const int least = sums.at(x, y, best);
-    if (best == 0 || best == sums.range - 1 || least == kMostCost) return false;
-    const int limit = std::min(kMostCost, least * 100 / 95);
+    const int min_cost = sums.at(x, y, best);
+    if (best == 0 || best == sums.range - 1 || min_cost == kMaxCost) return false;
+    const int limit = std::min(kMaxCost, min_cost * 100 / 95);
     for (int d = 0; d < sums.range; ++d)
         if (std::abs(d - best) > 1 && sums.at(x, y, d) <= limit) return false;
     return true;
@@ -116,10 +116,10 @@ bool is_unique(const CostVolume& sums, int x, int y, int best) {
 // The cheapest of the winners that end at one pixel of the right picture, the rightmost of equals.
 int right_winner(const CostVolume& sums, const std::vector<int>& winners, int right_x, int y) {
     int best = -1;
-    int least = kMostCost;
+    int min_cost = kMaxCost;
     for (int x = std::min(sums.size.width - 1, right_x + sums.range - 1); x >= right_x; --x) {
-        if (winners[x] != x - right_x || sums.at(x, y, winners[x]) >= least) continue;
-        least = sums.at(x, y, winners[x]);
+        if (winners[x] != x - right_x || sums.at(x, y, winners[x]) >= min_cost) continue;
+        min_cost = sums.at(x, y, winners[x]);
         best = winners[x];
     }
     return best;

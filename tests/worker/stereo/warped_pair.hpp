@@ -78,7 +78,7 @@ struct DisparityError {
 
 inline DisparityError compare_disparity(const cv::Mat& estimate,
                                         const cv::Mat& truth,
-                                        double largest_px) {
+                                        double max_px) {
     std::vector<double> errors;
     std::int64_t num_truth = 0;
     std::int64_t num_bad = 0;
@@ -86,7 +86,7 @@ inline DisparityError compare_disparity(const cv::Mat& estimate,
     for (int y = 8; y < truth.rows - 8; ++y)
         for (int x = 8; x < truth.cols - 8; ++x) {
             const double t = truth.at<float>(y, x);
-            if (t <= 0.0 || t >= largest_px || t > x) continue;
+            if (t <= 0.0 || t >= max_px || t > x) continue;
             ++num_truth;
             const double d = estimate.at<float>(y, x);
             if (d <= 0.0) continue;

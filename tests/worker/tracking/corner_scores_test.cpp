@@ -16,7 +16,7 @@ cv::Mat inner(const cv::Mat& image) {
 }
 
 TEST(CornerScoresTest, AreThoseOfOpenCv) {
-    const cv::Mat image = synthetic::picture(0.0, 0.0);
+    const cv::Mat image = synthetic::textured_image(0.0, 0.0);
     cv::Mat expected;
     cv::cornerMinEigenVal(image, expected, 5);
     // OpenCV divides Sobel's sums by 4 * block * 255 and adds over the block.
@@ -31,11 +31,11 @@ TEST(CornerScoresTest, AreThoseOfOpenCv) {
     EXPECT_EQ(own.at<float>(2, 100), 0.0F);
 }
 
-TEST(CornerScoresTest, EveryInstructionSetGivesTheSameAndEveryPictureStartsAnew) {
+TEST(CornerScoresTest, EveryInstructionSetGivesTheSameAndEveryImageStartsAnew) {
     CornerScores baseline(Instructions::Baseline);
     CornerScores best(best_instructions());
-    baseline.of(synthetic::picture(5.0, 3.0));
-    const cv::Mat image = synthetic::picture(0.0, 0.0);
+    baseline.of(synthetic::textured_image(5.0, 3.0));
+    const cv::Mat image = synthetic::textured_image(0.0, 0.0);
     EXPECT_EQ(cv::norm(baseline.of(image), best.of(image), cv::NORM_INF), 0.0);
 }
 

@@ -19,7 +19,7 @@ SquarePlace place(const cv::Mat& image, int column, int row, double right, doubl
 }
 
 // Black and white at random: the largest sums.
-cv::Mat extreme_picture() {
+cv::Mat extreme_image() {
     cv::Mat image(64, 64, CV_8U);
     cv::RNG random(7);
     random.fill(image, cv::RNG::UNIFORM, 0, 2);
@@ -27,7 +27,7 @@ cv::Mat extreme_picture() {
 }
 
 TEST(PatchKernelsTest, ReadBetweenThePixels) {
-    const cv::Mat image = synthetic::picture(0.0, 0.0);
+    const cv::Mat image = synthetic::textured_image(0.0, 0.0);
     std::array<std::int16_t, kOuterPixels> outer{};
     patch_kernels(Instructions::Baseline).read_outer(place(image, 100, 80, 0.3, 0.8), outer.data());
     for (int v = 0; v < kOuterSide_px; ++v) {
@@ -44,7 +44,7 @@ TEST(PatchKernelsTest, ReadBetweenThePixels) {
 }
 
 TEST(PatchKernelsTest, ThePatchItselfIsSeenAsItself) {
-    const cv::Mat image = extreme_picture();
+    const cv::Mat image = extreme_image();
     const PatchKernels kernels = patch_kernels(Instructions::Baseline);
     std::array<std::int16_t, kOuterPixels> outer{};
     kernels.read_outer(place(image, 10, 12, 0.25, 0.5), outer.data());
@@ -64,7 +64,7 @@ TEST(PatchKernelsTest, EveryInstructionSetGivesTheSameIntegers) {
     if (best_instructions() == Instructions::Baseline) GTEST_SKIP() << "no AVX2 here";
     const PatchKernels baseline = patch_kernels(Instructions::Baseline);
     const PatchKernels avx2 = patch_kernels(Instructions::Avx2);
-    for (const cv::Mat& image : {extreme_picture(), synthetic::picture(0.0, 0.0)}) {
+    for (const cv::Mat& image : {extreme_image(), synthetic::textured_image(0.0, 0.0)}) {
         const SquarePlace from = place(image, 20, 9, 0.61, 0.99);
         const SquarePlace to = place(image, 22, 11, 0.07, 0.43);
         std::array<std::int16_t, kOuterPixels> outer{};

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/synthetic/sea_floor.hpp"
-#include "worker/steps/match_features.hpp"
+#include "worker/steps/match_sparse_stereo.hpp"
 
 namespace divemesh::worker {
 namespace {
@@ -34,7 +34,7 @@ TEST(SurfaceSlopeTest, AFloorSeenAtAnAngleLeansInTheDisparities) {
     Features features;
     for (int i = 0; i < 60; ++i)
         features.push_back({i, {70.0 + 22.0 * (i % 10), 40.0 + 30.0 * (i / 10)}, 0.0});
-    match_features(frame, {}, 64, features);
+    match_sparse_stereo(frame, {}, 64, features);
 
     measure_slopes(rig, frame, features);
 
@@ -56,7 +56,7 @@ TEST(SurfaceSlopeTest, AFloorSeenAtAnAngleLeansInTheDisparities) {
     EXPECT_LT(errors[errors.size() / 2], 0.2 * leaning);
 }
 
-TEST(SurfaceSlopeTest, WhereTheRightPictureShowsNothingTheSurfaceFacesTheCamera) {
+TEST(SurfaceSlopeTest, WhereTheRightImageShowsNothingTheSurfaceFacesTheCamera) {
     const RectifiedRig rig = synthetic::small_rig();
     RectifiedFrame frame;
     frame.left = look(Eigen::Isometry3d::Identity());

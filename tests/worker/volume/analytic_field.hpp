@@ -5,12 +5,12 @@
 #include <functional>
 #include <vector>
 
-#include "worker/volume/signed_field.hpp"
+#include "worker/volume/signed_distance_field.hpp"
 
 namespace divemesh::worker {
 
 // A signed distance given as a function, known within a band around its zero.
-class AnalyticField : public SignedField {
+class AnalyticField : public SignedDistanceField {
 public:
     using Distance = std::function<double(const Eigen::Vector3d&)>;
 

@@ -18,7 +18,7 @@ constexpr double kVoxel_m = 0.01;
 
 class BothMeshers : public testing::TestWithParam<std::string> {
 protected:
-    static Mesh mesh(const SignedField& field, int num_threads = 1) {
+    static Mesh mesh(const SignedDistanceField& field, int num_threads = 1) {
         MeshingSettings settings;
         settings.num_threads = num_threads;
         return GetParam() == "surface_nets" ? surface_nets(field, settings)
@@ -26,12 +26,12 @@ protected:
     }
 };
 
-void expect_closed_manifold(const Mesh& mesh, std::int64_t euler_number) {
+void expect_closed_manifold(const Mesh& mesh, std::int64_t euler_characteristic) {
     const MeshTopology topology = check_topology(mesh);
     EXPECT_EQ(topology.num_border_edges, 0);
     EXPECT_EQ(topology.num_nonmanifold_edges, 0);
     EXPECT_EQ(topology.num_misoriented_edges, 0);
-    EXPECT_EQ(topology.euler_number, euler_number);
+    EXPECT_EQ(topology.euler_characteristic, euler_characteristic);
 }
 
 TEST_P(BothMeshers, ASphereAcrossBlocksIsClosedOrientedAndOfItsAreaAndVolume) {

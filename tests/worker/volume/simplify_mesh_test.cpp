@@ -26,7 +26,7 @@ TEST(SimplifyMesh, ABallOfATenthOfItsTrianglesKeepsShapeTopologyAndAttributes) {
     const MeshTopology topology = check_topology(fewer);
     EXPECT_EQ(topology.num_border_edges, 0);
     EXPECT_EQ(topology.num_misoriented_edges, 0);
-    EXPECT_EQ(topology.euler_number, 2);
+    EXPECT_EQ(topology.euler_characteristic, 2);
     EXPECT_NEAR(topology.volume_m3 / (4.0 / 3.0 * kPi * std::pow(kRadius_m, 3)), 1.0, 0.02);
     ASSERT_EQ(fewer.normals.size(), fewer.vertices.size());
     ASSERT_EQ(fewer.sigma_m.size(), fewer.vertices.size());

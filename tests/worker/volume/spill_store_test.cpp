@@ -13,7 +13,7 @@ namespace divemesh::worker {
 namespace {
 
 constexpr std::size_t kRecordBytes = 5000;
-constexpr std::int64_t kPieces = SpillStore::kPieceBytes;
+constexpr std::int64_t kChunks = SpillStore::kChunkBytes;
 
 std::vector<SpillStore::Handle> fill(SpillStore& store, int num_records) {
     std::vector<SpillStore::Handle> records;
@@ -33,20 +33,20 @@ bool holds(const SpillStore& store, SpillStore::Handle record, int value) {
 
 TEST(SpillStore, WhatWentToDiskComesBackAsItWas) {
     const TemporaryFolder folder;
-    SpillStore store({folder / "", 3 * kPieces});
+    SpillStore store({folder / "", 3 * kChunks});
     const auto records = fill(store, 3000);
-    EXPECT_LE(store.memory_bytes(), 4 * kPieces);
-    EXPECT_GT(store.size_bytes(), 10 * kPieces);
+    EXPECT_LE(store.memory_bytes(), 4 * kChunks);
+    EXPECT_GT(store.size_bytes(), 10 * kChunks);
     for (int i = 0; i < 3000; ++i) {
         ASSERT_TRUE(holds(store, records[i], i & 0xff)) << i;
         store.trim();
-        ASSERT_LE(store.memory_bytes(), 3 * kPieces);
+        ASSERT_LE(store.memory_bytes(), 3 * kChunks);
     }
 }
 
 TEST(SpillStore, ChangesSurviveTheSecondWayToDiskToo) {
     const TemporaryFolder folder;
-    SpillStore store({folder / "", 2 * kPieces});
+    SpillStore store({folder / "", 2 * kChunks});
     const auto records = fill(store, 2000);
     for (int i = 0; i < 2000; i += 7) {
         std::memset(store.write(records[i]), 250, kRecordBytes);
@@ -67,7 +67,7 @@ TEST(SpillStore, WithoutAFolderAllStaysInMemory) {
 
 TEST(SpillStore, SeveralThreadsReadWhatIsOnDisk) {
     const TemporaryFolder folder;
-    SpillStore store({folder / "", 2 * kPieces});
+    SpillStore store({folder / "", 2 * kChunks});
     const auto records = fill(store, 2000);
     std::vector<std::size_t> num_right(2, 0);
     std::vector<std::thread> threads;
@@ -91,7 +91,7 @@ TEST(SpillStore, ARecordBeginsWithZerosAndAlignedTo16Bytes) {
 }
 
 TEST(SpillStore, AFolderThatIsNotThereIsATypedError) {
-    SpillStore store({"/nowhere/at/all", kPieces});
+    SpillStore store({"/nowhere/at/all", kChunks});
     EXPECT_THROW(fill(store, 1000), Error);
 }
 

@@ -18,15 +18,15 @@ Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
     for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
             const double along = kVoxel_m * (x - kEdge / 2);
-            const double turn = radius_m > 0.0 ? along / radius_m : 0.0;
+            const double rotation = radius_m > 0.0 ? along / radius_m : 0.0;
             const Eigen::Vector3d p = radius_m > 0.0
-                                          ? Eigen::Vector3d(radius_m * std::sin(turn),
+                                          ? Eigen::Vector3d(radius_m * std::sin(rotation),
                                                             kVoxel_m * y,
-                                                            radius_m * (std::cos(turn) - 1.0))
+                                                            radius_m * (std::cos(rotation) - 1.0))
                                           : Eigen::Vector3d(along, kVoxel_m * y, 0.0);
             mesh.vertices.push_back(p.cast<float>());
             mesh.normals.push_back(
-                Eigen::Vector3d(std::sin(turn), 0.0, std::cos(turn)).cast<float>());
+                Eigen::Vector3d(std::sin(rotation), 0.0, std::cos(rotation)).cast<float>());
         }
     for (std::uint32_t y = 0; y + 1 < kEdge; ++y)
         for (std::uint32_t x = 0; x + 1 < kEdge; ++x) {

@@ -11,8 +11,8 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/volume/synthetic_views.hpp"
-#include "worker/steps/add_points.hpp"
 #include "worker/steps/extract_surface.hpp"
+#include "worker/steps/fusion_volume.hpp"
 #include "worker/volume/mesh_borders.hpp"
 #include "worker/volume/mesh_components.hpp"
 

@@ -8,7 +8,7 @@
 #include "tests/synthetic/altered_recording.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/metrics/pieces.hpp"
+#include "worker/metrics/tracking_segments.hpp"
 #include "worker/metrics/trajectory_error.hpp"
 #include "worker/reconstruct.hpp"
 #include "worker/simulator/simulate.hpp"
@@ -52,8 +52,8 @@ protected:
         num_tracked_ = track.statistics.num_frames_tracked;
         return optimise(track, blanked, options, store, ignore_progress);
     }
-    std::size_t num_pieces(const OptimisedTrack& track) const {
-        return pieces_of(track.trajectory, track.keyframes).size();
+    std::size_t num_segments(const OptimisedTrack& track) const {
+        return segments_of(track.trajectory, track.keyframes).size();
     }
     double ate_m(const OptimisedTrack& track) const {
         return trajectory_error(track.trajectory, dive_->ground_truth()).ate_rmse_m;
@@ -64,10 +64,10 @@ protected:
     std::int64_t num_tracked_ = 0;
 };
 
-TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankPictures) {
+TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankImages) {
     const OptimisedTrack track = swim(2.0, 4.0, {});
     EXPECT_LE(num_tracked_, dive_->num_frames() - 16);
-    EXPECT_EQ(num_pieces(track), 1U);
+    EXPECT_EQ(num_segments(track), 1U);
     EXPECT_LT(ate_m(track), 0.02);
     EXPECT_TRUE(track.calibration.is_known());
     EXPECT_FALSE(track.covariances.empty());
@@ -75,7 +75,7 @@ TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankPictures) {
 
 TEST_F(LostSightTest, WithoutInertiaItIsJoinedWhereItComesByAgain) {
     const OptimisedTrack track = swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}});
-    EXPECT_EQ(num_pieces(track), 1U);
+    EXPECT_EQ(num_segments(track), 1U);
     EXPECT_LT(ate_m(track), 0.02);
     EXPECT_TRUE(track.calibration.is_known());
 }
@@ -83,7 +83,7 @@ TEST_F(LostSightTest, WithoutInertiaItIsJoinedWhereItComesByAgain) {
 TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
     const OptimisedTrack track =
         swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}});
-    EXPECT_EQ(num_pieces(track), 2U);
+    EXPECT_EQ(num_segments(track), 2U);
     EXPECT_TRUE(track.calibration.is_known());
 }
 

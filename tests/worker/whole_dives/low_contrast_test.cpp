@@ -16,30 +16,30 @@
 namespace divemesh::worker {
 namespace {
 
-using Look = cv::Mat (*)(const cv::Mat& picture);
+using Look = cv::Mat (*)(const cv::Mat& image);
 
-cv::Mat as_it_is(const cv::Mat& picture) { return picture; }
+cv::Mat as_it_is(const cv::Mat& image) { return image; }
 
 // As far water leaves it.
-cv::Mat a_third_of_the_contrast(const cv::Mat& picture) {
+cv::Mat a_third_of_the_contrast(const cv::Mat& image) {
     cv::Mat result;
-    picture.convertTo(result, CV_8U, 1.0 / 3.0, 85.0);
+    image.convertTo(result, CV_8U, 1.0 / 3.0, 85.0);
     return result;
 }
 
-cv::Mat gamma_of_two(const cv::Mat& picture) {
+cv::Mat gamma_of_two(const cv::Mat& image) {
     cv::Mat table(1, 256, CV_8U);
     for (int i = 0; i < 256; ++i)
         table.at<std::uint8_t>(i) =
             cv::saturate_cast<std::uint8_t>(255.0 * std::pow(i / 255.0, 2.0));
     cv::Mat result;
-    cv::LUT(picture, table, result);
+    cv::LUT(image, table, result);
     return result;
 }
 
-cv::Mat equalised(const cv::Mat& picture) {
+cv::Mat equalised(const cv::Mat& image) {
     cv::Mat result;
-    cv::createCLAHE(3.0, cv::Size(8, 8))->apply(picture, result);
+    cv::createCLAHE(3.0, cv::Size(8, 8))->apply(image, result);
     return result;
 }
 
@@ -62,8 +62,7 @@ protected:
     };
     Swim swim(Look look, Look equalise) {
         synthetic::AlteredRecording altered(*dive_, [=](StereoFrame& frame) {
-            for (cv::Mat* picture : {&frame.left, &frame.right})
-                *picture = equalise(look(*picture));
+            for (cv::Mat* image : {&frame.left, &frame.right}) *image = equalise(look(*image));
         });
         const KeyframeStore store(*folder_ / "keyframes");
         const auto options = make_options("standard", {{"surface", false}, {"num_threads", 1}});
@@ -79,7 +78,7 @@ protected:
 
 // Patches without the brightness of their surroundings, with a gain and a bias of their own: the
 // contrast is nothing that has to be put right before. A millimetre is chance.
-TEST_F(LowContrastTest, TheDiveIsFollowedAsWellAsOverEqualisedPictures) {
+TEST_F(LowContrastTest, TheDiveIsFollowedAsWellAsOverEqualisedImages) {
     for (const Look look : {a_third_of_the_contrast, gamma_of_two}) {
         const Swim plain = swim(look, as_it_is);
         const Swim with = swim(look, equalised);

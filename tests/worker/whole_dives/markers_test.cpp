@@ -125,13 +125,13 @@ TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
     const fs::path dive = *folder_ / "dive";
     fs::copy(dive, *folder_ / "clear", fs::copy_options::recursive);
     for (const char* camera : {"cam0", "cam1"}) {
-        std::vector<fs::path> pictures;
+        std::vector<fs::path> images;
         for (const auto& entry : fs::directory_iterator(dive / "mav0" / camera / "data"))
-            pictures.push_back(entry.path());
-        std::sort(pictures.begin(), pictures.end());
+            images.push_back(entry.path());
+        std::sort(images.begin(), images.end());
         const cv::Mat silt(kHeight_px, kWidth_px, CV_8UC3, cv::Scalar(90, 110, 60));
         for (std::size_t i = kFirstBlank; i < kAfterBlank; ++i)
-            cv::imwrite(pictures.at(i).string(), silt);
+            cv::imwrite(images.at(i).string(), silt);
     }
     nlohmann::json options = {
         {"surface", false}, {"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}};

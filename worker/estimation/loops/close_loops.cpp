@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "worker/estimation/loops/adjust_poses.hpp"
-#include "worker/estimation/loops/pieces.hpp"
+#include "worker/estimation/loops/pose_graph.hpp"
+#include "worker/estimation/loops/separate_segments.hpp"
 #include "worker/estimation/loops/strongest_loops.hpp"
 #include "worker/stats/median.hpp"
 
@@ -18,7 +18,7 @@ constexpr double kBasin_px = 10.0;
 // Loops whose landmarks are fused. Each couples keyframes that are far apart in time, and what a
 // sparse factorisation of the whole dive costs grows with the cube of such couplings where laps lie
 // on each other; so many hold the dive together as well as all of them.
-constexpr std::size_t kMostFused = 128;
+constexpr std::size_t kMaxFused = 128;
 
 // How far off the landmarks seen again are, median over the worst loop.
 double worst_error_px(const RectifiedRig& rig,
@@ -45,10 +45,10 @@ double worst_error_px(const RectifiedRig& rig,
 
 // Every landmark once in every keyframe.
 void fuse_landmarks(const std::vector<Loop>& loops,
-                    const DriftBound& drift,
+                    const DriftModel& drift,
                     std::vector<Landmark>& landmarks) {
     std::set<std::pair<std::size_t, std::int32_t>> added;
-    for (const std::size_t i : strongest_loops(loops, drift, kMostFused))
+    for (const std::size_t i : strongest_loops(loops, drift, kMaxFused))
         for (const Reobservation& again : loops[i].reobservations)
             if (added.insert({again.landmark, again.seen.keyframe}).second)
                 landmarks[again.landmark].observations.push_back(again.seen);
@@ -58,12 +58,12 @@ void fuse_landmarks(const std::vector<Loop>& loops,
 
 void close_loops(const RectifiedRig& rig,
                  const std::vector<Loop>& loops,
-                 const DriftBound& drift,
+                 const DriftModel& drift,
                  std::vector<Keyframe>& keyframes,
                  std::vector<Landmark>& landmarks) {
-    number_pieces(drift, loops, keyframes);
+    number_segments(drift, loops, keyframes);
     if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
-        adjust_poses(loops, drift, keyframes, landmarks);
+        optimise_pose_graph(loops, drift, keyframes, landmarks);
     fuse_landmarks(loops, drift, landmarks);
 }
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/drift_model.hpp"
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 #include "worker/keyframe.hpp"
@@ -16,7 +16,7 @@ namespace divemesh::worker {
 // the keyframes near first. Keyframes learn which piece they belong to.
 void close_loops(const RectifiedRig& rig,
                  const std::vector<Loop>& loops,
-                 const DriftBound& drift,
+                 const DriftModel& drift,
                  std::vector<Keyframe>& keyframes,
                  std::vector<Landmark>& landmarks);
 

@@ -5,21 +5,21 @@
 #include <map>
 #include <utility>
 
-#include "worker/estimation/loops/largest_clique.hpp"
+#include "worker/estimation/loops/max_clique.hpp"
 #include "worker/estimation/loops/strongest_loops.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kMostInClique = 400;  // searched exactly; the others have to fit it
-constexpr std::size_t kFewest = 2;
-constexpr std::size_t kFewestAcrossGap = 3;
+constexpr std::size_t kMaxInClique = 400;  // searched exactly; the others have to fit it
+constexpr std::size_t kMinLoops = 2;
+constexpr std::size_t kMinLoopsAcrossGap = 3;
 
 class Consistency {
 public:
     Consistency(const std::vector<Loop>& loops,
                 const std::vector<Keyframe>& keyframes,
-                const DriftBound& drift)
+                const DriftModel& drift)
         : loops_(loops), keyframes_(keyframes), drift_(drift) {}
 
     // Loop i against the way there along the track to loop j, over it, and along the track back.
@@ -50,21 +50,22 @@ private:
 
     const std::vector<Loop>& loops_;
     const std::vector<Keyframe>& keyframes_;
-    const DriftBound& drift_;
+    const DriftModel& drift_;
 };
 
 // Pieces of the track that are held together by too few loops.
 void drop_weak_joints(const std::vector<Loop>& loops,
-                      const DriftBound& drift,
+                      const DriftModel& drift,
                       std::vector<std::size_t>& chosen) {
     const auto joint = [&](std::size_t i) {
-        return std::pair(drift.piece(loops[i].from), drift.piece(loops[i].to));
+        return std::pair(drift.segment(loops[i].from), drift.segment(loops[i].to));
     };
     std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> strength;
     for (const std::size_t i : chosen) ++strength[joint(i)];
     std::erase_if(chosen, [&](std::size_t i) {
-        const auto pieces = joint(i);
-        return strength[pieces] < (pieces.first == pieces.second ? kFewest : kFewestAcrossGap);
+        const auto segments = joint(i);
+        return strength[segments] <
+               (segments.first == segments.second ? kMinLoops : kMinLoopsAcrossGap);
     });
 }
 
@@ -72,17 +73,17 @@ void drop_weak_joints(const std::vector<Loop>& loops,
 
 std::vector<std::size_t> consistent_loops(const std::vector<Loop>& loops,
                                           const std::vector<Keyframe>& keyframes,
-                                          const DriftBound& drift) {
+                                          const DriftModel& drift) {
     if (loops.empty()) return {};
     const Consistency consistency(loops, keyframes, drift);
-    const std::vector<std::size_t> searched = strongest_loops(loops, drift, kMostInClique);
+    const std::vector<std::size_t> searched = strongest_loops(loops, drift, kMaxInClique);
     std::vector<std::vector<bool>> joined(searched.size(),
                                           std::vector<bool>(searched.size(), false));
     for (std::size_t i = 0; i < searched.size(); ++i)
         for (std::size_t j = i + 1; j < searched.size(); ++j)
             joined[i][j] = joined[j][i] = consistency.agree(searched[i], searched[j]);
     std::vector<std::size_t> core;
-    for (const std::size_t i : largest_clique(joined)) core.push_back(searched[i]);
+    for (const std::size_t i : max_clique(joined)) core.push_back(searched[i]);
 
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < loops.size(); ++i)

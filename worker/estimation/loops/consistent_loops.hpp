@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/drift_model.hpp"
 #include "worker/estimation/loops/loop.hpp"
 
 namespace divemesh::worker {
@@ -15,6 +15,6 @@ namespace divemesh::worker {
 // Returns indices, rising.
 std::vector<std::size_t> consistent_loops(const std::vector<Loop>& loops,
                                           const std::vector<Keyframe>& keyframes,
-                                          const DriftBound& drift);
+                                          const DriftModel& drift);
 
 }  // namespace divemesh::worker

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/estimation/loops/place_index.hpp"
+#include "worker/estimation/loops/inverted_index.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {
 namespace {
 
-constexpr std::size_t kMostCandidates = 3;  // of one keyframe
-constexpr std::size_t kApart = 3;           // keyframes between two of them
-constexpr double kLeastLikeness = 0.02;
-constexpr double kMostTurn_rad = 1.0;  // between the lines of sight
+constexpr std::size_t kMaxLoopCandidates = 3;  // of one keyframe
+constexpr std::size_t kApart = 3;              // keyframes between two of them
+constexpr double kMinSimilarity = 0.02;
+constexpr double kMaxRotation_rad = 1.0;  // between the lines of sight
 constexpr double kNumSigmas = 3.0;
 
 // What a keyframe looks at.
@@ -22,9 +22,9 @@ struct Sight {
     double radius_m = 0.0;  // 0: nothing with a depth
 };
 
-Sight sight_of(const RectifiedRig& rig, const Keyframe& keyframe, const DescribedView& view) {
+Sight sight_of(const RectifiedRig& rig, const Keyframe& keyframe, const DescribedKeypoints& view) {
     std::vector<float> disparities_px;
-    for (const DescribedPoint& point : view)
+    for (const DescribedKeypoint& point : view)
         if (point.disparity_px > 0.0F) disparities_px.push_back(point.disparity_px);
     Sight sight;
     if (disparities_px.empty()) return sight;
@@ -39,8 +39,8 @@ class Gate {
 public:
     Gate(const RectifiedRig& rig,
          const std::vector<Keyframe>& keyframes,
-         const StoredViews& views,
-         const DriftBound& drift)
+         const StoredKeypoints& views,
+         const DriftModel& drift)
         : drift_(drift) {
         for (std::size_t k = 0; k < keyframes.size(); ++k)
             sights_.push_back(sight_of(rig, keyframes[k], views[k]));
@@ -54,13 +54,13 @@ public:
         const double distance_m = (one.centre_world - other.centre_world).norm();
         if (distance_m > one.radius_m + other.radius_m + kNumSigmas * drift_.position_sigma_m(a, b))
             return false;
-        const double turn_rad =
+        const double rotation_rad =
             std::acos(std::clamp(one.axis_world.dot(other.axis_world), -1.0, 1.0));
-        return turn_rad < kMostTurn_rad + kNumSigmas * drift_.orientation_sigma_rad(a, b);
+        return rotation_rad < kMaxRotation_rad + kNumSigmas * drift_.orientation_sigma_rad(a, b);
     }
 
 private:
-    const DriftBound& drift_;
+    const DriftModel& drift_;
     std::vector<Sight> sights_;
 };
 
@@ -68,24 +68,24 @@ private:
 
 std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
                                            const std::vector<Keyframe>& keyframes,
-                                           const StoredViews& views,
-                                           const DriftBound& drift,
+                                           const StoredKeypoints& views,
+                                           const DriftModel& drift,
                                            const std::vector<bool>& wanted) {
-    const PlaceIndex index(views);
+    const InvertedIndex index(views);
     const Gate gate(rig, keyframes, views, drift);
     std::vector<LoopCandidate> candidates;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
         if (!wanted[k]) continue;
-        const std::vector<float> likeness = index.likeness(k);
+        const std::vector<float> similarity = index.similarity(k);
         std::vector<std::size_t> possible;
-        for (std::size_t i = 0; i < drift.first_tied(k); ++i)
-            if (likeness[i] >= kLeastLikeness && gate.open(i, k)) possible.push_back(i);
+        for (std::size_t i = 0; i < drift.first_covisible(k); ++i)
+            if (similarity[i] >= kMinSimilarity && gate.open(i, k)) possible.push_back(i);
         std::stable_sort(possible.begin(), possible.end(), [&](std::size_t a, std::size_t b) {
-            return likeness[a] > likeness[b];
+            return similarity[a] > similarity[b];
         });
         std::vector<std::size_t> chosen;
         for (const std::size_t i : possible) {
-            if (chosen.size() == kMostCandidates) break;
+            if (chosen.size() == kMaxLoopCandidates) break;
             if (std::all_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
                     return std::max(i, other) - std::min(i, other) > kApart;
                 }))

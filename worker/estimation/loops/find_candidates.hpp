@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "worker/estimation/loops/drift_bound.hpp"
-#include "worker/estimation/loops/stored_views.hpp"
+#include "worker/estimation/loops/drift_model.hpp"
+#include "worker/estimation/loops/stored_keypoints.hpp"
 #include "worker/geometry/rectified_rig.hpp"
 
 namespace divemesh::worker {
@@ -19,8 +19,8 @@ struct LoopCandidate {
 // same place. None without views.
 std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
                                            const std::vector<Keyframe>& keyframes,
-                                           const StoredViews& views,
-                                           const DriftBound& drift,
+                                           const StoredKeypoints& views,
+                                           const DriftModel& drift,
                                            const std::vector<bool>& wanted);
 
 }  // namespace divemesh::worker

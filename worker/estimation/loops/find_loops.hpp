@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/drift_model.hpp"
 #include "worker/estimation/loops/loop.hpp"
 #include "worker/keyframe_store.hpp"
 #include "worker/loop_statistics.hpp"
@@ -22,7 +22,7 @@ struct FoundLoops {
 // was recognised the loops grow: the keyframes before and after it are measured by where they must
 // be.
 FoundLoops find_loops(const Track& track,
-                      const DriftBound& drift,
+                      const DriftModel& drift,
                       const KeyframeStore& store,
                       std::uint64_t seed,
                       const ProgressCallback& progress);

@@ -3,11 +3,12 @@
 namespace divemesh::worker {
 
 std::vector<std::size_t> strongest_loops(const std::vector<Loop>& loops,
-                                         const DriftBound& drift,
+                                         const DriftModel& drift,
                                          std::size_t most) {
     const std::size_t longest = (loops.size() + most - 1) / most;
     const auto joins_the_same = [&](const Loop& a, const Loop& b) {
-        return drift.piece(a.from) == drift.piece(b.from) && drift.piece(a.to) == drift.piece(b.to);
+        return drift.segment(a.from) == drift.segment(b.from) &&
+               drift.segment(a.to) == drift.segment(b.to);
     };
     std::vector<std::size_t> result;
     std::size_t first = 0;  // of the run

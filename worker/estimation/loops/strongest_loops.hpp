@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "worker/estimation/loops/drift_bound.hpp"
+#include "worker/estimation/loops/drift_model.hpp"
 #include "worker/estimation/loops/loop.hpp"
 
 namespace divemesh::worker {
@@ -11,7 +11,7 @@ namespace divemesh::worker {
 // Of every run of neighbouring loops that join the same two pieces of the track the one that sees
 // most again, so that about `most` are left, evenly over the dive. Returns indices, rising.
 std::vector<std::size_t> strongest_loops(const std::vector<Loop>& loops,
-                                         const DriftBound& drift,
+                                         const DriftModel& drift,
                                          std::size_t most);
 
 }  // namespace divemesh::worker

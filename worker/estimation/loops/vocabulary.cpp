@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kBranches = 10;
 constexpr int kSweeps = 5;
-constexpr std::size_t kMostSamples = 25'000;  // some 20 for a word of the third level
+constexpr std::size_t kMaxSamples = 25'000;  // some 20 for a word of the third level
 // From so many descriptors on a fourth level keeps the words short.
 constexpr std::size_t kManyDescriptors = 500'000;
 
@@ -51,14 +51,14 @@ Clusters cluster(const std::vector<Descriptor>& descriptors, std::vector<Descrip
 
 }  // namespace
 
-Vocabulary Vocabulary::learn(const StoredViews& views) {
+Vocabulary Vocabulary::learn(const StoredKeypoints& views) {
     std::size_t num_descriptors = 0;
     for (std::size_t k = 0; k < views.size(); ++k) num_descriptors += views[k].size();
-    const std::size_t stride = 1 + num_descriptors / kMostSamples;
+    const std::size_t stride = 1 + num_descriptors / kMaxSamples;
     std::vector<Descriptor> samples;
     std::size_t i = 0;
     for (std::size_t k = 0; k < views.size(); ++k)
-        for (const DescribedPoint& point : views[k])
+        for (const DescribedKeypoint& point : views[k])
             if (i++ % stride == 0) samples.push_back(point.descriptor);
     Vocabulary vocabulary;
     vocabulary.nodes_.emplace_back();

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/estimation/loops/described_view.hpp"
-#include "worker/estimation/loops/stored_views.hpp"
+#include "worker/estimation/loops/described_keypoints.hpp"
+#include "worker/estimation/loops/stored_keypoints.hpp"
 
 namespace divemesh::worker {
 
@@ -13,7 +13,7 @@ namespace divemesh::worker {
 // The same descriptors give the same tree.
 class Vocabulary {
 public:
-    static Vocabulary learn(const StoredViews& views);
+    static Vocabulary learn(const StoredKeypoints& views);
 
     std::int32_t word_of(const Descriptor& descriptor) const;
     std::int32_t num_words() const { return num_words_; }

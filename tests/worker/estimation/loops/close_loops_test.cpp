@@ -50,7 +50,7 @@ struct Swim {
             cv::Mat left;
             cv::extractChannel(images.left_color, left, 0);
             store.write_left(static_cast<int>(k), left);
-            store.write_view(static_cast<int>(k), SeaFloor::view(path[k], images));
+            store.write_keypoints(static_cast<int>(k), SeaFloor::view(path[k], images));
             for (int i = 0; i < 80; ++i)
                 start_landmark(k, 20.0 + 31.0 * (i % 10), 20.0 + 28.0 * (i / 10), kLife);
         }
@@ -78,7 +78,7 @@ struct Swim {
     LoopStatistics close() {
         keyframes = track.keyframes;
         landmarks = track.landmarks;
-        const DriftBound drift(keyframes, landmarks, nullptr);
+        const DriftModel drift(keyframes, landmarks, nullptr);
         const FoundLoops found = find_loops(track, drift, store, 1, ignore_progress);
         close_loops(track.rig, found.loops, drift, keyframes, landmarks);
         return found.statistics;

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "tests/synthetic/pose_near.hpp"
-#include "worker/estimation/loops/adjust_poses.hpp"
+#include "worker/estimation/loops/pose_graph.hpp"
 #include "worker/estimation/loops/strongest_loops.hpp"
 
 namespace divemesh::worker {
@@ -68,7 +68,7 @@ struct Laps {
 
 TEST(ConsistentLoopsTest, TrueLoopsStayAndFalseOnesGo) {
     const Laps laps(0.001);
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     const std::vector<Loop> loops = {laps.loop(0, 60),
                                      laps.loop(2, 61),
                                      Laps::false_loop(10, 40),
@@ -80,15 +80,15 @@ TEST(ConsistentLoopsTest, TrueLoopsStayAndFalseOnesGo) {
 
 TEST(ConsistentLoopsTest, OneLoopAloneIsNotBelieved) {
     const Laps laps(0.001);
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     EXPECT_TRUE(consistent_loops({laps.loop(0, 60)}, laps.keyframes, drift).empty());
     EXPECT_TRUE(consistent_loops({}, laps.keyframes, drift).empty());
 }
 
 TEST(ConsistentLoopsTest, TwoLoopsDoNotHoldPiecesTogetherThreeDo) {
     const Laps laps(0.001, 30);
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
-    ASSERT_NE(drift.piece(29), drift.piece(30));
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
+    ASSERT_NE(drift.segment(29), drift.segment(30));
     const std::vector<Loop> two = {laps.loop(0, 60), laps.loop(1, 62)};
     EXPECT_TRUE(consistent_loops(two, laps.keyframes, drift).empty());
     const std::vector<Loop> three = {laps.loop(0, 60), laps.loop(1, 62), laps.loop(3, 64)};
@@ -97,13 +97,13 @@ TEST(ConsistentLoopsTest, TwoLoopsDoNotHoldPiecesTogetherThreeDo) {
 
 TEST(AdjustPosesTest, AnEvenYawErrorGoesAwayAlongTheWholeLap) {
     Laps laps(0.004);  // 14 degrees over the lap
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     const std::vector<Loop> loops = {laps.loop(0, 60), laps.loop(3, 63), laps.loop(6, 66)};
     const double before_m =
         (laps.keyframes[45].T_world_cam.translation() - laps.truth[45].translation()).norm();
     ASSERT_GT(before_m, 0.2);
 
-    adjust_poses(loops, drift, laps.keyframes, laps.landmarks);
+    optimise_pose_graph(loops, drift, laps.keyframes, laps.landmarks);
 
     for (std::size_t k = 0; k < laps.keyframes.size(); ++k)
         EXPECT_THAT(laps.keyframes[k].T_world_cam,
@@ -113,8 +113,8 @@ TEST(AdjustPosesTest, AnEvenYawErrorGoesAwayAlongTheWholeLap) {
 
 TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
     Laps laps(0.004);
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
-    adjust_poses({laps.loop(0, 60)}, drift, laps.keyframes, laps.landmarks);
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
+    optimise_pose_graph({laps.loop(0, 60)}, drift, laps.keyframes, laps.landmarks);
     ASSERT_FALSE(laps.landmarks.empty());
     for (const Landmark& landmark : laps.landmarks) {
         const auto anchor = static_cast<std::size_t>(landmark.observations.front().keyframe);
@@ -127,7 +127,7 @@ TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
 
 TEST(StrongestLoopsTest, OfEveryRunTheOneThatSeesMostAgainIsLeft) {
     const Laps laps(0.0);
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     std::vector<Loop> loops;
     for (std::size_t i = 0; i < 10; ++i) {
         loops.push_back(laps.loop(i, kLap + i));
@@ -140,7 +140,7 @@ TEST(StrongestLoopsTest, OfEveryRunTheOneThatSeesMostAgainIsLeft) {
 
 TEST(StrongestLoopsTest, WhatJoinsOtherPiecesIsNeverDropped) {
     const Laps laps(0.0, kLap + 8);
-    const DriftBound drift(laps.keyframes, laps.landmarks, nullptr);
+    const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     std::vector<Loop> loops;
     for (std::size_t i = 0; i < 10; ++i) loops.push_back(laps.loop(i, kLap + i));
     EXPECT_EQ(strongest_loops(loops, drift, 1), (std::vector<std::size_t>{0, 8}));

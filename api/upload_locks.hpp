@@ -1,0 +1,52 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace divemesh::api {
+
+// One request at a time works on an upload. A newer one asks the older to stop and waits until it
+// has made its bytes durable: a client whose link broke need not wait for the old connection to
+// time out. Thread-safe.
+class UploadLocks {
+    struct Holder;
+    struct State;
+
+public:
+    // Until it is destroyed the upload is the holder's alone. It may outlive the UploadLocks: what
+    // still waits when the server ends is destroyed with its io_context.
+    class Lock {
+    public:
+        explicit Lock(std::shared_ptr<Holder> holder) : holder_(std::move(holder)) {}
+        ~Lock();
+        Lock(Lock&&) noexcept = default;
+        Lock& operator=(Lock&&) = delete;
+
+    private:
+        std::shared_ptr<Holder> holder_;
+    };
+
+    explicit UploadLocks(const boost::asio::any_io_executor& executor,
+                         std::chrono::milliseconds timeout = std::chrono::seconds(10));
+
+    // `stop` is called, on any thread, when a newer request wants the upload; it must not block.
+    // Throws Error{Locked} when the older request has not ended in time.
+    boost::asio::awaitable<Lock> take(std::string upload_id, std::function<void()> stop);
+    // Nothing while a request has it or waits for it.
+    boost::asio::awaitable<std::optional<Lock>> take_if_free(std::string upload_id);
+
+private:
+    boost::asio::awaitable<std::shared_ptr<Holder>> hold_if_free(std::string upload_id);
+    boost::asio::awaitable<std::shared_ptr<Holder>> wait(std::string upload_id,
+                                                         std::function<void()> stop);
+
+    std::shared_ptr<State> state_;
+    std::chrono::milliseconds timeout_;
+};
+
+}  // namespace divemesh::api

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <limits>
+#include <map>
+#include <optional>
+#include <soci/soci.h>
+#include <string>
+#include <vector>
+
+#include "schemas/job.hpp"
+#include "schemas/measurement.hpp"
+#include "storage/catalog.hpp"
+#include "storage/page.hpp"
+
+namespace divemesh::storage {
+
+struct MetricFilter {
+    std::string metric;   // its full name
+    std::string project;  // "": all projects (admin)
+    std::string dive_id;  // "": any, as below
+    std::string site;
+    std::string rig;
+    std::string tag;
+    std::optional<JobKind> kind;
+    std::int64_t since_ms = 0;
+};
+
+// What is known of a figure by its name.
+struct MetricName {
+    std::string name;
+    std::string unit;
+    std::string method;
+};
+
+// The figures of all jobs that succeeded, as series over dives and time.
+class MetricStore {
+public:
+    explicit MetricStore(Catalog& catalog) : catalog_(catalog) {}
+
+    // Oldest first.
+    Page<MetricPoint> series(const MetricFilter& filter, const PageRequest& page);
+    std::optional<MetricName> find(const std::string& name);  // nothing: no job has measured it
+
+private:
+    Catalog& catalog_;
+};
+
+// Writes what a job measured. What cannot be a figure is left out (a name or unit that is too long,
+// a value that is not finite, more than there can be): it came from a process that a recording may
+// have taken over.
+void insert_metrics(soci::session& session, const Job& job, const Measurement& measured);
+
+// Which earlier values a report is held against: those of reports on earlier reconstructions by the
+// same preset, of the same dive, or of all dives with `tag`; of several reports on one
+// reconstruction the newest.
+struct MetricSeries {
+    std::string project;
+    std::string dive_id;
+    std::string tag;  // "": of the same dive alone
+    std::string preset;
+    std::string measured_job_id;  // left out
+};
+
+// Of each figure the newest, oldest first: of the dive itself where there are at least
+// kEnoughEarlier, else of the tag.
+inline constexpr std::size_t kEnoughEarlier = 5;
+std::map<std::string, std::vector<double>> earlier_metrics(soci::session& session,
+                                                           const MetricSeries& series);
+
+}  // namespace divemesh::storage

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace divemesh::worker {
+
+// What was found about the cloud when it was written.
+struct CloudMetrics {
+    std::int64_t num_points = 0;  // written
+    double spacing_m = 0.0;
+    std::int64_t num_octree_points = 0;
+    std::int64_t octree_bytes = 0;  // in memory and on disk
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,51 @@
+#include "worker/compare/free_space.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "schemas/error.hpp"
+#include "worker/output/reconstruction_folder.hpp"
+
+namespace divemesh::worker {
+
+std::optional<Views> read_views(const std::filesystem::path& folder) {
+    const auto file = folder / "keyframes.json";
+    if (!std::filesystem::exists(file)) return std::nullopt;
+    std::ifstream stream(file);
+    const auto document = nlohmann::json::parse(stream, nullptr, false);
+    Views views;
+    try {
+        views.focal_px = document.at("focal_px").get<double>();
+        const auto center = document.at("principal_point_px").get<std::array<double, 2>>();
+        const auto size = document.at("image_size_px").get<std::array<double, 2>>();
+        views.center_px = {center[0], center[1]};
+        views.size_px = {size[0], size[1]};
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
+    }
+    for (const KeyframePose& keyframe : ReconstructionFolder(folder).keyframes())
+        views.T_cam_world.push_back(keyframe.T_world_cam.inverse());
+    return views;
+}
+
+bool is_free_space(const Views& views,
+                   const SurfaceIndex& surface,
+                   const Eigen::Vector3d& p_world,
+                   double behind_m) {
+    return std::ranges::any_of(views.T_cam_world, [&](const Eigen::Isometry3d& T_cam_world) {
+        const Eigen::Vector3d p_cam = T_cam_world * p_world;
+        if (p_cam.z() <= 0.05) return false;
+        const Eigen::Vector2d pixel =
+            views.focal_px * p_cam.head<2>() / p_cam.z() + views.center_px;
+        if ((pixel.array() < 0.0).any() || (pixel.array() >= views.size_px.array()).any())
+            return false;
+        const Eigen::Vector3d eye = T_cam_world.inverse().translation();
+        const Eigen::Vector3d way = p_world - eye;
+        const auto hit = surface.first_hit_m(eye.cast<float>(), way.normalized().cast<float>());
+        return hit && static_cast<double>(*hit) > way.norm() + behind_m;
+    });
+}
+
+}  // namespace divemesh::worker

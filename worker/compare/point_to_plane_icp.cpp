@@ -1,0 +1,207 @@
+#include "worker/compare/point_to_plane_icp.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "worker/geometry/rotation_vector.hpp"
+#include "worker/parallel.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+constexpr float kSameSide = 0.5F;  // cosine between normals of partners
+constexpr double kTukey = 4.685;   // 95 % efficient for normal errors
+constexpr double kMinScale_m = 5e-4;
+constexpr double kSettled_m = 1e-5;
+constexpr std::size_t kMinPartners = 100;  // partners
+constexpr int kMaxRounds = 40;
+
+struct Partner {
+    bool found = false;
+    Eigen::Vector3d p;  // of b, in a's frame
+    Eigen::Vector3d normal;
+    double residual_m = 0.0;  // of b outside of a
+    double sigma_m = 0.0;     // of both
+};
+
+double sigma_of(const SurfacePoints& surface, std::size_t i) {
+    return surface.sigma_m.empty() ? 0.0 : static_cast<double>(surface.sigma_m[i]);
+}
+
+// `nearest_points`: the points of a that were nearest to b's in the round before; those of this
+// one.
+std::vector<Partner> find_partners(const SurfacePoints& a,
+                                   const SurfacePoints& b,
+                                   const Eigen::Isometry3d& T_a_b,
+                                   const IcpOptions& options,
+                                   double reach_m,
+                                   std::vector<std::optional<std::uint32_t>>& nearest_points) {
+    std::vector<Partner> partners(b.points.size());
+    constexpr std::size_t kSlice = 1024;
+    for_each_index(
+        options.num_threads, (partners.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+            for (std::size_t i = slice * kSlice;
+                 i < std::min(partners.size(), (slice + 1) * kSlice);
+                 ++i) {
+                Partner& partner = partners[i];
+                partner.p = T_a_b * b.points[i].cast<double>();
+                auto& nearest = nearest_points[i];
+                nearest =
+                    a.grid.nearest(partner.p.cast<float>(), static_cast<float>(reach_m), nearest);
+                if (!nearest) continue;
+                const Eigen::Vector3f normal =
+                    (T_a_b.linear() * b.normals[i].cast<double>()).cast<float>();
+                if (a.normals[*nearest].dot(normal) < kSameSide) continue;
+                partner.found = true;
+                partner.normal = a.normals[*nearest].cast<double>();
+                partner.residual_m =
+                    partner.normal.dot(partner.p - a.points[*nearest].cast<double>());
+                partner.sigma_m = std::hypot(sigma_of(a, *nearest), sigma_of(b, i));
+            }
+        });
+    return partners;
+}
+
+// Standard deviation of what is normal among the residuals.
+double robust_scale(const std::vector<Partner>& partners) {
+    std::vector<double> sizes;
+    for (const Partner& partner : partners)
+        if (partner.found) sizes.push_back(std::abs(partner.residual_m));
+    return sizes.empty() ? 0.0 : std::max(kMinScale_m, 1.4826 * upper_median(std::move(sizes)));
+}
+
+struct Fit {
+    Matrix6d information = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    std::map<std::array<int, 3>, Vector6d> patches;  // gradients by patch
+    double squares = 0.0;
+    double weights = 0.0;
+    std::size_t num_used = 0;
+};
+
+Fit linearise(const std::vector<Partner>& partners,
+              double scale_m,
+              const Eigen::Vector3d& pivot,
+              double patch_m) {
+    Fit fit;
+    for (const Partner& partner : partners) {
+        if (!partner.found) continue;
+        const double u = partner.residual_m / (kTukey * std::hypot(scale_m, partner.sigma_m));
+        if (std::abs(u) >= 1.0) continue;
+        const double biweight = (1.0 - u * u) * (1.0 - u * u);
+        const double variance = scale_m * scale_m + partner.sigma_m * partner.sigma_m;
+        const double weight = biweight * scale_m * scale_m / variance;
+        Vector6d row;
+        row << (partner.p - pivot).cross(partner.normal), partner.normal;
+        fit.information += weight * row * row.transpose();
+        const Vector6d pull = weight * partner.residual_m * row;
+        fit.gradient += pull;
+        fit.squares += weight * partner.residual_m * partner.residual_m;
+        fit.weights += weight;
+        fit.num_used += biweight > 0.25;
+        std::array<int, 3> patch{};
+        for (int axis = 0; axis < 3; ++axis)
+            patch[static_cast<std::size_t>(axis)] =
+                static_cast<int>(std::floor(partner.p[axis] / patch_m));
+        patch[2] = 0;  // columns: what hangs over the same ground was seen by the same views
+        fit.patches.try_emplace(patch, Vector6d::Zero()).first->second += pull;
+    }
+    return fit;
+}
+
+// Directions that the surface leaves open (a plane's turn about its normal) are left as they are.
+Vector6d solve(const Fit& fit) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
+    const Vector6d& values = solver.eigenvalues();
+    Vector6d inverse;
+    for (int i = 0; i < 6; ++i) inverse[i] = values[i] > 1e-9 * values[5] ? 1.0 / values[i] : 0.0;
+    return -(solver.eigenvectors() *
+             (inverse.asDiagonal() * (solver.eigenvectors().transpose() * fit.gradient)));
+}
+
+// Turn about the vertical and shift alone.
+Vector6d solve_upright(const Fit& fit) {
+    Vector6d step = Vector6d::Zero();
+    step.tail<4>() =
+        -fit.information.bottomRightCorner<4, 4>().ldlt().solve(fit.gradient.tail<4>());
+    return step;
+}
+
+Matrix6d sandwich(const Fit& fit) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
+    Vector6d inverse;
+    for (int i = 0; i < 6; ++i)
+        inverse[i] = 1.0 / std::max(solver.eigenvalues()[i], 1e-9 * solver.eigenvalues()[5]);
+    const Matrix6d bread =
+        solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+    Matrix6d meat = Matrix6d::Zero();
+    for (const auto& [patch, pull] : fit.patches) meat += pull * pull.transpose();
+    const auto num = static_cast<double>(fit.patches.size());
+    return num / std::max(1.0, num - 6.0) * bread * meat * bread;
+}
+
+Eigen::Isometry3d moved(const Eigen::Isometry3d& T_a_b,
+                        const Vector6d& step,
+                        const Eigen::Vector3d& pivot) {
+    Eigen::Isometry3d move = Eigen::Isometry3d::Identity();
+    move.linear() = rotation_from_vector(step.head<3>()).toRotationMatrix();
+    move.translation() = pivot - move.linear() * pivot + step.tail<3>();
+    return move * T_a_b;
+}
+
+Eigen::Vector3d middle(const std::vector<Partner>& partners) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double num = 0.0;
+    for (const Partner& partner : partners)
+        if (partner.found) {
+            sum += partner.p;
+            num += 1.0;
+        }
+    return num > 0.0 ? Eigen::Vector3d(sum / num) : sum;
+}
+
+}  // namespace
+
+double CoRegistration::sigma_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
+    Vector6d row;
+    row << (p - pivot).cross(direction), direction;
+    return std::sqrt(std::max(0.0, row.dot(covariance * row)));
+}
+
+std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
+                                                 const SurfacePoints& b,
+                                                 const Eigen::Isometry3d& T_a_b,
+                                                 const IcpOptions& options) {
+    CoRegistration result;
+    result.T_a_b = T_a_b;
+    double reach_m = options.max_step_m;
+    std::vector<std::optional<std::uint32_t>> nearest_points(b.points.size());
+    for (int round = 0; round < kMaxRounds; ++round) {
+        const auto partners = find_partners(a, b, result.T_a_b, options, reach_m, nearest_points);
+        const auto num_found = static_cast<std::size_t>(
+            std::ranges::count_if(partners, [](const Partner& p) { return p.found; }));
+        if (num_found < kMinPartners) return std::nullopt;
+        const double scale_m = robust_scale(partners);
+        result.pivot = middle(partners);
+        const Fit fit = linearise(partners, scale_m, result.pivot, options.patch_m);
+        const double min_reach_m = std::max(2.0 * options.tolerance_m, 5.0 * scale_m);
+        // Both worlds are upright: a tilt that is free before the rest fits takes up what changed.
+        const Vector6d step = reach_m > min_reach_m ? solve_upright(fit) : solve(fit);
+        result.covariance = sandwich(fit);
+        result.num_patches = fit.patches.size();
+        result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
+        result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);
+        result.T_a_b = moved(result.T_a_b, step, result.pivot);
+        if (step.tail<3>().norm() < kSettled_m && reach_m <= min_reach_m) break;
+        reach_m = std::max(min_reach_m, 0.8 * reach_m);
+    }
+    return result;
+}
+
+}  // namespace divemesh::worker

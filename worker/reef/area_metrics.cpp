@@ -1,0 +1,228 @@
+#include "worker/reef/area_metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "worker/reef/complexity_relation.hpp"
+#include "worker/reef/fractal_dimension.hpp"
+#include "worker/reef/heights.hpp"
+#include "worker/reef/rugosity.hpp"
+#include "worker/reef/terrain.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+using Kinds = std::vector<MetricKind>;
+
+// Hidden ground lies behind a step, so what bridges it is steeper than the ground that was seen;
+// what merely was not swum over is not, and then counts as that ground does.
+std::optional<double> with_hidden(const std::optional<double>& gaps_filled,
+                                  const std::optional<double>& seen) {
+    return std::max(gaps_filled, seen);
+}
+
+void add_surface_area(Kinds& kinds, const SamplingResolution& sampling_resolution) {
+    MetricKind kind{"surface_area", "m2", sampling_resolution.detail_m};
+    kind.method = "triangles of the mesh over the area, every sheet (habtools surface_area)";
+    kind.lowest = 0.0;
+    kind.length_power = 2;
+    kind.loses_detail = true;
+    kind.measure = [](const Ground& ground) {  // blurred as the highest surface is
+        return std::optional(surface_area_m2(ground.patch, ground.vertices) -
+                             ground.lost_to_blur_m2);
+    };
+    kinds.push_back(kind);
+}
+
+void add_rugosity(Kinds& kinds, double spacing_m) {
+    MetricKind kind{"rugosity", "", spacing_m};
+    kind.method =
+        "area of the highest surface sampled at the resolution over planar area "
+        "(habtools rg, method area)";
+    kind.lowest = 1.0;
+    kind.loses_detail = true;
+    kind.measure = [spacing_m](const Ground& ground) {
+        return with_hidden(rugosity(ground.gaps_filled_at(spacing_m)),
+                           rugosity(ground.at(spacing_m)));
+    };
+    kinds.push_back(kind);
+}
+
+void add_rugosity_by_height_variation(Kinds& kinds, double spacing_m) {
+    MetricKind kind{"rugosity_hvar", "", spacing_m};
+    kind.method =
+        "mean of sqrt(1 + H0^2 / (2 L0^2)) over squares (habtools rg, method hvar; "
+        "Torres-Pulliza et al. 2020)";
+    kind.lowest = 1.0;
+    kind.loses_detail = true;
+    kind.measure = [spacing_m](const Ground& ground) {
+        return with_hidden(rugosity_by_height_variation(ground.gaps_filled, spacing_m),
+                           rugosity_by_height_variation(ground.grid, spacing_m));
+    };
+    kinds.push_back(kind);
+}
+
+void add_heights(Kinds& kinds) {
+    MetricKind range{"height_range", "m", std::nullopt};
+    range.method = "highest minus lowest along the normal (habtools hr)";
+    range.lowest = 0.0;
+    range.is_extreme = true;
+    range.length_power = 1;
+    range.loses_detail = true;
+    range.measure = [](const Ground& ground) { return height_range(ground.grid); };
+    kinds.push_back(range);
+    MetricKind volume{"volume", "m3", std::nullopt};
+    volume.method = "between the highest surface and the area's plane, above minus below";
+    volume.is_extreme = true;
+    volume.length_power = 3;
+    volume.is_from_plane = true;
+    volume.measure = [](const Ground& ground) {
+        return std::optional(volume_over_plane(ground.gaps_filled));
+    };
+    kinds.push_back(volume);
+}
+
+std::optional<Eigen::Vector3d> normal_world(const Ground& ground) {
+    const auto normal = mean_normal(ground.gaps_filled);
+    if (!normal) return std::nullopt;
+    return ground.R_world_plane * *normal;
+}
+
+void add_slope(Kinds& kinds) {
+    MetricKind slope{"slope", "deg", std::nullopt};
+    slope.method = "of the plane fitted to the heights, from the horizontal";
+    slope.lowest = 0.0;
+    slope.highest = 180.0;
+    slope.measure = [](const Ground& ground) -> std::optional<double> {
+        const auto normal = normal_world(ground);
+        if (!normal) return std::nullopt;
+        return std::atan2(normal->head<2>().norm(), normal->z()) * kDegrees;
+    };
+    kinds.push_back(slope);
+    MetricKind aspect{"aspect", "deg", std::nullopt};
+    aspect.method = "downhill of that plane, from the world's y towards its x";
+    aspect.is_direction = true;
+    aspect.measure = [](const Ground& ground) -> std::optional<double> {
+        const auto normal = normal_world(ground);
+        constexpr double kMinSlope = 0.0175;  // a degree: flat ground faces nowhere
+        if (!normal || normal->head<2>().norm() < kMinSlope) return std::nullopt;
+        const double angle = std::atan2(normal->x(), normal->y()) * kDegrees;
+        return angle < 0.0 ? angle + 360.0 : angle;
+    };
+    kinds.push_back(aspect);
+}
+
+void add_terrain(Kinds& kinds, double spacing_m) {
+    const auto add = [&](MetricKind kind, double Terrain::*field, double factor) {
+        kind.resolution_m = spacing_m;
+        kind.loses_detail = true;
+        kind.measure = [=](const Ground& ground) -> std::optional<double> {
+            const auto measured = terrain(ground.gaps_filled_at(spacing_m));
+            if (!measured) return std::nullopt;
+            return (*measured).*field * factor;
+        };
+        kinds.push_back(std::move(kind));
+    };
+    add({.metric = "mean_slope",
+         .unit = "deg",
+         .method = "of windows of 3 x 3 samples to the area's plane (Horn 1981)",
+         .lowest = 0.0},
+        &Terrain::mean_slope,
+        kDegrees);
+    add({.metric = "curvature",
+         .unit = "1/m",
+         .method = "mean, hills positive (Zevenbergen and Thorne 1987)",
+         .length_power = -1},
+        &Terrain::mean_curvature,
+        1.0);
+    add({.metric = "curvature_deviation",
+         .unit = "1/m",
+         .method = "standard deviation of the curvature",
+         .lowest = 0.0,
+         .length_power = -1},
+        &Terrain::curvature_deviation,
+        1.0);
+    add({.metric = "vrm",
+         .unit = "",
+         .method = "vector ruggedness, windows of 3 x 3 (Sappington et al. 2007)",
+         .lowest = 0.0,
+         .highest = 1.0},
+        &Terrain::vrm,
+        1.0);
+}
+
+void add_fractal_dimensions(Kinds& kinds, double finest_m) {
+    MetricKind hvar{"fractal_dimension_hvar", "", 2.0 * finest_m};
+    hvar.method = "height variation over scales halved down to the resolution (habtools fd, hvar)";
+    hvar.lowest = 2.0;
+    hvar.highest = 3.0;
+    hvar.loses_detail = true;
+    hvar.needs_height_spread = true;
+    // habtools takes no square smaller than ten samples.
+    const double sample_m = 0.2 * finest_m;
+    hvar.measure = [=](const Ground& ground) {
+        return fractal_dimension_by_height_variation(ground.near(sample_m), 2.0 * finest_m);
+    };
+    kinds.push_back(hvar);
+    MetricKind cubes = hvar;
+    cubes.metric = "fractal_dimension_cubes";
+    cubes.method =
+        "cubes that hold the surface, sides halved down to the resolution (habtools fd, "
+        "cubes)";
+    cubes.measure = [=](const Ground& ground) {
+        return fractal_dimension_by_cubes(ground.near(sample_m), 2.0 * finest_m);
+    };
+    kinds.push_back(cubes);
+    MetricKind relation = hvar;
+    relation.metric = "fractal_dimension_rdh";
+    relation.resolution_m = finest_m;
+    relation.method =
+        "from rugosity and height range (habtools rdh_theory; Torres-Pulliza et al. "
+        "2020)";
+    relation.is_extreme = true;
+    relation.measure = [=](const Ground& ground) -> std::optional<double> {
+        const auto range = height_range(ground.grid);
+        const auto ratio = rugosity(ground.at(finest_m));
+        const GridShape& shape = ground.grid.shape;
+        const double extent = (std::min(shape.num_columns, shape.num_rows) - 1) * shape.spacing_m;
+        if (!range || !ratio || !(*range > 0.0) || !(*ratio > 1.0) || extent < 2.0 * finest_m)
+            return std::nullopt;
+        return fractal_dimension_from(*ratio, *range, {extent, finest_m});
+    };
+    kinds.push_back(relation);
+}
+
+}  // namespace
+
+HeightGrid Ground::near(double spacing_m) const {
+    return every(grid, std::max(1, static_cast<int>(spacing_m / grid.shape.spacing_m + 1e-9)));
+}
+
+HeightGrid Ground::at(double spacing_m) const {
+    return every(grid, static_cast<int>(std::lround(spacing_m / grid.shape.spacing_m)));
+}
+
+HeightGrid Ground::gaps_filled_at(double spacing_m) const {
+    return every(gaps_filled, static_cast<int>(std::lround(spacing_m / grid.shape.spacing_m)));
+}
+
+std::vector<MetricKind> area_metrics(const MeasureOptions& options,
+                                     const SamplingResolution& sampling_resolution,
+                                     std::optional<double> finest_m) {
+    Kinds kinds;
+    add_surface_area(kinds, sampling_resolution);
+    for (const double spacing_m : options.spacings_m) add_rugosity(kinds, spacing_m);
+    for (const double spacing_m : options.spacings_m)
+        add_rugosity_by_height_variation(kinds, spacing_m);
+    add_heights(kinds);
+    add_slope(kinds);
+    const double finest = finest_m.value_or(options.spacings_m.back());
+    add_terrain(kinds, finest);
+    add_fractal_dimensions(kinds, finest);
+    return kinds;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "worker/reef/area_metrics.hpp"
+#include "worker/reef/estimate.hpp"
+#include "worker/reef/measure_outline.hpp"
+
+namespace divemesh::worker {
+
+// One entry of "figures".
+nlohmann::json metric_json(const AreaTask& task, const MetricKind& kind, const Estimate& estimate);
+nlohmann::json refused_json(const AreaTask& task,
+                            const MetricKind& kind,
+                            const std::string& reason);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,80 @@
+#include "worker/reef/systematic_uncertainty.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/reef/dilate_steps.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+std::vector<double> values_of(const std::vector<MetricKind>& kinds,
+                              const Ground& ground,
+                              const std::vector<Simulated>& simulated) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+        values.push_back(value_of(kinds[k], ground, simulated[k].measured));
+    return values;
+}
+
+double difference(double value, const Simulated& simulated) {
+    return std::isfinite(value) ? std::abs(value - simulated.measured) : 0.0;
+}
+
+std::vector<double> of_hidden_ground(const OutlineSurvey& survey,
+                                     const std::vector<MetricKind>& kinds,
+                                     const std::vector<Simulated>& simulated) {
+    std::vector<double> systematic(kinds.size(), 0.0);
+    if (!survey.has_hidden) return systematic;
+    const Ground low = survey.ground(survey.patch[0].vertices, 0, gaps_filled_low);
+    const std::vector<double> values = values_of(kinds, low, simulated);
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+        systematic[k] = difference(values[k], simulated[k]);
+    return systematic;
+}
+
+std::vector<double> of_steps(const OutlineSurvey& survey,
+                             const std::vector<MetricKind>& kinds,
+                             const std::vector<Simulated>& simulated) {
+    std::vector<double> systematic(kinds.size(), 0.0);
+    const double deviation_m = survey.sampling_resolution.detail_m.value_or(0.0) / std::sqrt(12.0);
+    const Ground measured = survey.ground(survey.patch[0].vertices);
+    for (const double outwards_m : {deviation_m, -deviation_m}) {
+        Ground ground = measured;
+        ground.gaps_filled = with_steps_dilated(measured.gaps_filled, outwards_m);
+        const std::vector<double> moved = values_of(kinds, ground, simulated);
+        for (std::size_t k = 0; k < kinds.size(); ++k)
+            if (!kinds[k].loses_detail)
+                systematic[k] = std::max(systematic[k], difference(moved[k], simulated[k]));
+    }
+    return systematic;
+}
+
+}  // namespace
+
+double value_of(const MetricKind& kind, const Ground& ground, double near) {
+    const double value = kind.measure(ground).value_or(std::nan(""));
+    if (!kind.is_direction || std::isnan(near)) return value;
+    return value + 360.0 * std::round((near - value) / 360.0);
+}
+
+std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
+                                           const std::vector<MetricKind>& kinds,
+                                           const std::vector<Simulated>& simulated,
+                                           const MeasureOptions& options) {
+    std::vector<double> systematic = of_steps(survey, kinds, simulated);
+    const std::vector<double> hidden = of_hidden_ground(survey, kinds, simulated);
+    const std::vector<double> bends =
+        bend_deviations(survey.patch,
+                        survey.sampling_resolution.detail_m.value_or(
+                            survey.sampling_resolution.correlation_length_m),
+                        options,
+                        [&](const Places& places) {
+                            return values_of(kinds, survey.ground(places[0]), simulated);
+                        });
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+        systematic[k] = std::hypot(systematic[k], hidden[k], bends.empty() ? 0.0 : bends[k]);
+    return systematic;
+}
+
+}  // namespace divemesh::worker

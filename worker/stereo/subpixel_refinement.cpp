@@ -1,0 +1,183 @@
+#include "worker/stereo/subpixel_refinement.hpp"
+
+#include <numeric>
+
+#include "worker/lanes.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kMaxStep_px = 0.8F;
+// Known ones of a window. Of the wide one a quarter: it is for weak texture on a surface.
+constexpr float kMinPixels = 12.0F;
+constexpr float kMinWidePixels = 0.25F * 9 * kWindow_px * kWindow_px;
+// Variances, in squares of grey values as they are kept.
+constexpr float kMinNoise = kGreyScale * kGreyScale / 12.0F;    // rounding to grey values
+constexpr float kGainPrior = 100.0F * kGreyScale * kGreyScale;  // noise of 1, gains within 0.1
+// Of the noise of e: what is in the mean gradient of two pictures read through B-splines, whose
+// weights for e are (1 4 1)/6 and for a gradient (1 4 0 -4 -1)/12.
+constexpr float kGradientNoise = 0.118F;
+// A B-spline correlates the noise of neighbours: 1 + 2 (4/9 + 1/18) for what varies little.
+constexpr float kCorrelatedNoise = 2.0F;
+// The energy of the gradient beyond that of noise alone: as much again, which a matcher that
+// chooses among chance likenesses does not reach over a window, and so many standard deviations.
+constexpr float kMinTexture = 1.0F;
+constexpr float kMinSignificance = 4.5F;
+
+struct Fit {
+    Floats step_px;
+    Floats sigma_px;  // 0: not determined
+};
+
+// Least squares for the step s and the gain a of e = -g s + a r + b, a held near zero. What the fit
+// leaves of e is the noise of both pictures, whatever its source: it tells how much of the
+// gradient's energy is noise too, which would shorten the step, and how well s is known.
+DIVEMESH_INLINE_BODY Fit fit_step(const Floats (&sums)[kNumTerms], float min_num_pixels) {
+    const Floats n = sums[kCount];
+    const Floats g = sums[kG], r = sums[kR], e = sums[kE];
+    const Floats inverse = 1.0F / max(n, broadcast(1.0F));
+    const Floats c_gg = sums[kGG] - g * g * inverse;
+    const Floats c_gr = sums[kGR] - g * r * inverse;
+    const Floats c_rr = sums[kRR] - r * r * inverse + kGainPrior;
+    const Floats c_ge = sums[kGE] - g * e * inverse;
+    const Floats c_re = sums[kRE] - r * e * inverse;
+    const Floats c_ee = sums[kEE] - e * e * inverse;
+    const Floats all = max(c_gg - c_gr * c_gr / c_rr, broadcast(1.0F));
+    const Floats slope = c_ge - c_gr * c_re / c_rr;
+    const Floats rest = c_ee - c_re * c_re / c_rr - slope * slope / all;
+    const Floats noise = max(rest / max(n - 3.0F, broadcast(1.0F)), broadcast(kMinNoise));
+    const Floats noise_energy = n * (kGradientNoise * noise);
+    const Floats information = all - noise_energy;
+    const Floats known = max(information, broadcast(1.0F));
+    const Floats step = -slope / known;
+    const Floats chance = square_root(2.0F * kCorrelatedNoise * inverse);
+    const Floats least = noise_energy * max(broadcast(kMinTexture), kMinSignificance * chance);
+    const Masks good = (n >= min_num_pixels) & (all > 0.05F * c_gg) & (information > least);
+    const Floats sigma = square_root(kCorrelatedNoise * noise / known);
+    return {select(good & (abs(step) < kMaxStep_px), step),
+            select(good, max(sigma, broadcast(1e-3F)))};
+}
+
+struct Columns {
+    const std::int32_t* of[kNumTerms];
+};
+
+DIVEMESH_INLINE_BODY void step_row(const Columns& columns,
+                                   int width,
+                                   float* disparity,
+                                   float* sigma) {
+    for (int x = 0; x < width; x += kLanes) {
+        const Floats d = load(disparity + x);
+        store(sigma + x, Floats{});
+        if (!any(d > 0.0F)) continue;
+        Floats sums[kNumTerms];
+        for (int term = 0; term < kNumTerms; ++term) {
+            const std::int32_t* first = columns.of[term] + x - kWindowRadius_px;
+            Masks sum = load_lanes<Masks>(first);
+            for (int i = 1; i < kWindow_px; ++i) sum += load_lanes<Masks>(first + i);
+            sums[term] = __builtin_convertvector(sum, Floats);
+        }
+        const Fit fit = fit_step(sums, kMinPixels);
+        store(disparity + x, d + select(d > 0.0F, fit.step_px));
+        store(sigma + x, select(d > 0.0F, fit.sigma_px));
+    }
+}
+
+// Steps and deviations of blocks, each from its own sums and those of the eight around it.
+void fit_blocks(
+    const float* const (&sums)[kNumTerms], int stride, int num, float* step, float* sigma) {
+    for (int i = 0; i < num; i += kLanes) {
+        Floats wide[kNumTerms];
+        for (int term = 0; term < kNumTerms; ++term) {
+            wide[term] = Floats{};
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx)
+                    wide[term] += load(sums[term] + i + dy * stride + dx);
+        }
+        const Fit fit = fit_step(wide, kMinWidePixels);
+        const Floats both =
+            square_root(fit.sigma_px * fit.sigma_px + kWideSigma_px * kWideSigma_px);
+        store(step + i, fit.step_px);
+        store(sigma + i, select(fit.sigma_px > 0.0F, both));
+    }
+}
+
+// Of what the narrow window did not determine.
+void step_by_block_row(
+    int width, const float* steps, const float* sigmas, float* disparity, float* sigma) {
+    for (int start = 0; start < width; start += kLanes) {
+        if (!any((load(disparity + start) > 0.0F) & (load(sigma + start) <= 0.0F))) continue;
+        for (int x = start; x < start + kLanes; ++x) {
+            if (disparity[x] <= 0.0F || sigma[x] > 0.0F) continue;
+            disparity[x] += steps[x / kWindow_px];
+            sigma[x] = sigmas[x / kWindow_px];
+        }
+    }
+}
+
+}  // namespace
+
+void SubpixelRefinement::take(const cv::Mat& left,
+                              const cv::Mat& right,
+                              PaddedDisparity& disparity_px,
+                              PaddedDisparity& sigma_px) {
+    const auto step = compiled_for<step_row>(instructions_);
+    sigma_px.resize(disparity_px.size());
+    terms_.begin(left.cols);
+    begin_blocks(left.size());
+    const int num_block_rows = (left.rows + kWindow_px - 1) / kWindow_px;
+    for (int y = 0; y < num_block_rows * kWindow_px + kWindowRadius_px; ++y) {
+        if (y < left.rows)
+            terms_.add_row(
+                {left.ptr<std::uint8_t>(y), right.ptr<std::uint8_t>(y), disparity_px.row(y)});
+        else
+            terms_.add_empty_row();
+        const int center = y - kWindowRadius_px;
+        if (center >= 0 && center % kWindow_px == kWindowRadius_px) add_blocks(center / kWindow_px);
+        if (center < 0 || center >= left.rows) continue;
+        Columns columns;
+        for (int term = 0; term < kNumTerms; ++term)
+            columns.of[term] = terms_.columns(static_cast<Term>(term));
+        step(columns, left.cols, disparity_px.row(center), sigma_px.row(center));
+    }
+    step_by_blocks(disparity_px, sigma_px);
+}
+
+void SubpixelRefinement::begin_blocks(cv::Size size) {
+    const int rows = (size.height + kWindow_px - 1) / kWindow_px;
+    const int columns = (size.width + kWindow_px - 1) / kWindow_px;
+    blocks_.stride = columns + 2 + kLanes;
+    const auto num = static_cast<std::size_t>(rows + 2) * blocks_.stride + kLanes;
+    for (auto& sums : blocks_.sums) sums.assign(num, 0.0F);
+    blocks_.step_px.assign(num, 0.0F);
+    blocks_.sigma_px.assign(num, 0.0F);
+}
+
+void SubpixelRefinement::add_blocks(int block_y) {
+    const std::size_t first = static_cast<std::size_t>(block_y + 1) * blocks_.stride + 1;
+    const int num = blocks_.stride - 2 - kLanes;
+    for (int term = 0; term < kNumTerms; ++term) {
+        const std::int32_t* column = terms_.columns(static_cast<Term>(term));
+        float* sums = blocks_.sums[term].data() + first;
+        for (int i = 0; i < num; ++i, column += kWindow_px)
+            sums[i] = static_cast<float>(std::accumulate(column, column + kWindow_px, 0));
+    }
+}
+
+void SubpixelRefinement::step_by_blocks(PaddedDisparity& disparity_px, PaddedDisparity& sigma_px) {
+    const float* sums[kNumTerms];
+    for (int y = 0; y < disparity_px.height(); ++y) {
+        const std::size_t first = static_cast<std::size_t>(y / kWindow_px + 1) * blocks_.stride + 1;
+        float* steps = blocks_.step_px.data() + first;
+        float* sigmas = blocks_.sigma_px.data() + first;
+        if (y % kWindow_px == 0) {
+            for (int term = 0; term < kNumTerms; ++term)
+                sums[term] = blocks_.sums[term].data() + first;
+            fit_blocks(sums, blocks_.stride, blocks_.stride - 2 - kLanes, steps, sigmas);
+        }
+        step_by_block_row(
+            disparity_px.width(), steps, sigmas, disparity_px.row(y), sigma_px.row(y));
+    }
+}
+
+}  // namespace divemesh::worker
