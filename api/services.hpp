@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "api/hash_cache.hpp"
+#include "api/uploads/hash_cache.hpp"
 #include "api/rate_limiter.hpp"
 #include "api/token_cache.hpp"
-#include "api/upload_locks.hpp"
+#include "api/uploads/upload_locks.hpp"
 #include "api/webhook_target.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"

@@ -1,4 +1,4 @@
-#include "worker/attempt.hpp"
+#include "worker/attempt/attempt.hpp"
 
 #include <memory>
 

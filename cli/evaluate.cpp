@@ -1,4 +1,4 @@
-#include "worker/metrics/evaluate.hpp"
+#include "worker/evaluation/evaluate.hpp"
 
 #include <iostream>
 #include <memory>

@@ -5,7 +5,7 @@
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "schemas/error.hpp"
-#include "worker/output/exports.hpp"
+#include "worker/io/exports.hpp"
 
 namespace divemesh::cli {
 namespace {

@@ -8,8 +8,8 @@
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/text.hpp"
-#include "worker/mosaic/drawing_page.hpp"
-#include "worker/output/atomic_file.hpp"
+#include "worker/report/drawing_page.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 
 namespace divemesh::cli {

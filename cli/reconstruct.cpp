@@ -11,7 +11,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/scratch.hpp"
 #include "cli/text.hpp"
-#include "worker/reconstruct_dive.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
 
 namespace divemesh::cli {
 namespace {

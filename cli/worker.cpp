@@ -6,7 +6,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/stop_signal.hpp"
 #include "server/log.hpp"
-#include "worker/job_runner.hpp"
+#include "worker/runner/job_runner.hpp"
 
 namespace divemesh::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "schemas/error.hpp"
 #include "sensor/device_state.hpp"
 #include "sensor/status_maker.hpp"
-#include "sensor/uptime.hpp"
+#include "sensor/clock/uptime.hpp"
 
 namespace divemesh::sensor {
 namespace {

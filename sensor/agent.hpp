@@ -8,14 +8,14 @@
 #include <stop_token>
 #include <string>
 
-#include "sensor/command_executor.hpp"
-#include "sensor/dive_assessment.hpp"
-#include "sensor/dive_uploads.hpp"
-#include "sensor/image_check.hpp"
-#include "sensor/link.hpp"
-#include "sensor/message_ring.hpp"
-#include "sensor/preview_maker.hpp"
-#include "sensor/recording_source.hpp"
+#include "sensor/commands/command_executor.hpp"
+#include "sensor/preview/dive_assessment.hpp"
+#include "sensor/uploads/dive_uploads.hpp"
+#include "sensor/preview/image_check.hpp"
+#include "sensor/link/link.hpp"
+#include "sensor/ring/message_ring.hpp"
+#include "sensor/preview/preview_maker.hpp"
+#include "sensor/recording/recording_source.hpp"
 
 namespace divemesh::sensor {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sensor/image_check.hpp"
-#include "sensor/link.hpp"
-#include "sensor/recording_source.hpp"
+#include "sensor/preview/image_check.hpp"
+#include "sensor/link/link.hpp"
+#include "sensor/recording/recording_source.hpp"
 
 namespace divemesh::sensor {
 

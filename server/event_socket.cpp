@@ -7,7 +7,7 @@
 
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
-#include "api/sensor_hub.hpp"
+#include "api/sensors/sensor_hub.hpp"
 #include "schemas/log.hpp"
 #include "server/sensor_feed.hpp"
 #include "server/web_socket.hpp"

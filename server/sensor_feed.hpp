@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "api/sensor_hub.hpp"
+#include "api/sensors/sensor_hub.hpp"
 
 namespace divemesh::server {
 

@@ -5,7 +5,7 @@
 #include "api/etag.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
-#include "api/upload_metadata.hpp"
+#include "api/uploads/upload_metadata.hpp"
 #include "api/visible.hpp"
 #include "schemas/artifact.hpp"
 #include "storage/dive_store.hpp"

@@ -4,7 +4,7 @@
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
-#include "api/sensor_hub.hpp"
+#include "api/sensors/sensor_hub.hpp"
 #include "api/visible.hpp"
 #include "storage/command_store.hpp"
 

@@ -5,7 +5,7 @@
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/in_pool.hpp"
-#include "api/sensor_hub.hpp"
+#include "api/sensors/sensor_hub.hpp"
 #include "api/target.hpp"
 #include "api/web_socket.hpp"
 #include "schemas/invalid_input.hpp"

@@ -4,7 +4,7 @@
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
-#include "api/report_queue.hpp"
+#include "api/sensors/report_queue.hpp"
 #include "api/target.hpp"
 #include "api/visible.hpp"
 #include "api/web_socket.hpp"

@@ -1,7 +1,7 @@
 #include "api/handlers/truth.hpp"
 
 #include "api/handlers/resource.hpp"
-#include "api/make_truth.hpp"
+#include "api/uploads/make_truth.hpp"
 #include "api/visible.hpp"
 #include "storage/truth_store.hpp"
 

@@ -17,9 +17,9 @@
 #include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/metrics/surface_index.hpp"
-#include "worker/metrics/trajectory_error.hpp"
-#include "worker/output/reconstruction_folder.hpp"
+#include "worker/evaluation/surface_index.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+#include "worker/io/reconstruction_folder.hpp"
 #include "worker/report/svg_plot.hpp"
 
 namespace divemesh::bench {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "worker/parallel.hpp"
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/parallel.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/synthetic/rough_ground.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::bench {
 

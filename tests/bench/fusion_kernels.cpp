@@ -10,10 +10,10 @@
 
 #include "tests/bench/measured.hpp"
 #include "tests/synthetic/ideal_rig.hpp"
-#include "worker/volume/marching_cubes.hpp"
-#include "worker/volume/octree_volume.hpp"
-#include "worker/volume/surface_nets.hpp"
-#include "worker/volume/tsdf_volume.hpp"
+#include "worker/mesh/marching_cubes.hpp"
+#include "worker/fusion/octree_volume.hpp"
+#include "worker/mesh/surface_nets.hpp"
+#include "worker/fusion/tsdf_volume.hpp"
 
 namespace divemesh::worker {
 namespace {

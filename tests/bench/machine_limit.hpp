@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 
 namespace divemesh::bench {
 

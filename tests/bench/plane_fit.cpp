@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/output/ply.hpp"
+#include "worker/io/ply.hpp"
 
 namespace divemesh::bench {
 namespace {

@@ -17,10 +17,10 @@
 #include "tests/bench/simulated_dives.hpp"
 #include "tests/bench/square_truth.hpp"
 #include "tests/temporary_folder.hpp"
-#include "worker/metrics/trajectory_error.hpp"
-#include "worker/output/ply.hpp"
-#include "worker/output/reconstruction_folder.hpp"
-#include "worker/output/trajectory_file.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/io/reconstruction_folder.hpp"
+#include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::bench {
 namespace {

@@ -11,8 +11,8 @@
 #include "tests/bench/program.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/metrics/known_distances.hpp"
-#include "worker/metrics/surface_index.hpp"
+#include "worker/evaluation/known_distances.hpp"
+#include "worker/evaluation/surface_index.hpp"
 
 namespace divemesh::bench {
 namespace {

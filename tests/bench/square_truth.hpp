@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/metrics/surface_index.hpp"
+#include "worker/evaluation/surface_index.hpp"
 
 namespace divemesh::bench {
 

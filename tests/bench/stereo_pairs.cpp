@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/steps/match_stereo.hpp"
+#include "worker/stereo/match_stereo.hpp"
 
 namespace divemesh::bench {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "tests/bench/kernel_images.hpp"
 #include "tests/bench/measured.hpp"
-#include "worker/steps/align_patch.hpp"
-#include "worker/tracking/corner_scores.hpp"
+#include "worker/features/align_patch.hpp"
+#include "worker/features/corner_scores.hpp"
 
 namespace divemesh::bench {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "sensor/link.hpp"
+#include "sensor/link/link.hpp"
 #include "tests/end_to_end/service.hpp"
 
 namespace divemesh::sensor {

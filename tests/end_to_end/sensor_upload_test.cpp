@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "api/client/dive_tar.hpp"
-#include "sensor/dive_uploads.hpp"
+#include "sensor/uploads/dive_uploads.hpp"
 #include "tests/end_to_end/service.hpp"
 #include "tests/flaky_proxy.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "schemas/error.hpp"
 #include "tests/fuzz/input.hpp"
-#include "worker/output/mesh_reader.hpp"
+#include "worker/io/mesh_reader.hpp"
 
 // OBJ and GLB: no triangle of what is read names a vertex that is missing, and memory stays a
 // small multiple of the file.

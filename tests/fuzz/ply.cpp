@@ -1,4 +1,4 @@
-#include "worker/output/ply.hpp"
+#include "worker/io/ply.hpp"
 
 #include <cstdlib>
 

@@ -11,7 +11,7 @@
 #include "api/idempotency.hpp"
 #include "api/metrics.hpp"
 #include "api/readiness.hpp"
-#include "api/report_queue.hpp"
+#include "api/sensors/report_queue.hpp"
 #include "api/services.hpp"
 #include "server/event_hub.hpp"
 #include "server/session_context.hpp"

@@ -1,12 +1,12 @@
-#include "api/tus_headers.hpp"
+#include "api/uploads/tus_headers.hpp"
 
 #include <cstdlib>
 
 #include "api/byte_range.hpp"
 #include "api/etag.hpp"
 #include "api/target.hpp"
-#include "api/upload_checksum.hpp"
-#include "api/upload_metadata.hpp"
+#include "api/uploads/upload_checksum.hpp"
+#include "api/uploads/upload_metadata.hpp"
 #include "api/webhook_target.hpp"
 #include "schemas/error.hpp"
 #include "tests/fuzz/input.hpp"

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <thread>
 
-#include "sensor/link.hpp"
-#include "sensor/preview_maker.hpp"
+#include "sensor/link/link.hpp"
+#include "sensor/preview/preview_maker.hpp"
 #include "tests/flaky_proxy.hpp"
 #include "tests/sensor/stream_server.hpp"
 #include "tests/temporary_folder.hpp"

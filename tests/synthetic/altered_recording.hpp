@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "worker/recording.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::synthetic {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/geometry/rectified_rig.hpp"
+#include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::synthetic {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/estimation/preintegration.hpp"
-#include "worker/geometry/rotation_vector.hpp"
+#include "worker/imu/preintegration.hpp"
+#include "worker/base/rotation_vector.hpp"
 
 // What a perfect inertial unit feels on a way that is given as a function of time,
 // T_world_imu(t_s).

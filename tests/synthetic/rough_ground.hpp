@@ -5,7 +5,7 @@
 #include <functional>
 #include <random>
 
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::synthetic {
 

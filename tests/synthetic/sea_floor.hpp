@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/estimation/loops/described_keypoints.hpp"
-#include "worker/keyframe.hpp"
+#include "worker/features/described_keypoints.hpp"
+#include "worker/types/keyframe.hpp"
 
 namespace divemesh::synthetic {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/recording.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::synthetic {
 

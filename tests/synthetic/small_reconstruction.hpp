@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "worker/output/ply.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::synthetic {
 

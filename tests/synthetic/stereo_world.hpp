@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tests/synthetic/ideal_rig.hpp"
-#include "worker/geometry/rotation_vector.hpp"
-#include "worker/steps/feature.hpp"
-#include "worker/steps/with_depth_at_both_times.hpp"
+#include "worker/base/rotation_vector.hpp"
+#include "worker/types/feature.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
 
 namespace divemesh::synthetic {
 

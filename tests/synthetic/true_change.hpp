@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "worker/metrics/trajectory_error.hpp"
-#include "worker/output/trajectory_file.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+#include "worker/io/trajectory_file.hpp"
 #include "worker/simulator/ray_caster.hpp"
 #include "worker/simulator/scene.hpp"
 

@@ -6,9 +6,9 @@
 
 #include "worker/compare/coarse_alignment.hpp"
 #include "worker/compare/surface_raster.hpp"
-#include "worker/geometry/horn.hpp"
-#include "worker/simulator/hashed_random.hpp"
-#include "worker/volume/mean_edge.hpp"
+#include "worker/base/horn.hpp"
+#include "worker/base/hashed_random.hpp"
+#include "worker/mesh/mean_edge.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "worker/compare/coarse_alignment.hpp"
-#include "worker/parallel.hpp"
+#include "worker/base/parallel.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,5 +1,5 @@
 #include "worker/compare/coarse_alignment.hpp"
-#include "worker/geometry/horn.hpp"
+#include "worker/base/horn.hpp"
 
 namespace divemesh::worker {
 namespace {

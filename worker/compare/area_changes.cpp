@@ -8,7 +8,7 @@
 #include "worker/compare/change_sums.hpp"
 #include "worker/compare/label_changes.hpp"
 #include "worker/compare/outlined_cells.hpp"
-#include "worker/output/csv_cell.hpp"
+#include "worker/io/csv_cell.hpp"
 
 namespace divemesh::worker {
 namespace {

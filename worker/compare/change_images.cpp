@@ -8,7 +8,7 @@
 
 #include "worker/compare/changed_mesh.hpp"
 #include "worker/compare/outlined_cells.hpp"
-#include "worker/output/atomic_file.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "worker/compare/change_scatter.hpp"
-#include "worker/parallel.hpp"
+#include "worker/base/parallel.hpp"
 
 namespace divemesh::worker {
 namespace {

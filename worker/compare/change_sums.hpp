@@ -2,7 +2,7 @@
 
 #include "worker/compare/change_map.hpp"
 #include "worker/compare/change_noise.hpp"
-#include "worker/reef/estimate.hpp"
+#include "worker/stats/estimate.hpp"
 
 namespace divemesh::worker {
 

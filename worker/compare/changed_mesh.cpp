@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "worker/output/atomic_file.hpp"
+#include "worker/base/atomic_file.hpp"
 
 namespace divemesh::worker {
 namespace {

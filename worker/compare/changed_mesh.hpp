@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worker/compare/m3c2.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

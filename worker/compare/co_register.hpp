@@ -4,8 +4,8 @@
 
 #include "worker/compare/coarse_alignment.hpp"
 #include "worker/compare/point_to_plane_icp.hpp"
-#include "worker/parallel.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/base/parallel.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

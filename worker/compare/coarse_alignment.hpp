@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "worker/markers/marker_positions.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/compare/marker_positions.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

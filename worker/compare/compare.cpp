@@ -11,11 +11,11 @@
 #include "worker/compare/co_register.hpp"
 #include "worker/compare/compare_document.hpp"
 #include "worker/compare/compare_report.hpp"
-#include "worker/output/atomic_file.hpp"
-#include "worker/output/mesh_check.hpp"
-#include "worker/parallel.hpp"
+#include "worker/base/atomic_file.hpp"
+#include "worker/io/mesh_check.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/stats/quantile.hpp"
-#include "worker/volume/mean_edge.hpp"
+#include "worker/mesh/mean_edge.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "worker/observer.hpp"
+#include "worker/base/observer.hpp"
 
 namespace divemesh::worker {
 

@@ -4,7 +4,7 @@
 
 #include "worker/compare/change_patches.hpp"
 #include "worker/compare/compare.hpp"
-#include "worker/output/reconstruction_folder.hpp"
+#include "worker/io/reconstruction_folder.hpp"
 
 namespace divemesh::worker {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "schemas/error.hpp"
-#include "worker/output/reconstruction_folder.hpp"
+#include "worker/io/reconstruction_folder.hpp"
 
 namespace divemesh::worker {
 

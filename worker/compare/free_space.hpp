@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/metrics/surface_index.hpp"
+#include "worker/evaluation/surface_index.hpp"
 
 namespace divemesh::worker {
 

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "worker/parallel.hpp"
+#include "worker/base/parallel.hpp"
 
 namespace divemesh::worker {
 namespace {

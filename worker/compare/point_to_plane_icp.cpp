@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "worker/geometry/rotation_vector.hpp"
-#include "worker/parallel.hpp"
+#include "worker/base/rotation_vector.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "worker/volume/triangle_pixels.hpp"
+#include "worker/mesh/triangle_pixels.hpp"
 
 namespace divemesh::worker {
 namespace {

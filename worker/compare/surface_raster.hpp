@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

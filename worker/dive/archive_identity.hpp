@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "worker/observer.hpp"
+#include "worker/base/observer.hpp"
 
 namespace divemesh::worker {
 

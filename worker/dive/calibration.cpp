@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "worker/dive/entry_name.hpp"
-#include "worker/dive/text.hpp"
-#include "worker/geometry/projection.hpp"
+#include "worker/base/text.hpp"
+#include "worker/camera/projection.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "worker/dive/sensor_yaml.hpp"
-#include "worker/geometry/camera.hpp"
+#include "worker/types/camera.hpp"
 
 namespace divemesh::worker {
 

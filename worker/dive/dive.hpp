@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
-#include "worker/geometry/geographic_position.hpp"
-#include "worker/markers/marker_plan.hpp"
-#include "worker/observer.hpp"
-#include "worker/recording.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/geographic_position.hpp"
+#include "worker/dive/marker_plan.hpp"
+#include "worker/base/observer.hpp"
+#include "worker/types/recording.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

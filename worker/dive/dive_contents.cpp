@@ -7,7 +7,7 @@
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
-#include "worker/dive/text.hpp"
+#include "worker/base/text.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "schemas/invalid_input.hpp"
 #include "worker/dive/entry_name.hpp"
-#include "worker/dive/text.hpp"
+#include "worker/base/text.hpp"
 
 namespace divemesh::worker {
 namespace {

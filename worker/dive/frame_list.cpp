@@ -6,7 +6,7 @@
 #include "worker/dive/csv.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/stamp_check.hpp"
-#include "worker/dive/text.hpp"
+#include "worker/base/text.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -10,7 +10,7 @@
 #include "worker/dive/dive_files.hpp"
 #include "worker/dive/frame_list.hpp"
 #include "worker/dive/image.hpp"
-#include "worker/recording.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::worker {
 

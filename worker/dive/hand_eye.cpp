@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "worker/dive/text.hpp"
+#include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "worker/dive/finding_log.hpp"
-#include "worker/recording.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::worker {
 

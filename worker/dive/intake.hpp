@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
-#include "worker/observer.hpp"
+#include "worker/base/observer.hpp"
 
 namespace divemesh::worker {
 

@@ -8,9 +8,9 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "worker/dive/text.hpp"
-#include "worker/geometry/projection.hpp"
-#include "worker/geometry/rotation_vector.hpp"
+#include "worker/base/text.hpp"
+#include "worker/camera/projection.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {

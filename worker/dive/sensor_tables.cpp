@@ -7,7 +7,7 @@
 
 #include "worker/dive/csv.hpp"
 #include "worker/dive/stamp_check.hpp"
-#include "worker/dive/text.hpp"
+#include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worker/dive/finding_log.hpp"
-#include "worker/recording.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::worker {
 

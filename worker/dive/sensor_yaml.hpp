@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "worker/dive/finding_log.hpp"
-#include "worker/geometry/rig.hpp"
+#include "worker/types/rig.hpp"
 
 namespace divemesh::worker {
 

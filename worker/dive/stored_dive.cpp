@@ -4,7 +4,7 @@
 
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/motion_check.hpp"
-#include "worker/output/ply.hpp"
+#include "worker/io/ply.hpp"
 
 namespace divemesh::worker {
 namespace {

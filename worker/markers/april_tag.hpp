@@ -3,7 +3,7 @@
 #include <apriltag/apriltag.h>
 #include <memory>
 
-#include "worker/markers/marker_family.hpp"
+#include "worker/dive/marker_family.hpp"
 
 namespace divemesh::worker {
 

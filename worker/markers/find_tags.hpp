@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/markers/marker_plan.hpp"
+#include "worker/dive/marker_plan.hpp"
 
 namespace divemesh::worker {
 

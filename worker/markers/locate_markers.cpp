@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-#include "worker/geometry/rotation_vector.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/markers/triangulate_corners.hpp"
 #include "worker/stats/median.hpp"
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/estimation/pose_covariance.hpp"
-#include "worker/geometry/rectified_rig.hpp"
-#include "worker/keyframe.hpp"
+#include "worker/types/pose_covariance.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/types/keyframe.hpp"
 #include "worker/markers/marker_metrics.hpp"
 
 namespace divemesh::worker {

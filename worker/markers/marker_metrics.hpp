@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
-#include "worker/markers/marker_plan.hpp"
+#include "worker/dive/marker_plan.hpp"
 
 namespace divemesh::worker {
 

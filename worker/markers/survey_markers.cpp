@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "worker/geometry/rectifier.hpp"
+#include "worker/camera/rectifier.hpp"
 #include "worker/markers/find_tags.hpp"
 #include "worker/markers/measure_bars.hpp"
 #include "worker/stats/median.hpp"

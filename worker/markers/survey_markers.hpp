@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "worker/geometry/rerectifier.hpp"
+#include "worker/camera/rerectifier.hpp"
 #include "worker/markers/locate_markers.hpp"
-#include "worker/parallel.hpp"
-#include "worker/recording.hpp"
+#include "worker/base/parallel.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::worker {
 

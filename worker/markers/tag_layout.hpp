@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "worker/markers/marker_family.hpp"
+#include "worker/dive/marker_family.hpp"
 
 namespace divemesh::worker {
 

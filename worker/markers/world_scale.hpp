@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "worker/estimation/pose_covariance.hpp"
-#include "worker/geometry/rig.hpp"
-#include "worker/keyframe.hpp"
-#include "worker/recording.hpp"
+#include "worker/types/pose_covariance.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/types/keyframe.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::worker {
 

@@ -7,8 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "worker/volume/mean_edge.hpp"
-#include "worker/volume/triangle_pixels.hpp"
+#include "worker/mesh/mean_edge.hpp"
+#include "worker/mesh/triangle_pixels.hpp"
 
 namespace divemesh::worker {
 namespace {

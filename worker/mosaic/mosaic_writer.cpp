@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "worker/mosaic/mosaic.hpp"
-#include "worker/output/atomic_file.hpp"
+#include "worker/base/atomic_file.hpp"
 
 namespace divemesh::worker {
 namespace {

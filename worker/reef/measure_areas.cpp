@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "schemas/error.hpp"
-#include "worker/output/mesh_check.hpp"
+#include "worker/io/mesh_check.hpp"
 #include "worker/reef/measure_labels.hpp"
 #include "worker/reef/measure_outline.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "worker/reef/area_set.hpp"
 #include "worker/reef/measure_options.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

@@ -3,9 +3,9 @@
 #include <array>
 
 #include "schemas/error.hpp"
-#include "worker/metrics/trajectory_error.hpp"
-#include "worker/output/csv_cell.hpp"
-#include "worker/output/trajectory_file.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+#include "worker/io/csv_cell.hpp"
+#include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "worker/output/reconstruction_folder.hpp"
+#include "worker/io/reconstruction_folder.hpp"
 #include "worker/reef/measure_areas.hpp"
 
 namespace divemesh::worker {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "worker/reef/area_metrics.hpp"
-#include "worker/reef/estimate.hpp"
+#include "worker/stats/estimate.hpp"
 #include "worker/reef/measure_outline.hpp"
 
 namespace divemesh::worker {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "worker/reef/resample.hpp"
+#include "worker/stats/resample.hpp"
 #include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
 

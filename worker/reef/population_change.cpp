@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "worker/reef/population.hpp"
-#include "worker/reef/resample.hpp"
+#include "worker/stats/resample.hpp"
 #include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
 

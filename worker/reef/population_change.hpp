@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/reef/estimate.hpp"
+#include "worker/stats/estimate.hpp"
 
 namespace divemesh::worker {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/parallel.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/reef/surface_noise.hpp"
 
 namespace divemesh::worker {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "worker/output/mesh_check.hpp"
+#include "worker/io/mesh_check.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::worker {

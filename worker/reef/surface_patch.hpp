@@ -5,7 +5,7 @@
 
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/height_grid.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

@@ -5,7 +5,7 @@
 #include "schemas/json.hpp"
 #include "schemas/metric.hpp"
 #include "schemas/requirement.hpp"
-#include "worker/output/atomic_file.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/report/report_formats.hpp"
 #include "worker/report/report_inputs.hpp"
 #include "worker/report/report_measurements.hpp"

@@ -9,7 +9,7 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/truth_options.hpp"
-#include "worker/observer.hpp"
+#include "worker/base/observer.hpp"
 
 namespace divemesh::worker {
 

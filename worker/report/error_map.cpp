@@ -8,10 +8,10 @@
 #include <limits>
 #include <optional>
 
-#include "worker/metrics/nearest_camera.hpp"
-#include "worker/metrics/surface_index.hpp"
+#include "worker/evaluation/nearest_camera.hpp"
+#include "worker/evaluation/surface_index.hpp"
 #include "worker/mosaic/mosaic.hpp"
-#include "worker/parallel.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::worker {

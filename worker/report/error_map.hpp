@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "worker/metrics/surface_error.hpp"
+#include "worker/evaluation/surface_error.hpp"
 
 namespace divemesh::worker {
 

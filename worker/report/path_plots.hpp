@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/metrics/trajectory_error.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
 #include "worker/report/svg_plot.hpp"
 
 namespace divemesh::worker {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "worker/metrics/evaluation.hpp"
-#include "worker/recording.hpp"
+#include "worker/evaluation/evaluation.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::worker {
 

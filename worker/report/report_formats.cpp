@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-#include "worker/output/csv_cell.hpp"
+#include "worker/io/csv_cell.hpp"
 
 namespace divemesh::worker {
 namespace {

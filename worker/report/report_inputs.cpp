@@ -8,7 +8,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "worker/dive/dive_json.hpp"
-#include "worker/output/mesh_reader.hpp"
+#include "worker/io/mesh_reader.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "schemas/finding.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/output/reconstruction_folder.hpp"
-#include "worker/output/trajectory_file.hpp"
+#include "worker/io/reconstruction_folder.hpp"
+#include "worker/io/trajectory_file.hpp"
 #include "worker/report/accuracy_report.hpp"
 
 namespace divemesh::worker {

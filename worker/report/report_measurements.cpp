@@ -5,9 +5,9 @@
 
 #include "schemas/error.hpp"
 #include "worker/markers/world_scale.hpp"
-#include "worker/metrics/known_distances.hpp"
-#include "worker/metrics/relative_pose_error.hpp"
-#include "worker/metrics/surface_index.hpp"
+#include "worker/evaluation/known_distances.hpp"
+#include "worker/evaluation/relative_pose_error.hpp"
+#include "worker/evaluation/surface_index.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/report/error_map.hpp"
 

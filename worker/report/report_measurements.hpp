@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "worker/metrics/surface_error.hpp"
-#include "worker/metrics/trajectory_error.hpp"
-#include "worker/metrics/truth_registration.hpp"
+#include "worker/evaluation/surface_error.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+#include "worker/evaluation/truth_registration.hpp"
 #include "worker/report/report_inputs.hpp"
 
 namespace divemesh::worker {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "schemas/error.hpp"
-#include "worker/output/mesh_reader.hpp"
+#include "worker/io/mesh_reader.hpp"
 #include "worker/reef/area_set.hpp"
 #include "worker/report/report_inputs.hpp"
 

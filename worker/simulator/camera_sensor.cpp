@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tbb/parallel_for.h>
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

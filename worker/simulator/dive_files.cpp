@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "worker/output/atomic_file.hpp"
+#include "worker/base/atomic_file.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "worker/geometry/rig.hpp"
-#include "worker/markers/marker_plan.hpp"
-#include "worker/recording.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/dive/marker_plan.hpp"
+#include "worker/types/recording.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/simulate.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "schemas/error.hpp"
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "worker/geometry/rig.hpp"
+#include "worker/types/rig.hpp"
 
 namespace divemesh::worker {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/geometry/rig.hpp"
-#include "worker/recording.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/types/recording.hpp"
 #include "worker/simulator/diver_motion.hpp"
 
 namespace divemesh::worker {

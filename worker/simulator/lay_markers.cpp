@@ -7,9 +7,9 @@
 #include <string>
 
 #include "schemas/error.hpp"
-#include "worker/geometry/projection.hpp"
+#include "worker/camera/projection.hpp"
 #include "worker/markers/tag_layout.hpp"
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 #include "worker/simulator/ray_caster.hpp"
 
 namespace divemesh::worker {

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "worker/geometry/rig.hpp"
-#include "worker/markers/marker_plan.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/dive/marker_plan.hpp"
 #include "worker/simulator/diver_motion.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/simulate.hpp"

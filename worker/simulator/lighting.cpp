@@ -7,7 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

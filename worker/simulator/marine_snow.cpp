@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/geometry/projection.hpp"
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/camera/projection.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/geometry/camera.hpp"
+#include "worker/types/camera.hpp"
 #include "worker/simulator/water.hpp"
 
 namespace divemesh::worker {

@@ -1,6 +1,6 @@
 #include "worker/simulator/noise_field.hpp"
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::worker {
 namespace {

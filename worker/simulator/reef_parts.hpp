@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 #include "worker/simulator/noise_field.hpp"
 #include "worker/simulator/scene.hpp"
 

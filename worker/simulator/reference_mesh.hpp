@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worker/simulator/scene.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

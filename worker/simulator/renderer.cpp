@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tbb/parallel_for.h>
 
-#include "worker/geometry/projection.hpp"
+#include "worker/camera/projection.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/geometry/rig.hpp"
+#include "worker/types/rig.hpp"
 #include "worker/simulator/fish.hpp"
 #include "worker/simulator/lighting.hpp"
 #include "worker/simulator/marine_snow.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "worker/simulator/hashed_random.hpp"
+#include "worker/base/hashed_random.hpp"
 #include "worker/simulator/scene.hpp"
 
 // What several scenes are furnished with. Names get the number of the piece appended.

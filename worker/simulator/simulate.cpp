@@ -8,7 +8,7 @@
 #include <tbb/task_arena.h>
 
 #include "schemas/error.hpp"
-#include "worker/output/ply.hpp"
+#include "worker/io/ply.hpp"
 #include "worker/simulator/camera_sensor.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/draw_rig.hpp"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "worker/markers/marker_family.hpp"
-#include "worker/observer.hpp"
+#include "worker/dive/marker_family.hpp"
+#include "worker/base/observer.hpp"
 
 namespace divemesh::worker {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "worker/disjoint_sets.hpp"
+#include "worker/base/disjoint_sets.hpp"
 #include "worker/simulator/ray_caster.hpp"
 
 namespace divemesh::worker {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 
 namespace divemesh::worker {
 

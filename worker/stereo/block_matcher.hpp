@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -4,8 +4,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/instructions.hpp"
-#include "worker/stereo/disparity_range.hpp"
+#include "worker/base/instructions.hpp"
+#include "worker/types/disparity_range.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
 
 namespace divemesh::worker {

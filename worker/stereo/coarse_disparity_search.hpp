@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worker/stereo/census_sgm.hpp"
-#include "worker/stereo/search_outcome.hpp"
+#include "worker/types/search_outcome.hpp"
 
 namespace divemesh::worker {
 

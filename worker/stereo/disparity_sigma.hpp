@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -1,6 +1,6 @@
 #include "worker/stereo/fill_holes.hpp"
 
-#include "worker/lanes.hpp"
+#include "worker/base/lanes.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 #include "worker/stereo/padded_disparity.hpp"
 
 namespace divemesh::worker {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "worker/lanes.hpp"
+#include "worker/base/lanes.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 
 namespace divemesh::worker {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "worker/lanes.hpp"
+#include "worker/base/lanes.hpp"
 #include "worker/stereo/subpixel_refinement.hpp"
 
 namespace divemesh::worker {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/disjoint_sets.hpp"
+#include "worker/base/disjoint_sets.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "worker/lanes.hpp"
+#include "worker/base/lanes.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -3,7 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/instructions.hpp"
+#include "worker/base/instructions.hpp"
 #include "worker/stereo/lucas_kanade_terms.hpp"
 #include "worker/stereo/padded_disparity.hpp"
 

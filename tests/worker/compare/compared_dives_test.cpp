@@ -8,8 +8,8 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/compare/coarse_alignment.hpp"
 #include "worker/compare/compare.hpp"
-#include "worker/output/reconstruction_folder.hpp"
-#include "worker/reconstruct_dive.hpp"
+#include "worker/io/reconstruction_folder.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
 
 namespace divemesh::worker {
 namespace {

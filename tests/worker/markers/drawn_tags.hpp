@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "worker/geometry/rectified_rig.hpp"
-#include "worker/markers/marker_plan.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/dive/marker_plan.hpp"
 #include "worker/markers/tag_layout.hpp"
 
 namespace divemesh::worker {

@@ -9,11 +9,11 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/geometry/rectifier.hpp"
-#include "worker/keyframe_store.hpp"
-#include "worker/output/ply.hpp"
-#include "worker/output/trajectory_file.hpp"
-#include "worker/reconstruct_dive.hpp"
+#include "worker/camera/rectifier.hpp"
+#include "worker/keyframes/keyframe_store.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/io/trajectory_file.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/simulator/simulate.hpp"
 
 namespace divemesh::worker {

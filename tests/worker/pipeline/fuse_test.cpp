@@ -2,8 +2,8 @@
 
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/worker/volume/synthetic_views.hpp"
-#include "worker/reconstruct.hpp"
+#include "tests/worker/fusion/synthetic_views.hpp"
+#include "worker/pipeline/reconstruct.hpp"
 
 namespace divemesh::worker {
 namespace {

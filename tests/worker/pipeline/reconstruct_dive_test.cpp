@@ -1,4 +1,4 @@
-#include "worker/reconstruct_dive.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 
 #include "storage/blob_store.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/worker/cache/blob_stage_store.hpp"
-#include "worker/link_or_copy.hpp"
-#include "worker/reconstruction_stages.hpp"
+#include "tests/worker/pipeline/blob_stage_store.hpp"
+#include "worker/pipeline/link_or_copy.hpp"
+#include "worker/pipeline/reconstruction_stages.hpp"
 #include "worker/simulator/simulate.hpp"
-#include "worker/stage_key_file.hpp"
+#include "worker/pipeline/stage_key_file.hpp"
 
 namespace divemesh::worker {
 namespace {

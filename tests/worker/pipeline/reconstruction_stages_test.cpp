@@ -1,4 +1,4 @@
-#include "worker/reconstruction_stages.hpp"
+#include "worker/pipeline/reconstruction_stages.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "schemas/job.hpp"
 #include "tests/paths.hpp"
-#include "worker/stage_keys.hpp"
+#include "worker/pipeline/stage_keys.hpp"
 
 namespace divemesh::worker {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/run_stages.hpp"
+#include "worker/pipeline/run_stages.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <set>
 
 #include "tests/temporary_folder.hpp"
-#include "worker/binary_file.hpp"
-#include "worker/stage_cache.hpp"
+#include "worker/base/binary_file.hpp"
+#include "worker/pipeline/stage_cache.hpp"
 
 namespace divemesh::worker {
 namespace {

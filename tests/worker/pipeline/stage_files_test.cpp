@@ -1,4 +1,4 @@
-#include "worker/stage_files.hpp"
+#include "worker/pipeline/stage_files.hpp"
 
 #include <gtest/gtest.h>
 

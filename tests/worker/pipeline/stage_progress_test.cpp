@@ -1,4 +1,4 @@
-#include "worker/stage_progress.hpp"
+#include "worker/pipeline/stage_progress.hpp"
 
 #include <gtest/gtest.h>
 

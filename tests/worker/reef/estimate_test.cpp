@@ -1,4 +1,4 @@
-#include "worker/reef/estimate.hpp"
+#include "worker/stats/estimate.hpp"
 
 #include <gtest/gtest.h>
 

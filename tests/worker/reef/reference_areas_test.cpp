@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/paths.hpp"
-#include "worker/output/ply.hpp"
+#include "worker/io/ply.hpp"
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/rugosity.hpp"
 #include "worker/reef/surface_patch.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "worker/reef/area_set.hpp"
-#include "worker/volume/mesh.hpp"
+#include "worker/types/mesh.hpp"
 
 namespace divemesh::worker {
 

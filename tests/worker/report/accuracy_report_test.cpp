@@ -13,8 +13,8 @@
 #include "schemas/error.hpp"
 #include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
-#include "worker/output/ply.hpp"
-#include "worker/output/trajectory_file.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::worker {
 namespace {

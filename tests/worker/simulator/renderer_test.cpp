@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
-#include "worker/geometry/projection.hpp"
+#include "worker/camera/projection.hpp"
 #include "worker/simulator/draw_rig.hpp"
 
 namespace divemesh::worker {

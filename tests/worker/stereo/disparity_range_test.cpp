@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tests/worker/stereo/warped_pair.hpp"
-#include "worker/steps/disparity_search_range.hpp"
-#include "worker/steps/match_stereo.hpp"
+#include "worker/stereo/disparity_search_range.hpp"
+#include "worker/stereo/match_stereo.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/coarse_disparity_search.hpp"
 

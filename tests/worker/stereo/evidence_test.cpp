@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/worker/stereo/warped_pair.hpp"
-#include "worker/steps/match_stereo.hpp"
+#include "worker/stereo/match_stereo.hpp"
 
 namespace divemesh::worker {
 namespace {

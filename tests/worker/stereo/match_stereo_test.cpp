@@ -1,4 +1,4 @@
-#include "worker/steps/match_stereo.hpp"
+#include "worker/stereo/match_stereo.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,11 +5,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "worker/geometry/rectifier.hpp"
+#include "worker/camera/rectifier.hpp"
 #include "worker/simulator/camera_sensor.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/renderer.hpp"
-#include "worker/steps/match_stereo.hpp"
+#include "worker/stereo/match_stereo.hpp"
 
 namespace divemesh::worker {
 namespace {

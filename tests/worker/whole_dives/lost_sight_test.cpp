@@ -8,9 +8,9 @@
 #include "tests/synthetic/altered_recording.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
-#include "worker/metrics/tracking_segments.hpp"
-#include "worker/metrics/trajectory_error.hpp"
-#include "worker/reconstruct.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+#include "worker/pipeline/reconstruct.hpp"
 #include "worker/simulator/simulate.hpp"
 
 namespace divemesh::worker {

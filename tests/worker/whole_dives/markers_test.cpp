@@ -9,10 +9,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/temporary_folder.hpp"
-#include "worker/markers/marker_positions.hpp"
+#include "worker/compare/marker_positions.hpp"
 #include "worker/markers/world_scale.hpp"
-#include "worker/output/reconstruction_folder.hpp"
-#include "worker/reconstruct_dive.hpp"
+#include "worker/io/reconstruction_folder.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/simulate.hpp"

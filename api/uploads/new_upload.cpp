@@ -1,0 +1,30 @@
+#include "api/uploads/new_upload.hpp"
+
+#include "api/quota.hpp"
+#include "api/uploads/upload_metadata.hpp"
+#include "schemas/error.hpp"
+#include "storage/upload_store.hpp"
+
+namespace divemesh::api {
+
+Upload enter_upload(const Services& services,
+                    storage::Catalog& catalog,
+                    const Upload& upload,
+                    const std::vector<std::string>& part_ids) {
+    const ServiceLimits& limits = services.limits;
+    const std::int64_t room = services.blobs.free_bytes() - limits.min_free_bytes;
+    const std::int64_t wanted = upload.length_bytes.value_or(0);
+    if (wanted > room)
+        throw Error(ErrorCode::OutOfSpace,
+                    "the server's disk has no space for " + std::to_string(wanted) +
+                        " bytes: delete dives or ask the administrator");
+    if (!plan_of(upload.metadata).truth) require_dive_of_quota(services, upload.project);
+    const storage::UploadLimits most{.max_bytes_of_project = limits.max_project_bytes,
+                                     .max_open_of_project = limits.max_open_uploads,
+                                     .max_open_of_token = limits.max_token_uploads};
+    storage::UploadStore uploads(catalog);
+    return upload.is_final() ? uploads.create_final(upload, part_ids, most)
+                             : uploads.create(upload, most);
+}
+
+}  // namespace divemesh::api

@@ -1,0 +1,169 @@
+#include "api/uploads/receive_body.hpp"
+
+#include <boost/asio/experimental/awaitable_operators.hpp>
+#include <chrono>
+#include <vector>
+
+#include "api/uploads/chunk_writer.hpp"
+#include "api/in_pool.hpp"
+#include "api/uploads/upload_writer.hpp"
+#include "schemas/error.hpp"
+
+namespace divemesh::api {
+namespace {
+
+using namespace boost::asio::experimental::awaitable_operators;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kChunkBytes = std::size_t{128} << 10;  // two of them a request
+
+enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
+
+// Whether a client holds its connection by a byte now and then.
+class RateGuard {
+public:
+    explicit RateGuard(const ServiceLimits& limits)
+        : window_(limits.rate_window),
+          min_bytes_(limits.min_upload_bytes_per_s * window_.count() / 1000) {}
+
+    bool too_slow(std::size_t num_bytes) {
+        num_bytes_ += static_cast<std::int64_t>(num_bytes);
+        const auto now = Clock::now();
+        if (now - began_ < window_) return false;
+        const bool slow = num_bytes_ < min_bytes_;
+        began_ = now;
+        num_bytes_ = 0;
+        return slow;
+    }
+
+private:
+    std::chrono::milliseconds window_;
+    std::int64_t min_bytes_;
+    std::int64_t num_bytes_ = 0;
+    Clock::time_point began_ = Clock::now();
+};
+
+// A write that fails ends the read beside it, which could last a minute.
+Awaitable<void> write_received_chunk(std::shared_ptr<BodyStream> stream,
+                                     Services services,
+                                     std::shared_ptr<ByteSink> sink,
+                                     std::span<const char> bytes) {
+    auto write = [stream, sink, bytes] {
+        try {
+            sink->write(bytes);
+        } catch (...) {
+            stream->stop();
+            throw;
+        }
+    };
+    co_await in_pool(services.pool, std::move(write));
+}
+
+std::optional<Ending> ending_of(BodyRead::State state) {
+    switch (state) {
+        case BodyRead::State::More: return std::nullopt;
+        case BodyRead::State::End: return Ending::Whole;
+        case BodyRead::State::Stopped: return Ending::Stopped;
+        case BodyRead::State::Lost: break;
+    }
+    return Ending::Lost;
+}
+
+// While one piece is written the next one is read.
+Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
+                              std::shared_ptr<BodyStream> stream,
+                              Services services) {
+    std::vector<char> reading(kChunkBytes);
+    std::vector<char> writing(kChunkBytes);
+    RateGuard rate(services.limits);
+    BodyRead read = co_await stream->read(reading);
+    for (;;) {
+        const auto room = static_cast<std::size_t>(sink->room_bytes());
+        std::optional<Ending> ending = ending_of(read.state);
+        if (!ending && rate.too_slow(read.num_bytes)) ending = Ending::TooSlow;
+        if (read.num_bytes > room) ending = Ending::TooLong;
+        std::swap(reading, writing);
+        const std::span<const char> bytes(writing.data(), std::min(read.num_bytes, room));
+        if (ending) {
+            co_await write_received_chunk(stream, services, sink, bytes);
+            co_return *ending;
+        }
+        read =
+            co_await (write_received_chunk(stream, services, sink, bytes) && stream->read(reading));
+    }
+}
+
+void throw_unless_whole(Ending ending) {
+    switch (ending) {
+        case Ending::Whole: return;
+        case Ending::TooLong:
+            throw Error(ErrorCode::TooLarge,
+                        "the body exceeds Upload-Length: the excess is not kept");
+        case Ending::TooSlow:
+            throw Error(ErrorCode::Unavailable,
+                        "the body arrives too slowly: ask with HEAD how much was received and send "
+                        "the rest");
+        case Ending::Stopped:
+            throw Error(ErrorCode::Conflict,
+                        "a newer request took over this upload, or the server is stopping");
+        case Ending::Lost:
+            throw Error(ErrorCode::Unavailable,
+                        "the body did not arrive completely: ask with HEAD how much was received "
+                        "and send the rest");
+    }
+}
+
+Awaitable<Upload> receive_plain(std::shared_ptr<BodyStream> stream,
+                                Services services,
+                                Upload upload) {
+    auto open = [services, upload] { return std::make_shared<UploadWriter>(services, upload); };
+    auto writer = co_await in_pool(services.pool, std::move(open));
+    std::exception_ptr failure;
+    Ending ending = Ending::Lost;
+    try {
+        ending = co_await stream_into(writer, stream, services);
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    auto finish = [writer] { return writer->finish(); };
+    const Upload received = co_await in_pool(services.pool, std::move(finish));
+    if (failure) std::rethrow_exception(failure);
+    // Bytes that are all here are no less so for a link that broke behind the last one.
+    if (!received.complete() || ending == Ending::TooLong) throw_unless_whole(ending);
+    co_return received;
+}
+
+Awaitable<std::optional<Upload>> receive_checked(std::shared_ptr<BodyStream> stream,
+                                                 Services services,
+                                                 Upload upload,
+                                                 std::shared_ptr<UploadChecksum> checksum) {
+    auto open = [services, upload, checksum] {
+        return std::make_shared<ChunkWriter>(services, upload, std::move(*checksum));
+    };
+    auto chunk = co_await in_pool(services.pool, std::move(open));
+    throw_unless_whole(co_await stream_into(chunk, stream, services));
+    auto begin = [services, upload, chunk]() -> std::shared_ptr<UploadWriter> {
+        return chunk->is_right() ? std::make_shared<UploadWriter>(services, upload) : nullptr;
+    };
+    const auto writer = co_await in_pool(services.pool, std::move(begin));
+    if (!writer) co_return std::nullopt;
+    for (bool more = true; more;) {
+        auto append = [chunk, writer] { return chunk->append_some(*writer); };
+        more = co_await in_pool(services.pool, std::move(append));
+    }
+    auto finish = [writer] { return writer->finish(); };
+    co_return co_await in_pool(services.pool, std::move(finish));
+}
+
+}  // namespace
+
+Awaitable<std::optional<Upload>> receive_body(std::shared_ptr<BodyStream> stream,
+                                              Services services,
+                                              Upload upload,
+                                              std::optional<UploadChecksum> checksum) {
+    if (!checksum) co_return co_await receive_plain(stream, services, std::move(upload));
+    auto shared = std::make_shared<UploadChecksum>(std::move(*checksum));
+    co_return co_await receive_checked(stream, services, std::move(upload), std::move(shared));
+}
+
+}  // namespace divemesh::api

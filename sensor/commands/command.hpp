@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "sensor/clock/server_time.hpp"
+
+namespace divemesh::sensor {
+
+// What the device is asked to do.
+struct Command {
+    std::string id;
+    std::string name;
+    nlohmann::json arguments = nlohmann::json::object();
+    std::int64_t expires_at_ms = 0;  // by the server's clock
+    ServerTime server_time;          // of the stream that it came by
+    std::int64_t came_at_uptime_ms = 0;
+};
+
+// Of the JSON object of a frame; nothing for what is no command.
+std::optional<Command> command_of(const nlohmann::json& json);
+
+}  // namespace divemesh::sensor

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "sensor/preview/preview_maker.hpp"
+#include "worker/camera/rectifier.hpp"
+#include "worker/features/track_features.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
+
+namespace divemesh::sensor {
+
+// A sparse track by vision alone: now and then steps 2 to 6 of the method over two frames that
+// follow each other say how the camera moves, and between two such looks it is taken to move as
+// the mean of both. And how far off that is: by what each look can be off, and by how restlessly
+// the camera is seen to move.
+class LiveOdometry {
+public:
+    explicit LiveOdometry(const worker::Rig& rig);
+
+    // The next look. Pictures CV_8UC1 as recorded and calibrated.
+    void add(const worker::StereoFrame& before, const worker::StereoFrame& now);
+
+    // To where the camera was at the last look whose motion was found.
+    double distance_m() const { return distance_m_; }
+    const Eigen::Isometry3d& T_first_current() const { return T_first_current_; }
+    // Of its position, in all three directions together: one standard deviation.
+    double expected_drift_m() const;
+    int num_assessments() const { return num_assessments_; }
+    int num_lost() const { return num_lost_; }  // of them, whose motion was not found
+    int num_tracked() const { return static_cast<int>(tracks_.size()); }
+    const worker::RectifiedRig& rig() const { return rectifier_.rig(); }
+    const worker::Features& features() const { return features_; }
+    const std::vector<TrackLine>& tracks() const { return tracks_; }
+    const cv::Mat& image() const { return image_; }
+
+private:
+    using Matrix6d = Eigen::Matrix<double, 6, 6>;
+    using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+    // How the camera moves at a look: turn, then way, of T_current_previous, by the second.
+    struct Motion {
+        std::int64_t timestamp_ns = 0;
+        Vector6d rate;        // rad/s, m/s
+        Matrix6d covariance;  // of that
+        double speed_m_s() const;
+    };
+
+    worker::PointPairs follow(const worker::StereoFrame& before,
+                              const worker::StereoFrame& now,
+                              const Eigen::Isometry3d& guess);
+    void advance(const Motion& from, const Motion& to);
+    void learn_unrest(const Motion& before, const Motion& look, const Motion& after);
+    void add_error(const Eigen::Isometry3d& T_current_previous, const Matrix6d& covariance);
+    void show(const worker::PointPairs& pairs);
+
+    worker::Rectifier rectifier_;
+    worker::FeatureTracker tracker_;
+    worker::Features features_;
+    std::vector<TrackLine> tracks_;
+    cv::Mat image_;
+    std::optional<Motion> motion_;  // the last one that was found
+    std::optional<Motion> motion_before_;
+    Eigen::Isometry3d T_first_current_ = Eigen::Isometry3d::Identity();
+    Matrix6d covariance_ = Matrix6d::Zero();  // of that: turn, then position, in the first's frame
+    Vector6d unrest_ = Vector6d::Zero();      // sum over num_changes_ of q, rad^2/s^3 and m^2/s^3
+    int num_changes_ = 0;
+    double distance_m_ = 0.0;
+    int num_assessments_ = 0;
+    int num_lost_ = 0;
+};
+
+}  // namespace divemesh::sensor

@@ -1,0 +1,102 @@
+#include "worker/evaluation/expected_accuracy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/synthetic/sensor_recording.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+struct Known {
+    Known() : trajectory(20), covariances(20) {
+        for (std::size_t i = 0; i < trajectory.size(); ++i) {
+            trajectory[i].timestamp_ns = 100'000'000 * static_cast<std::int64_t>(i);
+            trajectory[i].T_world_imu.translation().x() = static_cast<double>(i);
+        }
+        covariances.back().position_m2 = 1e-4 * Eigen::Matrix3d::Identity();
+        optimise.path = {1e-4, 3.0};
+        optimise.reprojection_rms_px = 0.3;
+    }
+    ExpectedAccuracy expected(std::size_t num_segments = 1) const {
+        return expected_accuracy({.recording = recording,
+                                  .trajectory = trajectory,
+                                  .num_segments = num_segments,
+                                  .covariances = covariances,
+                                  .track = track,
+                                  .optimise = optimise});
+    }
+
+    synthetic::SensorRecording recording;
+    Trajectory trajectory;
+    CovarianceTrack covariances;
+    TrackStatistics track;
+    OptimiseStatistics optimise;
+};
+
+bool left_out(const ExpectedAccuracy& expected, const std::string& metric) {
+    return std::any_of(expected.left_out.begin(), expected.left_out.end(), [&](const auto& left) {
+        return left.metric == metric && !left.reason.empty();
+    });
+}
+
+TEST(ExpectedAccuracyTest, BoundsTheEndByItsCovariance) {
+    const ExpectedAccuracy expected = Known().expected();
+    ASSERT_TRUE(expected.end_bound_m.has_value());
+    EXPECT_NEAR(*expected.end_bound_m, std::sqrt(7.814728e-4), 1e-8);
+    EXPECT_TRUE(left_out(expected, "trajectory.loops"));
+}
+
+TEST(ExpectedAccuracyTest, WhatCannotBeSaidIsLeftOutWithItsReasonAndNeverZero) {
+    Known known;
+    known.covariances.clear();
+    const nlohmann::json metrics = to_metrics(known.expected());
+    EXPECT_FALSE(metrics.contains("trajectory"));
+    EXPECT_FALSE(metrics.contains("scale"));
+    EXPECT_FALSE(metrics.contains("surface"));
+    EXPECT_FALSE(metrics.contains("imu_vision_disagreement_deg"));
+    for (const char* metric :
+         {"trajectory.ate", "scale.accelerometer", "scale.pressure", "surface"})
+        EXPECT_TRUE(left_out(known.expected(), metric)) << metric;
+}
+
+TEST(ExpectedAccuracyTest, OfPiecesThatDoNotHangTogetherNoDriftIsSaid) {
+    EXPECT_FALSE(Known().expected(2).end_bound_m.has_value());
+}
+
+TEST(ExpectedAccuracyTest, LoopsThatAreMissedWidenTheBounds) {
+    Known known;
+    const double before = *known.expected().end_bound_m;
+    known.optimise.loops.num_accepted = 1;
+    known.optimise.loops.residual_m = 0.02;
+    known.optimise.loops.residual_sigmas = 2.0;
+    EXPECT_NEAR(*known.expected().end_bound_m, 2.0 * before, 1e-9);
+    known.optimise.loops.residual_sigmas = 0.5;
+    EXPECT_NEAR(*known.expected().end_bound_m, before, 1e-9);
+}
+
+TEST(ExpectedAccuracyTest, ALargeBoundAndAContradictedScaleAreFindings) {
+    Known known;
+    known.covariances.back().position_m2 = Eigen::Matrix3d::Identity();
+    EXPECT_EQ(known.expected().findings.at(0).code, "drift_may_be_large");
+
+    KnownDistanceErrors distances;
+    for (const auto& [known_m, measured_m] : {std::pair(1.0, 0.951), {1.0, 0.949}, {2.0, 1.9}})
+        distances.distances.push_back({"", known_m, measured_m, 4, 4});
+    distances.num_measured = 3;
+    distances.scale_error = -0.05;
+    const ExpectedAccuracy expected = expected_accuracy({.recording = known.recording,
+                                                         .trajectory = known.trajectory,
+                                                         .covariances = {},
+                                                         .track = known.track,
+                                                         .optimise = known.optimise,
+                                                         .known_distances = &distances});
+    ASSERT_EQ(expected.findings.size(), 1U);
+    EXPECT_EQ(expected.findings[0].code, "scale_contradicted");
+    EXPECT_NE(expected.findings[0].message.find("5.3 % longer"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

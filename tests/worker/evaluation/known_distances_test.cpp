@@ -1,0 +1,211 @@
+#include "worker/evaluation/known_distances.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "worker/camera/projection.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// A rig with distorted lenses and the cameras half a degree apart, 1.2 m above the floor z = 0,
+// looking down while it moves along x.
+class KnownDistancesTest : public testing::Test {
+protected:
+    KnownDistancesTest() {
+        rig_.cam0 = {640, 480, 490.0, 489.0, 321.0, 239.0};
+        rig_.cam0.distortion_coefficients = {-0.12, 0.03, 4e-4, -3e-4};
+        rig_.cam1 = rig_.cam0;
+        rig_.cam1.cx_px = 318.0;
+        rig_.T_imu_cam0.linear() =
+            Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+        rig_.T_imu_cam0.translation() = Eigen::Vector3d(0.03, -0.02, 0.05);
+        rig_.T_imu_cam1 = rig_.T_imu_cam0 * Eigen::Translation3d(0.12, 0.001, -0.002) *
+                          Eigen::AngleAxisd(0.009, Eigen::Vector3d::UnitY());
+        for (int i = 0; i < 10; ++i) {
+            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+            pose.rotate(Eigen::AngleAxisd(0.02 * i, Eigen::Vector3d::UnitZ()));
+            pose.translation() = Eigen::Vector3d(0.1 * i - 0.5, 0.02 * i, 1.2);
+            truth_.push_back({i * std::int64_t{100'000'000}, pose});
+            timestamps_ns_.push_back(i * std::int64_t{100'000'000});
+        }
+        add_square(floor_, 0.0F, 5.0F);
+    }
+
+    static void add_square(Mesh& mesh, float z, float half_side) {
+        const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.insert(mesh.vertices.end(),
+                             {{-half_side, -half_side, z},
+                              {half_side, -half_side, z},
+                              {half_side, half_side, z},
+                              {-half_side, half_side, z}});
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
+    }
+    KnownDistanceErrors measure(const std::vector<KnownDistance>& known,
+                                const Trajectory& trajectory) const {
+        const SurfaceIndex reference(floor_);
+        const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+        return measure_known_distances(known, &truth, rig_, {trajectory, {}});
+    }
+
+    Rig rig_;
+    Trajectory truth_;
+    std::vector<std::int64_t> timestamps_ns_;
+    Mesh floor_;
+    const KnownDistance bar_{"bar", {-0.2, 0.05, 0.0}, {0.2, -0.1, 0.0}, std::hypot(0.4, 0.15)};
+};
+
+TEST_F(KnownDistancesTest, AreExactWithThePosesOfTheTruthInAnyWorld) {
+    Trajectory elsewhere = truth_;
+    const Eigen::Isometry3d T = Eigen::Translation3d(3, 1, -2) *
+                                Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 1, 0).normalized()) *
+                                Eigen::Isometry3d::Identity();
+    for (StampedPose& pose : elsewhere) pose.T_world_imu = T * pose.T_world_imu;
+    const KnownDistanceErrors errors = measure({bar_}, elsewhere);
+    ASSERT_TRUE(errors.distances[0].measured_m.has_value());
+    EXPECT_NEAR(*errors.distances[0].measured_m, bar_.distance_m, 1e-7);
+    EXPECT_NEAR(errors.scale_error, 0.0, 1e-7);
+    EXPECT_EQ(errors.distances[0].num_keyframes_a, 10);
+}
+
+TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
+    KnownDistance wrong = bar_;
+    wrong.distance_m /= 1.02;  // so ours looks 2 % long
+    const KnownDistanceErrors errors = measure({wrong, wrong}, truth_);
+    EXPECT_NEAR(errors.scale_error, 0.02, 1e-6);
+    EXPECT_NEAR(errors.median_abs_error_m, bar_.distance_m * (1.0 - 1.0 / 1.02), 1e-6);
+}
+
+TEST_F(KnownDistancesTest, AnEndOutsideTheImagesIsNotMeasured) {
+    KnownDistance far = bar_;
+    far.b_world = {4.0, 0.0, 0.0};
+    const KnownDistanceErrors errors = measure({far, bar_}, truth_);
+    EXPECT_FALSE(errors.distances[0].measured_m.has_value());
+    EXPECT_EQ(errors.distances[0].num_keyframes_b, 0);
+    EXPECT_EQ(errors.num_measured, 1);
+    EXPECT_TRUE(to_metrics(errors)["distances"][0]["measured_m"].is_null());
+}
+
+TEST_F(KnownDistancesTest, AnEndUnderACoverIsNotMeasured) {
+    add_square(floor_, 0.3F, 1.0F);
+    const KnownDistanceErrors errors = measure({bar_}, truth_);
+    EXPECT_EQ(errors.distances[0].num_keyframes_a, 0);
+    EXPECT_EQ(errors.num_measured, 0);
+    EXPECT_FALSE(to_metrics(errors).contains("scale_error"));
+}
+
+TEST_F(KnownDistancesTest, AnEndOffEverySurfaceIsNotMeasured) {
+    KnownDistance floating = bar_;
+    floating.a_world.z() = 0.2;
+    EXPECT_EQ(measure({floating}, truth_).distances[0].num_keyframes_a, 0);
+}
+
+TEST_F(KnownDistancesTest, ThreeKeyframesAreTooFew) {
+    timestamps_ns_ = {0, 100'000'000, 200'000'000};
+    const KnownDistanceErrors errors = measure({bar_}, truth_);
+    EXPECT_EQ(errors.distances[0].num_keyframes_a, 3);
+    EXPECT_FALSE(errors.distances[0].measured_m.has_value());
+}
+
+TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
+    const auto marks_of = [&](const Eigen::Vector3d& p_world) {
+        std::vector<Mark> marks;
+        for (const StampedPose& pose : truth_) {
+            const auto left =
+                project(rig_.cam0, (pose.T_world_imu * rig_.T_imu_cam0).inverse() * p_world);
+            const auto right =
+                project(rig_.cam1, (pose.T_world_imu * rig_.T_imu_cam1).inverse() * p_world);
+            marks.push_back({pose.timestamp_ns, left.value(), right});
+        }
+        for (std::size_t i = 0; i < marks.size(); i += 2) marks[i].pixel_right.reset();
+        return marks;
+    };
+    KnownDistance marked{
+        "bar", {}, {}, bar_.distance_m, marks_of(bar_.a_world), marks_of(bar_.b_world)};
+    const auto measured_m = [&] {
+        return measure_known_distances({marked}, nullptr, rig_, {truth_, {}})
+            .distances[0]
+            .measured_m;
+    };
+    EXPECT_NEAR(measured_m().value(), bar_.distance_m, 1e-7);
+
+    marked.marks_a.resize(3);
+    EXPECT_FALSE(measured_m().has_value());  // three frames are too few
+}
+
+TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {
+    KnownDistance marked = bar_;
+    marked.marks_a.assign(6, {-1, {320.0, 240.0}, std::nullopt});
+    marked.marks_b = marked.marks_a;
+    EXPECT_EQ(measure_known_distances({marked}, nullptr, rig_, {truth_, {}}).num_measured, 0);
+}
+
+// The path drifts between seeing one end and the other: by that much the length is uncertain.
+TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
+    CovarianceTrack known_well(2);
+    known_well[1].timestamp_ns = 1'000'000'000;
+    CovarianceTrack drifting = known_well;
+    drifting[1].position_m2 = Eigen::Vector3d(0.0, 4e-4, 1e-4).asDiagonal();
+    KnownDistance marked = bar_;
+    const SurfaceIndex reference(floor_);
+    const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+    const auto marks_a = mark_point(bar_.a_world, truth), marks_b = mark_point(bar_.b_world, truth);
+    marked.marks_a.assign(marks_a.begin(), marks_a.begin() + 4);  // 0 to 0.3 s
+    marked.marks_b.assign(marks_b.end() - 4, marks_b.end());      // 0.6 to 0.9 s
+    const auto sigma_m = [&](const CovarianceTrack& covariances) {
+        return measure_known_distances({marked}, nullptr, rig_, {truth_, covariances})
+            .distances[0]
+            .sigma_m;
+    };
+    EXPECT_FALSE(sigma_m({}).has_value());
+    EXPECT_NEAR(sigma_m(known_well).value(), 0.001 * bar_.distance_m, 1e-8);
+    // Variances rise by 4e-4 m2 a second, and the ends were seen 0.6 s apart.
+    EXPECT_NEAR(sigma_m(drifting).value(),
+                std::hypot(0.001 * bar_.distance_m, std::sqrt(0.6 * 4e-4)),
+                1e-6);
+}
+
+// Noise of 0.3 px, drawn anew: sigma is what the measured lengths scatter by.
+TEST_F(KnownDistancesTest, SigmaIsTheScatterOfLengthsByNoisyMarks) {
+    const CovarianceTrack known_well(1);
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0.0, 0.3);
+    const SurfaceIndex reference(floor_);
+    const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+    double squares_of_errors = 0.0, variances = 0.0;
+    for (int i = 0; i < 400; ++i) {
+        KnownDistance marked = bar_;
+        marked.marks_a = mark_point(bar_.a_world, truth);
+        marked.marks_b = mark_point(bar_.b_world, truth);
+        for (auto* marks : {&marked.marks_a, &marked.marks_b})
+            for (Mark& mark : *marks) {
+                mark.pixel_left += Eigen::Vector2d(noise(random), noise(random));
+                if (mark.pixel_right)
+                    *mark.pixel_right += Eigen::Vector2d(noise(random), noise(random));
+            }
+        const auto measured =
+            measure_known_distances({marked}, nullptr, rig_, {truth_, known_well}).distances[0];
+        squares_of_errors += std::pow(measured.measured_m.value() - bar_.distance_m, 2);
+        const double by_calibration = 0.001 * bar_.distance_m;
+        variances += std::pow(measured.sigma_m.value(), 2) - by_calibration * by_calibration;
+    }
+    EXPECT_NEAR(std::sqrt(squares_of_errors / variances), 1.0, 0.15);
+}
+
+TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {
+    const SurfaceIndex reference(floor_);
+    std::vector<Mark> marks =
+        mark_point(bar_.a_world, MarkingInput{rig_, truth_, timestamps_ns_, reference});
+    ASSERT_EQ(marks.size(), 10U);
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        marks[i].pixel_left.x() += i % 2 == 0 ? 0.3 : -0.3;
+    const auto point = triangulate(marks, rig_, truth_);
+    ASSERT_TRUE(point.has_value());
+    EXPECT_LT((*point - bar_.a_world).norm(), 1e-3);  // 0.3 px at 1.2 m are 0.7 mm
+}
+
+}  // namespace
+}  // namespace divemesh::worker

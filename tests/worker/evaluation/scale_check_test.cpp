@@ -1,0 +1,137 @@
+#include "worker/evaluation/scale_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <random>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kDuration_s = 60.0;
+
+Eigen::Vector3d position(double t) {
+    return {0.3 * t + 0.1 * std::sin(2.1 * t), 0.15 * std::sin(1.3 * t), 0.8 * std::sin(0.4 * t)};
+}
+Eigen::Vector3d acceleration(double t) {
+    return {-0.1 * 2.1 * 2.1 * std::sin(2.1 * t),
+            -0.15 * 1.3 * 1.3 * std::sin(1.3 * t),
+            -0.8 * 0.4 * 0.4 * std::sin(0.4 * t)};
+}
+Eigen::Matrix3d orientation(double t) {
+    return (Eigen::AngleAxisd(0.3 * std::sin(0.5 * t), Eigen::Vector3d::UnitX()) *
+            Eigen::AngleAxisd(0.2 * t, Eigen::Vector3d::UnitZ()))
+        .toRotationMatrix();
+}
+
+// The cameras have every length `shrunk` times as long as it is.
+Trajectory path_seen(double shrunk, double duration_s = kDuration_s) {
+    Trajectory trajectory;
+    for (int i = 0; i <= std::lround(10.0 * duration_s); ++i) {
+        StampedPose pose{i * std::int64_t{100'000'000}, Eigen::Isometry3d::Identity()};
+        pose.T_world_imu.linear() = orientation(0.1 * i);
+        pose.T_world_imu.translation() = shrunk * position(0.1 * i);
+        trajectory.push_back(pose);
+    }
+    return trajectory;
+}
+
+std::vector<ImuSample> imu_felt(double noise_m_s2, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, noise_m_s2);
+    std::vector<ImuSample> imu;
+    for (int i = 0; i <= 200 * static_cast<int>(kDuration_s); ++i) {
+        const double t = 0.005 * i;
+        ImuSample sample;
+        sample.timestamp_ns = i * std::int64_t{5'000'000};
+        sample.acceleration_imu =
+            orientation(t).transpose() * (acceleration(t) + Eigen::Vector3d(0.0, 0.0, 9.81)) +
+            Eigen::Vector3d(0.05, -0.03, 0.08) +
+            Eigen::Vector3d(noise(random), noise(random), noise(random));
+        imu.push_back(sample);
+    }
+    return imu;
+}
+
+std::vector<PressureSample> depth_felt(double noise_m, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, noise_m);
+    std::vector<PressureSample> pressure;
+    for (int i = 0; i <= 10 * static_cast<int>(kDuration_s); ++i)
+        pressure.push_back(
+            {i * std::int64_t{100'000'000}, 7.0 - position(0.1 * i).z() + noise(random)});
+    return pressure;
+}
+
+TEST(ScaleCheckTest, TheAccelerometerFindsAScaleErrorOfTheCameras) {
+    const auto check = scale_by_accelerometer(imu_felt(0.03, 1), path_seen(0.97));
+    ASSERT_TRUE(check.has_value());
+    EXPECT_NEAR(check->scale, 1.0 / 0.97, 3.0 * check->sigma);
+    EXPECT_LT(check->sigma, 0.01);
+}
+
+// Sum over forty runs of the squared error in sigmas.
+double squared_sigmas(double noise_m_s2, double duration_s) {
+    double sum = 0.0;
+    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+        const auto check =
+            scale_by_accelerometer(imu_felt(noise_m_s2, seed), path_seen(1.0, duration_s));
+        if (!check) return 0.0;
+        sum += std::pow((check->scale - 1.0) / check->sigma, 2.0);
+    }
+    return sum;
+}
+
+// 99 % of chi-square with 40 degrees of freedom.
+const auto kAsOfFortyNumbers = testing::AllOf(testing::Gt(20.7), testing::Lt(66.8));
+
+TEST(ScaleCheckTest, ItsSigmaIsAsLargeAsTheErrorsOfFortyRuns) {
+    EXPECT_THAT(squared_sigmas(0.1, kDuration_s), kAsOfFortyNumbers);
+}
+
+TEST(ScaleCheckTest, OfAShortDiveWithASmallNoiseAsWell) {
+    EXPECT_THAT(squared_sigmas(0.02, 10.0), kAsOfFortyNumbers);
+}
+
+TEST(ScaleCheckTest, AGapOfTheImuCostsItsWindowsAlone) {
+    std::vector<ImuSample> imu = imu_felt(0.03, 1);
+    std::erase_if(imu, [](const ImuSample& sample) {
+        return sample.timestamp_ns > 20'000'000'000 && sample.timestamp_ns < 25'000'000'000;
+    });
+    const auto check = scale_by_accelerometer(imu, path_seen(1.0));
+    ASSERT_TRUE(check.has_value());
+    EXPECT_NEAR(check->scale, 1.0, 3.0 * check->sigma);
+    EXPECT_FALSE(scale_by_accelerometer({}, path_seen(1.0)).has_value());
+}
+
+TEST(ScaleCheckTest, ThePressureFindsAScaleErrorOfTheCameras) {
+    const auto check = scale_by_pressure(depth_felt(0.02, 1), path_seen(0.95), 0.0);
+    ASSERT_TRUE(check.has_value());
+    EXPECT_NEAR(check->scale, 1.0 / 0.95, 3.0 * check->sigma);
+    EXPECT_LT(check->sigma, 0.01);
+    EXPECT_GT(scale_by_pressure(depth_felt(0.02, 1), path_seen(0.95), 0.05)->sigma, check->sigma);
+    EXPECT_FALSE(scale_by_pressure({}, path_seen(1.0), 0.0).has_value());
+}
+
+TEST(ScaleCheckTest, KnownDistancesSayTheScaleAndHowWellTheyAgree) {
+    KnownDistanceErrors errors;
+    for (const auto& [known, measured] : {std::pair(1.0, 0.981), {1.0, 0.979}, {2.0, 1.960}})
+        errors.distances.push_back({"", known, measured, 4, 4});
+    errors.num_measured = 3;
+    errors.scale_error = -0.02;
+    const auto check = scale_by_distances(errors, {});
+    ASSERT_TRUE(check.has_value());
+    EXPECT_NEAR(check->scale, 1.0 / 0.98, 1e-9);
+    // Residuals of 1 mm, 1 mm and nothing; squares of the lengths add up to 6.
+    EXPECT_NEAR(check->sigma, std::sqrt(2e-6 / 2.0 / 6.0), 1e-9);
+    // The poses move ends that are 2 m apart by 3 mm, those of the shorter lengths by 3 / sqrt(2).
+    const double by_poses = (2.0 * 0.003 / std::sqrt(2.0) + 2.0 * 0.003) / 6.0;
+    EXPECT_NEAR(
+        scale_by_distances(errors, {0.003, 2.0})->sigma, std::hypot(check->sigma, by_poses), 1e-9);
+    errors.num_measured = 2;
+    EXPECT_FALSE(scale_by_distances(errors, {}).has_value());
+}
+
+}  // namespace
+}  // namespace divemesh::worker

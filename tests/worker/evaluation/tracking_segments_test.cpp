@@ -1,0 +1,50 @@
+#include "worker/evaluation/tracking_segments.hpp"
+
+#include <gtest/gtest.h>
+
+namespace divemesh::worker {
+namespace {
+
+// Ten frames, 0.1 m apart; keyframes 0, 4 and 8 of the pieces given.
+Trajectory frames() {
+    Trajectory trajectory;
+    for (int i = 0; i < 10; ++i)
+        trajectory.push_back({i, Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0.0, 0.0))});
+    return trajectory;
+}
+
+std::vector<Keyframe> keyframes(std::int32_t at_0, std::int32_t at_4, std::int32_t at_8) {
+    return {{0, 0, Eigen::Isometry3d::Identity(), at_0},
+            {4, 4, Eigen::Isometry3d::Identity(), at_4},
+            {8, 8, Eigen::Isometry3d::Identity(), at_8}};
+}
+
+TEST(PiecesTest, ADiveThatNeverLosesTheSceneIsOne) {
+    const auto segments = segments_of(frames(), keyframes(0, 0, 0));
+    ASSERT_EQ(segments.size(), 1U);
+    EXPECT_EQ(segments[0].num_frames, 10);
+    EXPECT_EQ(segments[0].num_keyframes, 3);
+    EXPECT_NEAR(segments[0].path_length_m, 0.9, 1e-12);
+    EXPECT_EQ(segments_of(frames(), {}).size(), 1U);
+}
+
+TEST(PiecesTest, APieceThatWasFoundAgainHasTwoIntervals) {
+    const auto segments = segments_of(frames(), keyframes(0, 1, 0));
+    ASSERT_EQ(segments.size(), 2U);
+    ASSERT_EQ(segments[0].intervals.size(), 2U);
+    EXPECT_EQ(segments[0].intervals[0].last_ns, 3);
+    EXPECT_EQ(segments[0].intervals[1].first_ns, 8);
+    EXPECT_EQ(segments[0].num_frames, 6);
+    EXPECT_EQ(segments[1].num_frames, 4);
+    EXPECT_NEAR(segments[0].path_length_m, 0.4, 1e-12);  // the jump between is no path
+}
+
+TEST(PiecesTest, TheLargestHasMostFrames) {
+    const Trajectory largest = largest_segment(frames(), keyframes(0, 1, 1));
+    ASSERT_EQ(largest.size(), 6U);
+    EXPECT_EQ(largest.front().timestamp_ns, 4);
+    EXPECT_TRUE(largest_segment({}, {}).empty());
+}
+
+}  // namespace
+}  // namespace divemesh::worker

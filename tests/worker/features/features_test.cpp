@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/stereo_world.hpp"
+#include "tests/synthetic/texture.hpp"
+#include "worker/features/align_patch.hpp"
+#include "worker/features/match_sparse_stereo.hpp"
+#include "worker/features/track_features.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kNumFeatures = 300;
+
+RectifiedRig small_rig() { return synthetic::ideal_rig(320, 240, 500.0); }
+
+TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
+    const cv::Mat before = synthetic::textured_image(0.0, 0.0);
+    const cv::Mat after = synthetic::textured_image(1.37, -0.82, 0.6, 90.0);
+    const auto patch = Patch::read(before, {150.3, 100.6});
+    ASSERT_TRUE(patch);
+
+    const auto found = patch->align(after, {150.3, 100.6});
+
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->pixel.x(), 151.67, 0.03);
+    EXPECT_NEAR(found->pixel.y(), 99.78, 0.03);
+    EXPECT_GT(found->correlation, 0.99);
+}
+
+TEST(PatchTest, RefusesWhatHasNoContrastOrLiesAtTheBorder) {
+    const cv::Mat flat(240, 320, CV_8U, cv::Scalar(100));
+    EXPECT_FALSE(Patch::read(flat, {100.0, 100.0}));
+    EXPECT_FALSE(Patch::read(synthetic::textured_image(0.0, 0.0), {3.0, 100.0}));
+}
+
+TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
+    RectifiedFrame frame;
+    frame.left = synthetic::textured_image(0.0, 0.0);
+    frame.right = synthetic::textured_image(-23.4, 0.0, 0.8, 110.0);
+    Features features;
+    for (int i = 0; i < 40; ++i)
+        features.push_back({i, {60.0 + 20.0 * (i % 8), 40.0 + 30.0 * (i / 8)}, 0.0});
+
+    match_sparse_stereo(frame, {}, 64, features);
+
+    int num_found = 0;
+    for (const Feature& feature : features) {
+        if (!has_depth(feature)) continue;
+        ++num_found;
+        EXPECT_NEAR(feature.disparity_px, 23.4, 0.1) << "feature " << feature.id;
+    }
+    EXPECT_GE(num_found, 30);
+}
+
+TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
+    FeatureTracker tracker(small_rig(), kNumFeatures);
+    tracker.track(synthetic::textured_image(0.0, 0.0), {}, Eigen::Isometry3d::Identity());
+    const Features before = tracker.detect({});
+    ASSERT_GE(before.size(), 100U);
+
+    const Features after = tracker.track(
+        synthetic::textured_image(3.2, -2.6, 0.8, 100.0), before, Eigen::Isometry3d::Identity());
+
+    EXPECT_GE(after.size(), before.size() * 6 / 10);
+    for (const Feature& feature : after) {
+        const Feature& start = before[static_cast<std::size_t>(feature.id)];
+        EXPECT_LT((feature.pixel - start.pixel - Eigen::Vector2d(3.2, -2.6)).norm(), 0.25);
+    }
+}
+
+TEST(FeatureTrackerTest, ADarkImageGivesNoFeatures) {
+    FeatureTracker tracker(small_rig(), kNumFeatures);
+    const cv::Mat black(240, 320, CV_8U, cv::Scalar(0));
+    tracker.track(black, {}, Eigen::Isometry3d::Identity());
+    EXPECT_TRUE(tracker.detect({}).empty());
+}
+
+}  // namespace
+}  // namespace divemesh::worker

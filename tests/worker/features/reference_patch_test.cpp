@@ -1,0 +1,69 @@
+#include "worker/features/reference_patch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tests/synthetic/sea_floor.hpp"
+#include "worker/features/track_features.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using synthetic::SeaFloor;
+
+// Down to the floor and about the line of sight.
+Eigen::Isometry3d T_world_cam(int frame) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation() << 0.005 * frame, 0.0, 0.02 * frame;
+    T.rotate(Eigen::AngleAxisd(0.02 * frame, Eigen::Vector3d::UnitZ()));
+    return T;
+}
+
+cv::Mat look(const SeaFloor& floor, int frame) {
+    cv::Mat left;
+    cv::extractChannel(floor.look(T_world_cam(frame)).left_color, left, 0);
+    return left;
+}
+
+void measure(int frame, Features& features) {
+    for (Feature& feature : features)
+        feature.disparity_px = synthetic::small_rig().disparity_px(
+            SeaFloor::seen_at(T_world_cam(frame), feature.pixel.x(), feature.pixel.y()).z());
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+TEST(ReferencePatchTest, AFeatureStaysInItsPlaceWhileTheCameraTurnsAndComesNearer) {
+    constexpr int kNumFrames = 20;
+    const RectifiedRig rig = synthetic::small_rig();
+    const SeaFloor floor;
+    FeatureTracker tracker(rig, 300);
+    tracker.track(look(floor, 0), {}, Eigen::Isometry3d::Identity());
+    Features features = tracker.detect({});
+    measure(0, features);
+    std::map<std::int64_t, Eigen::Vector3d> p_world;
+    for (const Feature& feature : features)
+        p_world[feature.id] = T_world_cam(0) * point_cam(rig, feature);
+    const std::size_t num_first = features.size();
+    for (int k = 1; k <= kNumFrames; ++k) {
+        features =
+            tracker.track(look(floor, k), features, T_world_cam(k).inverse() * T_world_cam(k - 1));
+        measure(k, features);
+    }
+    EXPECT_GE(features.size(), num_first / 3);  // others have left the picture
+    std::vector<double> errors_px;
+    for (const Feature& feature : features)
+        errors_px.push_back(
+            (rig.pixel(T_world_cam(kNumFrames).inverse() * p_world[feature.id]) - feature.pixel)
+                .norm());
+    EXPECT_LT(median(errors_px), 0.15);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

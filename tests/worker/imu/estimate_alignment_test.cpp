@@ -1,0 +1,116 @@
+#include "worker/imu/estimate_alignment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "worker/base/rotation_vector.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+
+// A diver's sway: turns about all three axes, a few degrees a second.
+Eigen::Quaterniond q_world_body(double t) {
+    return rotation_from_vector({0.1 * std::sin(1.1 * t), 0.0, 0.0}) *
+           rotation_from_vector({0.0, 0.12 * std::sin(0.8 * t + 0.5), 0.0}) *
+           rotation_from_vector({0.0, 0.0, 0.3 * t + 0.15 * std::sin(0.6 * t + 1.0)});
+}
+
+// 30 s of a gyroscope at 200 Hz that sits and stamps as `error` says.
+std::vector<ImuSample> gyroscope(const ImuAlignment& error) {
+    std::vector<ImuSample> samples;
+    for (int i = -100; i <= 6100; ++i) {
+        const double t = 0.005 * i;
+        constexpr double kStep = 1e-4;
+        const Eigen::Vector3d rate_body =
+            vector_from_rotation(q_world_body(t - kStep).conjugate() * q_world_body(t + kStep)) /
+            (2.0 * kStep);
+        ImuSample sample;
+        sample.timestamp_ns = std::int64_t{5'000'000} * i + std::llround(1e9 * error.time_offset_s);
+        sample.angular_velocity_imu =
+            error.q_body_imu.conjugate() * rate_body + Eigen::Vector3d(0.01, -0.02, 0.015);
+        samples.push_back(sample);
+    }
+    return samples;
+}
+
+// What the pictures see at 10 Hz, one in twelve of them wrongly.
+std::vector<VisionRotation> vision_rotations(double noise_rad, double wrong_rad) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    const auto noise = [&](double sigma) {
+        return rotation_from_vector(
+            sigma * Eigen::Vector3d(normal(random), normal(random), normal(random)));
+    };
+    std::vector<VisionRotation> rotations;
+    for (int i = 0; i < 300; ++i) {
+        VisionRotation rotation;
+        rotation.from_ns = std::int64_t{100'000'000} * i;
+        rotation.to_ns = rotation.from_ns + 100'000'000;
+        rotation.q_from_to = q_world_body(0.1 * i).conjugate() * q_world_body(0.1 * (i + 1)) *
+                             noise(noise_rad) * noise(i % 12 == 5 ? wrong_rad : 0.0);
+        rotations.push_back(rotation);
+    }
+    return rotations;
+}
+
+ImuAlignment injected(double offset_s, const Eigen::Vector3d& rotation_deg) {
+    return {offset_s, rotation_from_vector(kDeg * rotation_deg)};
+}
+
+TEST(ImuAlignmentTest, FindsOffsetAndRotationExactlyWithoutNoise) {
+    for (const double offset_s : {-0.045, -0.008, 0.0, 0.008, 0.03}) {
+        const ImuAlignment error = injected(offset_s, {0.7, -0.5, 0.5});
+        const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(0.0, 0.0));
+
+        ASSERT_TRUE(estimate);
+        EXPECT_NEAR(estimate->alignment.time_offset_s, offset_s, 1e-4);
+        EXPECT_LT(estimate->alignment.q_body_imu.angularDistance(error.q_body_imu), 0.02 * kDeg);
+    }
+}
+
+TEST(ImuAlignmentTest, FindsEightMillisecondsAndOneDegreeInNoiseWithWrongTurns) {
+    const ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
+    const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(2e-4, 0.05));
+
+    ASSERT_TRUE(estimate);
+    EXPECT_NEAR(estimate->alignment.time_offset_s, 0.008, 4.0 * estimate->time_offset_sigma_s);
+    EXPECT_LT(estimate->time_offset_sigma_s, 2e-3);
+    EXPECT_LT(estimate->alignment.q_body_imu.angularDistance(error.q_body_imu), 0.3 * kDeg);
+    EXPECT_TRUE(estimate->time_offset_is_significant());
+    EXPECT_TRUE(estimate->rotation_is_significant());
+}
+
+TEST(ImuAlignmentTest, LeavesAGoodCalibrationAlone) {
+    const auto estimate = estimate_alignment(gyroscope({}), vision_rotations(2e-4, 0.05));
+
+    ASSERT_TRUE(estimate);
+    EXPECT_FALSE(estimate->time_offset_is_significant());
+    EXPECT_FALSE(estimate->rotation_is_significant());
+}
+
+TEST(ImuAlignmentTest, SaysNothingWithoutSamplesOrTurns) {
+    EXPECT_FALSE(estimate_alignment({}, vision_rotations(0.0, 0.0)));
+    EXPECT_FALSE(estimate_alignment(gyroscope({}), {}));
+}
+
+TEST(ImuAlignmentTest, AlignedSamplesAreThoseOfAUnitThatSitsAsCalibrated) {
+    const ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
+    const auto straight = gyroscope({});
+    const auto undone = aligned(gyroscope(error), error);
+
+    ASSERT_EQ(undone.size(), straight.size());
+    EXPECT_EQ(undone[50].timestamp_ns, straight[50].timestamp_ns);
+    const Eigen::Vector3d bias(0.01, -0.02, 0.015);
+    EXPECT_LT((undone[50].angular_velocity_imu - straight[50].angular_velocity_imu -
+               (error.q_body_imu * bias - bias))
+                  .norm(),
+              1e-12);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,212 @@
+#include "worker/io/exports.hpp"
+
+#include <archive.h>
+#include <archive_entry.h>
+#include <array>
+#include <cmath>
+#include <geotiff/geotiff.h>
+#include <geotiff/geovalues.h>
+#include <geotiff/xtiffio.h>
+#include <map>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/worker/io/test_files.hpp"
+#include "worker/io/geographic_frame.hpp"
+#include "worker/io/geotiff_writer.hpp"
+#include "worker/io/obj_writer.hpp"
+#include "worker/io/trajectory_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+class ExportsTest : public FileTest {};
+
+Trajectory two_poses() {
+    Trajectory trajectory(2);
+    trajectory[0].timestamp_ns = 1'600'000'000'000'000'001;
+    trajectory[1].timestamp_ns = 1'600'000'000'100'000'002;
+    trajectory[1].T_world_imu.translation() = Eigen::Vector3d(1.5, -2.0, 0.25);
+    trajectory[1].T_world_imu.linear() =
+        Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, -2) / 3.0).toRotationMatrix();
+    return trajectory;
+}
+
+void expect_same_pose(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& truth) {
+    EXPECT_LT((pose.matrix() - truth.matrix()).cwiseAbs().maxCoeff(), 2e-9);
+}
+
+TEST_F(ExportsTest, AnEurocFileReadsBackWithItsStamps) {
+    write_euroc(file("poses.csv"), two_poses());
+
+    const TrajectoryFile read = read_trajectory(file("poses.csv"));
+
+    EXPECT_EQ(read.format, TrajectoryFormat::Euroc);
+    ASSERT_EQ(read.poses.size(), 2U);
+    EXPECT_EQ(read.poses[1].timestamp_ns, 1'600'000'000'100'000'002);
+    expect_same_pose(read.poses[1].T_world_imu, two_poses()[1].T_world_imu);
+}
+
+TEST_F(ExportsTest, AKittiFileHoldsTheUpperThreeRowsOfThePose) {
+    write_kitti(file("poses.txt"), two_poses());
+
+    EXPECT_TRUE(FileTest::read(file("poses.txt"))
+                    .starts_with("1.000000000 0.000000000 0.000000000 0.000000000 0.000000000 "
+                                 "1.000000000 0.000000000 0.000000000 0.000000000 0.000000000 "
+                                 "1.000000000 0.000000000\n"));
+    const TrajectoryFile read = read_trajectory(file("poses.txt"));
+    EXPECT_EQ(read.format, TrajectoryFormat::Kitti);
+    expect_same_pose(read.poses[1].T_world_imu, two_poses()[1].T_world_imu);
+}
+
+// The CN Tower, as the article on UTM of Wikipedia has it: 17N 630084 4833438.
+TEST(GeographicFrameTest, PutsAKnownPlaceWhereItIsKnownToBe) {
+    const UtmFrame frame =
+        utm_frame({43.0 + 38.0 / 60 + 33.24 / 3600, -(79.0 + 23.0 / 60 + 13.7 / 3600), 90.0});
+
+    EXPECT_EQ(frame.epsg, 32617);
+    EXPECT_NEAR(frame.A(0, 2), 630084.0, 1.0);
+    EXPECT_NEAR(frame.A(1, 2), 4833438.0, 1.0);
+}
+
+TEST(GeographicFrameTest, OnTheCentralMeridianTheGridIsNorthAndTheScaleIs0_9996) {
+    const UtmFrame frame = utm_frame({-33.0, 153.0, 90.0});
+
+    EXPECT_EQ(frame.epsg, 32756);
+    EXPECT_NEAR(frame.A(0, 2), 500'000.0, 1e-6);
+    Eigen::Matrix2d scaled = 0.9996 * Eigen::Matrix2d::Identity();
+    EXPECT_LT((frame.A.leftCols<2>() - scaled).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// A second of latitude, whose length on the ellipsoid follows from the meridian's radius of
+// curvature, away from the central meridian, where the grid is turned by 2 degrees.
+TEST(GeographicFrameTest, AStepToTheNorthIsThatOfTheGrid) {
+    constexpr double kStep_deg = 1.0 / 3600;
+    constexpr double kLatitude_deg = 45.0;
+    const double e2 = (2.0 - 1.0 / 298.257223563) / 298.257223563;
+    const double middle = (kLatitude_deg + kStep_deg / 2) * std::numbers::pi / 180.0;
+    const double radius_m =
+        6378137.0 * (1.0 - e2) / std::pow(1.0 - e2 * std::pow(std::sin(middle), 2), 1.5);
+    const double step_m = radius_m * kStep_deg * std::numbers::pi / 180.0;
+    const UtmFrame here = utm_frame({kLatitude_deg, 12.0 + 5.9, 30.0});
+    const UtmFrame north = utm_frame({kLatitude_deg + kStep_deg, 12.0 + 5.9, 30.0});
+
+    // x points to azimuth 30, y to -60: north is cos(30) of x and sin(30) of y
+    const Eigen::Vector3d p_world(
+        step_m * std::cos(std::numbers::pi / 6), step_m * std::sin(std::numbers::pi / 6), 1.0);
+
+    EXPECT_LT((here.A * p_world - north.A.col(2)).norm(), 1e-3);
+}
+
+TEST(GeographicFrameTest, APlaceThatUtmDoesNotCoverIsRefused) {
+    EXPECT_EQ(error_of([] { utm_frame({89.0, 0.0, 0.0}); }).code(), ErrorCode::InvalidArgument);
+    EXPECT_EQ(error_of([] {
+                  utm_frame({0.0, std::nan(""), 0.0});
+              }).code(),
+              ErrorCode::InvalidArgument);
+}
+
+struct CloseTiff {
+    void operator()(TIFF* tiff) const { XTIFFClose(tiff); }
+    void operator()(GTIF* keys) const { GTIFFree(keys); }
+};
+
+TEST_F(ExportsTest, AGeoTiffHoldsItsPlace) {
+    cv::Mat heights(300, 700, CV_32F, cv::Scalar::all(-1.5));
+    RasterFrame frame{32617, {}, "a reef"};
+    frame.A << 0.01, 0.001, 630084.0, 0.001, -0.01, 4833438.0;
+
+    write_geotiff(file("heights.tif"), heights, frame);
+
+    const std::unique_ptr<TIFF, CloseTiff> tiff(XTIFFOpen(file("heights.tif").c_str(), "r"));
+    ASSERT_TRUE(tiff);
+    std::uint16_t count = 0;
+    double* matrix = nullptr;
+    ASSERT_EQ(TIFFGetField(tiff.get(), TIFFTAG_GEOTRANSMATRIX, &count, &matrix), 1);
+    ASSERT_EQ(count, 16);
+    const std::array<double, 8> rows = {0.01, 0.001, 0, 630084.0, 0.001, -0.01, 0, 4833438.0};
+    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_DOUBLE_EQ(matrix[i], rows[i]);
+    const std::unique_ptr<GTIF, CloseTiff> keys(GTIFNew(tiff.get()));
+    std::uint16_t value = 0;
+    GTIFKeyGetSHORT(keys.get(), ProjectedCSTypeGeoKey, &value, 0, 1);
+    EXPECT_EQ(value, 32617);
+    GTIFKeyGetSHORT(keys.get(), GTModelTypeGeoKey, &value, 0, 1);
+    EXPECT_EQ(value, ModelTypeProjected);
+}
+
+TEST_F(ExportsTest, AGeoTiffHoldsItsPixels) {
+    cv::Mat color(270, 300, CV_8UC4, cv::Scalar(10, 20, 30, 255));
+    color.at<cv::Vec4b>(269, 299) = {200, 100, 50, 255};
+    color.at<cv::Vec4b>(0, 299) = {0, 0, 0, 0};
+    cv::Mat heights(270, 300, CV_32F, cv::Scalar::all(0.25));
+    heights.at<float>(3, 299) = std::nanf("");
+
+    write_geotiff(file("color.tif"), color, {32617, {}, ""});
+    write_geotiff(file("heights.tif"), heights, {32617, {}, ""});
+
+    const cv::Mat read = cv::imread(file("color.tif"), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(read.type(), CV_8UC4);
+    EXPECT_EQ(cv::norm(read, color, cv::NORM_INF), 0.0);
+    const cv::Mat read_heights = cv::imread(file("heights.tif"), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(read_heights.type(), CV_32F);
+    EXPECT_TRUE(std::isnan(read_heights.at<float>(3, 299)));
+    EXPECT_EQ(read_heights.at<float>(269, 299), 0.25F);
+}
+
+std::map<std::string, std::string> unzipped(const std::filesystem::path& file) {
+    std::map<std::string, std::string> files;
+    archive* zip = archive_read_new();
+    archive_read_support_format_zip(zip);
+    EXPECT_EQ(archive_read_open_filename(zip, file.c_str(), 1 << 16), ARCHIVE_OK);
+    for (archive_entry* entry = nullptr; archive_read_next_header(zip, &entry) == ARCHIVE_OK;) {
+        std::string& text = files[archive_entry_pathname(entry)];
+        char segment[4096];
+        for (la_ssize_t n = 0; (n = archive_read_data(zip, segment, sizeof segment)) > 0;)
+            text.append(segment, static_cast<std::size_t>(n));
+    }
+    archive_read_free(zip);
+    return files;
+}
+
+TEST_F(ExportsTest, AnObjZipHoldsMeshAndMaterial) {
+    write_obj_zip(file("mesh.zip"), tetrahedron());
+
+    auto files = unzipped(file("mesh.zip"));
+
+    ASSERT_EQ(files.size(), 2U);
+    const std::string& obj = files["mesh.obj"];
+    EXPECT_NE(obj.find("mtllib mesh.mtl\n"), std::string::npos);
+    EXPECT_NE(obj.find("usemtl surface\n"), std::string::npos);
+    EXPECT_NE(obj.find("v 1 0 0 1 0 0\n"), std::string::npos);
+    EXPECT_NE(obj.find("vn 0 0 1\n"), std::string::npos);
+    EXPECT_NE(obj.find("f 1//1 3//3 2//2\n"), std::string::npos);
+    EXPECT_NE(files["mesh.mtl"].find("newmtl surface\n"), std::string::npos);
+}
+
+TEST_F(ExportsTest, TheSameMeshGivesTheSameZip) {
+    write_obj_zip(file("one.zip"), tetrahedron());
+    write_obj_zip(file("two.zip"), tetrahedron());
+
+    EXPECT_EQ(FileTest::read(file("one.zip")), FileTest::read(file("two.zip")));
+}
+
+TEST_F(ExportsTest, AGeoTiffWithoutAPositionSaysWhereToWriteOne) {
+    write("metrics.json", "{}");
+
+    const Error error = error_of([&] {
+        export_reconstruction(
+            ReconstructionFolder(file("")), {ExportFormat::Geotiff}, std::nullopt, file("out"));
+    });
+
+    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    EXPECT_NE(std::string(error.what()).find("dive.json"), std::string::npos);
+}
+
+TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
+    EXPECT_EQ(export_formats("kitti,obj").size(), 2U);
+    const Error error = error_of([] { export_formats("kitti,stl"); });
+    EXPECT_NE(std::string(error.what()).find("geotiff"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

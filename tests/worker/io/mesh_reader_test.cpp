@@ -1,0 +1,128 @@
+#include "worker/io/mesh_reader.hpp"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "tests/worker/io/test_files.hpp"
+#include "worker/io/glb_writer.hpp"
+#include "worker/io/ply.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+class MeshReaderTest : public FileTest {};
+
+std::string word(std::uint32_t value) {
+    std::string bytes(4, '\0');
+    std::memcpy(bytes.data(), &value, 4);
+    return bytes;
+}
+
+std::string glb(const json& document, const std::string& buffer) {
+    const std::string text = document.dump();
+    return "glTF" + word(2) + word(static_cast<std::uint32_t>(28 + text.size() + buffer.size())) +
+           word(static_cast<std::uint32_t>(text.size())) + "JSON" + text +
+           word(static_cast<std::uint32_t>(buffer.size())) + std::string("BIN\0", 4) + buffer;
+}
+
+std::string floats(const std::vector<float>& values) {
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
+// One triangle of three positions, without indices.
+json triangle_document() {
+    return {{"asset", {{"version", "2.0"}}},
+            {"scene", 0},
+            {"scenes", {{{"nodes", {0}}}}},
+            {"nodes", {{{"mesh", 0}, {"translation", {0.0, 0.0, 2.0}}}}},
+            {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}}}}}}},
+            {"accessors",
+             {{{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC3"}, {"count", 3}}}},
+            {"bufferViews", {{{"buffer", 0}, {"byteLength", 36}}}},
+            {"buffers", {{{"byteLength", 36}}}}};
+}
+
+const std::string& triangle_buffer() {
+    static const std::string buffer = floats({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    return buffer;
+}
+
+TEST_F(MeshReaderTest, OurOwnGlbComesBackInTheWorldOfTheMesh) {
+    const Mesh mesh = tetrahedron();
+    write_glb(file("mesh.glb"), mesh);
+    const Mesh read = read_mesh(file("mesh.glb"));
+    ASSERT_EQ(read.vertices.size(), 4U);
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_LT((read.vertices[i] - mesh.vertices[i]).norm(), 1e-6F);
+    EXPECT_EQ(read.triangles, mesh.triangles);
+}
+
+TEST_F(MeshReaderTest, NodesMoveTheirMeshAndUpIsZ) {
+    const Mesh mesh = parse_glb(glb(triangle_document(), triangle_buffer()), "a.glb");
+    // glTF (x, y, z) is our (x, -z, y)
+    EXPECT_LT((mesh.vertices[2] - Eigen::Vector3f(0, -2, 1)).norm(), 1e-6F);
+    ASSERT_EQ(mesh.triangles.size(), 1U);
+}
+
+TEST_F(MeshReaderTest, AHostileGlbIsRefused) {
+    const auto refused = [](json document, const std::string& buffer) {
+        EXPECT_EQ(error_of([&] { parse_glb(glb(document, buffer), "a.glb"); }).code(),
+                  ErrorCode::BadData);
+    };
+    json document = triangle_document();
+    document["accessors"][0]["count"] = 4'000'000'000U;
+    refused(document, triangle_buffer());
+    document = triangle_document();
+    document["bufferViews"][0]["byteOffset"] = 18'000'000'000'000'000'000U;
+    refused(document, triangle_buffer());
+    document = triangle_document();
+    document["nodes"][0]["children"] = {0};
+    refused(document, triangle_buffer());
+    document = triangle_document();
+    document["scenes"][0]["nodes"] = {7};
+    refused(document, triangle_buffer());
+    document = triangle_document();
+    document["accessors"] = "none";
+    refused(document, triangle_buffer());
+    refused(triangle_document(), "short");
+    EXPECT_THROW(parse_glb("glTF", "a.glb"), Error);
+    EXPECT_THROW(parse_glb("glTF" + word(2) + word(9) + word(~0U) + "JSON{}", "a.glb"), Error);
+}
+
+TEST_F(MeshReaderTest, AnObjOfPolygonsAndNegativeIndicesIsCutIntoFans) {
+    const Mesh mesh = read_mesh(write("a.obj",
+                                      "# a square\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\n"
+                                      "v 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3 -1\n"));
+    ASSERT_EQ(mesh.vertices.size(), 4U);
+    const std::vector<std::array<std::uint32_t, 3>> fan = {{0, 1, 2}, {0, 2, 3}};
+    EXPECT_EQ(mesh.triangles, fan);
+}
+
+TEST_F(MeshReaderTest, PointsAloneAreACloudWithTheirColours) {
+    const Mesh cloud = parse_obj("v 1 2 3 1 0 0.5\nv 4 5 6 0 1 0\n", "a.obj");
+    EXPECT_TRUE(cloud.triangles.empty());
+    ASSERT_EQ(cloud.colors.size(), 2U);
+    EXPECT_EQ(cloud.colors[0], (Color{255, 0, 128}));
+}
+
+TEST_F(MeshReaderTest, AnObjThatIsWrongNamesTheLine) {
+    const auto message = [](const std::string& text) {
+        return std::string(error_of([&] { parse_obj(text, "a.obj"); }).what());
+    };
+    EXPECT_NE(message("v 0 0 0\nf 1 2 3\n").find("a.obj:2"), std::string::npos);
+    EXPECT_NE(message("v 0 0\n").find("a.obj:1"), std::string::npos);
+    EXPECT_NE(message("v 0 0 nan\n").find("not a number"), std::string::npos);
+    EXPECT_NE(message("v 0 0 0\nf 1 1\n").find("three corners"), std::string::npos);
+    EXPECT_NE(message("v 0 0 0\nf 0 0 0\n").find("does not exist"), std::string::npos);
+    EXPECT_NE(message("%PDF-1.4\n").find("no vertices"), std::string::npos);
+}
+
+TEST_F(MeshReaderTest, APlyIsToldByItsFirstBytes) {
+    write_ply(file("mesh.dat"), tetrahedron());
+    EXPECT_EQ(read_mesh(file("mesh.dat")).triangles, tetrahedron().triangles);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

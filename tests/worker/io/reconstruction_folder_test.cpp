@@ -1,0 +1,78 @@
+#include "worker/io/reconstruction_folder.hpp"
+
+#include "tests/worker/io/test_files.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/io/trajectory_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+class ReconstructionFolderTest : public FileTest {
+protected:
+    ReconstructionFolderTest() {
+        write("metrics.json",
+              R"({"calibration": {"T_imu_cam0": {"position_m": [0.1, 0, -0.2],
+                  "orientation_wxyz": [0.70710678118, 0, 0, 0.70710678118]}}})");
+        write("keyframes.json",
+              R"({"keyframes": [{"frame_index": 7, "timestamp_ns": 1600000000000000001,
+                  "position_m": [1, 2, 3], "orientation_wxyz": [1, 0, 0, 0]}]})");
+    }
+
+    ReconstructionFolder open() const { return ReconstructionFolder(file("")); }
+};
+
+TEST_F(ReconstructionFolderTest, GivesBackWhatWasWritten) {
+    write_ply(file("mesh.ply"), tetrahedron());
+    Trajectory trajectory(2);
+    trajectory[1].timestamp_ns = 1'600'000'000'000'000'001;
+    trajectory[1].T_world_imu.translation() = Eigen::Vector3d(1.5, -2.0, 0.25);
+    write_tum(file("trajectory.tum"), trajectory);
+
+    const ReconstructionFolder reconstruction = open();
+
+    ASSERT_TRUE(reconstruction.has_surface());
+    EXPECT_EQ(reconstruction.mesh().sigma_m, tetrahedron().sigma_m);
+    EXPECT_EQ(reconstruction.trajectory()[1].timestamp_ns, 1'600'000'000'000'000'001);
+    EXPECT_TRUE(reconstruction.trajectory()[1].T_world_imu.isApprox(trajectory[1].T_world_imu));
+    const auto T_imu_cam0 = reconstruction.T_imu_cam0();
+    ASSERT_TRUE(T_imu_cam0);
+    // a quarter turn about z
+    EXPECT_TRUE((*T_imu_cam0 * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0.1, 1, -0.2)));
+    ASSERT_EQ(reconstruction.keyframes().size(), 1U);
+    EXPECT_EQ(reconstruction.keyframes()[0].timestamp_ns, 1'600'000'000'000'000'001);
+    EXPECT_EQ(reconstruction.keyframes()[0].T_world_cam.translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST_F(ReconstructionFolderTest, NamesWhatIsMissing) {
+    const Error error = error_of([&] { open().trajectory(); });
+
+    EXPECT_EQ(error.code(), ErrorCode::NotFound);
+    EXPECT_NE(std::string(error.what()).find("trajectory.tum"), std::string::npos);
+}
+
+TEST_F(ReconstructionFolderTest, AFolderThatIsNoneSaysWhatToGive) {
+    const Error error = error_of([&] { ReconstructionFolder(file("nowhere")); });
+
+    EXPECT_EQ(error.code(), ErrorCode::NotFound);
+    EXPECT_NE(std::string(error.what()).find("divemesh reconstruct --out"), std::string::npos);
+}
+
+TEST_F(ReconstructionFolderTest, AFieldOfAnotherTypeNamesItsFile) {
+    write("keyframes.json", R"({"keyframes": [{"frame_index": "seven"}]})");
+
+    const Error error = error_of([&] { open().keyframes(); });
+
+    EXPECT_EQ(error.code(), ErrorCode::BadData);
+    EXPECT_NE(std::string(error.what()).find("keyframes.json"), std::string::npos);
+}
+
+TEST_F(ReconstructionFolderTest, AQuaternionThatIsNoRotationIsRefused) {
+    write("keyframes.json",
+          R"({"keyframes": [{"frame_index": 7, "timestamp_ns": 1,
+              "position_m": [1, 2, 3], "orientation_wxyz": [2, 0, 0, 0]}]})");
+
+    EXPECT_EQ(error_of([&] { open().keyframes(); }).code(), ErrorCode::BadData);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

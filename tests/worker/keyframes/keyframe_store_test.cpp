@@ -1,0 +1,65 @@
+#include "worker/keyframes/keyframe_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+
+#include "schemas/error.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+DepthMap slope() {
+    DepthMap depth;
+    depth.disparity_px = cv::Mat(48, 64, CV_32F);
+    depth.sigma_disparity_px = cv::Mat(48, 64, CV_32F, cv::Scalar(0.25));
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x)
+            depth.disparity_px.at<float>(y, x) =
+                x < 8 ? 0.0F : 20.0F + 0.3F * static_cast<float>(x);
+    return depth;
+}
+
+cv::Mat image_of(int frame_index) { return {48, 64, CV_8UC3, cv::Scalar(10, 20, frame_index)}; }
+
+TEST(KeyframeStore, KeepsDisparityToAnEighthOfTheStereoNoise) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder / "keyframes");
+    const DepthMap written = slope();
+    store.write(7, written);
+    const DepthMap read = store.read(7).depth;
+
+    EXPECT_LE(cv::norm(read.disparity_px, written.disparity_px, cv::NORM_INF), 0.5 / 128.0);
+    EXPECT_LE(cv::norm(read.sigma_disparity_px, written.sigma_disparity_px, cv::NORM_INF),
+              0.5 / 64.0);
+}
+
+TEST(KeyframeStore, TheImageIsThatOfTheRecording) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path(), image_of);
+    store.write(7, slope());
+    EXPECT_EQ(cv::norm(store.read(7).left_color, image_of(7), cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(store.left_in_color(9), image_of(9), cv::NORM_INF), 0.0);
+}
+
+TEST(KeyframeStore, UnknownDisparityStaysUnknown) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    store.write(0, slope());
+    EXPECT_EQ(store.read(0).depth.disparity_px.at<float>(10, 3), 0.0F);
+}
+
+TEST(KeyframeStore, AMissingOrShortenedFileIsATypedError) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    EXPECT_THROW(store.read(1), Error);
+    store.write(1, slope());
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        std::filesystem::resize_file(entry.path(), entry.file_size() - 1);
+    EXPECT_THROW(store.read(1), Error);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

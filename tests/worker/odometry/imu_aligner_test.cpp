@@ -1,0 +1,71 @@
+#include "worker/odometry/imu_aligner.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/inertial_motion.hpp"
+#include "tests/synthetic/sensor_recording.hpp"
+#include "tests/synthetic/stereo_world.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kNumFrames = 100;
+
+// Four times as fast as the way of stereo_world.hpp: turns that show a misalignment.
+Eigen::Isometry3d T_world_cam_at(double t_s) { return synthetic::T_world_cam(40.0 * t_s); }
+
+Eigen::Isometry3d T_world_imu_at(double t_s) {
+    return T_world_cam_at(t_s) * synthetic::rig().T_imu_cam.inverse();
+}
+
+// A dive whose unit sits as calibrated. `landmark_error`: by how much of each turn, about which
+// axes of the camera, the landmarks that the registration used stand askew.
+ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
+    const RectifiedRig rig = synthetic::rig();
+    synthetic::SensorRecording recording;
+    recording.its_rig.imu_noise = ImuNoise{};
+    recording.its_imu = synthetic::imu_along(T_world_imu_at, -0.5, 11.0, {});
+    InertialPrior inertial(recording, preset_options("standard"));
+    ImuAligner aligner(recording);
+    synthetic::World world(14.0, 0.0, 3);
+    Features before = world.see(T_world_cam_at(0.0), 0, 0.1);
+    for (int k = 1; k <= kNumFrames; ++k) {
+        const Features now = world.see(T_world_cam_at(0.1 * k), k, 0.1);
+        const PointPairs measured = with_depth_at_both_times(rig, before, now);
+        Registration vision;
+        vision.found = true;
+        vision.T_current_previous =
+            T_world_cam_at(0.1 * k).inverse() * T_world_cam_at(0.1 * (k - 1));
+        vision.inliers = measured;
+        const Eigen::Vector3d rotation =
+            vector_from_rotation(Eigen::Quaterniond(vision.T_current_previous.linear()));
+        const Eigen::Quaterniond askew = rotation_from_vector(landmark_error.cross(rotation));
+        for (PointPair& pair : vision.inliers) {
+            pair.p_previous = askew * pair.p_previous;
+            pair.previous_px = project_px(rig, pair.p_previous);
+        }
+        aligner.watch(rig,
+                      measured,
+                      vision,
+                      std::int64_t{100'000'000} * (k - 1),
+                      std::int64_t{100'000'000} * k,
+                      inertial);
+        before = now;
+    }
+    return aligner.alignment();
+}
+
+TEST(ImuAlignerTest, AUnitThatSitsAsCalibratedIsLeftAlone) {
+    const ImuAlignment found = alignment_found({0.0, 0.0, 0.0});
+    EXPECT_EQ(found.time_offset_s, 0.0);
+    EXPECT_EQ(found.q_body_imu.angularDistance(Eigen::Quaterniond::Identity()), 0.0);
+}
+
+TEST(ImuAlignerTest, LandmarksThatAMisalignedUnitHasPlacedDoNotConfirmIt) {
+    const ImuAlignment found = alignment_found({0.05, 0.05, -0.05});
+    EXPECT_EQ(found.time_offset_s, 0.0);
+    EXPECT_EQ(found.q_body_imu.angularDistance(Eigen::Quaterniond::Identity()), 0.0);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "storage/blob_store.hpp"
+#include "worker/pipeline/stage_store.hpp"
+
+namespace divemesh::worker {
+
+// The store of stages over blobs alone, as far as tests need it: a blob for each file, and a list
+// with their hashes that is written last. It never links, and knows no folder of its own.
+class BlobStageStore final : public StageStore {
+public:
+    explicit BlobStageStore(storage::BlobStore& blobs) : blobs_(blobs) {}
+
+    bool fetch(const std::string& key, const std::filesystem::path& into) override;
+    void store(const std::string& key,
+               const std::filesystem::path& from,
+               const std::vector<std::string>& names) override;
+    void drop(const std::string& key) override;
+
+    static std::string blob_of(const std::string& key, const std::string& file);
+
+private:
+    std::string read(const std::string& blob) const;
+
+    storage::BlobStore& blobs_;
+};
+
+}  // namespace divemesh::worker

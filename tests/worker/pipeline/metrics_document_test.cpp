@@ -1,0 +1,188 @@
+#include "worker/pipeline/metrics_document.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "tests/paths.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+bool is_valid(const json& document) {
+    const json text =
+        json::parse(std::ifstream(source_directory() / "schemas" / "metrics.schema.json"));
+    valijson::Schema schema;
+    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+    return valijson::Validator().validate(
+        schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+}
+
+Rig rig() {
+    Rig rig;
+    rig.cam0 = {640, 480, 490.0, 491.0, 320.0, 240.0};
+    rig.cam1 = rig.cam0;
+    rig.T_imu_cam1.translation().x() = 0.12;
+    return rig;
+}
+
+MetricsInput plain_dive() {
+    MetricsInput input;
+    input.version = "0.1.0";
+    input.preset = "paper";
+    input.rig = rig();
+    input.track.num_frames = 100;
+    input.track.num_frames_tracked = 90;
+    input.segments = {{100, 20, 3.5, {{0, 9'900'000'000}}}};
+    input.stages = {{"track", 4.0, 8.0}, {"fuse", 1.0, 1.0}, {"evaluate", 20.0, 30.0}};
+    input.findings = {{Severity::Warning, "frame_skipped", "frame 3", "cut short", ""}};
+    return input;
+}
+
+MarkerMetrics marker_metrics() {
+    MarkerMetrics metrics;
+    Marker marker{.id = 7, .num_views = 8, .num_keyframes = 4};
+    marker.corners_world.fill(Eigen::Vector3d::Ones());
+    metrics.markers = {marker};
+    metrics.bars = {{.name = "a",
+                     .from = {7, std::nullopt},
+                     .to = {8, TagCorner::TopLeft},
+                     .known_m = 1.0,
+                     .measured_m = 1.01,
+                     .own_sigma_m = 0.002,
+                     .sigma_m = 0.003,
+                     .leave_one_out_error_m = 0.001,
+                     .leave_one_out_sigma_m = 0.002},
+                    {.name = "size of 7", .is_printed_size = true, .from = {7}, .known_m = 0.1},
+                    {.name = "not seen", .known_m = 0.5}};
+    metrics.scale = MarkerScale{0.99, 0.001, 1, {"a"}};
+    metrics.correction = ScaleCorrection{true, *metrics.scale};
+    metrics.findings = {{Severity::Warning, "scale_off", "markers.json", "long", "calibrate"}};
+    return metrics;
+}
+
+MetricsInput dive_with_everything() {
+    MetricsInput input = plain_dive();
+    input.rig.imu_noise = ImuNoise{};
+    input.track.dense = {100, 12'800, 4000, 20, 30};
+    input.gravity = GravityCheck{9.8, 0.1};
+    input.end_covariance_m2 = 1e-6 * Eigen::Matrix3d::Identity();
+    input.evaluation.covariance = CovarianceCheck{100, 3.1, 0.94};
+    input.refined.time_offset_sigma_s = 1e-4;
+    for (auto& sigmas : input.refined.lens_sigmas) sigmas.setConstant(0.01);
+    input.evaluation.trajectory = TrajectoryError{};
+    input.evaluation.trajectory->segments = {{1.0, 10, 0.5, 0.6, 0.1, 0.2}};
+    input.evaluation.trajectory->revisit = RevisitError{40, 0.01, 0.02, 0.3};
+    input.evaluation.causal = input.evaluation.trajectory;
+    SurfaceError surface;
+    for (const double threshold : {0.005, 0.01, 0.02, 0.05})
+        surface.scores.push_back({threshold, 0.5, 0.5, 0.5});
+    surface.relative = RelativeDistance{0.001, 0.004};
+    surface.near_completeness = DistanceSummary{};
+    input.evaluation.surface = surface;
+    input.mesh = MeshMetrics{.num_vertices = 3,
+                             .num_triangles = 1,
+                             .area_m2 = 0.5,
+                             .simplification = SimplificationError{9, 0.001, 0.002},
+                             .voxel_m = 0.01};
+    KnownDistanceErrors known;
+    known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
+    known.num_measured = 1;
+    input.evaluation.known_distances = known;
+    input.markers = marker_metrics();
+    ExpectedAccuracy expected;
+    for (auto* value : {&expected.end_bound_m,
+                        &expected.end_expected_m,
+                        &expected.ate_bound_m,
+                        &expected.ate_expected_m,
+                        &expected.loop_residual_m,
+                        &expected.imu_vision_disagreement_deg,
+                        &expected.reprojection_rms_px})
+        *value = 0.01;
+    expected.covariance_scale = 1.0;
+    expected.accelerometer = expected.pressure = expected.known_distances = ScaleCheck{1.01, 0.02};
+    expected.surface = ExpectedSurface{0.1, 0.2, 0.7, 0.003, 0.02, 0.01};
+    expected.left_out = {{"trajectory.loops", "none"}};
+    input.expected = expected;
+    input.evaluation.findings = {{Severity::Info, "x", "", "seen", ""}};
+    return input;
+}
+
+TEST(MetricsDocument, FitsItsSchemaWithAndWithoutTruthAndSurface) {
+    EXPECT_TRUE(is_valid(metrics_document(plain_dive())));
+    EXPECT_TRUE(is_valid(metrics_document(dive_with_everything())));
+}
+
+TEST(MetricsDocument, TheSchemaRefusesWhatIsMissingUnknownOrOfTheWrongType) {
+    const json good = metrics_document(dive_with_everything());
+    json bad = good;
+    bad.erase("frames");
+    EXPECT_FALSE(is_valid(bad));
+    bad = good;
+    bad["mesh"]["surprise"] = 1;
+    EXPECT_FALSE(is_valid(bad));
+    bad = good;
+    bad["trajectory"]["final"]["ate_rmse_m"] = "small";
+    EXPECT_FALSE(is_valid(bad));
+    bad = good;
+    bad["frames"]["coverage"] = 1.5;
+    EXPECT_FALSE(is_valid(bad));
+}
+
+TEST(MetricsDocument, TheSchemaDescribesEveryFieldOfTheDocument) {
+    const json schema =
+        json::parse(std::ifstream(source_directory() / "schemas" / "metrics.schema.json"));
+    const json document = metrics_document(dive_with_everything());
+    int num_fields = 0;
+    for (const auto& [section, fields] : document.items()) {
+        if (!fields.is_object() || section == "options") continue;
+        for (const auto& [name, value] : fields.items()) {
+            const json& field = schema["properties"][section]["properties"][name];
+            EXPECT_TRUE(field.contains("description") || field.contains("$ref"))
+                << section << "." << name;
+            ++num_fields;
+        }
+    }
+    EXPECT_GT(num_fields, 40);
+}
+
+TEST(MetricsDocument, SpeedLeavesOutEvaluationAndReusedStages) {
+    MetricsInput input = plain_dive();
+    EXPECT_EQ(metrics_document(input)["speed"]["frames_per_s"], 20.0);
+    EXPECT_EQ(metrics_document(input)["speed"]["stages"][0]["frames_per_s"], 25.0);
+    input.stages[0].reused = true;
+    EXPECT_FALSE(metrics_document(input)["speed"].contains("frames_per_s"));
+    EXPECT_FALSE(metrics_document(input)["speed"]["stages"][0].contains("frames_per_s"));
+}
+
+TEST(MetricsDocument, TheCalibrationHashChangesWithTheCalibrationAlone) {
+    const auto hash = [](const MetricsInput& input) {
+        return metrics_document(input)["calibration"]["sha256"];
+    };
+    MetricsInput other = plain_dive();
+    other.preset = "standard";
+    EXPECT_EQ(hash(other), hash(plain_dive()));
+    other.rig.cam1.distortion_coefficients[2] = 1e-5;
+    EXPECT_NE(hash(other), hash(plain_dive()));
+}
+
+TEST(MetricsDocument, CoverageIsTheShareOfFramesConstrainedByVision) {
+    EXPECT_DOUBLE_EQ(metrics_document(plain_dive())["frames"]["coverage"], 0.9);
+}
+
+TEST(MetricsDocument, PeakMemoryCountsWhatWasGivenBack) {
+    const std::int64_t before = peak_memory_bytes();
+    EXPECT_GT(before, 1'000'000);
+    { const std::vector<char> block(300'000'000, 'x'); }
+    EXPECT_GT(peak_memory_bytes(), 290'000'000);
+}
+
+}  // namespace
+}  // namespace divemesh::worker

@@ -1,0 +1,314 @@
+#include "worker/calibration/calibration_problem.hpp"
+
+#include <algorithm>
+#include <ceres/normal_prior.h>
+#include <ceres/solver.h>
+#include <cmath>
+
+#include "worker/imu/imu_steps.hpp"
+#include "worker/optimisation/reduced_information.hpp"
+#include "worker/optimisation/solver_progress.hpp"
+#include "worker/optimisation/sparse_inverse.hpp"
+#include "worker/camera/rerectifier.hpp"
+#include "worker/base/rotation_vector.hpp"
+#include "worker/optimisation/residuals/misaligned_gyro_rotation_cost.hpp"
+#include "worker/optimisation/residuals/random_walk.hpp"
+#include "worker/optimisation/residuals/relative_pose.hpp"
+#include "worker/types/feature.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kMaxObservations = 20'000;
+constexpr int kMaxIterations = 10;
+constexpr int kMaxRounds = 4;
+constexpr double kHuber = 1.5;  // sigmas of independent errors
+// From round to round: what is linear enough.
+constexpr double kConverged_s = 5e-4;
+constexpr double kConverged_px = 0.5;
+constexpr double kMinWalk = 1e-6;   // rad/s
+constexpr double kBiasSigma = 0.1;  // rad/s
+constexpr double kOffsetSigma_s = 0.03;
+constexpr double kRotationSigma_rad = 0.035;
+// Of a step from keyframe to keyframe: wide enough to say nothing where anything else does.
+constexpr double kStepSigma_m = 10.0;
+constexpr double kStepSigma_rad = 3.0;
+// Features that are followed drift together, which the pictures of a dive cannot tell from another
+// focal length: on exact calibrations it comes out wrong by up to 24 of the sigmas that independent
+// errors would give. So the pictures count for less here, and careful calibrations for more.
+constexpr double kSystematic = 5.0;  // sigmas of a feature, against independent ones
+// How far a careful calibration errs.
+constexpr double kFocalSigma = 0.001;  // of itself
+constexpr double kPrincipalPointSigma_px = 0.5;
+constexpr double kDistortionSigma = 0.02;
+constexpr double kDistortionShare = 0.15;  // of the coefficient, when that is more
+
+LensChanges prior_sigmas(const Rig& rig) {
+    LensChanges sigmas;
+    for (int side = 0; side < 2; ++side) {
+        const auto& k = (side == 0 ? rig.cam0 : rig.cam1).distortion_coefficients;
+        sigmas.segment<LensChange::kSize>(LensChange::kSize * side) << kFocalSigma,
+            kPrincipalPointSigma_px, kPrincipalPointSigma_px,
+            std::max(kDistortionSigma, kDistortionShare * std::abs(k[0])),
+            std::max(kDistortionSigma, kDistortionShare * std::abs(k[1]));
+    }
+    return sigmas;
+}
+
+// rad/s; the time lies between two samples.
+Eigen::Vector3d rate_at(const std::vector<ImuSample>& samples, std::int64_t time_ns) {
+    const auto after = std::upper_bound(
+        samples.begin() + 1,
+        samples.end() - 1,
+        time_ns,
+        [](std::int64_t time, const ImuSample& sample) { return time < sample.timestamp_ns; });
+    return interpolate(*(after - 1), *after, time_ns).angular_velocity_imu;
+}
+
+}  // namespace
+
+std::array<LensChange, 2> split(const LensChanges& changes) {
+    return {LensChange{changes.head<LensChange::kSize>()},
+            LensChange{changes.tail<LensChange::kSize>()}};
+}
+
+CalibrationProblem::CalibrationProblem(const Track& track,
+                                       const Recording& recording,
+                                       const InertialPrior& inertial)
+    : track_(track),
+      recording_(recording),
+      inertial_(inertial),
+      prior_sigmas_(prior_sigmas(recording.rig())),
+      loss_(kHuber),
+      lens_loss_(kHuber / kSystematic) {
+    for (const Keyframe& keyframe : track.keyframes) {
+        const Eigen::Isometry3d T_world_body = keyframe.T_world_cam * track.rig.T_imu_cam.inverse();
+        State& state = states_.emplace_back();
+        state.q_world_body = Eigen::Quaterniond(T_world_body.linear()).normalized();
+        state.p_world_body = T_world_body.translation();
+    }
+    std::size_t num_observations = 0;
+    for (const Landmark& landmark : track.landmarks)
+        num_observations += landmark.observations.size();
+    const std::size_t stride = 1 + num_observations / kMaxObservations;
+    for (std::size_t i = 0; i < track.landmarks.size(); i += stride)
+        landmarks_.push_back(track.landmarks[i]);
+    unknowns_.time_offset_s = track.imu_alignment.time_offset_s;
+    unknowns_.misalignment = vector_from_rotation(track.imu_alignment.q_body_imu);
+}
+
+void CalibrationProblem::solve(bool free_lenses,
+                               const ProgressCallback& progress,
+                               const Progress& at) {
+    for (int i = 0; i < kMaxRounds; ++i)
+        if (round(free_lenses, i + 1 == kMaxRounds, progress, at)) return;
+}
+
+bool CalibrationProblem::round(bool free_lenses,
+                               bool last,
+                               const ProgressCallback& progress,
+                               const Progress& at) {
+    const CalibrationUnknowns before = unknowns_;
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(options);
+    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (State& state : states_) {
+        problem.AddParameterBlock(q(state), 4, &rotation_);
+        problem.AddParameterBlock(state.p_world_body.data(), 3);
+    }
+    problem.SetParameterBlockConstant(q(states_.front()));
+    problem.SetParameterBlockConstant(states_.front().p_world_body.data());
+    add_observations(problem, *ordering, free_lenses);
+    if (inertial_.has_gyroscope()) add_gyro_rotations(problem);
+    add_odometry(problem);
+    add_priors(problem, free_lenses);
+    for (double* block : kept_blocks())
+        if (problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, 1);
+
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::SPARSE_SCHUR;
+    solver.linear_solver_ordering = ordering;
+    solver.max_num_iterations = kMaxIterations;
+    solver.function_tolerance = 1e-5;
+    solver.logging_type = ceres::SILENT;
+    solver.num_threads = 1;
+    SolverProgress callback(progress, at);
+    solver.callbacks.push_back(&callback);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    callback.rethrow();
+    const bool still = std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
+                       shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
+    if (still || last) find_sigmas(problem, free_lenses);
+    return still || last;
+}
+
+std::array<RectifiedLens, 2> CalibrationProblem::lenses() const {
+    auto lenses = rectified_lenses(recording_.rig());
+    const auto change = split(unknowns_.lenses);
+    for (std::size_t side = 0; side < 2; ++side)
+        lenses[side].camera = changed_camera(lenses[side].camera, change[side]);
+    return lenses;
+}
+
+LensReprojection::Shift CalibrationProblem::shift_of(const std::array<RectifiedLens, 2>& lenses,
+                                                     const Eigen::Vector3d& measured_px) const {
+    const auto left = shift_of_change(track_.rig, lenses[0], measured_px.head<2>());
+    LensReprojection::Shift shift = LensReprojection::Shift::Zero();
+    shift.topLeftCorner<2, LensChange::kSize>() = left;
+    if (measured_px.z() <= 0.0) return shift;
+    const auto right = shift_of_change(
+        track_.rig, lenses[1], {measured_px.x() - measured_px.z(), measured_px.y()});
+    shift.bottomLeftCorner<1, LensChange::kSize>() = left.row(0);
+    shift.bottomRightCorner<1, LensChange::kSize>() = -right.row(0);
+    return shift;
+}
+
+void CalibrationProblem::add_observations(ceres::Problem& problem,
+                                          ceres::ParameterBlockOrdering& ordering,
+                                          bool free_lenses) {
+    const Eigen::Vector3d sigma_px = (free_lenses ? kSystematic : 1.0) * kFeatureSigma_px;
+    const auto lenses = this->lenses();
+    const Rerectifier rerectifier(recording_.rig(), track_.rig, split(unknowns_.lenses));
+    for (Landmark& landmark : landmarks_) {
+        for (const LandmarkObservation& seen : landmark.observations) {
+            const Eigen::Vector3d moved =
+                rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px));
+            LensReprojection residual;
+            residual.shift_px = shift_of(lenses, moved);
+            residual.stereo = {track_.rig, moved + residual.shift_px * unknowns_.lenses, sigma_px};
+            if (moved.z() <= 0.0) residual.stereo.measured_px.z() = 0.0;
+            State& state = states_[static_cast<std::size_t>(seen.keyframe)];
+            problem.AddResidualBlock(LensReprojection::create(residual),
+                                     free_lenses ? &lens_loss_ : &loss_,
+                                     q(state),
+                                     state.p_world_body.data(),
+                                     landmark.p_world.data(),
+                                     unknowns_.lenses.data());
+        }
+        ordering.AddElementToGroup(landmark.p_world.data(), 0);
+    }
+}
+
+void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
+    const std::int64_t shift_ns = std::llround(1e9 * unknowns_.time_offset_s);
+    const auto& samples = recording_.imu();
+    for (std::size_t k = 1; k < states_.size(); ++k) {
+        State& from = states_[k - 1];
+        State& to = states_[k];
+        const std::int64_t from_ns = track_.keyframes[k - 1].timestamp_ns + shift_ns;
+        const std::int64_t to_ns = track_.keyframes[k].timestamp_ns + shift_ns;
+        const auto integral = integrate_gyroscope(
+            samples, from_ns, to_ns, from.gyroscope_bias_imu, inertial_.noise());
+        if (!integral) continue;
+        const auto rate = [&](std::int64_t time_ns) {
+            return Eigen::Vector3d(rate_at(samples, time_ns) - from.gyroscope_bias_imu);
+        };
+        const Eigen::Vector3d by_time =
+            rate(to_ns) - integral->q_from_to.conjugate() * rate(from_ns);
+        problem.AddResidualBlock(MisalignedGyroRotationCost::create(
+                                     {*integral, by_time, 1e-9 * static_cast<double>(shift_ns)}),
+                                 nullptr,
+                                 q(from),
+                                 q(to),
+                                 from.gyroscope_bias_imu.data(),
+                                 unknowns_.misalignment.data(),
+                                 &unknowns_.time_offset_s);
+        const double walk =
+            inertial_.noise().gyroscope_random_walk * std::sqrt(integral->duration_s);
+        problem.AddResidualBlock(RandomWalk::create(std::max(kMinWalk, walk)),
+                                 nullptr,
+                                 from.gyroscope_bias_imu.data(),
+                                 to.gyroscope_bias_imu.data());
+    }
+}
+
+void CalibrationProblem::add_odometry(ceres::Problem& problem) {
+    for (std::size_t k = 1; k < states_.size(); ++k) {
+        const Eigen::Isometry3d T_before_now =
+            track_.keyframes[k - 1].T_world_cam.inverse() * track_.keyframes[k].T_world_cam;
+        const Eigen::Isometry3d T_cam_body = track_.rig.T_imu_cam.inverse();
+        problem.AddResidualBlock(
+            RelativePose::create(
+                T_cam_body.inverse() * T_before_now * T_cam_body, kStepSigma_m, kStepSigma_rad),
+            nullptr,
+            q(states_[k - 1]),
+            states_[k - 1].p_world_body.data(),
+            q(states_[k]),
+            states_[k].p_world_body.data());
+    }
+}
+
+void CalibrationProblem::add_priors(ceres::Problem& problem, bool free_lenses) {
+    const auto add = [&](double* block, const Eigen::VectorXd& sigmas) {
+        const Eigen::MatrixXd weights = sigmas.cwiseInverse().asDiagonal();
+        problem.AddResidualBlock(
+            new ceres::NormalPrior(weights, Eigen::VectorXd::Zero(sigmas.size())), nullptr, block);
+    };
+    add(unknowns_.lenses.data(), prior_sigmas_);
+    if (!free_lenses) problem.SetParameterBlockConstant(unknowns_.lenses.data());
+    if (!problem.HasParameterBlock(&unknowns_.time_offset_s)) return;
+    add(&unknowns_.time_offset_s, Eigen::VectorXd::Constant(1, kOffsetSigma_s));
+    add(unknowns_.misalignment.data(), Eigen::Vector3d::Constant(kRotationSigma_rad));
+    for (State& state : states_) {
+        if (!problem.HasParameterBlock(state.gyroscope_bias_imu.data())) continue;
+        add(state.gyroscope_bias_imu.data(), Eigen::Vector3d::Constant(kBiasSigma));
+        break;
+    }
+}
+
+std::vector<double*> CalibrationProblem::kept_blocks() {
+    std::vector<double*> blocks = {
+        unknowns_.lenses.data(), unknowns_.misalignment.data(), &unknowns_.time_offset_s};
+    for (State& state : states_)
+        for (double* block : {q(state), state.p_world_body.data(), state.gyroscope_bias_imu.data()})
+            blocks.push_back(block);
+    return blocks;
+}
+
+void CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) {
+    std::vector<double*> kept;
+    for (double* block : kept_blocks())
+        if (problem.HasParameterBlock(block)) kept.push_back(block);
+    std::vector<double*> points;
+    for (Landmark& landmark : landmarks_) points.push_back(landmark.p_world.data());
+    const ReducedInformation information =
+        reduced_information(problem, kept, points, free_lenses ? kHuber / kSystematic : kHuber);
+    const auto inverse = SparseInverse::of(information.lower);
+    if (!inverse) return;
+    const auto covariance = [&](const double* block, int size) -> Eigen::MatrixXd {
+        const auto at = std::find(kept.begin(), kept.end(), block) - kept.begin();
+        const int start =
+            at < std::ssize(kept) ? information.start[static_cast<std::size_t>(at)] : -1;
+        return start < 0 ? Eigen::MatrixXd::Zero(size, size) : inverse->block(start, size);
+    };
+    sigmas_.lenses = covariance(unknowns_.lenses.data(), LensReprojection::kNumChanges);
+    sigmas_.misalignment = covariance(unknowns_.misalignment.data(), 3);
+    sigmas_.time_offset_s = std::sqrt(covariance(&unknowns_.time_offset_s, 1)(0, 0));
+}
+
+double CalibrationProblem::shift_px(const LensChanges& changes) const {
+    constexpr int kSteps = 8;
+    const auto lenses = rectified_lenses(recording_.rig());
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+    for (int i = 0; i <= kSteps; ++i) {
+        for (int j = 0; j <= kSteps; ++j) {
+            const Eigen::Vector3d measured_px(
+                static_cast<double>(i) / kSteps * (track_.rig.width_px - 1),
+                static_cast<double>(j) / kSteps * (track_.rig.height_px - 1),
+                1.0);
+            const Eigen::Vector3d shift = shift_of(lenses, measured_px) * changes;
+            mean += shift;
+            squares += shift.cwiseAbs2();
+        }
+    }
+    constexpr double kNum = (kSteps + 1) * (kSteps + 1);
+    mean /= kNum;
+    mean.z() = 0.0;  // of the disparities the mean is an error of depth
+    return (squares / kNum - mean.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt().maxCoeff();
+}
+
+}  // namespace divemesh::worker

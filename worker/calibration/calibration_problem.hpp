@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/ordered_groups.h>
+#include <ceres/problem.h>
+#include <vector>
+
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/camera/rectified_lens.hpp"
+#include "worker/base/observer.hpp"
+#include "worker/calibration/lens_reprojection.hpp"
+#include "worker/types/track.hpp"
+
+namespace divemesh::worker {
+
+using LensChanges = Eigen::Matrix<double, LensReprojection::kNumChanges, 1>;  // left, right
+using LensCovariance =
+    Eigen::Matrix<double, LensReprojection::kNumChanges, LensReprojection::kNumChanges>;
+
+struct CalibrationUnknowns {
+    Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  // rad, q_body_imu as a vector
+    double time_offset_s = 0.0;
+    LensChanges lenses = LensChanges::Zero();  // left, right
+};
+
+// Of the unknowns, after the last round.
+struct CalibrationSigmas {
+    Eigen::Matrix3d misalignment = Eigen::Matrix3d::Zero();  // covariance, rad^2
+    double time_offset_s = 0.0;
+    LensCovariance lenses = LensCovariance::Zero();
+};
+
+// Of the left and of the right camera.
+std::array<LensChange, 2> split(const LensChanges& changes);
+
+// The dive with its calibration free.
+class CalibrationProblem {
+public:
+    CalibrationProblem(const Track& track,
+                       const Recording& recording,
+                       const InertialPrior& inertial);
+
+    // Rounds of least squares, each linear in a time offset and lenses near those of the last one.
+    void solve(bool free_lenses, const ProgressCallback& progress, const Progress& at);
+    void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
+    const CalibrationUnknowns& unknowns() const { return unknowns_; }
+    const CalibrationSigmas& sigmas() const { return sigmas_; }
+    // How the picture moves with a change of the lenses: its bending, and the disparities', root
+    // mean square in px; what a turn of the cameras would do as well is left out.
+    double shift_px(const LensChanges& changes) const;
+
+private:
+    struct State {
+        Eigen::Quaterniond q_world_body = Eigen::Quaterniond::Identity();
+        Eigen::Vector3d p_world_body = Eigen::Vector3d::Zero();
+        Eigen::Vector3d gyroscope_bias_imu = Eigen::Vector3d::Zero();  // rad/s
+    };
+    // True when it was the last one that is needed, or `last`: then the sigmas are known.
+    bool round(bool free_lenses, bool last, const ProgressCallback& progress, const Progress& at);
+    void add_observations(ceres::Problem& problem,
+                          ceres::ParameterBlockOrdering& ordering,
+                          bool free_lenses);
+    void add_gyro_rotations(ceres::Problem& problem);
+    // Holds together, as loosely as can be, what no landmark does: where the scene was lost.
+    void add_odometry(ceres::Problem& problem);
+    void add_priors(ceres::Problem& problem, bool free_lenses);
+    void find_sigmas(ceres::Problem& problem, bool free_lenses);
+    LensReprojection::Shift shift_of(const std::array<RectifiedLens, 2>& lenses,
+                                     const Eigen::Vector3d& measured_px) const;
+    std::array<RectifiedLens, 2> lenses() const;
+    std::vector<double*> kept_blocks();  // all but the landmarks; the unknowns come first
+    double* q(State& state) { return state.q_world_body.coeffs().data(); }
+
+    const Track& track_;
+    const Recording& recording_;
+    const InertialPrior& inertial_;
+    LensChanges prior_sigmas_;
+    std::vector<State> states_;
+    std::vector<Landmark> landmarks_;
+    CalibrationUnknowns unknowns_;
+    CalibrationSigmas sigmas_;
+    ceres::EigenQuaternionManifold rotation_;
+    ceres::HuberLoss loss_;
+    ceres::HuberLoss lens_loss_;
+};
+
+}  // namespace divemesh::worker

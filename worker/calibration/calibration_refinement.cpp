@@ -1,0 +1,116 @@
+#include "worker/calibration/calibration_refinement.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/calibration/calibration_problem.hpp"
+#include "worker/camera/rerectifier.hpp"
+#include "worker/base/rotation_vector.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kMinCalibrationKeyframes = 5;
+constexpr double kSignificant = 4.0;  // sigmas
+constexpr double kMinOffset_s = 1e-3;
+constexpr double kMinRotation_rad = 1.7e-3;
+constexpr double kMinShift_px = 0.5;
+
+bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
+    return value.dot(covariance.ldlt().solve(value)) >
+           kSignificant * kSignificant * static_cast<double>(value.size());
+}
+
+struct Distortions {
+    LensChanges changes = LensChanges::Zero();  // of k1 and k2 alone
+    bool significant = false;
+};
+
+// The distortion when focal lengths and principal points are as stated: the mean and the covariance
+// of a part of the normal distribution, given the rest.
+Distortions distortion_alone(const LensChanges& found, const LensCovariance& covariance) {
+    constexpr std::array<int, 4> kBent = {3, 4, 8, 9};
+    constexpr std::array<int, 6> kRest = {0, 1, 2, 5, 6, 7};
+    const Eigen::Matrix4d own = covariance(kBent, kBent);
+    const Eigen::Matrix<double, 4, 6> cross = covariance(kBent, kRest);
+    const Eigen::Matrix<double, 6, 6> rest = covariance(kRest, kRest);
+    const Eigen::Matrix<double, 4, 6> gain =
+        rest.ldlt().solve(Eigen::Matrix<double, 6, 4>(cross.transpose())).transpose();
+    const Eigen::Vector4d mean =
+        Eigen::Vector4d(found(kBent)) - gain * Eigen::Matrix<double, 6, 1>(found(kRest));
+    Distortions result;
+    result.changes(kBent) = mean;
+    result.significant = significant(mean, own - gain * cross.transpose());
+    return result;
+}
+
+void take_imu(const CalibrationProblem& problem, RefinedCalibration& result) {
+    const CalibrationUnknowns& found = problem.unknowns();
+    const CalibrationSigmas& sigmas = problem.sigmas();
+    result.imu = {found.time_offset_s, rotation_from_vector(found.misalignment)};
+    result.time_offset_sigma_s = sigmas.time_offset_s;
+    result.rotation_sigma_rad = sigmas.misalignment.diagonal().cwiseMax(0.0).cwiseSqrt();
+    result.time_offset_applied =
+        std::abs(found.time_offset_s) > std::max(kMinOffset_s, kSignificant * sigmas.time_offset_s);
+    result.rotation_applied = found.misalignment.norm() > kMinRotation_rad &&
+                              significant(found.misalignment, sigmas.misalignment);
+}
+
+}  // namespace
+
+RefinedCalibration refine_calibration(const Track& track,
+                                      const Recording& recording,
+                                      const ReconstructionOptions& options,
+                                      const InertialPrior& inertial,
+                                      const ProgressCallback& progress,
+                                      const Progress& at) {
+    RefinedCalibration result;
+    if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty()) return result;
+    CalibrationProblem problem(track, recording, inertial);
+    const bool align = options.align_imu && inertial.has_gyroscope();
+    if (align) {
+        problem.solve(false, progress, at);
+        take_imu(problem, result);
+    }
+    if (!options.refine_lenses) return result;
+    problem.solve(true, progress, at);
+    const LensChanges found = problem.unknowns().lenses;
+    const LensCovariance covariance = problem.sigmas().lenses;
+    const LensChanges sigmas = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    result.lenses = split(found);
+    result.lens_sigmas = {sigmas.head<LensChange::kSize>(), sigmas.tail<LensChange::kSize>()};
+    const Distortions bent = distortion_alone(found, covariance);
+    result.applied_lenses = split(bent.changes);
+    result.lens_shift_px = problem.shift_px(bent.changes);
+    result.lenses_applied = result.lens_shift_px > kMinShift_px && bent.significant;
+    if (result.lenses_applied && align) {
+        problem.hold_lenses(bent.changes);
+        problem.solve(false, progress, at);
+        take_imu(problem, result);
+    }
+    return result;
+}
+
+void apply_calibration(const Rig& rig, const RefinedCalibration& calibration, Track& track) {
+    const RectifiedRig rectified = track.rig;
+    if (calibration.rotation_applied) {
+        const Eigen::Isometry3d T_body_imu(calibration.imu.q_body_imu);
+        track.rig.T_imu_cam = T_body_imu.inverse() * track.rig.T_imu_cam;
+        for (StampedPose& pose : track.odometry) pose.T_world_imu = pose.T_world_imu * T_body_imu;
+    }
+    if (!calibration.lenses_applied) return;
+    const Rerectifier rerectifier(rig, rectified, calibration.applied_lenses);
+    for (Landmark& landmark : track.landmarks) {
+        for (LandmarkObservation& seen : landmark.observations) {
+            const Eigen::Vector3f moved =
+                rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px))
+                    .cast<float>();
+            seen.u_px = moved.x();
+            seen.v_px = moved.y();
+            seen.disparity_px = moved.z();
+        }
+    }
+}
+
+}  // namespace divemesh::worker

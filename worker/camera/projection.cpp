@@ -1,0 +1,65 @@
+#include "worker/camera/projection.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+// Normalised image coordinates through the lens (Brown 1966; Kannala and Brandt 2006).
+Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& n) {
+    const auto& k = camera.distortion_coefficients;
+    const double r2 = n.squaredNorm();
+    if (camera.distortion == Distortion::RadialTangential) {
+        const double radial = 1.0 + r2 * (k[0] + r2 * k[1]);
+        return {n.x() * radial + 2.0 * k[2] * n.x() * n.y() + k[3] * (r2 + 2.0 * n.x() * n.x()),
+                n.y() * radial + k[2] * (r2 + 2.0 * n.y() * n.y()) + 2.0 * k[3] * n.x() * n.y()};
+    }
+    if (camera.distortion == Distortion::Equidistant) {
+        const double r = std::sqrt(r2);
+        if (r < 1e-12) return n;
+        const double theta = std::atan(r);
+        const double t2 = theta * theta;
+        return n * (theta * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) / r);
+    }
+    return n;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& p_cam) {
+    if (p_cam.z() <= 1e-6) return std::nullopt;
+    const Eigen::Vector2d d = distort(camera, p_cam.head<2>() / p_cam.z());
+    return Eigen::Vector2d(camera.fx_px * d.x() + camera.cx_px,
+                           camera.fy_px * d.y() + camera.cy_px);
+}
+
+Eigen::Vector3d unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
+                            (pixel.y() - camera.cy_px) / camera.fy_px);
+    // Fixed-point start, then Newton with a numeric Jacobian: converges wherever the model is
+    // invertible.
+    Eigen::Vector2d n = d;
+    for (int i = 0; i < 20; ++i) {
+        const Eigen::Vector2d error = distort(camera, n) - d;
+        if (error.squaredNorm() < 1e-24) break;
+        constexpr double kStep = 1e-6;
+        Eigen::Matrix2d J;
+        J.col(0) = (distort(camera, n + Eigen::Vector2d(kStep, 0.0)) -
+                    distort(camera, n - Eigen::Vector2d(kStep, 0.0))) /
+                   (2.0 * kStep);
+        J.col(1) = (distort(camera, n + Eigen::Vector2d(0.0, kStep)) -
+                    distort(camera, n - Eigen::Vector2d(0.0, kStep))) /
+                   (2.0 * kStep);
+        if (std::abs(J.determinant()) < 1e-9) break;
+        n -= J.inverse() * error;
+    }
+    return {n.x(), n.y(), 1.0};
+}
+
+bool contains(const Camera& camera, const Eigen::Vector2d& pixel) {
+    return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < camera.width_px - 0.5 &&
+           pixel.y() < camera.height_px - 0.5;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,107 @@
+#include "worker/camera/rectifier.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "schemas/error.hpp"
+#include "worker/camera/projection.hpp"
+#include "worker/camera/rectified_lens.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// The part of a normalised image plane that a picture covers everywhere.
+struct Extent {
+    double left = -1e9;
+    double right = 1e9;
+    double top = -1e9;
+    double bottom = 1e9;
+};
+
+void narrow(Extent& extent, const Camera& camera, const Eigen::Matrix3d& R_rectified_camera) {
+    const auto ray = [&](double u, double v) {
+        const Eigen::Vector3d r = R_rectified_camera * unproject(camera, {u, v});
+        return Eigen::Vector2d(r.head<2>() / std::max(r.z(), 1e-3));
+    };
+    constexpr int kSteps = 32;
+    const double width = camera.width_px - 1.0;
+    const double height = camera.height_px - 1.0;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double share = static_cast<double>(i) / kSteps;
+        extent.left = std::max(extent.left, ray(0.0, share * height).x());
+        extent.right = std::min(extent.right, ray(width, share * height).x());
+        extent.top = std::max(extent.top, ray(share * width, 0.0).y());
+        extent.bottom = std::min(extent.bottom, ray(share * width, height).y());
+    }
+}
+
+// Where every rectified pixel lies in the picture as recorded.
+void make_map(const RectifiedLens& lens, const RectifiedRig& rig, cv::Mat (&map)[2]) {
+    cv::Mat x(rig.height_px, rig.width_px, CV_32F);
+    cv::Mat y(rig.height_px, rig.width_px, CV_32F);
+    for (int v = 0; v < rig.height_px; ++v) {
+        for (int u = 0; u < rig.width_px; ++u) {
+            const Eigen::Vector2d pixel = lens.recorded_px(rig, Eigen::Vector2d(u, v));
+            x.at<float>(v, u) = static_cast<float>(pixel.x());
+            y.at<float>(v, u) = static_cast<float>(pixel.y());
+        }
+    }
+    cv::convertMaps(x, y, map[0], map[1], CV_16SC2);
+}
+
+cv::Mat remapped(const cv::Mat& image, const cv::Mat (&map)[2]) {
+    cv::Mat result;
+    cv::remap(image, result, map[0], map[1], cv::INTER_LINEAR);
+    return result;
+}
+
+}  // namespace
+
+Rectifier::Rectifier(const Rig& rig) {
+    const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
+    if (T_cam0_cam1.translation().x() <= 0.0)
+        throw Error(ErrorCode::BadData,
+                    "the right camera is not to the right of the left one: check T_BS of cam0 and "
+                    "cam1, or swap the two folders");
+    const auto [left, right] = rectified_lenses(rig);
+
+    Extent extent;
+    narrow(extent, rig.cam0, left.R_camera_rectified.transpose());
+    narrow(extent, rig.cam1, right.R_camera_rectified.transpose());
+    const double width = rig.cam0.width_px - 1.0;
+    const double height = rig.cam0.height_px - 1.0;
+    // The widest view without unseen borders, but of a fisheye only the middle.
+    const double native =
+        0.25 * (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
+    rig_.focal_px = std::max({width / (extent.right - extent.left),
+                              height / (extent.bottom - extent.top),
+                              0.5 * native});
+    if (!std::isfinite(rig_.focal_px) || extent.right <= extent.left ||
+        extent.bottom <= extent.top || rig_.focal_px > 4.0 * native)
+        throw Error(ErrorCode::BadData,
+                    "the fields of view of the two cameras hardly overlap: check T_BS and "
+                    "intrinsics of cam0 and cam1");
+    rig_.width_px = rig.cam0.width_px;
+    rig_.height_px = rig.cam0.height_px;
+    rig_.cx_px = 0.5 * width - rig_.focal_px * 0.5 * (extent.left + extent.right);
+    rig_.cy_px = 0.5 * height - rig_.focal_px * 0.5 * (extent.top + extent.bottom);
+    rig_.baseline_m = rig.baseline_m();
+    rig_.T_imu_cam = rig.T_imu_cam0;
+    rig_.T_imu_cam.linear() = rig.T_imu_cam0.linear() * left.R_camera_rectified;
+    make_map(left, rig_, left_map_);
+    make_map(right, rig_, right_map_);
+}
+
+RectifiedFrame Rectifier::rectify(const StereoFrame& frame) const {
+    RectifiedFrame result;
+    result.index = frame.index;
+    result.timestamp_ns = frame.timestamp_ns;
+    result.left = rectify_left(frame.left);
+    result.right = remapped(frame.right, right_map_);
+    return result;
+}
+
+cv::Mat Rectifier::rectify_left(const cv::Mat& image) const { return remapped(image, left_map_); }
+
+}  // namespace divemesh::worker

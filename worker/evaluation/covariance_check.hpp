@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "worker/types/pose_covariance.hpp"
+#include "worker/evaluation/trajectory_error.hpp"
+
+namespace divemesh::worker {
+
+// Whether the stated covariances are honest: position relative to the first pose, nothing aligned,
+// against the truth.
+struct CovarianceCheck {
+    std::int64_t num_poses = 0;  // compared
+    double mean_nees = 0.0;      // normalised estimation error squared, 3 degrees of freedom
+    double share_in_95 = 0.0;    // of the poses whose 95 % ellipsoid holds the truth
+};
+
+// Nothing when there are no covariances or the first pose has no truth.
+std::optional<CovarianceCheck> check_covariances(const Trajectory& estimate,
+                                                 const CovarianceTrack& covariances,
+                                                 const Trajectory& reference);
+
+nlohmann::json to_metrics(const CovarianceCheck& check);
+
+}  // namespace divemesh::worker

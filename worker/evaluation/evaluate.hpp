@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "schemas/truth_options.hpp"
+#include "worker/evaluation/relative_pose_error.hpp"
+
+namespace divemesh::worker {
+
+struct TrajectoryEvaluationOptions {
+    RelativePoseOptions relative = {.delta_m = 1.0};
+    TruthOptions truth;  // of the reference; not for KITTI files
+};
+
+// `divemesh evaluate trajectory`: any pair of TUM, EuRoC and KITTI files; KITTI's are paired line
+// by line, which only works with another KITTI file. The figures of metrics.json's trajectory,
+// `relative_pose`, and `truth`: lever arm and time offset.
+nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
+                                   const std::filesystem::path& reference,
+                                   const TrajectoryEvaluationOptions& options = {});
+
+struct MeshEvaluationRequest {
+    std::filesystem::path estimate;   // PLY, OBJ or GLB
+    std::filesystem::path reference;  // the same, or points alone
+    // Both: the estimate is moved by the SE(3) that lays its poses, positions and orientations, on
+    // the true ones, and what is farther than 4 m from every pose is left out. Neither: the meshes
+    // share a frame.
+    std::optional<std::filesystem::path> estimate_trajectory;
+    std::optional<std::filesystem::path> reference_trajectory;
+};
+
+// `divemesh evaluate mesh`: the figures of metrics.json's surface.
+nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request);
+
+}  // namespace divemesh::worker

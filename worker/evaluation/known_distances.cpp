@@ -1,0 +1,276 @@
+#include "worker/evaluation/known_distances.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/optimisation/covariance_between.hpp"
+#include "worker/camera/projection.hpp"
+#include "worker/stats/summary.hpp"
+#include "worker/evaluation/trajectory_pairs.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMinKeyframes = 4;
+
+// A pixel with the camera that saw it and where that was.
+struct View {
+    const Camera& camera;
+    Eigen::Isometry3d T_world_cam;
+    Eigen::Vector2d pixel;
+};
+
+std::optional<Eigen::Vector2d> project_inside(const Camera& camera, const Eigen::Vector3d& p_cam) {
+    const auto pixel = project(camera, p_cam);
+    if (!pixel || !contains(camera, *pixel)) return std::nullopt;
+    // Far outside the lens's field the distortion polynomial folds back into the picture.
+    const Eigen::Vector3d ray = unproject(camera, *pixel);
+    if ((ray.head<2>() - p_cam.head<2>() / p_cam.z()).norm() > 1e-3) return std::nullopt;
+    return pixel;
+}
+
+bool is_hidden(const Eigen::Vector3d& eye,
+               const Eigen::Vector3d& point,
+               const MarkingInput& input) {
+    const Eigen::Vector3d way = point - eye;
+    const auto hit = input.reference.first_hit_m(eye.cast<float>(), way.normalized().cast<float>());
+    return hit && static_cast<double>(*hit) < way.norm() - input.tolerance_m;
+}
+
+std::vector<View> views_of(const std::vector<Mark>& marks,
+                           const Rig& rig,
+                           const Trajectory& trajectory,
+                           int min_keyframes) {
+    std::vector<View> views;
+    int num_keyframes = 0;
+    for (const Mark& mark : marks) {
+        const auto T_world_imu = pose_at(trajectory, mark.timestamp_ns);
+        if (!T_world_imu) continue;
+        ++num_keyframes;
+        views.push_back({rig.cam0, *T_world_imu * rig.T_imu_cam0, mark.pixel_left});
+        if (mark.pixel_right)
+            views.push_back({rig.cam1, *T_world_imu * rig.T_imu_cam1, *mark.pixel_right});
+    }
+    if (num_keyframes < min_keyframes) views.clear();
+    return views;
+}
+
+// The point with the least sum of squared distances to all rays.
+std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const View& view : views) {
+        const Eigen::Vector3d ray =
+            (view.T_world_cam.linear() * unproject(view.camera, view.pixel)).normalized();
+        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+        A += across;
+        b += across * view.T_world_cam.translation();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
+    constexpr double kMinParallax = 1e-6;  // mean squared sine between the rays
+    if (solver.eigenvalues()[0] < kMinParallax * static_cast<double>(views.size()))
+        return std::nullopt;
+    return A.ldlt().solve(b);
+}
+
+// Reprojection in pixels, to second order: H = J^T J, gradient J^T r, squares r^T r.
+struct Reprojection {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    double squares_px2 = 0.0;
+};
+
+// Nothing when the point is behind a camera.
+std::optional<Reprojection> reproject(const std::vector<View>& views,
+                                      const Eigen::Vector3d& point) {
+    Reprojection sum;
+    for (const View& view : views) {
+        const Eigen::Isometry3d T_cam_world = view.T_world_cam.inverse();
+        const auto pixel = project(view.camera, T_cam_world * point);
+        if (!pixel) return std::nullopt;
+        Eigen::Matrix<double, 2, 3> J;
+        constexpr double kStep_m = 1e-6;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
+            const auto ahead = project(view.camera, T_cam_world * (point + step));
+            const auto behind = project(view.camera, T_cam_world * (point - step));
+            if (!ahead || !behind) return std::nullopt;
+            J.col(axis) = (*ahead - *behind) / (2.0 * kStep_m);
+        }
+        const Eigen::Vector2d r = view.pixel - *pixel;
+        sum.H += J.transpose() * J;
+        sum.gradient += J.transpose() * r;
+        sum.squares_px2 += r.squaredNorm();
+    }
+    return sum;
+}
+
+std::optional<Eigen::Vector3d> located(const std::vector<View>& views) {
+    auto point = nearest_to_rays(views);
+    for (int i = 0; point && i < 10; ++i) {
+        const auto at = reproject(views, *point);
+        if (!at) break;
+        const Eigen::Vector3d step = at->H.ldlt().solve(at->gradient);
+        if (!step.allFinite()) break;
+        *point += step;
+        if (step.norm() < 1e-9) break;
+    }
+    return point;
+}
+
+// One end of a length.
+struct End {
+    Eigen::Vector3d p_world;
+    Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();  // what the marks say of themselves
+    double range_m = 0.0;                                  // mean, to the cameras
+    std::int64_t timestamp_ns = 0;                         // mean of the marks
+};
+
+std::optional<End> end_of(const std::vector<Mark>& marks, const Rig& rig, const Trajectory& path) {
+    const std::vector<View> views = views_of(marks, rig, path, kMinKeyframes);
+    const auto point = views.empty() ? std::nullopt : located(views);
+    if (!point) return std::nullopt;
+    End end{.p_world = *point};
+    const auto num_views = static_cast<double>(views.size());
+    if (const auto at = reproject(views, *point))
+        end.scatter_m2 = at->squares_px2 / (2.0 * num_views - 3.0) * at->H.inverse();
+    for (const View& view : views)
+        end.range_m += (view.T_world_cam.translation() - *point).norm() / num_views;
+    for (const Mark& mark : marks)
+        end.timestamp_ns += (mark.timestamp_ns - marks.front().timestamp_ns) / std::ssize(marks);
+    end.timestamp_ns += marks.front().timestamp_ns;
+    return end;
+}
+
+double max_eigenvalue(const Eigen::Matrix3d& symmetric) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric, Eigen::EigenvaluesOnly)
+        .eigenvalues()
+        .cwiseAbs()
+        .maxCoeff();
+}
+
+// Variances of drift are those of its steps: of two times they differ by what lies between.
+double drift_variance_m2(const End& a, const End& b, const CovarianceTrack& covariances) {
+    const PoseCovariance at_a = covariance_between(covariances, a.timestamp_ns);
+    const PoseCovariance at_b = covariance_between(covariances, b.timestamp_ns);
+    const double range_m = std::max(a.range_m, b.range_m);
+    return max_eigenvalue(at_b.position_m2 - at_a.position_m2) +
+           range_m * range_m * max_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
+}
+
+double sigma_of_length_m(const End& a, const End& b, const CovarianceTrack& covariances) {
+    const Eigen::Vector3d way = b.p_world - a.p_world;
+    const Eigen::Vector3d along = way.stableNormalized();
+    return std::sqrt(along.dot((a.scatter_m2 + b.scatter_m2) * along) +
+                     drift_variance_m2(a, b, covariances) +
+                     kCalibrationSigma * kCalibrationSigma * way.squaredNorm());
+}
+
+void summarise(KnownDistanceErrors& errors) {
+    std::vector<double> differences;
+    double products = 0.0;
+    double squares = 0.0;
+    for (const MeasuredDistance& distance : errors.distances) {
+        if (!distance.measured_m) continue;
+        differences.push_back(std::abs(*distance.measured_m - distance.known_m));
+        products += *distance.measured_m * distance.known_m;
+        squares += distance.known_m * distance.known_m;
+    }
+    errors.num_measured = static_cast<std::int64_t>(differences.size());
+    if (differences.empty()) return;
+    errors.scale_error = products / squares - 1.0;
+    errors.median_abs_error_m = median(differences);
+    errors.rmse_m = root_mean_square(differences);
+    errors.max_abs_error_m = *std::max_element(differences.begin(), differences.end());
+}
+
+}  // namespace
+
+std::vector<Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input) {
+    std::vector<Mark> marks;
+    if (static_cast<double>(input.reference.distance_m(p_world.cast<float>())) > input.tolerance_m)
+        return marks;
+    for (const std::int64_t timestamp_ns : input.keyframe_timestamps_ns) {
+        const auto T_world_imu = pose_at(input.ground_truth, timestamp_ns);
+        if (!T_world_imu) continue;
+        const Eigen::Isometry3d T_world_cam0 = *T_world_imu * input.rig.T_imu_cam0;
+        const Eigen::Isometry3d T_world_cam1 = *T_world_imu * input.rig.T_imu_cam1;
+        const Eigen::Vector3d p_cam0 = T_world_cam0.inverse() * p_world;
+        const auto left = project_inside(input.rig.cam0, p_cam0);
+        if (!left || p_cam0.norm() > input.max_range_m ||
+            is_hidden(T_world_cam0.translation(), p_world, input))
+            continue;
+        auto right = project_inside(input.rig.cam1, T_world_cam1.inverse() * p_world);
+        if (is_hidden(T_world_cam1.translation(), p_world, input)) right.reset();
+        marks.push_back({timestamp_ns, *left, right});
+    }
+    return marks;
+}
+
+std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
+                                           const Rig& rig,
+                                           const Trajectory& trajectory,
+                                           int min_keyframes) {
+    const std::vector<View> views = views_of(marks, rig, trajectory, min_keyframes);
+    if (views.empty()) return std::nullopt;
+    return located(views);
+}
+
+KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
+                                            const MarkingInput* truth,
+                                            const Rig& rig,
+                                            const KnownPath& path) {
+    KnownDistanceErrors errors;
+    for (const KnownDistance& known : distances) {
+        std::vector<Mark> marks_a = known.marks_a;
+        std::vector<Mark> marks_b = known.marks_b;
+        if (!known.is_marked()) {
+            marks_a = truth ? mark_point(known.a_world, *truth) : std::vector<Mark>();
+            marks_b = truth ? mark_point(known.b_world, *truth) : std::vector<Mark>();
+        }
+        MeasuredDistance measured;
+        measured.name = known.name;
+        measured.known_m = known.distance_m;
+        measured.num_keyframes_a = static_cast<int>(marks_a.size());
+        measured.num_keyframes_b = static_cast<int>(marks_b.size());
+        const auto a = end_of(marks_a, rig, path.trajectory);
+        const auto b = end_of(marks_b, rig, path.trajectory);
+        if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
+        if (a && b && !path.covariances.empty())
+            measured.sigma_m = sigma_of_length_m(*a, *b, path.covariances);
+        errors.distances.push_back(measured);
+    }
+    summarise(errors);
+    return errors;
+}
+
+nlohmann::json to_metrics(const KnownDistanceErrors& errors) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const MeasuredDistance& distance : errors.distances) {
+        nlohmann::json entry = {{"name", distance.name},
+                                {"known_m", distance.known_m},
+                                {"measured_m", nullptr},
+                                {"num_keyframes_a", distance.num_keyframes_a},
+                                {"num_keyframes_b", distance.num_keyframes_b}};
+        if (distance.measured_m) entry["measured_m"] = *distance.measured_m;
+        if (distance.sigma_m) {
+            const double half_m = 1.96 * *distance.sigma_m;
+            entry["interval95_m"] = {std::max(0.0, *distance.measured_m - half_m),
+                                     *distance.measured_m + half_m};
+        }
+        list.push_back(std::move(entry));
+    }
+    nlohmann::json json = {{"num_distances", errors.distances.size()},
+                           {"num_measured", errors.num_measured},
+                           {"distances", list}};
+    if (errors.num_measured == 0) return json;
+    json["scale_error"] = errors.scale_error;
+    json["median_abs_error_m"] = errors.median_abs_error_m;
+    json["rmse_m"] = errors.rmse_m;
+    json["max_abs_error_m"] = errors.max_abs_error_m;
+    return json;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,16 @@
+#include "worker/evaluation/path_length.hpp"
+
+namespace divemesh::worker {
+
+double path_length_m(const Trajectory& trajectory) {
+    double length = 0.0;
+    for (std::size_t i = 1; i < trajectory.size(); ++i)
+        length +=
+            (trajectory[i].T_world_imu.translation() - trajectory[i - 1].T_world_imu.translation())
+                .norm();
+    return length;
+}
+
+// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
+
+}  // namespace divemesh::worker

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "worker/types/mesh.hpp"
+
+namespace divemesh::worker {
+
+double surface_area_m2(const Mesh& mesh);
+
+// Points spread uniformly over the area: one in each of num_samples equal shares of it, in the
+// order of the triangles, at a place that depends on seed and sample number alone. Throws
+// Error{BadData} when the mesh has no area.
+std::vector<Eigen::Vector3f> sample_surface(const Mesh& mesh,
+                                            std::int64_t num_samples,
+                                            std::uint64_t seed);
+
+}  // namespace divemesh::worker

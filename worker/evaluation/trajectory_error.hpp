@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "worker/evaluation/revisit_error.hpp"
+#include "worker/evaluation/trajectory_error_options.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::worker {
+
+// Relative error over all pieces of the path whose true length reaches length_m (Geiger et al.
+// 2012, KITTI odometry, with lengths that fit a dive and every frame as a start).
+struct SegmentError {
+    double length_m = 0.0;
+    std::int64_t num_segments = 0;
+    double translation_mean_percent = 0.0;
+    double translation_rmse_percent = 0.0;
+    double rotation_mean_deg_per_m = 0.0;
+    double rotation_rmse_deg_per_m = 0.0;
+};
+
+// How far an estimated path is from the truth. Absolute errors after the best SE(3) alignment of
+// positions (Umeyama 1991, scale fixed at 1), relative ones without any.
+struct TrajectoryError {
+    std::int64_t num_poses = 0;          // compared
+    std::int64_t num_poses_outside = 0;  // of the estimate, where there is no truth
+    double path_length_m = 0.0;          // of the truth at the compared stamps
+    double ate_rmse_m = 0.0;
+    double ate_mean_m = 0.0;
+    double ate_median_m = 0.0;
+    double ate_max_m = 0.0;
+    double rotation_rmse_deg = 0.0;  // after the same alignment
+    double sim3_scale = 1.0;         // diagnostic: the scale that would fit best, not applied
+    double sim3_ate_rmse_m = 0.0;
+    double end_drift_m = 0.0;             // at the last pose, with the first poses laid on another
+    double end_drift_percent = 0.0;       // of path_length_m
+    double drift_percent = 0.0;           // mean of translation error / length over all segments
+    std::vector<SegmentError> segments;   // 1, 2, 5, 10 m; those the path is long enough for
+    std::optional<RevisitError> revisit;  // nothing: the path never comes back
+    Eigen::Isometry3d T_reference_estimate = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_reference_surface = Eigen::Isometry3d::Identity();  // of align_poses()
+    std::vector<std::int64_t> timestamps_ns;                                // of the compared poses
+    std::vector<Eigen::Vector3d> reference;                                 // true positions there
+    std::vector<Eigen::Vector3d> aligned;  // estimated ones in the reference's frame
+};
+
+// Positions of the truth are interpolated linearly to the estimate's stamps, orientations by slerp.
+// A path that hardly leaves a straight line does not hold its own roll: then orientations share in
+// the alignment. Throws Error{BadData} when fewer than three poses can be paired.
+TrajectoryError trajectory_error(const Trajectory& estimate,
+                                 const Trajectory& reference,
+                                 const TrajectoryErrorOptions& options = {});
+
+nlohmann::json to_metrics(const TrajectoryError& error);
+
+}  // namespace divemesh::worker

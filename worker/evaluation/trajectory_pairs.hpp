@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "worker/evaluation/trajectory_error_options.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::worker {
+
+// An estimated pose with the true pose of the same moment, both of the reference's body.
+struct PosePair {
+    std::int64_t timestamp_ns = 0;
+    Eigen::Isometry3d T_reference_body = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
+};
+
+std::vector<PosePair> pair_poses(const Trajectory& estimate,
+                                 const Trajectory& reference,
+                                 const TrajectoryErrorOptions& options);
+
+// The pose at a moment between two stamps; nothing where the options do not let it be bridged.
+std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory,
+                                         std::int64_t timestamp_ns,
+                                         const TrajectoryErrorOptions& options = {});
+
+}  // namespace divemesh::worker

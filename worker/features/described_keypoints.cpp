@@ -1,0 +1,128 @@
+#include "worker/features/described_keypoints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "worker/features/corner_scores.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kMaxKeypoints = 500;
+constexpr int kNumLevels = 4;
+constexpr double kLevelScale = 1.4;
+constexpr int kCell_px = 36;    // one corner in each, on every level
+constexpr int kRadius_px = 15;  // of what a descriptor sees
+constexpr int kBorder_px = kRadius_px + 2;
+constexpr int kNumDirections = 64;
+
+struct Test {
+    std::array<int, 4> offset;  // x, y of the one pixel and of the other
+};
+using Tests = std::array<Test, 256>;
+
+// The tests turned into each of kNumDirections directions.
+std::vector<Tests> turned_tests() {
+    std::mt19937_64 random(20070);
+    // Gaussian by the central limit: the same numbers from every standard library.
+    const auto draw = [&] {
+        double sum = -6.0;
+        for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11) * 0x1.0p-53;
+        return sum * (2.0 * kRadius_px + 1.0) / 5.0;
+    };
+    const auto draw_point = [&] {
+        std::array<double, 2> point{};
+        do {
+            point = {draw(), draw()};
+        } while (std::hypot(point[0], point[1]) > kRadius_px - 1);
+        return point;
+    };
+    std::vector<Tests> directions(kNumDirections);
+    for (std::size_t i = 0; i < Tests{}.size(); ++i) {
+        const std::array<double, 2> a = draw_point();
+        const std::array<double, 2> b = draw_point();
+        for (std::size_t k = 0; k < kNumDirections; ++k) {
+            const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / kNumDirections;
+            const double c = std::cos(angle);
+            const double s = std::sin(angle);
+            const auto rotation = [&](const std::array<double, 2>& p) {
+                return std::array<int, 2>{static_cast<int>(std::lround(c * p[0] - s * p[1])),
+                                          static_cast<int>(std::lround(s * p[0] + c * p[1]))};
+            };
+            directions[k][i] = {{rotation(a)[0], rotation(a)[1], rotation(b)[0], rotation(b)[1]}};
+        }
+    }
+    return directions;
+}
+
+// Index of the direction from a corner to the centroid of the brightness around it.
+std::size_t direction(const cv::Mat& image, int column, int row) {
+    int moment_x = 0;
+    int moment_y = 0;
+    for (int dy = -kRadius_px; dy <= kRadius_px; ++dy) {
+        const int half =
+            static_cast<int>(std::sqrt(static_cast<double>(kRadius_px * kRadius_px - dy * dy)));
+        const std::uint8_t* pixels = image.ptr<std::uint8_t>(row + dy) + column;
+        for (int dx = -half; dx <= half; ++dx) {
+            moment_x += dx * pixels[dx];
+            moment_y += dy * pixels[dx];
+        }
+    }
+    const double rotations = std::atan2(moment_y, moment_x) / (2.0 * std::numbers::pi);
+    const auto index = static_cast<int>(std::lround(rotations * kNumDirections));
+    return static_cast<std::size_t>((index + kNumDirections) % kNumDirections);
+}
+
+Descriptor describe(const cv::Mat& smooth, int column, int row, std::size_t turned) {
+    static const std::vector<Tests> kDirections = turned_tests();
+    const Tests& tests = kDirections[turned];
+    Descriptor descriptor{};
+    for (std::size_t i = 0; i < tests.size(); ++i) {
+        const auto& [ax, ay, bx, by] = tests[i].offset;
+        const bool darker = smooth.ptr<std::uint8_t>(row + ay)[column + ax] <
+                            smooth.ptr<std::uint8_t>(row + by)[column + bx];
+        descriptor[i / 64] |= static_cast<std::uint64_t>(darker) << (i % 64);
+    }
+    return descriptor;
+}
+
+}  // namespace
+
+DescribedKeypoints describe_keypoints(const cv::Mat& left) {
+    DescribedKeypoints view;
+    cv::Mat level = left;
+    CornerScores scores;
+    double scale = 1.0;
+    for (int i = 0; i < kNumLevels && std::min(level.cols, level.rows) > 4 * kBorder_px; ++i) {
+        cv::Mat smooth;
+        cv::GaussianBlur(level, smooth, cv::Size(7, 7), 2.0);
+        for (const cv::Point& corner :
+             best_of_cells(scores.of(level), CornerScores::kNoise, kBorder_px, kCell_px)) {
+            if (view.size() == kMaxKeypoints) break;
+            DescribedKeypoint point;
+            // Pixel centres of a level lie between those of the picture.
+            point.u_px = static_cast<float>((corner.x + 0.5) * scale - 0.5);
+            point.v_px = static_cast<float>((corner.y + 0.5) * scale - 0.5);
+            point.scale = static_cast<float>(scale);
+            const std::size_t turned = direction(smooth, corner.x, corner.y);
+            point.direction_rad = static_cast<float>(2.0 * std::numbers::pi / kNumDirections *
+                                                     static_cast<double>(turned));
+            point.descriptor = describe(smooth, corner.x, corner.y, turned);
+            view.push_back(point);
+        }
+        scale *= kLevelScale;
+        const cv::Mat finer = level;
+        cv::resize(finer,
+                   level,
+                   {cvRound(left.cols / scale), cvRound(left.rows / scale)},
+                   0.0,
+                   0.0,
+                   cv::INTER_LINEAR);
+    }
+    return view;
+}
+
+}  // namespace divemesh::worker

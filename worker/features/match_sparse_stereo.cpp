@@ -1,0 +1,67 @@
+#include "worker/features/match_sparse_stereo.hpp"
+
+#include <cmath>
+
+#include "worker/features/align_patch.hpp"
+#include "worker/features/epipolar_search.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kMinCorrelation = 0.8;
+constexpr double kMinDisparity_px = 1.0;
+constexpr double kMaxRowOffset_px = 1.0;
+
+// In both directions: a rectification that is a little off must not turn slanted edges into
+// disparity.
+double refine(const Patch& patch, const cv::Mat& right, const Feature& feature, double guess_px) {
+    const auto found = patch.align(right, {feature.pixel.x() - guess_px, feature.pixel.y()});
+    if (!found || found->correlation < kMinCorrelation ||
+        std::abs(found->pixel.y() - feature.pixel.y()) > kMaxRowOffset_px)
+        return 0.0;
+    const double disparity = feature.pixel.x() - found->pixel.x();
+    return disparity >= kMinDisparity_px ? disparity : 0.0;
+}
+
+double dense_at(const cv::Mat& dense_px, const Eigen::Vector2d& pixel) {
+    const int u = static_cast<int>(std::lround(pixel.x()));
+    const int v = static_cast<int>(std::lround(pixel.y()));
+    if (u < 0 || v < 0 || u >= dense_px.cols || v >= dense_px.rows) return 0.0;
+    return dense_px.at<float>(v, u);
+}
+
+double measure(const RectifiedFrame& frame,
+               const cv::Mat& dense_px,
+               int num_disparities_px,
+               EpipolarSearch& row,
+               const Feature& feature) {
+    const auto patch = Patch::read(frame.left, feature.pixel);
+    if (!patch) return 0.0;
+    if (!dense_px.empty()) {  // the dense matcher has the say
+        const double guess = dense_at(dense_px, feature.pixel);
+        return guess > 0.0 ? refine(*patch, frame.right, feature, guess) : 0.0;
+    }
+    if (has_depth(feature)) {
+        const double disparity = refine(*patch, frame.right, feature, feature.disparity_px);
+        if (disparity > 0.0) return disparity;
+    }
+    const int found = row.find(frame.left,
+                               frame.right,
+                               static_cast<int>(std::lround(feature.pixel.x())),
+                               static_cast<int>(std::lround(feature.pixel.y())),
+                               num_disparities_px);
+    return found > 0 ? refine(*patch, frame.right, feature, found) : 0.0;
+}
+
+}  // namespace
+
+void match_sparse_stereo(const RectifiedFrame& frame,
+                         const cv::Mat& dense_px,
+                         int num_disparities_px,
+                         Features& features) {
+    EpipolarSearch row;
+    for (Feature& feature : features)
+        feature.disparity_px = measure(frame, dense_px, num_disparities_px, row, feature);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "worker/base/instructions.hpp"
+
+// The inner loops of patch alignment, in integers: grey levels are read between the pixels with 6
+// fractional bits and kept with 4.
+namespace divemesh::worker {
+
+inline constexpr int kPatchSide_px = 16;
+inline constexpr int kPatchPixels = kPatchSide_px * kPatchSide_px;
+inline constexpr int kOuterSide_px = kPatchSide_px + 2;  // a ring more, for the gradients
+inline constexpr int kOuterPixels = kOuterSide_px * kOuterSide_px;
+inline constexpr int kGreyLevel = 16;  // in what is kept
+
+// A square of picture between the pixels: the one at its upper left corner, and how far it lies to
+// the right and below of that in 1/32768 px.
+struct SquarePlace {
+    const std::uint8_t* corner = nullptr;
+    std::ptrdiff_t step_bytes = 0;  // from row to row
+    std::int16_t right = 0;
+    std::int16_t below = 0;
+};
+
+// A patch as the columns of a linear least-squares problem.
+struct PatchColumns {
+    alignas(32) std::int16_t value[kPatchPixels];  // against `centre`
+    alignas(32) std::int16_t gradient_x[kPatchPixels];
+    alignas(32) std::int16_t gradient_y[kPatchPixels];
+    std::int16_t centre = 0;  // mean of the patch, 6 fractional bits
+};
+
+// Sums over the patch of the products of its columns.
+struct ColumnProducts {
+    std::int32_t x, y, value;
+    std::int32_t x_x, x_y, y_y, x_value, y_value, value_value;
+};
+
+// The same of the columns with what another picture shows, against the same centre.
+struct SeenProducts {
+    std::int32_t seen;
+    std::int32_t x_seen, y_seen, value_seen;
+    std::uint32_t seen_seen;
+};
+
+struct PatchKernels {
+    // kOuterSide_px squared values with 6 fractional bits.
+    void (*read_outer)(const SquarePlace& place, std::int16_t* outer);
+    ColumnProducts (*make_columns)(const std::int16_t* outer, PatchColumns& columns);
+    SeenProducts (*compare)(const PatchColumns& columns, const SquarePlace& place);
+};
+
+PatchKernels patch_kernels(Instructions instructions);
+
+}  // namespace divemesh::worker

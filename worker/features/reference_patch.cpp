@@ -1,0 +1,50 @@
+#include "worker/features/reference_patch.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kMinFacingCosine =
+    0.1;                        // cosine: seen at a more grazing angle it is not relied on
+constexpr int kRadius_px = 16;  // of the surroundings: the patch turned and half as large again
+
+}  // namespace
+
+ReferencePatch::ReferencePatch(const RectifiedRig& rig,
+                               const cv::Mat& image,
+                               const Feature& feature) {
+    const cv::Point middle(static_cast<int>(feature.pixel.x()),
+                           static_cast<int>(feature.pixel.y()));
+    const cv::Rect around =
+        cv::Rect(
+            middle.x - kRadius_px, middle.y - kRadius_px, 2 * kRadius_px + 2, 2 * kRadius_px + 2) &
+        cv::Rect(0, 0, image.cols, image.rows);
+    surroundings_ = image(around).clone();
+    centre_px_ = feature.pixel - Eigen::Vector2d(around.x, around.y);
+    if (!has_depth(feature)) return;
+    p_reference_ = point_cam(rig, feature);
+    // 1 / depth is linear in the pixel over a plane, and the disparity proportional to it.
+    const Eigen::Vector2d across = feature.disparity_slope / rig.baseline_m;
+    plane_reference_ << across, (1.0 - across.dot(p_reference_->head<2>())) / p_reference_->z();
+}
+
+ReferencePatch::ReferencePatch(const RectifiedRig& rig,
+                               const cv::Mat& image,
+                               const Feature& feature,
+                               const ReferencePatch& before)
+    : ReferencePatch(rig, image, feature) {
+    if (!p_reference_ || !before.p_reference_) return;
+    const Eigen::Vector3d normal = before.T_current_reference_.linear() * before.plane_reference_;
+    const double distance = normal.dot(*p_reference_);
+    if (distance > kMinFacingCosine * normal.norm() * p_reference_->norm())
+        plane_reference_ = normal / distance;
+}
+
+std::optional<Patch> ReferencePatch::warp_to_current(
+    const RectifiedRig& rig, const Eigen::Isometry3d& T_current_previous) const {
+    if (!p_reference_) return Patch::read(surroundings_, centre_px_);
+    const auto warp =
+        plane_warp(rig, *p_reference_, plane_reference_, T_current_previous * T_current_reference_);
+    return warp ? Patch::read(surroundings_, centre_px_, *warp) : std::nullopt;
+}
+
+}  // namespace divemesh::worker

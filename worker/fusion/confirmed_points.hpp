@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "worker/fusion/octree_volume.hpp"
+
+namespace divemesh::worker {
+
+// The points of an octree that a volume confirms: what one view alone saw, or what others looked
+// through, is none. Streamed: only a bit for each point is held.
+class ConfirmedPoints {
+public:
+    // Both must outlive it and stay as they are.
+    ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads);
+
+    std::int64_t size() const { return num_confirmed_; }
+    void for_each(
+        const std::function<void(const Eigen::Vector3f& p_world, const Color&)>& visit) const;
+
+private:
+    const PointOctree& points_;
+    std::vector<bool> confirmed_;  // in the order of the octree
+    std::int64_t num_confirmed_ = 0;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "worker/fusion/tsdf_view.hpp"
+
+namespace divemesh::worker {
+
+// The depths, along the optical axis, between which some pixels may make surface; behind the
+// farthest they change nothing. Of no pixel: nothing lies in it.
+struct DepthRange {
+    float nearest_m = std::numeric_limits<float>::infinity();
+    float farthest_m = 0.0F;
+
+    void extend(const DepthRange& other) {
+        nearest_m = std::min(nearest_m, other.nearest_m);
+        farthest_m = std::max(farthest_m, other.farthest_m);
+    }
+};
+
+// Those of a view by square tiles of 4, 8 and 16 pixels, so that what cannot change is told without
+// a look at its pixels.
+class DepthRanges {
+public:
+    static constexpr int kNumLevels = 3;
+    static constexpr int tile_px(int level) { return 4 << level; }
+
+    explicit DepthRanges(const TsdfView& view);
+
+    // Over some tiles of a level, ends included.
+    DepthRange over(
+        int level, int first_column, int last_column, int first_row, int last_row) const;
+    // Over a tile and the eight around it: of all that is no farther than a tile's width from any
+    // of its pixels.
+    const DepthRange& around(int level, int column, int row) const {
+        return levels_[level].around[index(levels_[level], column, row)];
+    }
+    // Of each pixel, row by row: behind that it changes nothing; 0 where nothing is known.
+    const float* farthest_m() const { return farthest_m_.data(); }
+    int num_columns(int level) const { return levels_[level].num_columns; }
+    int num_rows(int level) const { return levels_[level].num_rows; }
+
+private:
+    struct Level {
+        int num_columns = 0;
+        int num_rows = 0;
+        std::vector<DepthRange> of_tile;
+        std::vector<DepthRange> around;
+    };
+    static std::size_t index(const Level& level, int column, int row) {
+        return static_cast<std::size_t>(row) * level.num_columns + column;
+    }
+    void read_pixels(const TsdfView& view);
+
+    std::array<Level, kNumLevels> levels_;
+    std::vector<float> farthest_m_;
+};
+
+}  // namespace divemesh::worker

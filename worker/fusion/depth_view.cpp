@@ -1,0 +1,287 @@
+#include "worker/fusion/depth_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "worker/base/lanes.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a jump
+constexpr int kReach_px = 4;         // of the gradient, at full sampling
+constexpr float kMaxBend_px = 1.0F;  // of the disparity over that reach
+constexpr float kDeadRim_px = 2.0F;
+constexpr float kFullWeight_px = 5.0F;  // from a jump or the unknown
+constexpr float kMinCosine = 0.15F;     // of the angle of incidence
+
+DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
+                                      const float* __restrict row,
+                                      const float* __restrict below,
+                                      int width,
+                                      std::uint8_t* __restrict inside) {
+    for (int x = 1; x + 1 < width; ++x) {
+        const float d = row[x];
+        const int near = static_cast<int>(std::abs(row[x - 1] - d) < kMaxSlope) &
+                         static_cast<int>(std::abs(row[x + 1] - d) < kMaxSlope) &
+                         static_cast<int>(std::abs(above[x] - d) < kMaxSlope) &
+                         static_cast<int>(std::abs(below[x] - d) < kMaxSlope) &
+                         static_cast<int>(d > 0.0F);
+        inside[x] = static_cast<std::uint8_t>(near);
+    }
+}
+
+// Slope of the disparity along one axis: differences of pixels on opposite sides, of those pairs
+// that are on one plane with the centre.
+struct SlopeFit {
+    Floats numerator;
+    Floats denominator;
+};
+
+DIVEMESH_INLINE_BODY void add_pair(
+    SlopeFit& fit, Floats center, Floats ahead, Floats behind, int reach_px, float bend_px) {
+    const auto reach = static_cast<float>(reach_px);
+    const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) &
+                           (abs(ahead - behind) <= 2.0F * kMaxSlope * reach) &
+                           (abs(ahead + behind - 2.0F * center) <= bend_px);
+    fit.numerator += select(on_plane, 2.0F * reach * (ahead - behind));
+    fit.denominator += select(on_plane, broadcast(4.0F * reach * reach));
+}
+
+// One row of a keyframe's depth, and the rows around it.
+struct DepthRow {
+    const float* disparity;  // of the row, and `stride` floats on the next
+    std::ptrdiff_t stride;
+    const float* sigma;
+    const float* rim;           // distance from the nearest unknown pixel or jump
+    const std::uint8_t* image;  // BGR
+    int width;
+    float v;  // of the row, from the principal point
+};
+
+struct Optics {
+    float focal;
+    float focal_baseline;
+    float cx;
+    int step_px;  // of the keyframe's pixels between two of these
+};
+
+// Red, green and blue from bit 16 down, of eight pixels. Reads one byte more, so not for the last.
+DIVEMESH_INLINE_BODY Masks colors(const std::uint8_t* bgr) {
+    Masks packed;
+    for (int i = 0; i < kLanes; ++i) {
+        std::uint32_t four;
+        std::memcpy(&four, bgr + 3 * i, sizeof four);
+        packed[i] = static_cast<std::int32_t>(four & 0xffffff);
+    }
+    return packed;
+}
+
+// The tangent planes of a row: n ~ (f d_u, f d_v, d - (u - cx) d_u - (v - cy) d_v), scaled so that
+// n . p = f b on the plane.
+DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
+                                     const Optics& optics,
+                                     SurfacePixel* pixels) {
+    const int furthest = kReach_px / optics.step_px;
+    const float bend_px = kMaxBend_px / static_cast<float>(optics.step_px);
+    for (int start = furthest; start < row.width - furthest; start += kLanes) {
+        // The last eight overlap the ones before.
+        const int u = std::min(start, row.width - furthest - kLanes);
+        const Floats inside = static_cast<float>(optics.step_px) * load(row.rim + u);
+        Masks good = inside > kDeadRim_px;
+        if (!any(good)) continue;
+        const float* at = row.disparity + u;
+        const Floats d = load(at);
+        SlopeFit along_u{};
+        SlopeFit along_v{};
+        for (int reach = furthest / 2; reach <= furthest; reach += furthest / 2)
+            for (int side = -furthest; side <= furthest; side += furthest) {
+                const std::ptrdiff_t rows_u = side * row.stride;
+                const std::ptrdiff_t rows_v = reach * row.stride;
+                const Floats right = load(at + rows_u + reach);
+                const Floats left = load(at - rows_u - reach);
+                const Floats below = load(at + rows_v + side);
+                const Floats above = load(at - rows_v - side);
+                add_pair(along_u, d, right, left, reach, bend_px);
+                add_pair(along_v, d, below, above, reach, bend_px);
+            }
+        good &= (along_u.denominator > 0.0F) & (along_v.denominator > 0.0F);
+        const Floats slope_u = along_u.numerator / max(along_u.denominator, broadcast(1.0F));
+        const Floats slope_v = along_v.numerator / max(along_v.denominator, broadcast(1.0F));
+        const Floats du =
+            __builtin_convertvector(kLaneNumbers, Floats) + (static_cast<float>(u) - optics.cx);
+        const Floats plane_x = optics.focal * slope_u;
+        const Floats plane_y = optics.focal * slope_v;
+        const Floats plane_z = d - du * slope_u - row.v * slope_v;
+        const Floats length =
+            square_root(plane_x * plane_x + plane_y * plane_y + plane_z * plane_z);
+        const Floats ray =
+            square_root(du * du + (row.v * row.v + optics.focal * optics.focal)) / optics.focal;
+        const Floats cosine = d / (length * ray);
+        good &= cosine >= kMinCosine;
+        const Floats ramp =
+            min(broadcast(1.0F), (inside - kDeadRim_px) / (kFullWeight_px - kDeadRim_px));
+        Floats fields[kLanes] = {select(good, plane_x / length),
+                                 select(good, plane_y / length),
+                                 select(good, plane_z / length),
+                                 select(good, optics.focal_baseline / length),
+                                 select(good, load(row.sigma + u)),
+                                 select(good, optics.focal_baseline / d),
+                                 select(good, cosine * ramp),
+                                 select(good, reinterpret_cast<Floats>(colors(row.image + 3 * u)))};
+        transpose(fields);
+        std::memcpy(pixels + u, fields, sizeof fields);
+    }
+}
+
+struct Kernels {
+    void (*mark_inside)(const float*, const float*, const float*, int, std::uint8_t*);
+    void (*fit_planes)(const DepthRow&, const Optics&, SurfacePixel*);
+};
+
+// What of a row is inside still when everything loses its outermost pixels; by turns with those at
+// the corners and without, which goes inward about as fast along the diagonals as straight on.
+void peel_row(const std::uint8_t* __restrict above,
+              const std::uint8_t* __restrict row,
+              const std::uint8_t* __restrict below,
+              int width,
+              bool with_corners,
+              std::uint8_t* __restrict out) {
+    for (int x = 1; x + 1 < width; ++x)
+        out[x] = row[x - 1] & row[x] & row[x + 1] & above[x] & below[x];
+    if (!with_corners) return;
+    for (int x = 1; x + 1 < width; ++x)
+        out[x] &= above[x - 1] & above[x + 1] & below[x - 1] & below[x + 1];
+}
+
+// Distance of each pixel from the nearest one that is unknown or at a jump, px, no more than
+// matters.
+cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
+    cv::Mat inside(disparity.size(), CV_8U, cv::Scalar(0));
+    for (int y = 1; y + 1 < disparity.rows; ++y)
+        kernels.mark_inside(disparity.ptr<float>(y - 1),
+                            disparity.ptr<float>(y),
+                            disparity.ptr<float>(y + 1),
+                            disparity.cols,
+                            inside.ptr<std::uint8_t>(y));
+    cv::Mat layers = inside.clone();
+    cv::Mat peeled(disparity.size(), CV_8U, cv::Scalar(0));
+    for (int layer = 1; static_cast<float>(layer) < kFullWeight_px; ++layer) {
+        for (int y = 1; y + 1 < inside.rows; ++y)
+            peel_row(inside.ptr<std::uint8_t>(y - 1),
+                     inside.ptr<std::uint8_t>(y),
+                     inside.ptr<std::uint8_t>(y + 1),
+                     inside.cols,
+                     layer % 2 == 0,
+                     peeled.ptr<std::uint8_t>(y));
+        std::swap(inside, peeled);
+        layers += inside;
+    }
+    cv::Mat distance;
+    layers.convertTo(distance, CV_32F);
+    return distance;
+}
+
+// What planes are fitted to.
+struct DepthImage {
+    cv::Mat disparity;  // CV_32F
+    cv::Mat sigma;      // CV_32F
+    cv::Mat rim;        // CV_32F, distance from the nearest pixel outside of a surface
+    cv::Mat color;      // CV_8UC3
+};
+
+// The means of two by two pixels, in units of their own width; 0 where a disparity is not known.
+void halve_row(const DepthImage& from, int row, DepthImage& to) {
+    const auto* above = from.disparity.ptr<float>(2 * row);
+    const auto* below = from.disparity.ptr<float>(2 * row + 1);
+    const auto mean_of = [&](const cv::Mat& values, int x) {
+        const auto* first = values.ptr<float>(2 * row) + 2 * x;
+        const auto* second = values.ptr<float>(2 * row + 1) + 2 * x;
+        return 0.25F * ((first[0] + first[1]) + (second[0] + second[1]));
+    };
+    auto* disparity = to.disparity.ptr<float>(row);
+    auto* sigma = to.sigma.ptr<float>(row);
+    auto* rim = to.rim.ptr<float>(row);
+    for (int x = 0; x < to.disparity.cols; ++x) {
+        const float least = std::min(std::min(above[2 * x], above[2 * x + 1]),
+                                     std::min(below[2 * x], below[2 * x + 1]));
+        disparity[x] = least > 0.0F ? 0.5F * mean_of(from.disparity, x) : 0.0F;
+        sigma[x] = 0.5F * mean_of(from.sigma, x);
+        rim[x] = 0.5F * mean_of(from.rim, x);
+    }
+}
+
+DepthImage halved(const DepthImage& full) {
+    const cv::Size size(full.disparity.cols / 2, full.disparity.rows / 2);
+    DepthImage half{cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), cv::Mat(size, CV_32F), {}};
+    for (int row = 0; row < size.height; ++row) halve_row(full, row, half);
+    const cv::Rect whole(0, 0, 2 * size.width, 2 * size.height);
+    cv::resize(full.color(whole), half.color, size, 0.0, 0.0, cv::INTER_AREA);
+    return half;
+}
+
+// The middle of two by two pixels is half a pixel right of and below the first one's.
+RectifiedRig halved(RectifiedRig rig) {
+    rig.width_px /= 2;
+    rig.height_px /= 2;
+    rig.focal_px /= 2.0;
+    rig.cx_px = (rig.cx_px - 0.5) / 2.0;
+    rig.cy_px = (rig.cy_px - 0.5) / 2.0;
+    return rig;
+}
+
+}  // namespace
+
+Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double voxel_m) {
+    constexpr int kStep_px = 8;
+    constexpr double kPixels = 2.0;
+    std::vector<float> disparities;
+    for (int v = 0; v < depth.disparity_px.rows; v += kStep_px)
+        for (int u = 0; u < depth.disparity_px.cols; u += kStep_px) {
+            const float disparity = depth.disparity_px.at<float>(v, u);
+            if (disparity > 0.0F) disparities.push_back(disparity);
+        }
+    const float disparity_px = upper_median(std::move(disparities));
+    return disparity_px * voxel_m / rig.baseline_m >= kPixels ? Sampling::Half : Sampling::Full;
+}
+
+DepthView::DepthView(const RectifiedRig& rig,
+                     const KeyframeImages& images,
+                     Sampling sampling,
+                     Instructions instructions)
+    : step_px_(sampling == Sampling::Half ? 2 : 1),
+      rig_(sampling == Sampling::Half ? halved(rig) : rig),
+      image_(images.left_color),
+      pixels_(static_cast<std::size_t>(rig_.width_px) * rig_.height_px) {
+    const int reach = kReach_px / step_px_;
+    if (images.depth.disparity_px.empty() || rig_.width_px < 2 * reach + kLanes ||
+        rig_.height_px <= 2 * reach)
+        return;
+    const Kernels kernels{compiled_for<mark_inside>(instructions),
+                          compiled_for<fit_planes>(instructions)};
+    DepthImage image{images.depth.disparity_px,
+                     images.depth.sigma_disparity_px,
+                     distance_from_rim(images.depth.disparity_px, kernels),
+                     images.left_color};
+    if (sampling == Sampling::Half) image = halved(image);
+    const Optics optics{static_cast<float>(rig_.focal_px),
+                        static_cast<float>(rig_.focal_px * rig_.baseline_m),
+                        static_cast<float>(rig_.cx_px),
+                        step_px_};
+    for (int v = reach; v < rig_.height_px - reach; ++v) {
+        const DepthRow row{image.disparity.ptr<float>(v),
+                           static_cast<std::ptrdiff_t>(image.disparity.step1()),
+                           image.sigma.ptr<float>(v),
+                           image.rim.ptr<float>(v),
+                           image.color.ptr<std::uint8_t>(v),
+                           rig_.width_px,
+                           static_cast<float>(v - rig_.cy_px)};
+        kernels.fit_planes(
+            row, optics, pixels_.data() + static_cast<std::size_t>(v) * rig_.width_px);
+    }
+}
+
+}  // namespace divemesh::worker

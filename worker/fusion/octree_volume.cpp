@@ -1,0 +1,105 @@
+#include "worker/fusion/octree_volume.hpp"
+
+#include <algorithm>
+
+#include "worker/fusion/depth_view.hpp"
+#include "worker/fusion/point_field.hpp"
+#include "worker/fusion/volume_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMinViews = 2;  // of a leaf before it counts: what one view saw may be snow
+
+}  // namespace
+
+OctreeVolume::OctreeVolume(VolumeSettings settings)
+    : Volume(std::move(settings)), octree_(settings_.voxel_m, settings_.spill) {}
+
+// Where the view has one pixel for four of the keyframe's, it is one point if all four would fall
+// into one leaf, else four on its plane: leaves between them would stay empty.
+void OctreeVolume::add(const Keyframe& keyframe, const DepthView& depth) {
+    const double sigma_scale = 1.0 / (depth.rig().focal_px * depth.rig().baseline_m);
+    // Where a pixel of the keyframe is as wide as a leaf.
+    const double pixel_is_leaf_m = settings_.voxel_m * settings_.rig.focal_px;
+    PointObservation point;
+    point.view = static_cast<std::uint8_t>(num_views_);
+    for (int v = 0; v < depth.rig().height_px; ++v)
+        for (int u = 0; u < depth.rig().width_px; ++u) {
+            const SurfacePixel& pixel = depth.pixel(u, v);
+            if (pixel.weight <= 0.0F || pixel.depth_m > settings_.max_depth_m) continue;
+            const double z = pixel.depth_m;
+            const double sigma_z = z * z * pixel.sigma_disparity_px * sigma_scale;
+            const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);
+            point.normal = -(keyframe.T_world_cam.linear().cast<float>() * normal);
+            point.weight = static_cast<float>(pixel.weight / (sigma_z * sigma_z));
+            if (depth.step_px() == 1 || depth.step_px() * z <= pixel_is_leaf_m) {
+                point.p_world = keyframe.T_world_cam * depth.rig().point_cam(u, v, z);
+                for (int i = 0; i < 3; ++i)
+                    point.color[i] = static_cast<std::uint8_t>(pixel.color >> (16 - 8 * i));
+                octree_.insert(point);
+            } else {
+                insert_four(keyframe.T_world_cam, depth, {u, v}, point);
+            }
+        }
+    octree_.trim();
+    ++num_views_;
+}
+
+void OctreeVolume::insert_four(const Eigen::Isometry3d& T_world_cam,
+                               const DepthView& depth,
+                               const Eigen::Vector2i& at,
+                               PointObservation point) {
+    const SurfacePixel& pixel = depth.pixel(at.x(), at.y());
+    const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);
+    for (int i = 0; i < 4; ++i) {
+        const Eigen::Vector2i full(2 * at.x() + (i & 1), 2 * at.y() + (i >> 1));
+        const Eigen::Vector3d ray = settings_.rig.point_cam(full.x(), full.y(), 1.0);
+        point.p_world = T_world_cam * (pixel.offset_m / normal.cast<double>().dot(ray) * ray);
+        const auto& bgr = depth.image().at<cv::Vec3b>(full.y(), full.x());
+        point.color = {bgr[2], bgr[1], bgr[0]};
+        octree_.insert(point);
+    }
+}
+
+void OctreeVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {
+    for (const Eigen::Vector3d& p : p_world) {
+        const Eigen::Vector3i cell = (p / settings_.voxel_m).array().floor().cast<int>();
+        const PointLeaf* leaf = octree_.find(cell);
+        *out++ = leaf != nullptr && leaf->num_views >= min_views();
+    }
+}
+
+int OctreeVolume::min_views() const { return std::min(kMinViews, static_cast<int>(num_views_)); }
+
+std::unique_ptr<SignedDistanceField> OctreeVolume::field(int num_threads) const {
+    return std::make_unique<PointField>(octree_, min_views(), num_threads);
+}
+
+void OctreeVolume::save(const std::filesystem::path& path) const {
+    BinaryWriter file(path);
+    put_volume_header(file, kOctreeMagic, settings_);
+    file.put(num_views_);
+    file.put(octree_.num_points());
+    octree_.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
+        for (int axis = 0; axis < 3; ++axis) file.put(cell[axis]);
+        file.put(leaf);
+    });
+    file.commit();
+}
+
+std::unique_ptr<OctreeVolume> OctreeVolume::load(BinaryReader& file, SpillSettings spill) {
+    VolumeSettings settings = get_volume_settings(file);
+    settings.spill = std::move(spill);
+    auto volume = std::make_unique<OctreeVolume>(settings);
+    volume->num_views_ = file.get<std::uint32_t>();
+    const auto num_leaves = file.get<std::int64_t>();
+    for (std::int64_t i = 0; i < num_leaves && file.ok(); ++i) {
+        Eigen::Vector3i cell;
+        for (int axis = 0; axis < 3; ++axis) cell[axis] = file.get<int>();
+        volume->octree_.restore(cell, file.get<PointLeaf>());
+    }
+    return volume;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "worker/fusion/point_octree.hpp"
+#include "worker/fusion/tsdf_volume.hpp"
+
+namespace divemesh::worker {
+
+// The paper's step 7: every point that a keyframe saw goes into an octree, which keeps the weighted
+// mean of each leaf. The surface in it is the zero of the signed distance to the leaves' tangent
+// planes (Hoppe et al. 1992), averaged over the leaves nearby.
+class OctreeVolume : public Volume {
+public:
+    explicit OctreeVolume(VolumeSettings settings);
+
+    void add(const Keyframe& keyframe, const DepthView& depth) override;
+    void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
+    std::unique_ptr<SignedDistanceField> field(int num_threads) const override;
+    void save(const std::filesystem::path& file) const override;
+    std::int64_t memory_bytes() const override { return octree_.memory_bytes(); }
+    void trim() const override { octree_.trim(); }
+
+    const PointOctree& octree() const { return octree_; }
+
+    static std::unique_ptr<OctreeVolume> load(class BinaryReader& file, SpillSettings spill);
+
+private:
+    int min_views() const;
+    void insert_four(const Eigen::Isometry3d& T_world_cam,
+                     const DepthView& depth,
+                     const Eigen::Vector2i& at,
+                     PointObservation point);
+
+    PointOctree octree_;
+    std::uint32_t num_views_ = 0;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "worker/fusion/block_coordinate.hpp"
+#include "worker/types/mesh.hpp"
+
+namespace divemesh::worker {
+
+inline constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
+
+// What is known at a sample beside its distance.
+struct SampleAttributes {
+    Color color = {0, 0, 0};
+    bool has_color = false;
+    float sigma_m = 0.0F;  // standard deviation of the distance
+    std::uint32_t num_observations = 0;
+};
+
+// A sparse signed distance to the surface: positive on the side of the cameras, unknown away from
+// the surface and where too little was seen. What both volumes are to both meshers. Calls from
+// several threads are safe, but for let_go().
+class SignedDistanceField {
+public:
+    virtual ~SignedDistanceField() = default;
+
+    virtual double voxel_m() const = 0;
+    virtual const std::vector<BlockCoordinate>& blocks() const = 0;  // sorted
+    // The 512 distances of a block, m; kUnknownDistance where unknown.
+    virtual void read_distances(std::size_t block, float* distances_m) const = 0;
+    virtual float distance_m(std::size_t block, int sample) const = 0;
+    virtual SampleAttributes attributes(std::size_t block, int sample) const = 0;
+    // To be called now and then on a walk through the field, so that it need not be in memory
+    // whole.
+    virtual void release_memory() const {}
+};
+
+}  // namespace divemesh::worker

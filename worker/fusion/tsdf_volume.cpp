@@ -1,0 +1,268 @@
+#include "worker/fusion/tsdf_volume.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <numeric>
+
+#include "worker/base/parallel.hpp"
+#include "worker/fusion/packed_values.hpp"
+#include "worker/fusion/volume_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kAllocationStep_px = 2;
+constexpr float kMaxStep_voxels = 6.0F;        // between rays that miss no block
+constexpr float kMinDisparitySigma_px = 0.1F;  // less than is ever stated
+constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
+// How far from the surface a point may lie: where as many views looked through as saw something,
+// the zero is farther off.
+constexpr float kConfirmed_voxels = 1.5F;
+constexpr std::uint32_t kBlocksPerTrim = 4096;
+
+float sigma_z(const TsdfView& view, float z, float sigma_disparity_px) {
+    return z * z * (sigma_disparity_px * view.depth_sigma_scale);
+}
+
+float truncation_m(const TsdfView& view, float sigma) {
+    return std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
+}
+
+int rounded(float x) {
+    const auto whole = static_cast<int>(x + 0.5F);
+    return whole - static_cast<int>(x + 0.5F < static_cast<float>(whole));
+}
+
+// All of it: the samples of a block are in four arrays, each too short for the processor to see
+// where it goes on.
+void prefetch(const TsdfBlock* block) {
+    constexpr std::size_t kLine = 64;
+    const auto* bytes = reinterpret_cast<const char*>(block);
+    for (std::size_t i = 0; i < sizeof(TsdfBlock); i += kLine) __builtin_prefetch(bytes + i, 1, 2);
+}
+
+// The blocks that a view has come across of late: most pixels lie in those of their neighbours.
+class RecentBlocks {
+public:
+    // False when it is among them, else it is from now on.
+    bool add(const BlockCoordinate& block) {
+        auto& place = places_[BlockCoordinateHash()(block) % kNumPlaces];
+        if (place == block) return false;
+        place = block;
+        return true;
+    }
+
+private:
+    static constexpr std::size_t kNumPlaces = 1024;
+    std::vector<BlockCoordinate> places_ =
+        std::vector<BlockCoordinate>(kNumPlaces, {INT32_MAX, 0, 0});
+};
+
+TsdfView view_of(const Keyframe& keyframe, const DepthView& depth, const VolumeSettings& settings) {
+    const RectifiedRig& rig = depth.rig();
+    const Eigen::Isometry3f T_cam_world = keyframe.T_world_cam.inverse().cast<float>();
+    TsdfView view;
+    view.pixels = depth.pixels();
+    view.width_px = rig.width_px;
+    view.height_px = rig.height_px;
+    view.focal_px = static_cast<float>(rig.focal_px);
+    view.cx_px = static_cast<float>(rig.cx_px);
+    view.cy_px = static_cast<float>(rig.cy_px);
+    view.R_cam_world = T_cam_world.linear();
+    view.t_cam_world = T_cam_world.translation();
+    view.voxel_m = static_cast<float>(settings.voxel_m);
+    view.max_depth_m = static_cast<float>(settings.max_depth_m);
+    view.max_sigma_m = kMaxSigma_voxels * view.voxel_m;
+    view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
+    return view;
+}
+
+// How many pixels apart rays may be that come through every block of a surface, however far it may
+// be seen.
+int allocation_step_px(const TsdfView& view) {
+    const float farthest_m =
+        std::min(view.max_depth_m,
+                 std::sqrt(view.max_sigma_m / (kMinDisparitySigma_px * view.depth_sigma_scale)));
+    const float apart_m = kAllocationStep_px * farthest_m / view.focal_px;
+    return apart_m <= kMaxStep_voxels * view.voxel_m ? kAllocationStep_px : 1;
+}
+
+}  // namespace
+
+TsdfVolume::TsdfVolume(VolumeSettings settings)
+    : Volume(std::move(settings)), samples_(settings_.spill) {}
+
+void TsdfVolume::add(const Keyframe& keyframe, const DepthView& depth) {
+    const TsdfView view = view_of(keyframe, depth, settings_);
+    allocate(view, keyframe, depth);
+    const DepthRanges ranges(view);
+    const auto visible = regions_.find(VisibleSpace(view, ranges), view.voxel_m);
+    std::vector<TsdfBlock*> blocks;
+    blocks.reserve(visible.size());
+    for (const VisibleBlock& seen : visible) blocks.push_back(&block(seen.number));
+    for_each_index(settings_.num_threads, visible.size(), [&](std::size_t i) {
+        if (i + 1 < blocks.size()) prefetch(blocks[i + 1]);
+        const VisibleBlock& seen = visible[i];
+        update_block(view, ranges, first_sample(coordinates_[seen.number]), seen.place, *blocks[i]);
+    });
+    samples_.trim();
+    ++num_views_;
+}
+
+// The blocks within the truncation distance of what the pixels saw.
+void TsdfVolume::allocate(const TsdfView& view, const Keyframe& keyframe, const DepthView& depth) {
+    const Eigen::Isometry3f T_voxel_cam(
+        (Eigen::Scaling(1.0F / view.voxel_m) * keyframe.T_world_cam.cast<float>()).matrix());
+    const Eigen::Vector3f eye = T_voxel_cam.translation();
+    const float step = 0.5F * kBlockEdge * view.voxel_m;
+    const int step_px = allocation_step_px(view);
+    RecentBlocks recent;
+    for (int v = 0; v < view.height_px; v += step_px)
+        for (int u = 0; u < view.width_px; u += step_px) {
+            const SurfacePixel& pixel = depth.pixel(u, v);
+            if (!makes_surface(view, pixel)) continue;
+            const Eigen::Vector3f ray =
+                T_voxel_cam.linear() * depth.rig().point_cam(u, v, 1.0).cast<float>();
+            const float truncation =
+                truncation_m(view, sigma_z(view, pixel.depth_m, pixel.sigma_disparity_px));
+            const float end = pixel.depth_m + truncation;
+            for (float z = pixel.depth_m - truncation; z < end + step; z += step) {
+                const Eigen::Vector3f p = eye + std::min(z, end) * ray;
+                const BlockCoordinate at =
+                    block_of({rounded(p.x()), rounded(p.y()), rounded(p.z())});
+                if (!recent.add(at)) continue;
+                const auto [entry, is_new] =
+                    index_.try_emplace(at, static_cast<std::uint32_t>(blocks_.size()));
+                if (is_new) add_block(at);
+            }
+        }
+}
+
+void TsdfVolume::add_block(const BlockCoordinate& block) {
+    regions_.add(block, static_cast<std::uint32_t>(blocks_.size()));
+    coordinates_.push_back(block);
+    blocks_.push_back(samples_.allocate(sizeof(TsdfBlock)));
+    new (samples_.write(blocks_.back())) TsdfBlock;
+}
+
+TsdfBlock& TsdfVolume::block(std::uint32_t number) {
+    return *std::launder(reinterpret_cast<TsdfBlock*>(samples_.write(blocks_[number])));
+}
+const TsdfBlock& TsdfVolume::block(std::uint32_t number) const {
+    return *std::launder(reinterpret_cast<const TsdfBlock*>(samples_.read(blocks_[number])));
+}
+
+const TsdfBlock* TsdfVolume::find(const BlockCoordinate& coordinate) const {
+    const auto entry = index_.find(coordinate);
+    return entry == index_.end() ? nullptr : &block(entry->second);
+}
+
+void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {
+    constexpr float kMaxDistanceSteps = kConfirmed_voxels * kDistanceSteps;
+    BlockCoordinate at{INT32_MAX, 0, 0};
+    const TsdfBlock* samples = nullptr;
+    for (const Eigen::Vector3d& p : p_world) {
+        const Eigen::Vector3i sample = (p / settings_.voxel_m).array().round().matrix().cast<int>();
+        if (const BlockCoordinate here = block_of(sample); here != at) {
+            at = here;
+            samples = find(here);
+        }
+        const int i = index_in_block(sample);
+        *out++ = samples != nullptr && samples->num_views[i] >= min_views() &&
+                 std::abs(static_cast<float>(samples->distance[i])) < kMaxDistanceSteps;
+    }
+}
+
+// What the meshers see: samples that enough views agree on.
+class TsdfField : public SignedDistanceField {
+public:
+    explicit TsdfField(const TsdfVolume& volume)
+        : volume_(volume),
+          min_views_(volume.min_views()),
+          step_m_(static_cast<float>(volume.voxel_m()) / kDistanceSteps) {
+        order_.resize(volume.blocks_.size());
+        std::iota(order_.begin(), order_.end(), 0U);
+        std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return volume.coordinates_[a] < volume.coordinates_[b];
+        });
+        for (const std::uint32_t i : order_) blocks_.push_back(volume.coordinates_[i]);
+    }
+
+    double voxel_m() const override { return volume_.voxel_m(); }
+    const std::vector<BlockCoordinate>& blocks() const override { return blocks_; }
+    void read_distances(std::size_t block, float* distances_m) const override {
+        const TsdfBlock& samples = volume_.block(order_[block]);
+        for (int i = 0; i < kBlockSamples; ++i) distances_m[i] = distance_of(samples, i);
+    }
+    float distance_m(std::size_t block, int sample) const override {
+        return distance_of(volume_.block(order_[block]), sample);
+    }
+    SampleAttributes attributes(std::size_t block, int sample) const override {
+        const TsdfBlock& samples = volume_.block(order_[block]);
+        const std::uint32_t color = samples.color[sample];
+        const float weight = unpack_weight(samples.weight[sample]);
+        SampleAttributes attributes;
+        attributes.has_color = color != 0;
+        for (int channel = 0; channel < 3 && color != 0; ++channel)
+            attributes.color[channel] = unpack_grey(color, channel);
+        attributes.sigma_m = weight > 0.0F ? 1.0F / std::sqrt(weight) : 0.0F;
+        attributes.num_observations = samples.num_views[sample];
+        return attributes;
+    }
+    void release_memory() const override { volume_.trim(); }
+
+private:
+    float distance_of(const TsdfBlock& samples, int i) const {
+        return samples.num_views[i] >= min_views_ && samples.weight[i] != 0
+                   ? step_m_ * static_cast<float>(samples.distance[i])
+                   : kUnknownDistance;
+    }
+
+    const TsdfVolume& volume_;
+    std::uint32_t min_views_;
+    float step_m_;
+    std::vector<std::uint32_t> order_;
+    std::vector<BlockCoordinate> blocks_;
+};
+
+std::unique_ptr<SignedDistanceField> TsdfVolume::field(int) const {
+    return std::make_unique<TsdfField>(*this);
+}
+
+std::int64_t TsdfVolume::memory_bytes() const {
+    const std::size_t each =
+        4 * sizeof(BlockCoordinate) + sizeof(SpillStore::Handle) + 4 * sizeof(void*);
+    return samples_.memory_bytes() + static_cast<std::int64_t>(blocks_.size() * each);
+}
+
+void TsdfVolume::save(const std::filesystem::path& path) const {
+    BinaryWriter file(path);
+    put_volume_header(file, kTsdfMagic, settings_);
+    file.put(num_views_);
+    file.put(static_cast<std::uint64_t>(blocks_.size()));
+    for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
+        file.put(coordinates_[i]);
+        file.put(block(i));
+        if (i % kBlocksPerTrim == 0) samples_.trim();
+    }
+    file.commit();
+}
+
+std::unique_ptr<TsdfVolume> TsdfVolume::load(BinaryReader& file, SpillSettings spill) {
+    VolumeSettings settings = get_volume_settings(file);
+    settings.spill = std::move(spill);
+    auto volume = std::make_unique<TsdfVolume>(settings);
+    volume->num_views_ = file.get<std::uint32_t>();
+    const auto num_blocks = file.get<std::uint64_t>();
+    for (std::uint32_t i = 0; i < num_blocks && file.ok(); ++i) {
+        const auto coordinate = file.get<BlockCoordinate>();
+        volume->index_.emplace(coordinate, i);
+        volume->add_block(coordinate);
+        volume->block(i) = file.get<TsdfBlock>();
+        if (i % kBlocksPerTrim == 0) volume->samples_.trim();
+    }
+    return volume;
+}
+
+}  // namespace divemesh::worker

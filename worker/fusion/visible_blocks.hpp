@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "worker/fusion/block_coordinate.hpp"
+#include "worker/fusion/update_block.hpp"
+
+namespace divemesh::worker {
+
+// What of space a view may change: in its picture, and no farther behind the surface there than
+// samples are truncated.
+class VisibleSpace {
+public:
+    // Both must outlive it.
+    VisibleSpace(const TsdfView& view, const DepthRanges& ranges);
+
+    // Where a ball in the world is; nothing: the view changes none of it.
+    std::optional<BlockPlace> place_of(const Eigen::Vector3f& middle, float radius_m) const;
+    Eigen::AlignedBox3f bounds() const;  // in the world, m
+
+private:
+    DepthRange range_around(const Eigen::Vector3f& p_cam, float radius_m) const;
+
+    const TsdfView& view_;
+    const DepthRanges& ranges_;
+    float slack_x_;  // how far, per radius, the picture's sides are let out
+    float slack_y_;
+};
+
+struct VisibleBlock {
+    std::uint32_t number;
+    BlockPlace place;
+};
+
+// Blocks by where they are, so that finding those in a view does not take a look at all of them.
+class BlockRegions {
+public:
+    void add(const BlockCoordinate& block, std::uint32_t number);
+    // The blocks that may reach into a space, in an order that depends on that of add() alone.
+    std::vector<VisibleBlock> find(const VisibleSpace& space, float voxel_m) const;
+
+private:
+    struct Region {  // of 8 x 8 x 8 blocks
+        BlockCoordinate coordinate;
+        std::vector<BlockCoordinate> blocks;
+        std::vector<std::uint32_t> numbers;
+    };
+
+    static void find_in(const Region& region,
+                        const VisibleSpace& space,
+                        float voxel_m,
+                        std::vector<VisibleBlock>& found);
+
+    std::vector<Region> regions_;
+    std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
+};
+
+}  // namespace divemesh::worker

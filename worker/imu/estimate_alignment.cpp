@@ -1,0 +1,244 @@
+#include "worker/imu/estimate_alignment.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/base/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using Vector7 = Eigen::Matrix<double, 7, 1>;  // time offset, rotation, bias
+using Matrix7 = Eigen::Matrix<double, 7, 7>;
+
+constexpr std::size_t kMinRotations = 20;
+constexpr std::int64_t kReach_ns = 60'000'000;
+constexpr std::int64_t kCoarseStep_ns = 4'000'000;
+constexpr double kDerivativeStep_s = 2e-3;
+constexpr double kPriorOffset_s = 0.03;
+constexpr double kPriorRotation_rad = 0.035;
+constexpr double kPriorBias = 0.1;       // rad/s
+constexpr double kMedianOfNorm = 1.538;  // of three normal variables, in sigmas
+constexpr double kHuber = 3.0;           // of the norm, in sigmas of an axis
+constexpr double kMinSigma_rad = 1e-5;   // of a seen turn
+constexpr double kSignificant = 4.0;     // sigmas
+constexpr double kMinOffset_s = 1.5e-3;  // smaller ones harm less than a mistake would
+constexpr double kMinRotation_rad = 4e-3;
+
+std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+// The gyroscope's orientation since its first sample, so that the turn between any two times is one
+// quotient.
+class GyroscopePath {
+public:
+    GyroscopePath(const std::vector<ImuSample>& samples, std::int64_t from_ns, std::int64_t to_ns) {
+        for (const ImuSample& sample : samples) {
+            if (sample.timestamp_ns < from_ns - 2 * kReach_ns) continue;
+            if (sample.timestamp_ns > to_ns + 2 * kReach_ns) break;
+            q_.push_back(samples_.empty() ? Eigen::Quaterniond::Identity()
+                                          : turned(samples_.back(), sample));
+            samples_.push_back(sample);
+        }
+    }
+
+    bool covers(std::int64_t from_ns, std::int64_t to_ns) const {
+        return samples_.size() > 1 && from_ns >= samples_.front().timestamp_ns &&
+               to_ns <= samples_.back().timestamp_ns;
+    }
+    // Rotation vector from one time to another, in the frame at `from`.
+    Eigen::Vector3d rotation(std::int64_t from_ns, std::int64_t to_ns) const {
+        return vector_from_rotation(at(from_ns).conjugate() * at(to_ns));
+    }
+
+private:
+    Eigen::Quaterniond turned(const ImuSample& before, const ImuSample& after) const {
+        const double dt = 1e-9 * static_cast<double>(after.timestamp_ns - before.timestamp_ns);
+        return (q_.back() *
+                rotation_from_vector(0.5 * dt *
+                                     (before.angular_velocity_imu + after.angular_velocity_imu)))
+            .normalized();
+    }
+    Eigen::Quaterniond at(std::int64_t time_ns) const {
+        const auto after = std::upper_bound(
+            samples_.begin() + 1,
+            samples_.end() - 1,
+            time_ns,
+            [](std::int64_t time, const ImuSample& sample) { return time < sample.timestamp_ns; });
+        const auto i = static_cast<std::size_t>(after - samples_.begin());
+        const ImuSample& before = samples_[i - 1];
+        const double since = 1e-9 * static_cast<double>(time_ns - before.timestamp_ns);
+        const double whole = 1e-9 * static_cast<double>(after->timestamp_ns - before.timestamp_ns);
+        const Eigen::Vector3d rate =
+            before.angular_velocity_imu +
+            0.5 * since / whole * (after->angular_velocity_imu - before.angular_velocity_imu);
+        return q_[i - 1] * rotation_from_vector(rate * since);
+    }
+
+    std::vector<ImuSample> samples_;
+    std::vector<Eigen::Quaterniond> q_;
+};
+
+struct State {
+    double offset_s = 0.0;
+    Eigen::Quaterniond q_body_imu = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+};
+
+class Fit {
+public:
+    Fit(const GyroscopePath& path, const std::vector<VisionRotation>& rotations) : path_(path) {
+        for (const VisionRotation& rotation : rotations)
+            if (path_.covers(rotation.from_ns - kReach_ns, rotation.to_ns + kReach_ns))
+                turns_.push_back({rotation,
+                                  vector_from_rotation(rotation.q_from_to),
+                                  1e-9 * static_cast<double>(rotation.to_ns - rotation.from_ns)});
+    }
+
+    std::size_t num_rotations() const { return turns_.size(); }
+
+    // Sum of the residuals' norms: what outliers cannot decide.
+    double cost(const State& state) const {
+        double sum = 0.0;
+        for (const Turn& rotation : turns_) sum += residual(state, rotation).norm();
+        return sum;
+    }
+
+    // One Gauss-Newton step; the time offset moves only when it is free. Returns the covariance.
+    Matrix7 step(State& state, bool free_offset) const {
+        const double sigma = scale(state);
+        Matrix7 H = Matrix7::Zero();
+        Vector7 g = Vector7::Zero();
+        for (const Turn& rotation : turns_) add(state, rotation, sigma, H, g);
+        Vector7 weight;
+        weight << std::pow(kPriorOffset_s, -2),
+            Eigen::Vector3d::Constant(std::pow(kPriorRotation_rad, -2)),
+            Eigen::Vector3d::Constant(std::pow(kPriorBias, -2));
+        Vector7 prior_error;
+        prior_error << state.offset_s, vector_from_rotation(state.q_body_imu), state.bias;
+        H.diagonal() += weight;
+        g += weight.cwiseProduct(prior_error);
+        if (!free_offset) {
+            H.row(0).setZero();
+            H.col(0).setZero();
+            H(0, 0) = 1.0;
+            g(0) = 0.0;
+        }
+        const Matrix7 covariance = H.ldlt().solve(Matrix7::Identity());
+        const Vector7 change = -covariance * g;
+        const double reach_s = 1e-9 * static_cast<double>(kReach_ns);
+        state.offset_s = std::clamp(state.offset_s + change(0), -reach_s, reach_s);
+        state.q_body_imu =
+            (rotation_from_vector(change.segment<3>(1)) * state.q_body_imu).normalized();
+        state.bias += change.tail<3>();
+        return covariance;
+    }
+
+private:
+    struct Turn {
+        VisionRotation seen;
+        Eigen::Vector3d vector;
+        double duration_s;
+    };
+
+    Eigen::Vector3d gyroscope(const Turn& rotation, double offset_s) const {
+        const std::int64_t shift_ns = nanoseconds(offset_s);
+        return path_.rotation(rotation.seen.from_ns + shift_ns, rotation.seen.to_ns + shift_ns);
+    }
+    Eigen::Vector3d residual(const State& state, const Turn& rotation) const {
+        return rotation.vector - (state.q_body_imu * gyroscope(rotation, state.offset_s) -
+                                  rotation.duration_s * state.bias);
+    }
+    // Standard deviation of an axis, by the median.
+    double scale(const State& state) const {
+        std::vector<double> norms;
+        for (const Turn& rotation : turns_) norms.push_back(residual(state, rotation).norm());
+        return std::max(upper_median(std::move(norms)) / kMedianOfNorm, kMinSigma_rad);
+    }
+    void add(const State& state, const Turn& rotation, double sigma, Matrix7& H, Vector7& g) const {
+        const Eigen::Vector3d r = residual(state, rotation);
+        Eigen::Matrix<double, 3, 7> J;
+        J.col(0) = -(state.q_body_imu * (gyroscope(rotation, state.offset_s + kDerivativeStep_s) -
+                                         gyroscope(rotation, state.offset_s - kDerivativeStep_s))) /
+                   (2.0 * kDerivativeStep_s);
+        J.middleCols<3>(1) = cross_matrix(state.q_body_imu * gyroscope(rotation, state.offset_s));
+        J.rightCols<3>() = rotation.duration_s * Eigen::Matrix3d::Identity();
+        const double weight =
+            std::min(1.0, kHuber * sigma / std::max(r.norm(), 1e-12)) / (sigma * sigma);
+        H += weight * J.transpose() * J;
+        g += weight * J.transpose() * r;
+    }
+
+    const GyroscopePath& path_;
+    std::vector<Turn> turns_;
+};
+
+// The best of a row of time offsets, each with the rotation and the bias that go with it.
+State coarse(const Fit& fit) {
+    State best;
+    double least = -1.0;
+    for (std::int64_t lag_ns = -kReach_ns; lag_ns <= kReach_ns; lag_ns += kCoarseStep_ns) {
+        State state;
+        state.offset_s = 1e-9 * static_cast<double>(lag_ns);
+        for (int i = 0; i < 2; ++i) fit.step(state, false);
+        const double cost = fit.cost(state);
+        if (least >= 0.0 && cost >= least) continue;
+        least = cost;
+        best = state;
+    }
+    return best;
+}
+
+}  // namespace
+
+std::vector<ImuSample> aligned(const std::vector<ImuSample>& samples,
+                               const ImuAlignment& alignment) {
+    std::vector<ImuSample> result = samples;
+    for (ImuSample& sample : result) {
+        sample.timestamp_ns -= nanoseconds(alignment.time_offset_s);
+        sample.angular_velocity_imu = alignment.q_body_imu * sample.angular_velocity_imu;
+        sample.acceleration_imu = alignment.q_body_imu * sample.acceleration_imu;
+    }
+    return result;
+}
+
+std::vector<OrientationSample> aligned(const std::vector<OrientationSample>& samples,
+                                       const ImuAlignment& alignment) {
+    std::vector<OrientationSample> result = samples;
+    for (OrientationSample& sample : result) {
+        sample.timestamp_ns -= nanoseconds(alignment.time_offset_s);
+        sample.q_world_imu = sample.q_world_imu * alignment.q_body_imu.conjugate();
+    }
+    return result;
+}
+
+bool AlignmentEstimate::time_offset_is_significant() const {
+    return std::abs(alignment.time_offset_s) >
+           std::max(kMinOffset_s, kSignificant * time_offset_sigma_s);
+}
+
+bool AlignmentEstimate::rotation_is_significant() const {
+    const Eigen::Vector3d w = vector_from_rotation(alignment.q_body_imu);
+    return w.norm() > kMinRotation_rad &&
+           w.dot(rotation_covariance.ldlt().solve(w)) > kSignificant * kSignificant;
+}
+
+std::optional<AlignmentEstimate> estimate_alignment(const std::vector<ImuSample>& samples,
+                                                    const std::vector<VisionRotation>& rotations) {
+    if (rotations.size() < kMinRotations) return std::nullopt;
+    const GyroscopePath path(samples, rotations.front().from_ns, rotations.back().to_ns);
+    const Fit fit(path, rotations);
+    if (fit.num_rotations() < kMinRotations) return std::nullopt;
+    State state = coarse(fit);
+    Matrix7 covariance;
+    for (int i = 0; i < 8; ++i) covariance = fit.step(state, true);
+    AlignmentEstimate estimate;
+    estimate.alignment = {state.offset_s, state.q_body_imu};
+    estimate.time_offset_sigma_s = std::sqrt(covariance(0, 0));
+    estimate.rotation_covariance = covariance.block<3, 3>(1, 1);
+    estimate.gyroscope_bias_body = state.bias;
+    return estimate;
+}
+
+}  // namespace divemesh::worker

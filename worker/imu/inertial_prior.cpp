@@ -1,0 +1,195 @@
+#include "worker/imu/inertial_prior.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/base/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::int64_t kMaxAhrsGap_ns = 200'000'000;
+constexpr std::int64_t kMaxPressureGap_ns = 1'000'000'000;
+constexpr std::int64_t kGravityAlignment_ns = 1'000'000'000;
+constexpr double kAhrsRotationSigma_rad = 1e-3;  // white noise of two readings
+constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error on the move
+constexpr double kWrongGravity_m_s2 = 0.6;       // an accelerometer further off is not used
+// Data sheets do not know of thrusters and kicks: what they state is taken as so much more.
+constexpr double kGyroscopeInflation = 1.5;
+constexpr double kAccelerometerInflation = 5.0;
+constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation by vision
+
+ImuNoise inflated(ImuNoise noise) {
+    noise.gyroscope_noise_density *= kGyroscopeInflation;
+    noise.accelerometer_noise_density *= kAccelerometerInflation;
+    return noise;
+}
+
+// Where a time lies among samples: between two of them that are no further apart than
+// `max_interval_ns`.
+template <typename Sample>
+struct Bracket {
+    const Sample* before;
+    const Sample* after;
+    double share;  // 0 at before, 1 at after
+};
+
+template <typename Sample>
+std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
+                                       std::int64_t time_ns,
+                                       std::int64_t max_interval_ns) {
+    const auto after = std::lower_bound(
+        samples.begin(), samples.end(), time_ns, [](const Sample& sample, std::int64_t time) {
+            return sample.timestamp_ns < time;
+        });
+    if (after == samples.end()) return std::nullopt;
+    if (after->timestamp_ns == time_ns) return Bracket<Sample>{&*after, &*after, 0.0};
+    if (after == samples.begin()) return std::nullopt;
+    const auto before = after - 1;
+    const std::int64_t gap_ns = after->timestamp_ns - before->timestamp_ns;
+    if (gap_ns > max_interval_ns) return std::nullopt;
+    return Bracket<Sample>{
+        &*before,
+        &*after,
+        static_cast<double>(time_ns - before->timestamp_ns) / static_cast<double>(gap_ns)};
+}
+
+// A diver's specific force is gravity's reaction, most of the time.
+bool measures_gravity(const std::vector<ImuSample>& samples) {
+    if (samples.empty()) return false;
+    std::vector<double> forces;
+    forces.reserve(samples.size());
+    for (const ImuSample& sample : samples) forces.push_back(sample.acceleration_imu.norm());
+    return std::abs(upper_median(std::move(forces)) - kGravity_m_s2) < kWrongGravity_m_s2;
+}
+
+}  // namespace
+
+InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOptions& options)
+    : recording_(recording),
+      imu_(recording.imu()),
+      orientations_(recording.ahrs()),
+      gyroscope_(options.use_imu && recording.rig().imu_noise && !recording.imu().empty()),
+      accelerometer_(gyroscope_ && measures_gravity(recording.imu())),
+      ahrs_(options.use_ahrs && !recording.ahrs().empty()),
+      ahrs_leads_(options.estimator == "pairwise"),
+      pressure_(options.use_pressure && !recording.pressure().empty()),
+      noise_(inflated(recording.rig().imu_noise.value_or(ImuNoise{}))) {}
+
+void InertialPrior::align(const ImuAlignment& alignment) {
+    imu_ = aligned(recording_.imu(), alignment);
+    orientations_ = aligned(recording_.ahrs(), alignment);
+}
+
+std::optional<GyroscopeIntegral> InertialPrior::integral(std::int64_t from_ns,
+                                                         std::int64_t to_ns) const {
+    if (!gyroscope_) return std::nullopt;
+    return integrate_gyroscope(imu_, from_ns, to_ns, bias_.gyroscope, noise_);
+}
+
+std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
+                                                      std::int64_t to_ns) const {
+    if (!accelerometer_) return std::nullopt;
+    const auto result = preintegrate(imu_, from_ns, to_ns, bias_, noise_);
+    const auto* motion = std::get_if<PreintegratedImu>(&result);
+    return motion ? std::optional(*motion) : std::nullopt;
+}
+
+std::optional<KnownRotation> InertialPrior::rotation_from(const Eigen::Quaterniond& q_world_imu,
+                                                          std::int64_t from_ns,
+                                                          std::int64_t to_ns) const {
+    if (ahrs_leads_)
+        if (const auto q_world_next = absolute(to_ns))
+            return KnownRotation{q_world_imu.conjugate() * *q_world_next, kAhrsRotationSigma_rad};
+    return rotation(from_ns, to_ns);
+}
+
+std::optional<KnownRotation> InertialPrior::rotation(std::int64_t from_ns,
+                                                     std::int64_t to_ns) const {
+    if (const auto gyroscope = integral(from_ns, to_ns))
+        return KnownRotation{gyroscope->q_from_to,
+                             std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
+    const auto from = absolute(from_ns);
+    const auto to = absolute(to_ns);
+    if (!from || !to) return std::nullopt;
+    const double duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    return KnownRotation{from->conjugate() * *to,
+                         std::hypot(kAhrsRotationSigma_rad, kAhrsDrift_rad_per_s * duration_s)};
+}
+
+std::optional<Eigen::Quaterniond> InertialPrior::absolute(std::int64_t time_ns) const {
+    if (!ahrs_) return std::nullopt;
+    const auto around = bracket(orientations_, time_ns, kMaxAhrsGap_ns);
+    if (!around) return std::nullopt;
+    return around->before->q_world_imu.slerp(around->share, around->after->q_world_imu);
+}
+
+std::optional<double> InertialPrior::depth_m(std::int64_t time_ns) const {
+    if (!pressure_) return std::nullopt;
+    const auto around = bracket(recording_.pressure(), time_ns, kMaxPressureGap_ns);
+    if (!around) return std::nullopt;
+    return around->before->depth_m +
+           around->share * (around->after->depth_m - around->before->depth_m);
+}
+
+SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns) const {
+    SensorReadings readings;
+    readings.interval_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    readings.motion = motion(from_ns, to_ns);
+    if (!readings.motion) readings.rotation = integral(from_ns, to_ns);
+    readings.q_ahrs_imu = absolute(to_ns);
+    readings.depth_m = depth_m(to_ns);
+    return readings;
+}
+
+Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
+                                                      const Eigen::Matrix3d& R_imu_cam) const {
+    if (const auto q_world_imu = absolute(time_ns)) return *q_world_imu;
+    Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // no inertial sensor: the camera is held level
+    if (gyroscope_) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (const ImuSample& sample : imu_) {
+            if (sample.timestamp_ns < time_ns) continue;
+            if (sample.timestamp_ns > time_ns + kGravityAlignment_ns) break;
+            const auto turned = rotation(time_ns, sample.timestamp_ns);
+            const Eigen::Quaterniond q = turned ? turned->q : Eigen::Quaterniond::Identity();
+            sum += q * sample.acceleration_imu;
+        }
+        if (sum.norm() > 1e-3) up_imu = sum.normalized();
+    }
+    // Heading: the camera looks along world x, or its upper edge does when it looks up or down.
+    Eigen::Vector3d ahead_imu = R_imu_cam.col(2);
+    if (std::abs(ahead_imu.dot(up_imu)) > 0.9) ahead_imu = -R_imu_cam.col(1);
+    Eigen::Matrix3d R_imu_world;
+    R_imu_world.col(2) = up_imu;
+    R_imu_world.col(1) = up_imu.cross(ahead_imu).normalized();
+    R_imu_world.col(0) = R_imu_world.col(1).cross(up_imu);
+    return Eigen::Quaterniond(R_imu_world.transpose());
+}
+
+void InertialPrior::learn_bias(std::int64_t from_ns,
+                               std::int64_t to_ns,
+                               const Eigen::Quaterniond& seen) {
+    const auto gyroscope = integral(from_ns, to_ns);
+    if (!gyroscope) return;
+    const Eigen::Vector3d error =
+        vector_from_rotation(seen.conjugate() * gyroscope->q_from_to) / gyroscope->duration_s;
+    // A scalar Kalman filter per axis; the bias walks.
+    const double walked = noise_.gyroscope_random_walk * std::sqrt(gyroscope->duration_s);
+    const double variance = bias_sigma_ * bias_sigma_ + walked * walked;
+    const double measured =
+        std::hypot(kVisionRotationSigma_rad, gyroscope->sigma_rad) / gyroscope->duration_s;
+    const double gain = variance / (variance + measured * measured);
+    // One wild frame must not throw it off.
+    const double limit = 3.0 * std::sqrt(variance + measured * measured);
+    bias_.gyroscope += gain * error.cwiseMax(-limit).cwiseMin(limit);
+    bias_sigma_ = std::sqrt((1.0 - gain) * variance);
+}
+
+void InertialPrior::set_bias(const ImuBias& bias, double gyroscope_sigma) {
+    bias_ = bias;
+    bias_sigma_ = gyroscope_sigma;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,16 @@
+#include "worker/io/csv_cell.hpp"
+
+#include <string_view>
+
+namespace divemesh::worker {
+
+std::string csv_cell(std::string text) {
+    if (!text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos)
+        text.insert(0, 1, '\'');
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string cell = "\"";
+    for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
+    return cell + '"';
+}
+
+}  // namespace divemesh::worker

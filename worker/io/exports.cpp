@@ -1,0 +1,154 @@
+#include "worker/io/exports.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "schemas/enum_text.hpp"
+#include "schemas/error.hpp"
+#include "worker/io/geographic_frame.hpp"
+#include "worker/io/geotiff_writer.hpp"
+#include "worker/io/obj_writer.hpp"
+#include "worker/io/trajectory_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr EnumText<ExportFormat> kTexts[] = {
+    {ExportFormat::Kitti, "kitti"},
+    {ExportFormat::Euroc, "euroc"},
+    {ExportFormat::Obj, "obj"},
+    {ExportFormat::Geotiff, "geotiff"},
+};
+
+cv::Mat read_image(const std::filesystem::path& file) {
+    cv::Mat image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    if (image.empty()) throw Error(ErrorCode::BadData, "cannot read the image " + file.string());
+    return image;
+}
+
+// mosaic.json and its two pictures, as write_mosaic left them.
+struct StoredMosaic {
+    nlohmann::json description;
+    cv::Mat color;
+    cv::Mat height_m;
+    Eigen::Matrix3d T_world_pixel = Eigen::Matrix3d::Identity();  // of (column, row, 1)
+};
+
+cv::Mat heights_of(const cv::Mat& steps, const nlohmann::json& elevation) {
+    cv::Mat height_m;
+    const double step_m = elevation.at("step_m").get<double>();
+    steps.convertTo(height_m, CV_32F, step_m, elevation.at("lowest_m").get<double>() - step_m);
+    height_m.setTo(std::numeric_limits<float>::quiet_NaN(), steps == 0);
+    return height_m;
+}
+
+StoredMosaic read_mosaic(const ReconstructionFolder& reconstruction) try {
+    StoredMosaic mosaic;
+    mosaic.description = reconstruction.mosaic();
+    mosaic.color = read_image(reconstruction.path() / "mosaic.png");
+    mosaic.height_m = heights_of(read_image(reconstruction.path() / "mosaic_height.png"),
+                                 mosaic.description.at("elevation"));
+    const double pixel_m = mosaic.description.at("pixel_m").get<double>();
+    // clang-format off
+    mosaic.T_world_pixel << pixel_m, 0.0, mosaic.description.at("corner_x_m").get<double>(),
+                            0.0, -pixel_m, mosaic.description.at("corner_y_m").get<double>(),
+                            0.0, 0.0, 1.0;
+    // clang-format on
+    return mosaic;
+} catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorCode::BadData,
+                (reconstruction.path() / "mosaic.json").string() + ": " + error.what());
+}
+
+std::string citation(const GeographicPosition& position) {
+    std::ostringstream text;
+    text.precision(9);
+    text << "WGS 84 / UTM; origin at latitude " << position.latitude_deg << ", longitude "
+         << position.longitude_deg;
+    if (position.x_azimuth_deg)
+        text << ", x axis at azimuth " << *position.x_azimuth_deg;
+    else
+        text << ", NORTH NOT KNOWN: y axis taken for it";
+    return text.str();
+}
+
+std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstruction,
+                                        const std::optional<GeographicPosition>& position,
+                                        const std::filesystem::path& out) {
+    if (!position)
+        throw Error(ErrorCode::InvalidArgument,
+                    "the position of the dive is not known, so a GeoTIFF cannot be written: write "
+                    "position {latitude_deg, longitude_deg, x_azimuth_deg} into its dive.json, or "
+                    "give --latitude and --longitude");
+    const StoredMosaic mosaic = read_mosaic(reconstruction);
+    const UtmFrame utm = utm_frame(*position);
+    const RasterFrame frame{utm.epsg, utm.A * mosaic.T_world_pixel, citation(*position)};
+    write_geotiff(out / "mosaic.tif", mosaic.color, frame);
+    write_geotiff(out / "mosaic_height.tif", mosaic.height_m, frame);
+    return {"mosaic.tif", "mosaic_height.tif"};
+}
+
+std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
+                                    ExportFormat format,
+                                    const std::optional<GeographicPosition>& position,
+                                    const std::filesystem::path& out) {
+    switch (format) {
+        case ExportFormat::Kitti:
+            write_kitti(out / "trajectory_kitti.txt", reconstruction.trajectory());
+            return {"trajectory_kitti.txt"};
+        case ExportFormat::Euroc:
+            write_euroc(out / "trajectory_euroc.csv", reconstruction.trajectory());
+            return {"trajectory_euroc.csv"};
+        case ExportFormat::Obj:
+            write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh());
+            return {"mesh_obj.zip"};
+        case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<ExportFormat> export_formats(std::string_view list) {
+    std::vector<ExportFormat> formats;
+    for (std::size_t start = 0; start < list.size();) {
+        const std::size_t end = std::min(list.find(',', start), list.size());
+        formats.push_back(
+            enum_from_text<ExportFormat>(kTexts, list.substr(start, end - start), "export format"));
+        start = end + 1;
+    }
+    return formats;
+}
+
+std::optional<GeographicPosition> position_of(const ReconstructionFolder& reconstruction) {
+    const nlohmann::json::json_pointer pointer("/dive/position");
+    if (!reconstruction.metrics().contains(pointer)) return std::nullopt;
+    try {
+        const nlohmann::json& json = reconstruction.metrics().at(pointer);
+        GeographicPosition position{json.at("latitude_deg").get<double>(),
+                                    json.at("longitude_deg").get<double>(),
+                                    std::nullopt};
+        if (json.contains("x_azimuth_deg"))
+            position.x_azimuth_deg = json.at("x_azimuth_deg").get<double>();
+        return position;
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(ErrorCode::BadData,
+                    (reconstruction.path() / "metrics.json").string() + ": " + error.what());
+    }
+}
+
+std::vector<std::string> export_reconstruction(const ReconstructionFolder& reconstruction,
+                                               const std::vector<ExportFormat>& formats,
+                                               const std::optional<GeographicPosition>& position,
+                                               const std::filesystem::path& out) {
+    std::filesystem::create_directories(out);
+    std::vector<std::string> names;
+    for (const ExportFormat format : formats)
+        for (std::string& name : export_one(reconstruction, format, position, out))
+            names.push_back(std::move(name));
+    return names;
+}
+
+}  // namespace divemesh::worker

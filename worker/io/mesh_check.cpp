@@ -1,0 +1,68 @@
+#include "worker/io/mesh_check.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+void check_length(const char* what, std::size_t length, std::size_t num_vertices) {
+    if (length != 0 && length != num_vertices)
+        throw Error(ErrorCode::InvalidArgument,
+                    std::string("the mesh has ") + std::to_string(length) + " " + what + " for " +
+                        std::to_string(num_vertices) + " vertices");
+}
+
+std::vector<Eigen::Vector3f> normals_from_triangles(const Mesh& mesh) {
+    std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
+    for (const auto& triangle : mesh.triangles) {
+        const Eigen::Vector3f& a = mesh.vertices[triangle[0]];
+        const Eigen::Vector3f normal =
+            (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a);
+        for (const std::uint32_t vertex : triangle) normals[vertex] += normal;
+    }
+    return normals;
+}
+
+// The comparison is false for what is not finite.
+bool normalise(Eigen::Vector3f& normal) {
+    const float length = normal.norm();
+    if (!(length > 1e-20F && length < 1e20F)) return false;
+    normal /= length;
+    return true;
+}
+
+}  // namespace
+
+void check_mesh(const Mesh& mesh) {
+    const std::size_t num_vertices = mesh.vertices.size();
+    check_length("normals", mesh.normals.size(), num_vertices);
+    check_length("colors", mesh.colors.size(), num_vertices);
+    check_length("sigmas", mesh.sigma_m.size(), num_vertices);
+    check_length("local sigmas", mesh.sigma_local_m.size(), num_vertices);
+    check_length("observation counts", mesh.num_observations.size(), num_vertices);
+    const auto is_finite = [](const Eigen::Vector3f& vertex) { return vertex.allFinite(); };
+    if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), is_finite))
+        throw Error(ErrorCode::InvalidArgument, "the mesh has a vertex that is not finite");
+    for (const auto& triangle : mesh.triangles)
+        if (*std::max_element(triangle.begin(), triangle.end()) >= num_vertices)
+            throw Error(ErrorCode::InvalidArgument,
+                        "the mesh has a triangle with a vertex that does not exist");
+}
+
+std::vector<Eigen::Vector3f> unit_normals(const Mesh& mesh) {
+    std::vector<Eigen::Vector3f> from_triangles;
+    std::vector<Eigen::Vector3f> normals = mesh.normals;
+    normals.resize(mesh.vertices.size(), Eigen::Vector3f::Zero());
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        if (normalise(normals[i])) continue;
+        if (from_triangles.empty()) from_triangles = normals_from_triangles(mesh);
+        normals[i] = from_triangles[i];
+        if (!normalise(normals[i])) normals[i] = Eigen::Vector3f::UnitZ();
+    }
+    return normals;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,101 @@
+#include "worker/io/reconstruction_folder.hpp"
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "schemas/error.hpp"
+#include "worker/io/covariance_file.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/io/trajectory_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kRotationTolerance = 1e-3;  // of a quaternion's norm
+
+json read_json(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    if (!stream)
+        throw Error(
+            ErrorCode::NotFound,
+            "no " + file.filename().string() + " in " + file.parent_path().string() +
+                ": give the folder that `divemesh reconstruct --out` or `divemesh download` wrote");
+    json document = json::parse(stream, nullptr, false);
+    if (!document.is_object())
+        throw Error(ErrorCode::BadData, file.string() + " is not a JSON object");
+    return document;
+}
+
+Eigen::Isometry3d pose_of(const json& entry) {
+    const auto position = entry.at("position_m").get<std::array<double, 3>>();
+    const auto wxyz = entry.at("orientation_wxyz").get<std::array<double, 4>>();
+    const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+    if (!(std::abs(q.norm() - 1.0) < kRotationTolerance))
+        throw Error(ErrorCode::BadData, "orientation_wxyz is not a unit quaternion");
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = q.normalized().toRotationMatrix();
+    T.translation() = Eigen::Vector3d(position[0], position[1], position[2]);
+    return T;
+}
+
+// What reads a field of a file of ours and finds another type there.
+template <typename Read>
+auto of_file(const std::filesystem::path& file, const Read& read) try {
+    return read();
+} catch (const json::exception& error) {
+    throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
+} catch (const Error& error) {
+    throw Error(error.code(), file.string() + ": " + error.what());
+}
+
+}  // namespace
+
+ReconstructionFolder::ReconstructionFolder(std::filesystem::path folder)
+    : folder_(std::move(folder)), metrics_(read_json(folder_ / "metrics.json")) {}
+
+bool ReconstructionFolder::has_surface() const {
+    return std::filesystem::exists(folder_ / "mesh.ply");
+}
+
+Trajectory ReconstructionFolder::trajectory() const {
+    return read_trajectory(folder_ / "trajectory.tum").poses;
+}
+
+Trajectory ReconstructionFolder::causal_trajectory() const {
+    return read_trajectory(folder_ / "trajectory_causal.tum").poses;
+}
+
+CovarianceTrack ReconstructionFolder::covariances() const {
+    const auto file = folder_ / "trajectory_covariance.csv";
+    return std::filesystem::exists(file) ? read_covariances(file) : CovarianceTrack();
+}
+
+Mesh ReconstructionFolder::mesh() const { return read_ply(folder_ / "mesh.ply"); }
+
+json ReconstructionFolder::mosaic() const { return read_json(folder_ / "mosaic.json"); }
+
+std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
+    const auto file = folder_ / "keyframes.json";
+    const json document = read_json(file);
+    return of_file(file, [&] {
+        std::vector<KeyframePose> keyframes;
+        for (const json& entry : document.at("keyframes"))
+            keyframes.push_back({entry.at("frame_index").get<int>(),
+                                 entry.at("timestamp_ns").get<std::int64_t>(),
+                                 pose_of(entry)});
+        return keyframes;
+    });
+}
+
+std::optional<Eigen::Isometry3d> ReconstructionFolder::T_imu_cam0() const {
+    const json::json_pointer pointer("/calibration/T_imu_cam0");
+    if (!metrics_.contains(pointer)) return std::nullopt;
+    return of_file(folder_ / "metrics.json", [&] { return pose_of(metrics_.at(pointer)); });
+}
+
+}  // namespace divemesh::worker

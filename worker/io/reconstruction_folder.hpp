@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "worker/types/pose_covariance.hpp"
+#include "worker/types/recording.hpp"
+#include "worker/types/mesh.hpp"
+
+namespace divemesh::worker {
+
+// Of keyframes.json: the rectified left camera, z forward, x right.
+struct KeyframePose {
+    int frame_index = 0;
+    std::int64_t timestamp_ns = 0;
+    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+};
+
+// A reconstruction as `divemesh reconstruct --out` or a download left it, read again by what
+// follows: reports, measurements, comparisons. Nothing but metrics.json is read before it is asked
+// for. Every reader throws Error{NotFound} that names the missing file, or Error{BadData} that says
+// what is wrong in it.
+class ReconstructionFolder {
+public:
+    explicit ReconstructionFolder(std::filesystem::path folder);
+
+    const std::filesystem::path& path() const { return folder_; }
+    const nlohmann::json& metrics() const { return metrics_; }  // metrics.json
+    bool has_surface() const;                                   // else --set surface=false
+    Trajectory trajectory() const;                              // T_world_imu, final
+    Trajectory causal_trajectory() const;
+    CovarianceTrack covariances() const;  // of trajectory(); empty: not known
+    Mesh mesh() const;                    // mesh.ply, with normals, sigma and observation counts
+    std::vector<KeyframePose> keyframes() const;
+    nlohmann::json mosaic() const;  // mosaic.json
+    // Where the left camera sits on the body; nothing in what older versions wrote.
+    std::optional<Eigen::Isometry3d> T_imu_cam0() const;
+
+private:
+    std::filesystem::path folder_;
+    nlohmann::json metrics_;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,34 @@
+#include "worker/keyframes/keyframe_rule.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kMinShare = 0.65;  // of the last keyframe's features still in sight
+constexpr std::size_t kMinTracked = 50;
+constexpr double kMaxShift = 0.06;   // median, of the picture's width
+constexpr double kMinShift = 0.002;  // below it the camera stands still
+constexpr std::int64_t kMaxKeyframeInterval_ns = 1'000'000'000;
+
+}  // namespace
+
+bool KeyframeRule::due(const Features& features, std::int64_t timestamp_ns) {
+    if (!any_) return true;
+    const auto [num_shared, median_px] = shift_.since(features);
+    // Fresh features that do not live are no measure of how far the view has moved.
+    if (num_reference_ == 0) num_reference_ = num_shared;
+    if (num_shared < kMinTracked ||
+        static_cast<double>(num_shared) < kMinShare * static_cast<double>(num_reference_))
+        return true;
+    const double shift = median_px / width_px_;
+    return shift > kMaxShift ||
+           (shift > kMinShift && timestamp_ns - timestamp_ns_ > kMaxKeyframeInterval_ns);
+}
+
+void KeyframeRule::taken(const Features& features, std::int64_t timestamp_ns) {
+    any_ = true;
+    timestamp_ns_ = timestamp_ns;
+    num_reference_ = 0;
+    shift_.start(features);
+}
+
+}  // namespace divemesh::worker

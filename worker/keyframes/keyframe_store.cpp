@@ -1,0 +1,202 @@
+#include "worker/keyframes/keyframe_store.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kDisparityStep_px = 1.0F / 128.0F;
+constexpr float kSigmaStep_px = 1.0F / 64.0F;
+constexpr char kViewMagic[4] = {'D', 'M', 'V', '1'};
+
+struct Header {
+    char magic[4] = {'D', 'M', 'K', '2'};
+    std::int32_t width_px = 0;
+    std::int32_t height_px = 0;
+};
+
+// Of values that are not negative; those too large become the largest there is.
+template <typename Stored>
+void quantise(const cv::Mat& values, float step, std::vector<Stored>& stored) {
+    const float* value = values.ptr<float>();
+    const float per_step = 1.0F / step;
+    constexpr auto kMaxStored = static_cast<float>(std::numeric_limits<Stored>::max());
+    stored.resize(values.total());
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+        const float scaled = std::min(std::max(0.0F, value[i]) * per_step + 0.5F, kMaxStored);
+        stored[i] = static_cast<Stored>(static_cast<int>(scaled));
+    }
+}
+
+// `type`: CV_16U or CV_8U.
+cv::Mat restored(const std::uint8_t* stored, const Header& header, int type, float step) {
+    cv::Mat values;
+    cv::Mat(header.height_px, header.width_px, type, const_cast<std::uint8_t*>(stored))
+        .convertTo(values, CV_32F, step);
+    return values;
+}
+
+std::vector<std::uint8_t> as_jpeg(const cv::Mat& image) {
+    std::vector<std::uint8_t> jpeg;
+    cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});
+    return jpeg;
+}
+
+struct Bytes {
+    const void* data;
+    std::size_t num_bytes;
+};
+
+void write_file(const std::filesystem::path& path, std::initializer_list<Bytes> parts) {
+    std::ofstream file(path, std::ios::binary);
+    for (const Bytes& part : parts)
+        file.write(static_cast<const char*>(part.data),
+                   static_cast<std::streamsize>(part.num_bytes));
+    file.close();
+    if (!file)
+        throw Error(ErrorCode::OutOfSpace,
+                    "cannot write " + path.string() +
+                        ": free space in the scratch folder or choose another folder");
+}
+
+// Empty when there is none.
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) return {};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(file.tellg()));
+    file.seekg(0);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file) return {};
+    return bytes;
+}
+
+// A keyframe file and where its parts begin.
+struct KeyframeFile {
+    std::vector<std::uint8_t> bytes;
+    Header header;
+
+    std::size_t num_pixels() const {
+        return static_cast<std::size_t>(header.width_px) *
+               static_cast<std::size_t>(header.height_px);
+    }
+    const std::uint8_t* disparities() const { return bytes.data() + sizeof header; }
+    const std::uint8_t* sigmas() const { return disparities() + 2 * num_pixels(); }
+};
+
+KeyframeFile read_keyframe(const std::filesystem::path& path) {
+    KeyframeFile file{read_file(path), {}};
+    if (file.bytes.size() < sizeof file.header)
+        throw Error(ErrorCode::NotFound, "there is no keyframe file " + path.string());
+    std::memcpy(&file.header, file.bytes.data(), sizeof file.header);
+    const Header& header = file.header;
+    const bool is_ours = std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
+                         header.width_px >= 0 && header.height_px >= 0;
+    if (!is_ours || file.bytes.size() != sizeof header + 3 * file.num_pixels())
+        throw Error(ErrorCode::BadData, "keyframe file is incomplete: " + path.string());
+    return file;
+}
+
+}  // namespace
+
+KeyframeStore::KeyframeStore(std::filesystem::path folder, LeftInColor left_in_color)
+    : folder_(std::move(folder)), left_in_color_(std::move(left_in_color)) {
+    std::filesystem::create_directories(folder_);
+}
+
+void KeyframeStore::clear() const {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+}
+
+KeyframeStore KeyframeStore::rerectified(
+    std::shared_ptr<const KeyframeRerectifier> rerectifier) const {
+    KeyframeStore store = *this;
+    store.rerectifier_ = std::move(rerectifier);
+    return store;
+}
+
+std::filesystem::path KeyframeStore::file_of(int frame_index, const char* extension) const {
+    char name[32];
+    std::snprintf(name, sizeof name, "%08d.%s", frame_index, extension);
+    return folder_ / name;
+}
+
+void KeyframeStore::write(int frame_index, const DepthMap& depth) const {
+    const cv::Mat& disparity = depth.disparity_px;
+    std::vector<std::uint16_t> disparities;
+    std::vector<std::uint8_t> sigmas;
+    quantise(disparity, kDisparityStep_px, disparities);
+    quantise(depth.sigma_disparity_px, kSigmaStep_px, sigmas);
+
+    Header header;
+    header.width_px = disparity.cols;
+    header.height_px = disparity.rows;
+    write_file(file_of(frame_index, "keyframe"),
+               {{&header, sizeof header},
+                {disparities.data(), disparities.size() * sizeof(std::uint16_t)},
+                {sigmas.data(), sigmas.size()}});
+}
+
+void KeyframeStore::write_left(int frame_index, const cv::Mat& left) const {
+    const std::vector<std::uint8_t> jpeg = as_jpeg(left);
+    write_file(file_of(frame_index, "jpg"), {{jpeg.data(), jpeg.size()}});
+}
+
+cv::Mat KeyframeStore::read_left(int frame_index) const {
+    const std::vector<std::uint8_t> bytes = read_file(file_of(frame_index, "jpg"));
+    cv::Mat left;
+    if (!bytes.empty()) left = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    if (left.empty())
+        throw Error(ErrorCode::BadData,
+                    "keyframe image is damaged: " + file_of(frame_index, "jpg").string());
+    return left;
+}
+
+void KeyframeStore::write_keypoints(int frame_index, const DescribedKeypoints& view) const {
+    write_file(file_of(frame_index, "view"),
+               {{kViewMagic, sizeof kViewMagic}, {view.data(), view.size() * sizeof view[0]}});
+}
+
+DescribedKeypoints KeyframeStore::read_keypoints(int frame_index) const {
+    const std::vector<std::uint8_t> bytes = read_file(file_of(frame_index, "view"));
+    const std::size_t num_bytes = bytes.size() - std::min(bytes.size(), sizeof kViewMagic);
+    if (bytes.size() < sizeof kViewMagic ||
+        std::memcmp(bytes.data(), kViewMagic, sizeof kViewMagic) != 0 ||
+        num_bytes % sizeof(DescribedKeypoint) != 0)
+        throw Error(ErrorCode::BadData,
+                    "keyframe description is damaged: " + file_of(frame_index, "view").string());
+    DescribedKeypoints view(num_bytes / sizeof(DescribedKeypoint));
+    std::copy(bytes.begin() + sizeof kViewMagic,
+              bytes.end(),
+              reinterpret_cast<std::uint8_t*>(view.data()));
+    return view;
+}
+
+KeyframeImages KeyframeStore::read(int frame_index) const {
+    const KeyframeFile file = read_keyframe(file_of(frame_index, "keyframe"));
+    KeyframeImages images;
+    images.depth.disparity_px =
+        restored(file.disparities(), file.header, CV_16U, kDisparityStep_px);
+    images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
+    if (left_in_color_) images.left_color = left_in_color_(frame_index);
+    return rerectifier_ ? rerectifier_->moved(images) : images;
+}
+
+cv::Mat KeyframeStore::left_in_color(int frame_index) const {
+    if (!left_in_color_) return {};
+    const cv::Mat color = left_in_color_(frame_index);
+    return rerectifier_ ? rerectifier_->moved(color) : color;
+}
+
+}  // namespace divemesh::worker

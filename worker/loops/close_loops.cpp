@@ -1,0 +1,89 @@
+#include "worker/loops/close_loops.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "worker/loops/pose_graph.hpp"
+#include "worker/loops/separate_segments.hpp"
+#include "worker/loops/strongest_loops.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Further off than this, the adjustment of the whole dive may not find back by itself.
+constexpr double kBasin_px = 10.0;
+// Loops whose landmarks are fused. Each couples keyframes that are far apart in time, and what a
+// sparse factorisation of the whole dive costs grows with the cube of such couplings where laps lie
+// on each other; so many hold the dive together as well as all of them.
+constexpr std::size_t kMaxFused = 128;
+
+// How far off the landmarks seen again are, median over the worst loop.
+double worst_error_px(const RectifiedRig& rig,
+                      const std::vector<Loop>& loops,
+                      const std::vector<Keyframe>& keyframes,
+                      const std::vector<Landmark>& landmarks) {
+    double worst = 0.0;
+    for (const Loop& loop : loops) {
+        std::vector<double> errors_px;
+        for (const Reobservation& again : loop.reobservations) {
+            const auto k = static_cast<std::size_t>(again.seen.keyframe);
+            const Eigen::Vector3d p_cam =
+                keyframes[k].T_world_cam.inverse() * landmarks[again.landmark].p_world;
+            errors_px.push_back(
+                p_cam.z() < 0.05
+                    ? 1e9
+                    : (rig.pixel(p_cam) - Eigen::Vector2d(again.seen.u_px, again.seen.v_px))
+                          .norm());
+        }
+        worst = std::max(worst, upper_median(std::move(errors_px)));
+    }
+    return worst;
+}
+
+// Every landmark once in every keyframe.
+void fuse_landmarks(const std::vector<Loop>& loops,
+                    const DriftModel& drift,
+                    std::vector<Landmark>& landmarks) {
+    std::set<std::pair<std::size_t, std::int32_t>> added;
+    for (const std::size_t i : strongest_loops(loops, drift, kMaxFused))
+        for (const Reobservation& again : loops[i].reobservations)
+            if (added.insert({again.landmark, again.seen.keyframe}).second)
+                landmarks[again.landmark].observations.push_back(again.seen);
+}
+
+}  // namespace
+
+void close_loops(const RectifiedRig& rig,
+                 const std::vector<Loop>& loops,
+                 const DriftModel& drift,
+                 std::vector<Keyframe>& keyframes,
+                 std::vector<Landmark>& landmarks) {
+    number_segments(drift, loops, keyframes);
+    if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
+        optimise_pose_graph(loops, drift, keyframes, landmarks);
+    fuse_landmarks(loops, drift, landmarks);
+}
+
+void add_residuals(const std::vector<Loop>& loops,
+                   const std::vector<Keyframe>& keyframes,
+                   LoopStatistics& statistics) {
+    if (loops.empty()) return;
+    double squares_m2 = 0.0;
+    double squares_sigmas = 0.0;
+    for (const Loop& loop : loops) {
+        const Eigen::Isometry3d T_from_to =
+            keyframes[loop.from].T_world_cam.inverse() * keyframes[loop.to].T_world_cam;
+        const double missed_m2 =
+            (T_from_to.translation() - loop.T_from_to.translation()).squaredNorm();
+        squares_m2 += missed_m2;
+        squares_sigmas += missed_m2 / (3.0 * loop.sigma_m * loop.sigma_m);
+    }
+    const auto num = static_cast<double>(loops.size());
+    statistics.residual_m = std::sqrt(squares_m2 / num);
+    statistics.residual_sigmas = std::sqrt(squares_sigmas / num);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,51 @@
+#include "worker/loops/inverted_index.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+
+InvertedIndex::InvertedIndex(const StoredKeypoints& views) {
+    const Vocabulary vocabulary = Vocabulary::learn(views);
+    views_of_word_.resize(static_cast<std::size_t>(vocabulary.num_words()));
+    words_of_view_.resize(views.size());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        std::vector<std::int32_t> words;
+        for (const DescribedKeypoint& point : views[i])
+            words.push_back(vocabulary.word_of(point.descriptor));
+        std::sort(words.begin(), words.end());
+        for (const std::int32_t word : words) {
+            auto& entries = words_of_view_[i];
+            if (entries.empty() || entries.back().key != word) entries.push_back({word, 0.0F});
+            entries.back().weight += 1.0F;
+        }
+        for (const Entry& entry : words_of_view_[i])
+            views_of_word_[static_cast<std::size_t>(entry.key)].push_back(
+                {static_cast<std::int32_t>(i), 0.0F});
+    }
+    const auto num_views = static_cast<float>(views.size());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        float sum = 0.0F;
+        for (Entry& entry : words_of_view_[i]) {
+            const auto& seen_by = views_of_word_[static_cast<std::size_t>(entry.key)];
+            entry.weight *= std::log(1.0F + num_views / static_cast<float>(seen_by.size()));
+            sum += entry.weight;
+        }
+        for (Entry& entry : words_of_view_[i]) entry.weight /= sum;
+    }
+    for (auto& entries : views_of_word_) entries.clear();
+    for (std::size_t i = 0; i < views.size(); ++i)
+        for (const Entry& entry : words_of_view_[i])
+            views_of_word_[static_cast<std::size_t>(entry.key)].push_back(
+                {static_cast<std::int32_t>(i), entry.weight});
+}
+
+std::vector<float> InvertedIndex::similarity(std::size_t view) const {
+    std::vector<float> shared(words_of_view_.size(), 0.0F);
+    for (const Entry& word : words_of_view_[view])
+        for (const Entry& other : views_of_word_[static_cast<std::size_t>(word.key)])
+            shared[static_cast<std::size_t>(other.key)] += std::min(word.weight, other.weight);
+    return shared;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,84 @@
+#include "worker/loops/match_keypoints.hpp"
+
+#include <vector>
+
+#include "worker/odometry/refine_pose.hpp"
+#include "worker/odometry/register_points.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMaxHammingDistance = 72;
+constexpr double kRatio = 0.85;
+constexpr double kTolerance_px = 4.0;  // corners sit on whole pixels of their level
+constexpr std::size_t kMinAgreeing = 12;
+constexpr double kSigma_px = 1.0;  // of a corner's place, on its own level
+
+struct Nearest {
+    int index = -1;
+    int distance = 257;
+    int second_distance = 257;
+};
+
+void offer(Nearest& nearest, int index, int distance) {
+    if (distance < nearest.distance) {
+        nearest.second_distance = nearest.distance;
+        nearest.distance = distance;
+        nearest.index = index;
+    } else if (distance < nearest.second_distance) {
+        nearest.second_distance = distance;
+    }
+}
+
+bool distinct(const Nearest& nearest) {
+    return nearest.distance <= kMaxHammingDistance &&
+           nearest.distance < kRatio * nearest.second_distance;
+}
+
+Feature feature(const DescribedKeypoint& point) {
+    return {0, {point.u_px, point.v_px}, point.disparity_px};
+}
+
+}  // namespace
+
+PointPairs match_keypoints(const RectifiedRig& rig,
+                           const DescribedKeypoints& a,
+                           const DescribedKeypoints& b) {
+    std::vector<Nearest> of_a(a.size());
+    std::vector<Nearest> of_b(b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const int distance = hamming_distance(a[i].descriptor, b[j].descriptor);
+            offer(of_a[i], static_cast<int>(j), distance);
+            offer(of_b[j], static_cast<int>(i), distance);
+        }
+    }
+    PointPairs pairs;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (!distinct(of_a[i])) continue;
+        const auto j = static_cast<std::size_t>(of_a[i].index);
+        if (of_b[j].index != static_cast<int>(i)) continue;
+        if (a[i].disparity_px <= 0.0F || b[j].disparity_px <= 0.0F) continue;
+        PointPair pair;
+        pair.id = static_cast<std::int64_t>(i);
+        pair.previous_px = measurement_px(feature(a[i]));
+        pair.current_px = measurement_px(feature(b[j]));
+        pair.previous_sigma_px.setConstant(kSigma_px * a[i].scale);
+        pair.p_previous = point_cam(rig, feature(a[i]));
+        pair.p_current = point_cam(rig, feature(b[j]));
+        pairs.push_back(pair);
+    }
+    return pairs;
+}
+
+std::optional<Eigen::Isometry3d> register_keypoints(const RectifiedRig& rig,
+                                                    const DescribedKeypoints& a,
+                                                    const DescribedKeypoints& b,
+                                                    std::uint64_t seed) {
+    const Registration found =
+        register_points(rig, match_keypoints(rig, a, b), kTolerance_px, seed);
+    if (!found.found || found.inliers.size() < kMinAgreeing) return std::nullopt;
+    return refine_pose(rig, found.inliers, {found.T_current_previous, std::nullopt, 0.0});
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "worker/features/described_keypoints.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
+
+namespace divemesh::worker {
+
+// Points of two views with depth in both that are each other's nearest by descriptor, and clearly
+// nearer than the second (Lowe 2004). `previous` of a pair is of view a, `current` of view b.
+PointPairs match_keypoints(const RectifiedRig& rig,
+                           const DescribedKeypoints& a,
+                           const DescribedKeypoints& b);
+
+// T_b_a on which enough of the matches agree, to some pixels. Nothing: not the same place.
+std::optional<Eigen::Isometry3d> register_keypoints(const RectifiedRig& rig,
+                                                    const DescribedKeypoints& a,
+                                                    const DescribedKeypoints& b,
+                                                    std::uint64_t seed);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "worker/mesh/field_reader.hpp"
+
+namespace divemesh::worker {
+
+// A cell of a block that the surface passes.
+struct CrossedCell {
+    Eigen::Vector3i place;           // in the block, 0 to 7
+    std::array<float, 8> corners_m;  // all known, not all of one sign
+};
+
+// Those of a block, x running fastest.
+std::vector<CrossedCell> find_crossed_cells(const BlockNeighbourhood& samples);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,160 @@
+#include "worker/mesh/field_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+float corner_weight(int corner, const Eigen::Vector3f& place) {
+    float weight = 1.0F;
+    for (int axis = 0; axis < 3; ++axis)
+        weight *= ((corner >> axis) & 1) != 0 ? place[axis] : 1.0F - place[axis];
+    return weight;
+}
+
+Eigen::Vector3i corner_offset(int corner) {
+    return {corner & 1, (corner >> 1) & 1, (corner >> 2) & 1};
+}
+
+float between(float from, float to, float share) { return from + share * (to - from); }
+
+}  // namespace
+
+FieldReader::FieldReader(const SignedDistanceField& field) : field_(field) {
+    index_.reserve(field.blocks().size());
+    for (std::size_t i = 0; i < field.blocks().size(); ++i) index_.emplace(field.blocks()[i], i);
+}
+
+std::size_t FieldReader::find(const BlockCoordinate& block) const {
+    const auto found = index_.find(block);
+    return found == index_.end() ? kNone : found->second;
+}
+
+void FieldReader::read(std::size_t block, BlockNeighbourhood& out) const {
+    std::array<float, kBlockSamples> distances;
+    field_.read_distances(block, distances.data());
+    for (int z = 0; z < kBlockEdge; ++z)
+        for (int y = 0; y < kBlockEdge; ++y)
+            std::copy_n(distances.begin() + sample_index(0, y, z),
+                        kBlockEdge,
+                        out.distances_m.begin() + BlockNeighbourhood::index(0, y, z));
+    const BlockCoordinate& here = field_.blocks()[block];
+    for (int n = 1; n < 8; ++n) {
+        const BlockCoordinate offset{n & 1, (n >> 1) & 1, (n >> 2) & 1};
+        const std::size_t neighbour = find(here + offset);
+        const int num_x = offset.x != 0 ? 1 : kBlockEdge;
+        const int num_y = offset.y != 0 ? 1 : kBlockEdge;
+        const int num_z = offset.z != 0 ? 1 : kBlockEdge;
+        for (int z = 0; z < num_z; ++z)
+            for (int y = 0; y < num_y; ++y)
+                for (int x = 0; x < num_x; ++x)
+                    out.distances_m[BlockNeighbourhood::index(x + kBlockEdge * offset.x,
+                                                              y + kBlockEdge * offset.y,
+                                                              z + kBlockEdge * offset.z)] =
+                        neighbour == kNone ? kUnknownDistance
+                                           : field_.distance_m(neighbour, sample_index(x, y, z));
+    }
+}
+
+std::array<std::size_t, 8> FieldReader::blocks_around(const Eigen::Vector3i& cell) const {
+    std::array<std::size_t, 8> blocks;
+    blocks[0] = find(block_of(cell));
+    for (int corner = 1; corner < 8; ++corner) {
+        const Eigen::Vector3i sample = cell + corner_offset(corner);
+        // The corner on the near side along one axis.
+        const int before = corner & (corner - 1);
+        const bool same = block_of(sample) == block_of(cell + corner_offset(before));
+        blocks[corner] = same ? blocks[before] : find(block_of(sample));
+    }
+    return blocks;
+}
+
+bool FieldReader::read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& corners_m) const {
+    const auto blocks = blocks_around(cell);
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3i sample = cell + corner_offset(corner);
+        const std::size_t block = blocks[corner];
+        if (block == kNone) return false;
+        corners_m[corner] = field_.distance_m(block, index_in_block(sample));
+        if (std::isnan(corners_m[corner])) return false;
+    }
+    return true;
+}
+
+SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
+                                         const Eigen::Vector3f& place) const {
+    SampleAttributes mean;
+    Eigen::Vector3f color = Eigen::Vector3f::Zero();
+    float color_weight = 0.0F;
+    float count = 0.0F;
+    float weights = 0.0F;
+    const auto blocks = blocks_around(cell);
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3i sample = cell + corner_offset(corner);
+        const std::size_t block = blocks[corner];
+        if (block == kNone) continue;
+        const SampleAttributes here = field_.attributes(block, index_in_block(sample));
+        const float weight = corner_weight(corner, place) + 1e-3F;
+        weights += weight;
+        mean.sigma_m += weight * here.sigma_m;
+        count += weight * static_cast<float>(here.num_observations);
+        if (!here.has_color) continue;
+        color_weight += weight;
+        color += weight * Eigen::Vector3f(here.color[0], here.color[1], here.color[2]);
+    }
+    if (weights <= 0.0F) return mean;
+    mean.sigma_m /= weights;
+    mean.num_observations = static_cast<std::uint32_t>(std::lround(count / weights));
+    mean.has_color = color_weight > 0.0F;
+    if (mean.has_color)
+        for (int channel = 0; channel < 3; ++channel)
+            mean.color[channel] =
+                static_cast<std::uint8_t>(std::lround(color[channel] / color_weight));
+    return mean;
+}
+
+Eigen::Vector3f FieldReader::edge_normal(const Eigen::Vector3i& sample,
+                                         int axis,
+                                         float fraction) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (int around = 0; around < 4; ++around) {
+        Eigen::Vector3f place = fraction * Eigen::Vector3f::Unit(axis);
+        Eigen::Vector3i cell = sample;
+        for (int side = 0; side < 2; ++side) {
+            if (((around >> side) & 1) == 0) continue;
+            cell[(axis + 1 + side) % 3] -= 1;
+            place[(axis + 1 + side) % 3] = 1.0F;
+        }
+        std::array<float, 8> corners;
+        if (read_cell(cell, corners)) sum += cell_at(corners, place).gradient_m;
+    }
+    const float length = sum.norm();
+    return length > 0.0F ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
+}
+
+int sign_mask(const std::array<float, 8>& corners_m) {
+    int mask = 0;
+    for (int corner = 0; corner < 8; ++corner) mask |= (corners_m[corner] < 0.0F ? 1 : 0) << corner;
+    return mask;
+}
+
+CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place) {
+    const float x = place.x(), y = place.y(), z = place.z();
+    float along_x[4], slope_x[4];  // of the edges along x, by y and z
+    for (int i = 0; i < 4; ++i) {
+        slope_x[i] = corners_m[2 * i + 1] - corners_m[2 * i];
+        along_x[i] = corners_m[2 * i] + x * slope_x[i];
+    }
+    const float front = between(along_x[0], along_x[1], y);
+    const float back = between(along_x[2], along_x[3], y);
+    CellPoint point;
+    point.distance_m = between(front, back, z);
+    point.gradient_m.x() =
+        between(between(slope_x[0], slope_x[1], y), between(slope_x[2], slope_x[3], y), z);
+    point.gradient_m.y() = between(along_x[1] - along_x[0], along_x[3] - along_x[2], z);
+    point.gradient_m.z() = back - front;
+    return point;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+
+#include "worker/fusion/signed_distance_field.hpp"
+
+namespace divemesh::worker {
+
+// Distances of a block and of the first layer of its neighbours: the corners of its cells. A cell
+// is the cube between eight samples and belongs to the block of its least corner.
+struct BlockNeighbourhood {
+    static constexpr int kEdge = kBlockEdge + 1;
+    std::array<float, kEdge * kEdge * kEdge> distances_m;
+
+    static int index(int x, int y, int z) { return (z * kEdge + y) * kEdge + x; }
+};
+
+// Looks a field up by coordinates, across blocks.
+class FieldReader {
+public:
+    explicit FieldReader(const SignedDistanceField& field);
+
+    static constexpr std::size_t kNone = ~std::size_t{0};
+    std::size_t find(const BlockCoordinate& block) const;
+    void read(std::size_t block, BlockNeighbourhood& out) const;
+    // The distances at the eight corners of a cell, x running fastest. False when one is unknown.
+    bool read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& corners_m) const;
+    // Mean over the cell's corners near `place` (in the cell, 0 to 1): colour, sigma and count.
+    SampleAttributes attributes(const Eigen::Vector3i& cell, const Eigen::Vector3f& place) const;
+
+    // Unit vector away from the surface at a lattice edge's crossing: the mean gradient of the four
+    // cells around the edge, those that are known.
+    Eigen::Vector3f edge_normal(const Eigen::Vector3i& sample, int axis, float fraction) const;
+
+    const SignedDistanceField& field() const { return field_; }
+
+private:
+    // Of each corner of a cell, or kNone.
+    std::array<std::size_t, 8> blocks_around(const Eigen::Vector3i& cell) const;
+
+    const SignedDistanceField& field_;
+    std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
+};
+
+// Bit c: corner c is behind the surface.
+int sign_mask(const std::array<float, 8>& corners_m);
+
+// The field inside a cell, at `place` (0 to 1): trilinear between the corners, and its gradient per
+// cell edge.
+struct CellPoint {
+    float distance_m;
+    Eigen::Vector3f gradient_m;
+};
+CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place);
+
+}  // namespace divemesh::worker

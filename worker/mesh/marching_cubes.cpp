@@ -1,0 +1,151 @@
+#include "worker/mesh/marching_cubes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "worker/mesh/cell_topology.hpp"
+#include "worker/mesh/crossed_cells.hpp"
+#include "worker/mesh/field_reader.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr float kMinFraction = 0.001F;  // of an edge: no two vertices coincide in a sample
+
+// A crossed lattice edge that a cell uses: where it begins, along which axis, where the zero is.
+struct EdgeVertex {
+    Eigen::Vector3i cell;
+    int axis;
+    float fraction;
+};
+
+struct BlockEdges {
+    std::vector<std::uint16_t> index;  // of [sample][axis] in `vertices`; none: nothing crossed
+    std::vector<EdgeVertex> vertices;
+    std::uint32_t first_vertex = 0;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+constexpr std::uint16_t kNotCrossed = 0xffff;
+
+class MarchingCubes {
+public:
+    MarchingCubes(const SignedDistanceField& field, const MeshingSettings& settings)
+        : field_(field), settings_(settings), reader_(field), blocks_(field.blocks().size()) {}
+
+    Mesh run() {
+        phase(0.0, 0.3, [this](std::size_t block) { find_vertices(block); });
+        std::uint32_t num = 0;
+        for (BlockEdges& edges : blocks_) {
+            edges.first_vertex = num;
+            num += static_cast<std::uint32_t>(edges.vertices.size());
+        }
+        phase(0.3, 0.6, [this](std::size_t block) { find_triangles(block); });
+        return make_mesh(num);
+    }
+
+private:
+    template <typename Work>
+    void phase(double begin, double end, const Work& work) const {
+        ProgressShare share = settings_.progress;
+        share.report = [this](const Progress& progress) {
+            field_.release_memory();
+            settings_.progress.report(progress);
+        };
+        const double whole = share.end - share.begin;
+        share.end = share.begin + whole * end;
+        share.begin += whole * begin;
+        for_each_index(settings_.num_threads, blocks_.size(), share, work);
+    }
+
+    void find_vertices(std::size_t block);
+    void find_triangles(std::size_t block);
+    std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge) const;
+    Mesh make_mesh(std::uint32_t num_vertices) const;
+
+    const SignedDistanceField& field_;
+    const MeshingSettings& settings_;
+    FieldReader reader_;
+    std::vector<BlockEdges> blocks_;
+};
+
+void MarchingCubes::find_vertices(std::size_t block) {
+    BlockNeighbourhood samples;
+    reader_.read(block, samples);
+    BlockEdges& edges = blocks_[block];
+    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    const auto at = [&](const Eigen::Vector3i& s) {
+        return samples.distances_m[BlockNeighbourhood::index(s.x(), s.y(), s.z())];
+    };
+    for (int i = 0; i < kBlockSamples; ++i) {
+        const Eigen::Vector3i sample(i & 7, (i >> 3) & 7, i >> 6);
+        const float from = at(sample);
+        if (std::isnan(from)) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float to = at(sample + Eigen::Vector3i::Unit(axis));
+            if (std::isnan(to) || (from < 0.0F) == (to < 0.0F)) continue;
+            if (edges.index.empty()) edges.index.assign(3 * kBlockSamples, kNotCrossed);
+            edges.index[3 * i + axis] = static_cast<std::uint16_t>(edges.vertices.size());
+            const float fraction =
+                std::clamp(from / (from - to), kMinFraction, 1.0F - kMinFraction);
+            edges.vertices.push_back({first + sample, axis, fraction});
+        }
+    }
+}
+
+void MarchingCubes::find_triangles(std::size_t block) {
+    BlockNeighbourhood samples;
+    reader_.read(block, samples);
+    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    for (const CrossedCell& cell : find_crossed_cells(samples)) {
+        for (const auto& triangle : cell_topology(sign_mask(cell.corners_m)).triangles) {
+            std::array<std::uint32_t, 3> vertices;
+            for (int k = 0; k < 3; ++k) vertices[k] = vertex_of(first + cell.place, triangle[k]);
+            blocks_[block].triangles.push_back(vertices);
+        }
+    }
+}
+
+std::uint32_t MarchingCubes::vertex_of(const Eigen::Vector3i& cell, int edge) const {
+    const int from = cell_edge(edge).from;
+    const Eigen::Vector3i sample =
+        cell + Eigen::Vector3i(from & 1, (from >> 1) & 1, (from >> 2) & 1);
+    const BlockEdges& edges = blocks_[reader_.find(block_of(sample))];
+    return edges.first_vertex + edges.index[3 * index_in_block(sample) + edge / 4];
+}
+
+Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
+    Mesh mesh;
+    mesh.vertices.resize(num_vertices);
+    mesh.normals.resize(num_vertices);
+    mesh.colors.resize(num_vertices);
+    mesh.sigma_m.resize(num_vertices);
+    mesh.num_observations.resize(num_vertices);
+    const auto voxel = static_cast<float>(field_.voxel_m());
+    phase(0.6, 1.0, [&](std::size_t block) {
+        for (std::size_t i = 0; i < blocks_[block].vertices.size(); ++i) {
+            const EdgeVertex& edge = blocks_[block].vertices[i];
+            const std::size_t vertex = blocks_[block].first_vertex + i;
+            const Eigen::Vector3f place = edge.fraction * Eigen::Vector3f::Unit(edge.axis);
+            const SampleAttributes attributes = reader_.attributes(edge.cell, place);
+            mesh.vertices[vertex] = voxel * (edge.cell.cast<float>() + place);
+            mesh.normals[vertex] = reader_.edge_normal(edge.cell, edge.axis, edge.fraction);
+            mesh.colors[vertex] = attributes.color;
+            mesh.sigma_m[vertex] = attributes.sigma_m;
+            mesh.num_observations[vertex] = attributes.num_observations;
+        }
+    });
+    for (const BlockEdges& block : blocks_)
+        mesh.triangles.insert(mesh.triangles.end(), block.triangles.begin(), block.triangles.end());
+    return mesh;
+}
+
+}  // namespace
+
+Mesh marching_cubes(const SignedDistanceField& field, const MeshingSettings& settings) {
+    return MarchingCubes(field, settings).run();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,13 @@
+#include "worker/mesh/mean_edge.hpp"
+
+namespace divemesh::worker {
+
+double mean_edge_m(const Mesh& mesh) {
+    double sum = 0.0;
+    for (const auto& triangle : mesh.triangles)
+        sum +=
+            static_cast<double>((mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]]).norm());
+    return mesh.triangles.empty() ? 0.0 : sum / static_cast<double>(mesh.triangles.size());
+}
+
+}  // namespace divemesh::worker

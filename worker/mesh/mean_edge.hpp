@@ -1,0 +1,10 @@
+#pragma once
+
+#include "worker/types/mesh.hpp"
+
+namespace divemesh::worker {
+
+// Of each triangle's first edge, m: how far apart the vertices are. 0 without triangles.
+double mean_edge_m(const Mesh& mesh);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,124 @@
+#include "worker/mesh/mesh_components.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace divemesh::worker {
+namespace {
+
+double area_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+    const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
+    const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
+    const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
+    return 0.5 * (b - a).cross(c - a).norm();
+}
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+// `kept` rises.
+template <typename T>
+void keep_entries(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
+    if (values.empty()) return;
+    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+    values.resize(kept.size());
+}
+
+}  // namespace
+
+MeshComponents find_components(const Mesh& mesh) {
+    std::vector<std::uint32_t> parent(mesh.vertices.size());
+    std::iota(parent.begin(), parent.end(), 0U);
+    for (const auto& triangle : mesh.triangles)
+        for (int k = 1; k < 3; ++k) {
+            const std::uint32_t a = root_of(parent, triangle[0]);
+            const std::uint32_t b = root_of(parent, triangle[k]);
+            parent[std::max(a, b)] = std::min(a, b);
+        }
+    constexpr std::uint32_t kNone = 0xffffffffU;
+    std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
+    MeshComponents components;
+    components.of_triangle.reserve(mesh.triangles.size());
+    for (const auto& triangle : mesh.triangles) {
+        std::uint32_t& component = number[root_of(parent, triangle[0])];
+        if (component == kNone) {
+            component = static_cast<std::uint32_t>(components.area_m2.size());
+            components.area_m2.push_back(0.0);
+        }
+        components.of_triangle.push_back(component);
+        components.area_m2[component] += area_of(mesh, triangle);
+    }
+    return components;
+}
+
+void remove_unreferenced_vertices(Mesh& mesh) {
+    std::vector<std::uint32_t> renumbered(mesh.vertices.size(), 0);
+    for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t vertex : triangle) renumbered[vertex] = 1;
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t i = 0; i < renumbered.size(); ++i)
+        if (renumbered[i] != 0) {
+            renumbered[i] = static_cast<std::uint32_t>(kept.size());
+            kept.push_back(i);
+        }
+    for (auto& triangle : mesh.triangles)
+        for (std::uint32_t& vertex : triangle) vertex = renumbered[vertex];
+    keep_entries(mesh.vertices, kept);
+    keep_entries(mesh.normals, kept);
+    keep_entries(mesh.colors, kept);
+    keep_entries(mesh.sigma_m, kept);
+    keep_entries(mesh.sigma_local_m, kept);
+    keep_entries(mesh.num_observations, kept);
+}
+
+Mesh keep_large_components(Mesh mesh, double min_area_m2) {
+    const MeshComponents components = find_components(mesh);
+    std::size_t num_kept = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (components.area_m2[components.of_triangle[i]] >= min_area_m2)
+            mesh.triangles[num_kept++] = mesh.triangles[i];
+    mesh.triangles.resize(num_kept);
+    remove_unreferenced_vertices(mesh);
+    return mesh;
+}
+
+MeshTopology check_topology(const Mesh& mesh) {
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    std::vector<std::pair<Edge, bool>> sides;  // ends in order; whether run through that way
+    std::vector<bool> used(mesh.vertices.size(), false);
+    MeshTopology topology;
+    for (const auto& triangle : mesh.triangles) {
+        topology.area_m2 += area_of(mesh, triangle);
+        topology.volume_m3 += mesh.vertices[triangle[0]].cast<double>().dot(
+                                  mesh.vertices[triangle[1]].cast<double>().cross(
+                                      mesh.vertices[triangle[2]].cast<double>())) /
+                              6.0;
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
+            used[a] = true;
+            sides.push_back({std::minmax(a, b), a < b});
+        }
+    }
+    std::sort(sides.begin(), sides.end());
+    std::int64_t num_edges = 0;
+    for (std::size_t i = 0; i < sides.size(); ++num_edges) {
+        std::size_t end = i;
+        std::int64_t forward = 0;
+        for (; end < sides.size() && sides[end].first == sides[i].first; ++end)
+            forward += sides[end].second ? 1 : 0;
+        const auto num = static_cast<std::int64_t>(end - i);
+        if (num == 1) ++topology.num_border_edges;
+        if (num > 2) ++topology.num_nonmanifold_edges;
+        if (num == 2 && forward != 1) ++topology.num_misoriented_edges;
+        i = end;
+    }
+    topology.euler_characteristic = std::count(used.begin(), used.end(), true) - num_edges +
+                                    static_cast<std::int64_t>(mesh.triangles.size());
+    return topology;
+}
+
+}  // namespace divemesh::worker

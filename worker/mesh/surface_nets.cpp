@@ -1,0 +1,378 @@
+#include "worker/mesh/surface_nets.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "worker/base/uninitialised_vector.hpp"
+#include "worker/mesh/cell_topology.hpp"
+#include "worker/mesh/crossed_cells.hpp"
+#include "worker/mesh/field_reader.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::uint16_t kNoVertex = 0xffff;
+constexpr std::uint32_t kNoIndex = 0xffffffffU;
+
+// A cell that the surface passes: its signs, and its vertices, one per loop.
+struct ActiveCell {
+    std::uint16_t first_vertex = kNoVertex;  // in the block
+    std::uint8_t mask = 0;
+    std::uint8_t joined_face = kNoFace;
+};
+
+struct NetVertex {
+    Eigen::Vector3i cell;
+    Eigen::Vector3f crossing;  // mean of the cell's zeros, in the cell, 0 to 1
+    std::array<float, 8> corners_m;
+    bool single;  // the only sheet in its cell
+};
+
+struct BlockNet {
+    std::vector<ActiveCell> cells;  // 512, or none when the surface does not pass the block
+    std::vector<NetVertex> vertices;
+    std::uint32_t first_vertex = 0;  // of the block in the mesh
+};
+
+using Quad = std::array<std::uint32_t, 4>;
+
+class SurfaceNets {
+public:
+    SurfaceNets(const SignedDistanceField& field, const MeshingSettings& settings)
+        : field_(field), settings_(settings), reader_(field), nets_(field.blocks().size()) {}
+
+    Mesh run() {
+        phase(0.0, 0.4, nets_.size(), [this](std::size_t block) { find_vertices(block); });
+        number_vertices();
+        quads_.resize(nets_.size());
+        phase(0.4, 0.5, nets_.size(), [this](std::size_t block) { find_quads(block); });
+        link_neighbours();
+        read_attributes();
+        relax();
+        return make_mesh();
+    }
+
+private:
+    template <typename Work>
+    void phase(double begin, double end, std::size_t num, const Work& work) const;
+
+    void find_vertices(std::size_t block);
+    int face_to_join(int mask, const Eigen::Vector3i& cell) const;
+    void add_vertices(BlockNet& net, const Eigen::Vector3i& cell, const std::array<float, 8>& at);
+    void number_vertices();
+    void find_quads(std::size_t block);
+    void add_quad(std::size_t block, const Eigen::Vector3i& sample, int axis, bool behind);
+    std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge, std::size_t expected) const;
+    void link_neighbours();
+    void collect_links();
+    void sort_links(std::size_t vertex);
+    void read_attributes();
+    void relax();
+    Eigen::Vector3f relaxed(std::size_t vertex) const;
+    Mesh make_mesh();
+    void set_vertex(std::size_t vertex, Mesh& mesh) const;
+    void set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const;
+
+    const SignedDistanceField& field_;
+    const MeshingSettings& settings_;
+    FieldReader reader_;
+    std::vector<BlockNet> nets_;
+    std::vector<std::vector<Quad>> quads_;
+    UninitialisedVector<NetVertex> vertices_;
+    std::vector<Eigen::Vector3f> places_;  // of the vertices in their cells, 0 to 1
+    std::vector<SampleAttributes> attributes_;
+    UninitialisedVector<std::uint32_t>
+        links_;                              // to neighbours, of all vertices one after the other
+    std::vector<std::uint32_t> first_link_;  // of each vertex, and one behind
+    std::vector<std::uint8_t> num_neighbours_;
+    std::vector<std::uint8_t> on_border_;
+};
+
+template <typename Work>
+void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& work) const {
+    ProgressShare share = settings_.progress;
+    share.report = [this](const Progress& progress) {
+        field_.release_memory();
+        settings_.progress.report(progress);
+    };
+    const double whole = share.end - share.begin;
+    share.end = share.begin + whole * end;
+    share.begin += whole * begin;
+    for_each_index(settings_.num_threads, num, share, work);
+}
+
+void SurfaceNets::find_vertices(std::size_t block) {
+    BlockNeighbourhood samples;
+    reader_.read(block, samples);
+    const auto crossed = find_crossed_cells(samples);
+    if (crossed.empty()) return;
+    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    BlockNet& net = nets_[block];
+    net.cells.resize(kBlockSamples);
+    for (const CrossedCell& cell : crossed) {
+        const int mask = sign_mask(cell.corners_m);
+        ActiveCell& active = net.cells[index_in_block(cell.place)];
+        active.mask = static_cast<std::uint8_t>(mask);
+        active.joined_face = static_cast<std::uint8_t>(face_to_join(mask, first + cell.place));
+        active.first_vertex = static_cast<std::uint16_t>(net.vertices.size());
+        add_vertices(net, first + cell.place, cell.corners_m);
+    }
+}
+
+// A face that is folded in this cell and in the one behind it is joined in both.
+int SurfaceNets::face_to_join(int mask, const Eigen::Vector3i& cell) const {
+    const int folded = cell_topology(mask).folded_faces;
+    for (int face = 0; face < kNoFace && folded != 0; ++face) {
+        if (((folded >> face) & 1) == 0) continue;
+        Eigen::Vector3i other = cell;
+        other[face / 2] += (face & 1) != 0 ? 1 : -1;
+        std::array<float, 8> corners;
+        if (!reader_.read_cell(other, corners)) continue;
+        if (((cell_topology(sign_mask(corners)).folded_faces >> (face ^ 1)) & 1) != 0) return face;
+    }
+    return kNoFace;
+}
+
+void SurfaceNets::add_vertices(BlockNet& net,
+                               const Eigen::Vector3i& cell,
+                               const std::array<float, 8>& at) {
+    const ActiveCell& active = net.cells[index_in_block(cell)];
+    const CellTopology& topology = cell_topology(active.mask, active.joined_face);
+    for (const auto& loop : topology.loops) {
+        NetVertex vertex{cell, Eigen::Vector3f::Zero(), at, topology.loops.size() == 1};
+        for (const int edge : loop) {
+            const CellEdge ends = cell_edge(edge);
+            const float t = at[ends.from] / (at[ends.from] - at[ends.to]);
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto from = static_cast<float>((ends.from >> axis) & 1);
+                const auto to = static_cast<float>((ends.to >> axis) & 1);
+                vertex.crossing[axis] += from + t * (to - from);
+            }
+        }
+        vertex.crossing /= static_cast<float>(loop.size());
+        net.vertices.push_back(vertex);
+    }
+}
+
+void SurfaceNets::number_vertices() {
+    std::size_t num = 0;
+    for (BlockNet& net : nets_) {
+        net.first_vertex = static_cast<std::uint32_t>(num);
+        num += net.vertices.size();
+    }
+    vertices_.resize(num);
+    places_.resize(num);
+    for_each_index(settings_.num_threads, nets_.size(), [this](std::size_t block) {
+        BlockNet& net = nets_[block];
+        for (std::size_t i = 0; i < net.vertices.size(); ++i) {
+            vertices_[net.first_vertex + i] = net.vertices[i];
+            places_[net.first_vertex + i] = net.vertices[i].crossing;
+        }
+        net.vertices = {};
+    });
+}
+
+// Every lattice edge that begins in the block and changes sign is the middle of a quad between its
+// four cells, when each of them has a vertex; one of the four is the cell at the edge's beginning.
+void SurfaceNets::find_quads(std::size_t block) {
+    const BlockNet& net = nets_[block];
+    if (net.cells.empty()) return;
+    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    for (int i = 0; i < kBlockSamples; ++i) {
+        const ActiveCell& cell = net.cells[i];
+        if (cell.first_vertex == kNoVertex) continue;
+        const bool behind = (cell.mask & 1) != 0;
+        for (int axis = 0; axis < 3; ++axis)
+            if (behind != (((cell.mask >> (1 << axis)) & 1) != 0))
+                add_quad(block, first + Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6), axis, behind);
+    }
+}
+
+void SurfaceNets::add_quad(std::size_t block,
+                           const Eigen::Vector3i& sample,
+                           int axis,
+                           bool behind) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    static constexpr int kAround[4][2] = {{-1, -1}, {0, -1}, {0, 0}, {-1, 0}};
+    Quad quad;
+    for (int i = 0; i < 4; ++i) {
+        Eigen::Vector3i cell = sample;
+        cell[u] += kAround[i][0];
+        cell[v] += kAround[i][1];
+        const int edge = 4 * axis - kAround[i][0] - 2 * kAround[i][1];
+        quad[i] = vertex_of(cell, edge, block);
+        if (quad[i] == kNoIndex) return;
+    }
+    if (!behind) std::swap(quad[1], quad[3]);
+    quads_[block].push_back(quad);
+}
+
+// Most cells are in the `expected` block.
+std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell,
+                                     int edge,
+                                     std::size_t expected) const {
+    const BlockCoordinate place = block_of(cell);
+    const std::size_t block = place == field_.blocks()[expected] ? expected : reader_.find(place);
+    if (block == FieldReader::kNone || nets_[block].cells.empty()) return kNoIndex;
+    const ActiveCell& active = nets_[block].cells[index_in_block(cell)];
+    if (active.first_vertex == kNoVertex) return kNoIndex;
+    const int loop = cell_topology(active.mask, active.joined_face).loop_of_edge[edge];
+    return nets_[block].first_vertex + active.first_vertex + static_cast<std::uint32_t>(loop);
+}
+
+// Each quad's sides link its vertices. A side of one quad alone is border: its ends stay put, or
+// the net would draw itself together.
+void SurfaceNets::link_neighbours() {
+    collect_links();
+    settings_.progress.at(0.55);
+    num_neighbours_.assign(vertices_.size(), 0);
+    on_border_.assign(vertices_.size(), 0);
+    phase(0.55, 0.6, vertices_.size(), [this](std::size_t vertex) { sort_links(vertex); });
+}
+
+// Both ways along each side of each quad: a side between two quads comes twice. In which order is
+// left to the threads, as sort_links() makes one.
+void SurfaceNets::collect_links() {
+    first_link_.assign(vertices_.size() + 2, 0);
+    const auto advanced = [this](std::uint32_t vertex, std::size_t ahead) {
+        return std::atomic_ref(first_link_[vertex + ahead]).fetch_add(2, std::memory_order_relaxed);
+    };
+    for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
+        for (const Quad& quad : quads_[block])
+            for (const std::uint32_t vertex : quad) advanced(vertex, 2);
+    });
+    std::inclusive_scan(first_link_.begin(), first_link_.end(), first_link_.begin());
+    links_.resize(first_link_.back());
+    // first_link_[v + 1] runs from where v's links begin to where they end.
+    for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
+        for (const Quad& quad : quads_[block])
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t place = advanced(quad[i], 1);
+                links_[place] = quad[(i + 1) & 3];
+                links_[place + 1] = quad[(i + 3) & 3];
+            }
+    });
+}
+
+// Leaves each neighbour once, in order.
+void SurfaceNets::sort_links(std::size_t vertex) {
+    const auto begin = links_.begin() + first_link_[vertex];
+    const auto end = links_.begin() + first_link_[vertex + 1];
+    std::sort(begin, end);
+    auto kept = begin;
+    for (auto link = begin; link != end;) {
+        const auto next = std::upper_bound(link, end, *link);
+        if (next - link == 1) on_border_[vertex] = 1;
+        *kept++ = *link;
+        link = next;
+    }
+    num_neighbours_[vertex] = static_cast<std::uint8_t>(kept - begin);
+}
+
+void SurfaceNets::read_attributes() {
+    attributes_.resize(vertices_.size());
+    phase(0.6, 0.75, vertices_.size(), [this](std::size_t i) {
+        attributes_[i] = reader_.attributes(vertices_[i].cell, places_[i]);
+    });
+}
+
+void SurfaceNets::relax() {
+    std::vector<Eigen::Vector3f> next(places_.size());
+    for (int round = 0; round < settings_.num_relaxations; ++round) {
+        const double done = round, all = settings_.num_relaxations;
+        phase(0.75 + 0.2 * done / all,
+              0.75 + 0.2 * (done + 1.0) / all,
+              places_.size(),
+              [&](std::size_t i) { next[i] = relaxed(i); });
+        places_.swap(next);
+    }
+}
+
+Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
+    const NetVertex& here = vertices_[vertex];
+    Eigen::Vector3f place = places_[vertex];
+    if (!here.single) return place;
+    const std::uint32_t begin = first_link_[vertex], end = begin + num_neighbours_[vertex];
+    if (on_border_[vertex] == 0 && begin != end) {
+        Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+        for (std::uint32_t i = begin; i < end; ++i)
+            mean += (vertices_[links_[i]].cell - here.cell).cast<float>() + places_[links_[i]];
+        place += 0.5F * (mean / static_cast<float>(end - begin) - place);
+    }
+    place = place.cwiseMax(0.0F).cwiseMin(1.0F);
+    const float slack = attributes_[vertex].sigma_m;
+    for (int round = 0; round < 3; ++round) {  // back to the zero and into the cell, in turns
+        const auto [distance, gradient] = cell_at(here.corners_m, place);
+        const float slope = gradient.squaredNorm();
+        const float excess = distance - std::clamp(distance, -slack, slack);
+        if (excess == 0.0F || slope == 0.0F) break;
+        const Eigen::Vector3f back = gradient * (-excess / slope);
+        place += back * std::min(1.0F, 0.5F / std::max(1e-9F, back.norm()));
+        place = place.cwiseMax(0.0F).cwiseMin(1.0F);
+    }
+    return place;
+}
+
+Mesh SurfaceNets::make_mesh() {
+    links_ = {};
+    first_link_ = {};
+    Mesh mesh;
+    const std::size_t num_vertices = vertices_.size();
+    mesh.vertices.resize(num_vertices);
+    mesh.normals.resize(num_vertices);
+    mesh.colors.resize(num_vertices);
+    mesh.sigma_m.resize(num_vertices);
+    mesh.num_observations.resize(num_vertices);
+    phase(0.95, 0.97, num_vertices, [&](std::size_t vertex) { set_vertex(vertex, mesh); });
+    vertices_ = {};
+    places_ = {};
+    std::vector<std::size_t> first_triangle;
+    std::size_t num_triangles = 0;
+    for (const auto& quads : quads_) {
+        first_triangle.push_back(num_triangles);
+        num_triangles += 2 * quads.size();
+    }
+    mesh.triangles.resize(num_triangles);
+    phase(0.97, 1.0, quads_.size(), [&](std::size_t block) {
+        set_triangles(block, first_triangle[block], mesh);
+    });
+    return mesh;
+}
+
+void SurfaceNets::set_vertex(std::size_t vertex, Mesh& mesh) const {
+    const NetVertex& net = vertices_[vertex];
+    const Eigen::Vector3f& place = places_[vertex];
+    const Eigen::Vector3f gradient = cell_at(net.corners_m, place).gradient_m;
+    const SampleAttributes& attributes = attributes_[vertex];
+    mesh.vertices[vertex] = static_cast<float>(field_.voxel_m()) * (net.cell.cast<float>() + place);
+    mesh.normals[vertex] =
+        gradient.norm() > 0.0F ? Eigen::Vector3f(gradient.normalized()) : Eigen::Vector3f::UnitZ();
+    mesh.colors[vertex] = attributes.color;
+    mesh.sigma_m[vertex] = attributes.sigma_m;
+    mesh.num_observations[vertex] = attributes.num_observations;
+}
+
+// Each quad is cut along its shorter diagonal.
+void SurfaceNets::set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const {
+    for (const Quad& q : quads_[block]) {
+        const auto diagonal = [&](int a, int b) {
+            return (mesh.vertices[q[a]] - mesh.vertices[q[b]]).squaredNorm();
+        };
+        const int start = diagonal(0, 2) <= diagonal(1, 3) ? 0 : 1;
+        mesh.triangles[first++] = {q[start], q[start + 1], q[start + 2]};
+        mesh.triangles[first++] = {q[start], q[start + 2], q[(start + 3) & 3]};
+    }
+}
+
+}  // namespace
+
+Mesh surface_nets(const SignedDistanceField& field, const MeshingSettings& settings) {
+    return SurfaceNets(field, settings).run();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "worker/base/parallel.hpp"
+#include "worker/types/mesh.hpp"
+#include "worker/fusion/signed_distance_field.hpp"
+
+namespace divemesh::worker {
+
+struct MeshingSettings {
+    int num_threads = 0;  // 0: all cores; never changes a byte of the mesh
+    ProgressShare progress;
+    int num_relaxations = 6;  // surface nets
+};
+
+// Constrained elastic surface nets (Gibson 1998; the paper's mesher) on a signed field: one vertex
+// for each sheet of the surface in a cell, two triangles for each crossed lattice edge. Vertices
+// begin at the zero of the field, then relax toward the mean of their neighbours but stay in their
+// cell and within one standard deviation of the zero: what the net evens out is noise, not shape.
+// A vertex per sheet and rejoined folds (Wenger 2013, section 5.3) keep it a manifold. Vertices
+// are shared across blocks. Cells with an unknown corner have no surface: holes stay holes.
+Mesh surface_nets(const SignedDistanceField& field, const MeshingSettings& settings);
+
+}  // namespace divemesh::worker

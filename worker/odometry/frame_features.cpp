@@ -1,0 +1,90 @@
+#include "worker/odometry/frame_features.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <unordered_set>
+#include <utility>
+
+#include "worker/features/match_sparse_stereo.hpp"
+#include "worker/odometry/refine_pose.hpp"
+#include "worker/features/surface_slope.hpp"
+
+namespace divemesh::worker {
+
+std::uint64_t seed_of(std::int64_t seed, const RectifiedFrame& frame) {
+    return static_cast<std::uint64_t>(seed) * 1'000'003U + static_cast<std::uint64_t>(frame.index);
+}
+
+Eigen::Isometry3d first_pose(const InertialPrior& inertial,
+                             const RectifiedRig& rig,
+                             std::int64_t timestamp_ns) {
+    Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
+    T_world_imu.linear() =
+        inertial.initial_orientation(timestamp_ns, rig.T_imu_cam.linear()).toRotationMatrix();
+    return T_world_imu * rig.T_imu_cam;
+}
+
+Features without_dynamic_features(const Features& tracks,
+                                  const PointPairs& pairs,
+                                  const Registration& motion) {
+    std::unordered_set<std::int64_t> outliers;
+    if (motion.found)
+        for (const PointPair& pair : pairs) outliers.insert(pair.id);
+    for (const PointPair& pair : motion.inliers) outliers.erase(pair.id);
+    Features features;
+    for (const Feature& feature : tracks)
+        if (!outliers.contains(feature.id)) features.push_back(feature);
+    return features;
+}
+
+Features static_features(const Registration& motion) {
+    Features features;
+    if (!motion.found) return features;
+    for (const PointPair& pair : motion.inliers)
+        features.push_back({pair.id, pair.current_px.head<2>(), pair.current_px.z()});
+    return features;
+}
+
+void add_lost_features(const RectifiedFrame& frame,
+                       const Eigen::Isometry3d& T_current_previous,
+                       int num_disparities_px,
+                       FeatureTracker& tracker,
+                       Features& features) {
+    Features found = tracker.find_lost(T_current_previous, features);
+    match_sparse_stereo(frame, {}, num_disparities_px, found);
+    Features all;
+    std::set_union(features.begin(),
+                   features.end(),
+                   found.begin(),
+                   found.end(),
+                   std::back_inserter(all),
+                   [](const Feature& a, const Feature& b) { return a.id < b.id; });
+    features = std::move(all);
+}
+
+void add_new_features(const RectifiedRig& rig,
+                      const RectifiedFrame& frame,
+                      const DepthMap& depth,
+                      int num_disparities_px,
+                      FeatureTracker& tracker,
+                      Features& features) {
+    Features fresh = tracker.detect(features);
+    match_sparse_stereo(frame, depth.disparity_px, num_disparities_px, fresh);
+    measure_slopes(rig, frame, fresh);
+    features.insert(features.end(), fresh.begin(), fresh.end());
+}
+
+void learn_bias(InertialPrior& inertial,
+                const RectifiedRig& rig,
+                const Registration& vision,
+                std::int64_t before_ns,
+                std::int64_t now_ns) {
+    if (!inertial.has_gyroscope() || !vision.found) return;
+    const Eigen::Isometry3d T_current_previous =
+        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
+    const Eigen::Quaterniond q_imu_cam(rig.T_imu_cam.linear());
+    const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
+    inertial.learn_bias(before_ns, now_ns, q_imu_cam * q_previous_current * q_imu_cam.conjugate());
+}
+
+}  // namespace divemesh::worker

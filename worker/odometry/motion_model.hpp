@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/odometry/predict_orientation.hpp"
+
+namespace divemesh::worker {
+
+// Where the camera is and how it moves: what lets a frame be expected before it is looked at, and
+// carries on when vision fails.
+class MotionModel {
+public:
+    MotionModel(const RectifiedRig& rig, const InertialPrior& inertial)
+        : rig_(rig), inertial_(inertial) {}
+
+    void start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_cam);
+    // The camera's turn by the inertial sensors since the last frame.
+    std::optional<KnownRotation> rotation(std::int64_t timestamp_ns) const;
+    // T_current_previous by the inertial unit once velocity and vertical are known; else at
+    // constant velocity, turned as the inertial sensors say, where they do.
+    Eigen::Isometry3d predict(const std::optional<KnownRotation>& rotation,
+                              std::int64_t timestamp_ns) const;
+    void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
+    // The last pose is known better now; with an inertial unit so are velocity and vertical.
+    void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
+    void correct(const Eigen::Vector3d& velocity_world,
+                 const Eigen::Vector3d& gravity_direction_world) {
+        inertial_state_ = InertialState{velocity_world, gravity_direction_world};
+    }
+
+    bool started() const { return started_; }
+    const Eigen::Isometry3d& T_world_cam() const { return T_world_cam_; }
+    std::int64_t timestamp_ns() const { return timestamp_ns_; }
+
+private:
+    // T_previous_current.
+    Eigen::Isometry3d predict_by_imu(const PreintegratedImu& motion) const;
+
+    // What the inertial unit has to be told to say how the body moves.
+    struct InertialState {
+        Eigen::Vector3d velocity_world;
+        Eigen::Vector3d gravity_direction_world;
+    };
+
+    RectifiedRig rig_;
+    const InertialPrior& inertial_;
+    std::optional<InertialState> inertial_state_;
+    bool started_ = false;
+    std::int64_t timestamp_ns_ = 0;
+    Eigen::Isometry3d T_world_cam_ = Eigen::Isometry3d::Identity();
+    Eigen::Vector3d velocity_cam_ = Eigen::Vector3d::Zero();          // m/s
+    Eigen::Vector3d angular_velocity_cam_ = Eigen::Vector3d::Zero();  // rad/s
+};
+
+}  // namespace divemesh::worker

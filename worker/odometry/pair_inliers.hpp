@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "worker/types/rectified_rig.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
+
+// How well pairs go with a motion: the error of the moved point's u, v and disparity. Metres would
+// favour what is near.
+namespace divemesh::worker {
+
+// Those within the tolerance.
+PointPairs find_inliers(const RectifiedRig& rig,
+                        const PointPairs& pairs,
+                        const Eigen::Isometry3d& T_current_previous,
+                        double tolerance_px);
+
+// Truncated squares (MSAC): among sets of equal size the tighter one wins.
+double msac_cost(const RectifiedRig& rig,
+                 const PointPairs& pairs,
+                 const Eigen::Isometry3d& T_current_previous,
+                 double tolerance_px);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,83 @@
+#include "worker/odometry/register_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "worker/base/horn.hpp"
+#include "worker/odometry/pair_inliers.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMaxRansacIterations = 400;
+constexpr double kConfidence = 0.9999;
+
+std::optional<AbsoluteOrientation> align(const PointPairs& pairs) {
+    std::vector<Eigen::Vector3d> previous;
+    std::vector<Eigen::Vector3d> current;
+    for (const PointPair& pair : pairs) {
+        previous.push_back(pair.p_previous);
+        current.push_back(pair.p_current);
+    }
+    return absolute_orientation(previous, current);
+}
+
+PointPairs sample_three(const PointPairs& pairs, std::mt19937_64& random) {
+    const auto draw = [&] { return static_cast<std::size_t>(random() % pairs.size()); };
+    const std::size_t first = draw();
+    std::size_t second = draw();
+    while (second == first) second = draw();
+    std::size_t third = draw();
+    while (third == first || third == second) third = draw();
+    return {pairs[first], pairs[second], pairs[third]};
+}
+
+// Tries after which three inliers have been drawn together with kConfidence.
+int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
+    const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
+    const double miss = 1.0 - share * share * share;
+    if (num_inliers < 3) return kMaxRansacIterations;
+    if (miss < 1e-9) return 1;
+    return static_cast<int>(std::min<double>(
+        kMaxRansacIterations, std::ceil(std::log(1.0 - kConfidence) / std::log(miss))));
+}
+
+}  // namespace
+
+Registration register_points(const RectifiedRig& rig,
+                             const PointPairs& pairs,
+                             double tolerance_px,
+                             std::uint64_t seed) {
+    Registration result;
+    result.num_pairs = pairs.size();
+    if (pairs.size() < kMinInliers) return result;
+    std::mt19937_64 random(seed);
+    double least = 1e300;
+    int tries = kMaxRansacIterations;
+    for (int i = 0; i < tries; ++i) {
+        const auto guess = align(sample_three(pairs, random));
+        if (!guess) continue;
+        const double guess_cost = msac_cost(rig, pairs, guess->T_b_a, tolerance_px);
+        if (guess_cost >= least) continue;
+        least = guess_cost;
+        result.T_current_previous = guess->T_b_a;
+        result.inliers = find_inliers(rig, pairs, guess->T_b_a, tolerance_px);
+        tries = std::min(tries, i + 1 + num_iterations_needed(result.inliers.size(), pairs.size()));
+    }
+    // Horn over all inliers, and once more over those that agree with that.
+    for (int i = 0; i < 2; ++i) {
+        const auto all = align(result.inliers);
+        if (!all) break;
+        auto inliers = find_inliers(rig, pairs, all->T_b_a, tolerance_px);
+        if (inliers.size() < result.inliers.size() * 9 / 10) break;  // far points pull it off
+        result.T_current_previous = all->T_b_a;
+        result.scale = all->scale;
+        result.inliers = std::move(inliers);
+    }
+    result.found = result.inliers.size() >= kMinInliers;
+    return result;
+}
+
+}  // namespace divemesh::worker

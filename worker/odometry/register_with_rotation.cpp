@@ -1,0 +1,117 @@
+#include "worker/odometry/register_with_rotation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "worker/base/horn.hpp"
+#include "worker/odometry/pair_inliers.hpp"
+#include "worker/odometry/refine_pose.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMaxRansacIterations = 60;
+constexpr int kMinRansacIterations = 10;  // one pair's noise moves the translation: some are better
+constexpr double kConfidence = 0.9999;
+constexpr double kMaxSigma_rad = 0.02;    // ten pixels: worse than going on as before
+constexpr double kMinTrustedShare = 0.7;  // of the pairs, that agree with a turn not to be doubted
+
+// Tries after which an inlier has been drawn with kConfidence.
+int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
+    const double miss = 1.0 - static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
+    if (miss <= 1.0 - kConfidence) return kMinRansacIterations;
+    const double tries = std::ceil(std::log(1.0 - kConfidence) / std::log(miss));
+    return static_cast<int>(std::clamp<double>(tries, kMinRansacIterations, kMaxRansacIterations));
+}
+
+// The best motion among the expected one and those that turn with the gyroscope.
+Eigen::Isometry3d best_translation(const RectifiedRig& rig,
+                                   const PointPairs& pairs,
+                                   const Eigen::Matrix3d& R_current_previous,
+                                   const Eigen::Isometry3d& expected,
+                                   double tolerance_px,
+                                   std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    Eigen::Isometry3d best = expected;
+    double least = msac_cost(rig, pairs, best, tolerance_px);
+    int tries =
+        num_iterations_needed(find_inliers(rig, pairs, best, tolerance_px).size(), pairs.size());
+    for (int i = 0; i < tries; ++i) {
+        const PointPair& pair = pairs[random() % pairs.size()];
+        Eigen::Isometry3d guess = Eigen::Isometry3d::Identity();
+        guess.linear() = R_current_previous;
+        guess.translation() = pair.p_current - R_current_previous * pair.p_previous;
+        const double cost = msac_cost(rig, pairs, guess, tolerance_px);
+        if (cost >= least) continue;
+        least = cost;
+        best = guess;
+        tries = num_iterations_needed(find_inliers(rig, pairs, best, tolerance_px).size(),
+                                      pairs.size());
+    }
+    return best;
+}
+
+// Refined over its inliers, and once more over those that agree with that.
+Registration settled(const RectifiedRig& rig,
+                     const PointPairs& pairs,
+                     const Eigen::Isometry3d& T_current_previous,
+                     double tolerance_px) {
+    Registration result;
+    result.num_pairs = pairs.size();
+    result.T_current_previous = T_current_previous;
+    result.inliers = find_inliers(rig, pairs, T_current_previous, tolerance_px);
+    for (int i = 0; i < 2 && result.inliers.size() >= kMinInliers; ++i) {
+        result.T_current_previous =
+            refine_pose(rig, result.inliers, {result.T_current_previous, std::nullopt, 0.0});
+        result.inliers = find_inliers(rig, pairs, result.T_current_previous, tolerance_px);
+    }
+    result.found = result.inliers.size() >= kMinInliers;
+    return result;
+}
+
+double horn_scale(const PointPairs& pairs) {
+    std::vector<Eigen::Vector3d> previous;
+    std::vector<Eigen::Vector3d> current;
+    for (const PointPair& pair : pairs) {
+        previous.push_back(pair.p_previous);
+        current.push_back(pair.p_current);
+    }
+    const auto aligned = absolute_orientation(previous, current);
+    return aligned ? aligned->scale : 1.0;
+}
+
+}  // namespace
+
+Registration register_with_rotation(const RectifiedRig& rig,
+                                    const PointPairs& pairs,
+                                    const std::optional<KnownRotation>& rotation,
+                                    const Eigen::Isometry3d& expected,
+                                    double tolerance_px,
+                                    std::uint64_t seed) {
+    Registration result;
+    result.num_pairs = pairs.size();
+    if (pairs.size() < kMinInliers) return result;
+    if (rotation) {
+        const Eigen::Isometry3d best = best_translation(
+            rig, pairs, rotation->q.toRotationMatrix(), expected, tolerance_px, seed);
+        result = settled(rig, pairs, best, tolerance_px);
+    }
+    if (static_cast<double>(result.inliers.size()) <
+        kMinTrustedShare * static_cast<double>(pairs.size())) {
+        const Registration horn = register_points(rig, pairs, tolerance_px, seed);
+        if (horn.found) {
+            Registration other = settled(rig, pairs, horn.T_current_previous, tolerance_px);
+            if (other.inliers.size() > result.inliers.size()) result = std::move(other);
+        }
+    }
+    if (!result.found) return result;
+    result.scale = horn_scale(result.inliers);
+    const MotionGuess motion{result.T_current_previous, rotation, 0.0};
+    result.degenerate = max_sigma_rad(rig, result.inliers, motion) > kMaxSigma_rad;
+    result.found = !result.degenerate;
+    return result;
+}
+
+}  // namespace divemesh::worker

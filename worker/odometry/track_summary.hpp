@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "worker/odometry/predict_orientation.hpp"
+#include "worker/odometry/register_points.hpp"
+#include "worker/types/track.hpp"
+
+namespace divemesh::worker {
+
+// Adds up what the frames say about how well the tracking went.
+class TrackSummary {
+public:
+    void add_frame(const Features& features, const Registration& motion, const MotionGuess& guess);
+    // The first frame: nothing to compare it with.
+    void add_first_frame() {
+        ++num_frames_;
+        ++num_tracked_;
+    }
+
+    // Without skipped frames and the dense search, which are counted elsewhere.
+    TrackStatistics statistics() const;
+
+private:
+    void follow(const Features& features);
+
+    std::int64_t num_frames_ = 0;
+    std::int64_t num_tracked_ = 0;
+    std::int64_t num_degenerate_ = 0;
+    std::int64_t num_features_ = 0;
+    std::int64_t num_pairs_ = 0;
+    std::int64_t num_inliers_ = 0;
+    double squared_disagreement_ = 0.0;
+    std::int64_t num_disagreements_ = 0;
+    std::vector<double> scales_;
+    std::vector<double> depths_m_;               // median of each frame
+    std::vector<double> lives_frames_;           // of the tracks that ended
+    std::unordered_map<std::int64_t, int> age_;  // of the tracks that go on
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,261 @@
+#include "worker/optimisation/bundle_adjustment.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <ceres/sphere_manifold.h>
+#include <cmath>
+
+#include "worker/optimisation/levenberg_marquardt.hpp"
+#include "worker/optimisation/reduced_information.hpp"
+#include "worker/optimisation/solver_progress.hpp"
+#include "worker/optimisation/residuals/gyro_rotation_cost.hpp"
+#include "worker/optimisation/residuals/imu_preintegration_cost.hpp"
+#include "worker/optimisation/residuals/orientation_prior.hpp"
+#include "worker/optimisation/residuals/pressure_depth.hpp"
+#include "worker/optimisation/residuals/random_walk.hpp"
+#include "worker/optimisation/residuals/stereo_reprojection.hpp"
+#include "worker/optimisation/residuals/vector_prior.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kHuberReprojection = 1.5;  // in sigmas
+constexpr double kHuberOrientation = 2.0;
+constexpr double kHuberDepth = 2.0;
+constexpr double kMinWalk = 1e-6;          // rad/s, m/s^2
+constexpr double kWindowTolerance = 1e-4;  // of the cost
+constexpr double kDiveTolerance = 1e-5;
+
+}  // namespace
+
+BodyState BodyState::at(const Eigen::Isometry3d& T_world_imu, const ImuBias& bias) {
+    return {Eigen::Quaterniond(T_world_imu.linear()).normalized(),
+            T_world_imu.translation(),
+            Eigen::Vector3d::Zero(),
+            bias};
+}
+
+Eigen::Isometry3d BodyState::T_world_imu() const {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = q_world_imu.normalized().toRotationMatrix();
+    T.translation() = p_world_imu;
+    return T;
+}
+
+struct BundleAdjustment::Implementation {
+    explicit Implementation(const RectifiedRig& rectified) : rig(rectified) {}
+
+    double* q(BodyState& state) { return state.q_world_imu.coeffs().data(); }
+    void add(ceres::CostFunction* cost,
+             ceres::LossFunction* loss,
+             const std::vector<double*>& blocks) {
+        graph.add_factor(std::unique_ptr<ceres::CostFunction>(cost), loss, blocks);
+    }
+    void add_walk(double* from, double* to, double density, double duration_s) {
+        const double sigma = std::max(kMinWalk, density * std::sqrt(duration_s));
+        add(RandomWalk::create(sigma), nullptr, {from, to});
+    }
+    void add_vector(Eigen::Vector3d& vector, const Eigen::Vector3d& known, double sigma) {
+        add(VectorPrior::create({known, sigma}), nullptr, {vector.data()});
+    }
+
+    RectifiedRig rig;
+    ceres::EigenQuaternionManifold rotation;
+    ceres::SphereManifold<3> direction;
+    ceres::HuberLoss orientation_loss{kHuberOrientation};
+    ceres::HuberLoss depth_loss{kHuberDepth};
+    FactorGraph graph{kHuberReprojection};
+    std::unique_ptr<ceres::Problem> problem;  // of solve_sparse
+};
+
+BundleAdjustment::BundleAdjustment(const RectifiedRig& rig)
+    : implementation_(std::make_unique<Implementation>(rig)) {}
+BundleAdjustment::~BundleAdjustment() = default;
+
+void BundleAdjustment::add_state(BodyState& state, bool fixed) {
+    auto& own = *implementation_;
+    own.graph.add_block(own.q(state), 4, &own.rotation);
+    own.graph.add_block(state.p_world_imu.data(), 3);
+    if (!fixed) return;
+    own.graph.fix(own.q(state));
+    own.graph.fix(state.p_world_imu.data());
+}
+
+void BundleAdjustment::add_observation(BodyState& state,
+                                       Eigen::Vector3d& p_world,
+                                       const Eigen::Vector3d& measured_px,
+                                       const Eigen::Vector3d& sigma_px) {
+    auto& own = *implementation_;
+    own.graph.add_observation(
+        {own.rig, measured_px, sigma_px}, own.q(state), state.p_world_imu.data(), p_world);
+}
+
+void BundleAdjustment::add_gyro_rotation(BodyState& from,
+                                         BodyState& to,
+                                         const GyroscopeIntegral& rotation,
+                                         double random_walk) {
+    auto& own = *implementation_;
+    double* bias = from.bias.gyroscope.data();
+    own.add(GyroRotationCost::create(rotation), nullptr, {own.q(from), own.q(to), bias});
+    own.add_walk(bias, to.bias.gyroscope.data(), random_walk, rotation.duration_s);
+}
+
+void BundleAdjustment::add_imu_preintegration(BodyState& from,
+                                              BodyState& to,
+                                              const PreintegratedImu& motion,
+                                              const ImuNoise& noise,
+                                              Eigen::Vector3d& gravity_direction_world) {
+    auto& own = *implementation_;
+    double* gyroscope = from.bias.gyroscope.data();
+    double* accelerometer = from.bias.accelerometer.data();
+    own.graph.add_block(gravity_direction_world.data(), 3, &own.direction);
+    own.add(ImuPreintegrationCost::create(motion),
+            nullptr,
+            {own.q(from),
+             from.p_world_imu.data(),
+             from.velocity_world.data(),
+             gyroscope,
+             accelerometer,
+             own.q(to),
+             to.p_world_imu.data(),
+             to.velocity_world.data(),
+             gravity_direction_world.data()});
+    const double duration_s = motion.rotation.duration_s;
+    own.add_walk(gyroscope, to.bias.gyroscope.data(), noise.gyroscope_random_walk, duration_s);
+    own.add_walk(
+        accelerometer, to.bias.accelerometer.data(), noise.accelerometer_random_walk, duration_s);
+}
+
+void BundleAdjustment::add_gyroscope_bias(BodyState& state,
+                                          const Eigen::Vector3d& known,
+                                          double sigma) {
+    implementation_->add_vector(state.bias.gyroscope, known, sigma);
+}
+
+void BundleAdjustment::add_accelerometer_bias(BodyState& state,
+                                              const Eigen::Vector3d& known,
+                                              double sigma) {
+    implementation_->add_vector(state.bias.accelerometer, known, sigma);
+}
+
+void BundleAdjustment::add_orientation(BodyState& state,
+                                       Eigen::Quaterniond& q_world_ahrs,
+                                       const Eigen::Quaterniond& q_ahrs_imu,
+                                       double sigma_rad) {
+    auto& own = *implementation_;
+    double* alignment = q_world_ahrs.coeffs().data();
+    own.graph.add_block(alignment, 4, &own.rotation);
+    own.add(OrientationPrior::create({q_ahrs_imu, sigma_rad}),
+            &own.orientation_loss,
+            {alignment, own.q(state)});
+}
+
+void BundleAdjustment::add_depth(BodyState& state,
+                                 Eigen::Vector3d& gravity_direction_world,
+                                 double& offset_m,
+                                 double depth_m,
+                                 double sigma_m) {
+    auto& own = *implementation_;
+    own.graph.add_block(gravity_direction_world.data(), 3, &own.direction);
+    own.add(PressureDepth::create({depth_m, sigma_m}),
+            &own.depth_loss,
+            {state.p_world_imu.data(), gravity_direction_world.data(), &offset_m});
+}
+
+void BundleAdjustment::add_gravity_direction(Eigen::Vector3d& gravity_direction_world,
+                                             const Eigen::Vector3d& known,
+                                             double sigma) {
+    auto& own = *implementation_;
+    own.graph.add_block(gravity_direction_world.data(), 3, &own.direction);
+    own.add_vector(gravity_direction_world, known, sigma);
+}
+
+void BundleAdjustment::add_prior(const LinearPrior& prior) {
+    auto& own = *implementation_;
+    for (const auto& block : prior.blocks) {
+        const auto size = static_cast<int>(block.at.size());
+        ceres::Manifold* manifold = nullptr;
+        if (size == 4) manifold = &own.rotation;
+        if (size == 3 && block.tangent_size == 2) manifold = &own.direction;
+        own.graph.add_block(block.values, size, manifold);
+    }
+    divemesh::worker::add_prior(own.graph, prior);
+}
+
+LinearPrior BundleAdjustment::marginalise(const std::vector<double*>& leaving) {
+    return divemesh::worker::marginalise(implementation_->graph, leaving);
+}
+
+void BundleAdjustment::solve_dense(int max_iterations) {
+    levenberg_marquardt(implementation_->graph, max_iterations, kWindowTolerance);
+}
+
+void BundleAdjustment::solve_sparse(int max_iterations,
+                                    const ProgressCallback& progress,
+                                    const Progress& at) {
+    auto& own = *implementation_;
+    own.graph.drop_unseen();
+    own.problem = own.graph.problem();
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_SCHUR;
+    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (Eigen::Vector3d* landmark : own.graph.landmarks())
+        if (own.problem->HasParameterBlock(landmark->data()))
+            options.linear_solver_ordering->AddElementToGroup(landmark->data(), 0);
+    for (const Block& block : own.graph.blocks())
+        options.linear_solver_ordering->AddElementToGroup(block.values, 1);
+    options.max_num_iterations = max_iterations;
+    options.function_tolerance = kDiveTolerance;
+    options.logging_type = ceres::SILENT;
+    options.num_threads = 1;
+    SolverProgress callback(progress, at);
+    options.callbacks.push_back(&callback);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, own.problem.get(), &summary);
+    callback.rethrow();
+}
+
+JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& states) {
+    auto& own = *implementation_;
+    std::vector<double*> kept;
+    for (const Block& block : own.graph.blocks()) kept.push_back(block.values);
+    std::vector<double*> points;
+    for (Eigen::Vector3d* landmark : own.graph.landmarks())
+        if (own.problem->HasParameterBlock(landmark->data())) points.push_back(landmark->data());
+    const ClusteredInformation information =
+        clustered_information(*own.problem, kept, points, kHuberReprojection);
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information.H_lower);
+    if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return {};
+    const auto V = information.V_lower.selfadjointView<Eigen::Lower>();
+    const auto influence = [&](const double* block) -> Eigen::MatrixXd {
+        const int start = information.start[static_cast<std::size_t>(own.graph.index_of(block))];
+        Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(information.H_lower.rows(), 3);
+        if (start < 0) return unit;
+        unit.middleRows<3>(start).setIdentity();
+        return factor.solve(unit);
+    };
+    JointCovariance result;
+    result.positions_m2.setZero(3 * std::ssize(states), 3 * std::ssize(states));
+    Eigen::MatrixXf of_positions(information.H_lower.rows(), 3 * std::ssize(states));
+    for (Eigen::Index i = 0; i < std::ssize(states); ++i) {
+        BodyState& state = *states[static_cast<std::size_t>(i)];
+        const Eigen::MatrixXd position = influence(state.p_world_imu.data());
+        const Eigen::MatrixXd varied = V * position;
+        of_positions.middleCols<3>(3 * i) = position.cast<float>();
+        const Eigen::MatrixXd with_those_before =
+            varied.transpose() * of_positions.leftCols(3 * i + 3).cast<double>();
+        result.positions_m2.block(3 * i, 0, 3, 3 * i + 3) = with_those_before;
+        result.positions_m2.block(0, 3 * i, 3 * i + 3, 3) = with_those_before.transpose();
+        const Eigen::MatrixXd rotation = influence(own.q(state));
+        // Ceres' tangent of a quaternion is half the rotation vector.
+        result.states.push_back(
+            {position.transpose() * varied, 4.0 * (rotation.transpose() * (V * rotation))});
+    }
+    return result;
+}
+
+}  // namespace divemesh::worker

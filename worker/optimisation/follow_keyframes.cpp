@@ -1,0 +1,71 @@
+#include "worker/optimisation/follow_keyframes.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace divemesh::worker {
+namespace {
+
+Eigen::Isometry3d blend(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
+    Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+    result.linear() = Eigen::Quaterniond(a.linear())
+                          .slerp(share, Eigen::Quaterniond(b.linear()))
+                          .normalized()
+                          .toRotationMatrix();
+    result.translation() = (1.0 - share) * a.translation() + share * b.translation();
+    return result;
+}
+
+}  // namespace
+
+std::size_t frame_at(const Trajectory& frames, std::int64_t timestamp_ns) {
+    const auto found = std::lower_bound(
+        frames.begin(), frames.end(), timestamp_ns, [](const StampedPose& pose, std::int64_t time) {
+            return pose.timestamp_ns < time;
+        });
+    return static_cast<std::size_t>(found - frames.begin());
+}
+
+Trajectory follow_keyframes(const Trajectory& odometry,
+                            const std::vector<Keyframe>& keyframes,
+                            const Eigen::Isometry3d& T_imu_cam) {
+    Trajectory result = odometry;
+    for (std::size_t k = 0; k < keyframes.size(); ++k) {
+        const bool last = k + 1 == keyframes.size();
+        const bool ends = last || keyframes[k + 1].segment != keyframes[k].segment;
+        const std::size_t from = k == 0 ? 0 : frame_at(odometry, keyframes[k].timestamp_ns);
+        const std::size_t to =
+            last ? odometry.size() : frame_at(odometry, keyframes[k + 1].timestamp_ns);
+        const Eigen::Isometry3d T_world_from = keyframes[k].T_world_cam * T_imu_cam.inverse();
+        for (std::size_t i = from; i < to; ++i) {
+            const Eigen::Isometry3d forward =
+                T_world_from * odometry[from].T_world_imu.inverse() * odometry[i].T_world_imu;
+            result[i].T_world_imu = forward;
+            if (ends) continue;
+            const Eigen::Isometry3d backward = keyframes[k + 1].T_world_cam * T_imu_cam.inverse() *
+                                               odometry[to].T_world_imu.inverse() *
+                                               odometry[i].T_world_imu;
+            const double share =
+                static_cast<double>(odometry[i].timestamp_ns - odometry[from].timestamp_ns) /
+                static_cast<double>(odometry[to].timestamp_ns - odometry[from].timestamp_ns);
+            result[i].T_world_imu = blend(forward, backward, share);
+        }
+    }
+    return result;
+}
+
+std::vector<Keyframe> posed_by(const Trajectory& trajectory,
+                               const std::vector<Keyframe>& keyframes,
+                               const Eigen::Isometry3d& T_imu_cam,
+                               std::vector<Keyframe> frames) {
+    auto after = keyframes.begin();
+    for (Keyframe& frame : frames) {
+        while (after != keyframes.end() && after->timestamp_ns <= frame.timestamp_ns) ++after;
+        if (after != keyframes.begin()) frame.segment = std::prev(after)->segment;
+        frame.T_world_cam =
+            trajectory[frame_at(trajectory, frame.timestamp_ns)].T_world_imu * T_imu_cam;
+    }
+    return frames;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,94 @@
+#include "worker/optimisation/frame_covariances.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/optimisation/covariance_between.hpp"
+#include "worker/optimisation/follow_keyframes.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of freedom
+
+// Per axis.
+struct Variance {
+    double position_m2 = 0.0;
+    double rotation_rad2 = 0.0;
+};
+
+// Frames from one keyframe to the next, and how far the odometry misses it.
+struct Interval {
+    std::size_t from = 0;
+    std::size_t to = 0;
+    Variance missed;
+
+    double num_steps() const { return static_cast<double>(to - from); }
+};
+
+std::vector<Interval> intervals(const Trajectory& odometry,
+                                const std::vector<Keyframe>& keyframes,
+                                const Eigen::Isometry3d& T_imu_cam) {
+    std::vector<Interval> result;
+    for (std::size_t k = 1; k < keyframes.size(); ++k) {
+        if (keyframes[k].segment != keyframes[k - 1].segment) continue;
+        Interval interval{frame_at(odometry, keyframes[k - 1].timestamp_ns),
+                          frame_at(odometry, keyframes[k].timestamp_ns),
+                          {}};
+        const Eigen::Isometry3d T_cam_imu = T_imu_cam.inverse();
+        const Eigen::Isometry3d T_from_to = (keyframes[k - 1].T_world_cam * T_cam_imu).inverse() *
+                                            (keyframes[k].T_world_cam * T_cam_imu);
+        const Eigen::Isometry3d missed = T_from_to.inverse() *
+                                         odometry[interval.from].T_world_imu.inverse() *
+                                         odometry[interval.to].T_world_imu;
+        const double turned_rad = Eigen::AngleAxisd(missed.linear()).angle();
+        interval.missed = {missed.translation().squaredNorm() / 3.0, turned_rad * turned_rad / 3.0};
+        result.push_back(interval);
+    }
+    return result;
+}
+
+// Of one step from frame to frame.
+Variance step_variance(const std::vector<Interval>& intervals) {
+    const auto typical = [&](double Variance::*part) {
+        std::vector<double> values;
+        for (const Interval& interval : intervals)
+            values.push_back(interval.missed.*part / interval.num_steps());
+        return upper_median(std::move(values)) * 3.0 / kMedianOfThree;
+    };
+    return {typical(&Variance::position_m2), typical(&Variance::rotation_rad2)};
+}
+
+}  // namespace
+
+CovarianceTrack covariances_at(const CovarianceTrack& covariances,
+                               const Trajectory& odometry,
+                               const std::vector<Keyframe>& keyframes,
+                               const Eigen::Isometry3d& T_imu_cam) {
+    CovarianceTrack result;
+    if (covariances.empty()) return result;
+    for (const StampedPose& frame : odometry)
+        result.push_back(covariance_between(covariances, frame.timestamp_ns));
+    const auto add = [&](std::size_t frame, const Variance& variance, double times) {
+        result[frame].position_m2.diagonal().array() += times * variance.position_m2;
+        result[frame].rotation_rad2.diagonal().array() += times * variance.rotation_rad2;
+    };
+    const auto tied = intervals(odometry, keyframes, T_imu_cam);
+    const Variance step = step_variance(tied);
+    for (const Interval& interval : tied) {
+        const double num = interval.num_steps();
+        const Variance whole{std::max(num * step.position_m2, interval.missed.position_m2),
+                             std::max(num * step.rotation_rad2, interval.missed.rotation_rad2)};
+        for (std::size_t i = interval.from + 1; i < interval.to; ++i) {
+            const double share = static_cast<double>(i - interval.from) / num;
+            add(i, whole, share * (1.0 - share));
+        }
+    }
+    const std::size_t last = frame_at(odometry, keyframes.back().timestamp_ns);
+    for (std::size_t i = last; i < odometry.size(); ++i)
+        add(i, step, static_cast<double>(i - last));
+    return result;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,129 @@
+#include "worker/optimisation/global_bundle_adjustment.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "worker/optimisation/bundle_adjustment.hpp"
+#include "worker/optimisation/expected_path_error.hpp"
+#include "worker/optimisation/inertial_factors.hpp"
+#include "worker/types/feature.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMaxIterations = 15;
+constexpr std::size_t kMaxObservations = 400'000;
+// Baseline and focal length of a careful calibration: they are not estimated here, so what they err
+// by is added (Schmidt's consider parameters).
+constexpr double kScaleSigma = 0.001;
+constexpr std::size_t kMaxCovariances = 64;  // keyframes; they change slowly between
+
+Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
+    return {seen.u_px, seen.v_px, seen.disparity_px};
+}
+
+// Every n-th landmark, so that no more than kMaxObservations remain.
+std::size_t stride_for(const std::vector<Landmark>& landmarks) {
+    std::size_t num_observations = 0;
+    for (const Landmark& landmark : landmarks) num_observations += landmark.observations.size();
+    return 1 + num_observations / kMaxObservations;
+}
+
+// Of every `stride`-th landmark: those that were adjusted.
+double reprojection_rms_px(const RectifiedRig& rig,
+                           const std::vector<Keyframe>& keyframes,
+                           const std::vector<Landmark>& landmarks,
+                           std::size_t stride) {
+    double squares = 0.0;
+    std::int64_t num = 0;
+    for (std::size_t i = 0; i < landmarks.size(); i += stride) {
+        const Landmark& landmark = landmarks[i];
+        for (const LandmarkObservation& seen : landmark.observations) {
+            const auto& keyframe = keyframes[static_cast<std::size_t>(seen.keyframe)];
+            const Eigen::Vector3d p_cam = keyframe.T_world_cam.inverse() * landmark.p_world;
+            if (p_cam.z() < 0.02) continue;
+            squares += (rig.pixel(p_cam) - measurement_px(seen).head<2>()).squaredNorm();
+            ++num;
+        }
+    }
+    return num > 0 ? std::sqrt(squares / static_cast<double>(num)) : 0.0;
+}
+
+struct Uncertainty {
+    CovarianceTrack covariances;
+    PathUncertainty path;
+};
+
+Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
+                              const std::vector<Keyframe>& keyframes,
+                              std::vector<BodyState>& states) {
+    const std::size_t stride = 1 + (states.size() - 1) / kMaxCovariances;
+    std::vector<std::size_t> chosen;
+    for (std::size_t k = 0; k + 1 < states.size(); k += stride) chosen.push_back(k);
+    chosen.push_back(states.size() - 1);
+    std::vector<BodyState*> of;
+    of.reserve(chosen.size());
+    for (const std::size_t k : chosen) of.push_back(&states[k]);
+    JointCovariance in_world = bundle_adjustment.covariances(of);
+    if (in_world.states.empty()) return {};
+    std::vector<Eigen::Vector3d> positions;
+    Eigen::VectorXd by_scale(3 * std::ssize(of));
+    for (const BodyState* state : of) {
+        by_scale.segment<3>(3 * std::ssize(positions)) =
+            kScaleSigma * (state->p_world_imu - states.front().p_world_imu);
+        positions.push_back(state->p_world_imu);
+    }
+    const double vertical = vertical_scale_sigma(positions, in_world.positions_m2);
+    in_world.positions_m2 += by_scale * by_scale.transpose();
+    const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
+    Uncertainty result;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        const Eigen::Vector3d along = by_scale.segment<3>(3 * static_cast<Eigen::Index>(i));
+        const Eigen::Matrix3d position_m2 =
+            in_world.states[i].position_m2 + along * along.transpose();
+        result.covariances.push_back(
+            {keyframes[chosen[i]].timestamp_ns,
+             R_world_first.transpose() * position_m2 * R_world_first,
+             R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
+    }
+    result.path = after_alignment(positions, in_world.positions_m2);
+    result.path.vertical_scale_sigma = vertical;
+    return result;
+}
+
+}  // namespace
+
+GlobalBundleAdjustment adjust_globally(const RectifiedRig& rig,
+                                       const InertialPrior& inertial,
+                                       std::vector<Keyframe>& keyframes,
+                                       std::vector<Landmark>& landmarks,
+                                       const ProgressCallback& progress,
+                                       const Progress& at) {
+    std::vector<BodyState> states;
+    states.reserve(keyframes.size());
+    for (const Keyframe& keyframe : keyframes)
+        states.push_back(
+            BodyState::at(keyframe.T_world_cam * rig.T_imu_cam.inverse(), inertial.bias()));
+    BundleAdjustment bundle_adjustment(rig);
+    for (std::size_t k = 0; k < states.size(); ++k) bundle_adjustment.add_state(states[k], k == 0);
+    const std::size_t stride = stride_for(landmarks);
+    for (std::size_t i = 0; i < landmarks.size(); i += stride)
+        for (const LandmarkObservation& seen : landmarks[i].observations)
+            bundle_adjustment.add_observation(states[static_cast<std::size_t>(seen.keyframe)],
+                                              landmarks[i].p_world,
+                                              measurement_px(seen),
+                                              kFeatureSigma_px);
+    WorldReference reference;
+    add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
+    bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
+    Uncertainty uncertainty = relative_to_first(bundle_adjustment, keyframes, states);
+    const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
+    for (std::size_t k = 0; k < states.size(); ++k)
+        keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
+    for (Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
+    return {reprojection_rms_px(rig, keyframes, landmarks, stride),
+            std::move(uncertainty.covariances),
+            uncertainty.path};
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,119 @@
+#include "worker/optimisation/inertial_factors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+// The AHRS errs by half a degree, slowly: neighbours in time say the same thing again. White noise
+// with the slow part of a Gauss-Markov error has its variance times twice its time constant over
+// the interval.
+constexpr double kAhrsSigma_rad = 0.01;
+constexpr double kAhrsTimeConstant_s = 30.0;
+constexpr double kPressureSigma_m = 0.02;  // with the waves above
+constexpr double kInitialGravitySigma =
+    0.2;  // of the vertical, where only the pressure knows of it
+
+double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
+
+// Central differences of the positions.
+void set_velocities(const std::vector<Keyframe>& keyframes, std::vector<BodyState>& states) {
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const std::size_t before = k > 0 ? k - 1 : k;
+        const std::size_t after = std::min(k + 1, states.size() - 1);
+        if (before == after) continue;
+        states[k].velocity_world =
+            (states[after].p_world_imu - states[before].p_world_imu) /
+            seconds(keyframes[after].timestamp_ns - keyframes[before].timestamp_ns);
+    }
+}
+
+}  // namespace
+
+void add_relative_factors(BundleAdjustment& bundle_adjustment,
+                          const SensorReadings& readings,
+                          const ImuNoise& noise,
+                          BodyState& from,
+                          BodyState& to,
+                          WorldReference& reference) {
+    if (readings.motion)
+        bundle_adjustment.add_imu_preintegration(
+            from, to, *readings.motion, noise, reference.gravity_direction_world);
+    if (readings.rotation)
+        bundle_adjustment.add_gyro_rotation(
+            from, to, *readings.rotation, noise.gyroscope_random_walk);
+}
+
+void add_absolute_factors(BundleAdjustment& bundle_adjustment,
+                          const SensorReadings& readings,
+                          BodyState& state,
+                          WorldReference& reference) {
+    if (readings.q_ahrs_imu) {
+        const double times = 2.0 * kAhrsTimeConstant_s / std::max(0.1, readings.interval_s);
+        bundle_adjustment.add_orientation(state,
+                                          reference.q_world_ahrs,
+                                          *readings.q_ahrs_imu,
+                                          kAhrsSigma_rad * std::sqrt(std::max(1.0, times)));
+    }
+    if (readings.depth_m)
+        bundle_adjustment.add_depth(state,
+                                    reference.gravity_direction_world,
+                                    reference.depth_offset_m,
+                                    *readings.depth_m,
+                                    kPressureSigma_m);
+}
+
+void add_bias_priors(BundleAdjustment& bundle_adjustment,
+                     const SensorReadings& readings,
+                     BodyState& from) {
+    if (readings.motion || readings.rotation)
+        bundle_adjustment.add_gyroscope_bias(
+            from, Eigen::Vector3d::Zero(), kInitialGyroscopeBiasSigma);
+    if (readings.motion)
+        bundle_adjustment.add_accelerometer_bias(
+            from, Eigen::Vector3d::Zero(), kInitialAccelerometerBiasSigma);
+}
+
+void add_gravity_prior(BundleAdjustment& bundle_adjustment,
+                       const SensorReadings& readings,
+                       WorldReference& reference) {
+    if (readings.depth_m && !readings.motion)
+        bundle_adjustment.add_gravity_direction(reference.gravity_direction_world,
+                                                reference.gravity_direction_world,
+                                                kInitialGravitySigma);
+}
+
+void add_inertial_factors(BundleAdjustment& bundle_adjustment,
+                          const InertialPrior& inertial,
+                          const std::vector<Keyframe>& keyframes,
+                          std::vector<BodyState>& states,
+                          WorldReference& reference) {
+    set_velocities(keyframes, states);
+    bool chained = false;  // the readings from the keyframe before
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const std::int64_t now_ns = keyframes[k].timestamp_ns;
+        const SensorReadings readings =
+            inertial.readings(k > 0 ? keyframes[k - 1].timestamp_ns : now_ns, now_ns);
+        add_absolute_factors(bundle_adjustment, readings, states[k], reference);
+        if (k == 0) {
+            reference.depth_offset_m = readings.depth_m.value_or(0.0);
+            continue;
+        }
+        if (k == 1) add_gravity_prior(bundle_adjustment, readings, reference);
+        if (!chained) add_bias_priors(bundle_adjustment, readings, states[k - 1]);
+        add_relative_factors(
+            bundle_adjustment, readings, inertial.noise(), states[k - 1], states[k], reference);
+        chained = readings.motion || readings.rotation;
+    }
+}
+
+Eigen::Quaterniond gravity_alignment(const InertialPrior& inertial,
+                                     const WorldReference& reference) {
+    if (inertial.has_accelerometer() || inertial.has_pressure())
+        return Eigen::Quaterniond::FromTwoVectors(reference.gravity_direction_world,
+                                                  -Eigen::Vector3d::UnitZ());
+    return reference.q_world_ahrs.conjugate();
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,270 @@
+#include "worker/optimisation/reduced_information.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <ceres/crs_matrix.h>
+#include <cmath>
+#include <optional>
+
+#include "worker/optimisation/noise_scale.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kLandmarkSize = 3;
+constexpr int kRows = 3;                         // of a camera's residual
+constexpr std::size_t kMaxTriplets = 4'000'000;  // before they are summed
+
+// Sums entries of a symmetric matrix, lower triangle.
+class Accumulator {
+public:
+    explicit Accumulator(int size) : sum_(size, size) {}
+
+    void add(int row, int column, double value) {
+        if (row < column) return;
+        triplets_.emplace_back(row, column, value);
+        if (triplets_.size() >= kMaxTriplets) flush();
+    }
+    const Eigen::SparseMatrix<double>& sum() {
+        flush();
+        return sum_;
+    }
+
+private:
+    void flush() {
+        Eigen::SparseMatrix<double> part(sum_.rows(), sum_.cols());
+        part.setFromTriplets(triplets_.begin(), triplets_.end());
+        sum_ = Eigen::SparseMatrix<double>(sum_ + part);
+        triplets_.clear();
+    }
+
+    Eigen::SparseMatrix<double> sum_;
+    std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+// A few rows of the Jacobian, dense over the columns they touch.
+struct Rows {
+    std::vector<int> columns;  // rising
+    Eigen::MatrixXd J;
+};
+
+Rows dense_rows(const ceres::CRSMatrix& jacobian, const std::vector<int>& rows) {
+    Rows result;
+    for (const int row : rows)
+        for (auto i = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
+             i < static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row) + 1]);
+             ++i)
+            result.columns.push_back(jacobian.cols[i]);
+    std::sort(result.columns.begin(), result.columns.end());
+    result.columns.erase(std::unique(result.columns.begin(), result.columns.end()),
+                         result.columns.end());
+    result.J = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(result.columns));
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const auto row = static_cast<std::size_t>(rows[r]);
+        for (auto i = static_cast<std::size_t>(jacobian.rows[row]);
+             i < static_cast<std::size_t>(jacobian.rows[row + 1]);
+             ++i) {
+            const auto at =
+                std::lower_bound(result.columns.begin(), result.columns.end(), jacobian.cols[i]);
+            result.J(static_cast<int>(r), at - result.columns.begin()) = jacobian.values[i];
+        }
+    }
+    return result;
+}
+
+void add(const std::vector<int>& columns, const Eigen::MatrixXd& H, Accumulator& sum) {
+    for (int i = 0; i < H.rows(); ++i)
+        for (int j = 0; j <= i; ++j)
+            sum.add(columns[static_cast<std::size_t>(i)],
+                    columns[static_cast<std::size_t>(j)],
+                    H(i, j));
+}
+
+// What the observations of one landmark say about the rest. It has the last three columns.
+void add_landmark(Rows rows, Accumulator& sum) {
+    const auto num_kept = static_cast<int>(std::ssize(rows.columns)) - kLandmarkSize;
+    const Eigen::MatrixXd C = rows.J.leftCols(num_kept);
+    const Eigen::MatrixXd A = rows.J.rightCols(kLandmarkSize);
+    const Eigen::Matrix3d own = A.transpose() * A;
+    const Eigen::LDLT<Eigen::Matrix3d> factor(own);
+    if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return;
+    const Eigen::MatrixXd cross = A.transpose() * C;
+    rows.columns.resize(static_cast<std::size_t>(num_kept));
+    add(rows.columns, C.transpose() * C - cross.transpose() * factor.solve(cross), sum);
+}
+
+// A solved problem, linear around its solution, its losses left out.
+struct Linearised {
+    std::vector<int> start;  // of each kept block; -1: constant
+    int num_kept = 0;        // columns; those of the landmarks come after
+    std::vector<double> residuals;
+    ceres::CRSMatrix jacobian;
+
+    // -1: none.
+    int landmark_of(int row) const {
+        const int end = jacobian.rows[static_cast<std::size_t>(row) + 1];
+        if (end == jacobian.rows[static_cast<std::size_t>(row)]) return -1;
+        const int last = jacobian.cols[static_cast<std::size_t>(end) - 1];
+        return last < num_kept ? -1 : (last - num_kept) / kLandmarkSize;
+    }
+    Eigen::Vector3d residual(int first_row) const {
+        return Eigen::Map<const Eigen::Vector3d>(residuals.data() + first_row);
+    }
+    // 3, or 2 without disparity.
+    int num_measured(int first_row) const {
+        return landmark_of(first_row + 2) >= 0 && residual(first_row).z() != 0.0 ? 3 : 2;
+    }
+    bool is_outlier(int first_row) const {
+        return residual(first_row).norm() >
+               kOutlierSigmas * std::sqrt(static_cast<double>(num_measured(first_row)));
+    }
+};
+
+Linearised linearise(ceres::Problem& problem,
+                     const std::vector<double*>& kept,
+                     const std::vector<double*>& landmarks) {
+    Linearised result;
+    ceres::Problem::EvaluateOptions options;
+    options.apply_loss_function = false;
+    for (double* block : kept) {
+        const bool constant = problem.IsParameterBlockConstant(block);
+        result.start.push_back(constant ? -1 : result.num_kept);
+        if (constant) continue;
+        result.num_kept += problem.ParameterBlockTangentSize(block);
+        options.parameter_blocks.push_back(block);
+    }
+    options.parameter_blocks.insert(
+        options.parameter_blocks.end(), landmarks.begin(), landmarks.end());
+    problem.GetResidualBlocks(&options.residual_blocks);
+    problem.Evaluate(options, nullptr, &result.residuals, nullptr, &result.jacobian);
+    return result;
+}
+
+// Calls `landmark` with the first rows of all observations of one, for each; all other rows are
+// added to `others`.
+template <typename OfLandmark>
+void for_each_landmark(const Linearised& all, Accumulator& others, const OfLandmark& landmark) {
+    for (int row = 0; row < all.jacobian.num_rows;) {
+        const int index = all.landmark_of(row);
+        if (index < 0) {
+            const Rows rows = dense_rows(all.jacobian, {row});
+            add(rows.columns, rows.J.transpose() * rows.J, others);
+            ++row;
+            continue;
+        }
+        std::vector<int> observations;
+        for (; row < all.jacobian.num_rows && all.landmark_of(row) == index; row += kRows)
+            observations.push_back(row);
+        landmark(observations);
+    }
+}
+
+// Of the observations that are no outliers, measured rows alone.
+std::vector<int> good_rows(const Linearised& all, const std::vector<int>& observations) {
+    std::vector<int> rows;
+    for (const int first : observations)
+        for (int i = 0; i < all.num_measured(first) && !all.is_outlier(first); ++i)
+            rows.push_back(first + i);
+    return rows;
+}
+
+// A landmark's observations with the landmark eliminated: information and gradient of the rest,
+// every residual under Huber's weight.
+struct Score {
+    std::vector<int> columns;
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+    double num_free = 0.0;  // rows more than the landmark has unknowns
+};
+
+std::optional<Score> score_of(const Linearised& all,
+                              const std::vector<int>& observations,
+                              double huber) {
+    const std::vector<int> good = good_rows(all, observations);
+    if (good.size() <= kLandmarkSize) return std::nullopt;
+    Rows rows = dense_rows(all.jacobian, good);
+    Eigen::VectorXd r(std::ssize(good));
+    for (std::size_t i = 0; i < good.size(); ++i) {
+        const int first =
+            *(std::upper_bound(observations.begin(), observations.end(), good[i]) - 1);
+        const double root = std::sqrt(std::min(1.0, huber / all.residual(first).norm()));
+        const auto row = static_cast<Eigen::Index>(i);
+        r[row] = root * all.residuals[static_cast<std::size_t>(good[i])];
+        rows.J.row(row) *= root;
+    }
+    const auto num_kept = static_cast<int>(std::ssize(rows.columns)) - kLandmarkSize;
+    const auto A = rows.J.rightCols(kLandmarkSize);
+    const Eigen::Matrix3d own = A.transpose() * A;
+    const Eigen::LDLT<Eigen::Matrix3d> factor(own);
+    if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return std::nullopt;
+    const Eigen::MatrixXd C = rows.J.leftCols(num_kept);
+    const Eigen::MatrixXd rest = C - A * factor.solve(A.transpose() * C);
+    rows.columns.resize(static_cast<std::size_t>(num_kept));
+    // What is fitted to a landmark leaves its residuals too small.
+    const auto num_free = static_cast<double>(good.size() - kLandmarkSize);
+    const double rows_per_free = static_cast<double>(good.size()) / num_free;
+    return Score{rows.columns,
+                 rest.transpose() * rest,
+                 std::sqrt(rows_per_free) * (rest.transpose() * r),
+                 num_free};
+}
+
+}  // namespace
+
+ReducedInformation reduced_information(ceres::Problem& problem,
+                                       const std::vector<double*>& kept,
+                                       const std::vector<double*>& landmarks,
+                                       double huber) {
+    const Linearised all = linearise(problem, kept, landmarks);
+    Accumulator cameras(all.num_kept);
+    Accumulator others(all.num_kept);
+    NoiseScale noise(huber);
+    int num_landmarks = 0;
+    for_each_landmark(all, others, [&](const std::vector<int>& observations) {
+        for (std::size_t i = 0; i < observations.size(); ++i) {
+            const Eigen::Vector3d before =
+                i > 0 ? all.residual(observations[i - 1]) : Eigen::Vector3d::Zero();
+            noise.add(all.residual(observations[i]),
+                      i > 0 ? &before : nullptr,
+                      all.num_measured(observations[i]));
+        }
+        ++num_landmarks;
+        noise.end_landmark();
+        const std::vector<int> good = good_rows(all, observations);
+        if (good.size() > kLandmarkSize) add_landmark(dense_rows(all.jacobian, good), cameras);
+    });
+    ReducedInformation result;
+    result.start = all.start;
+    result.noise_scale = noise.scale(kLandmarkSize * num_landmarks + all.num_kept);
+    result.lower = cameras.sum() / (result.noise_scale * result.noise_scale) + others.sum();
+    return result;
+}
+
+ClusteredInformation clustered_information(ceres::Problem& problem,
+                                           const std::vector<double*>& kept,
+                                           const std::vector<double*>& landmarks,
+                                           double huber) {
+    const Linearised all = linearise(problem, kept, landmarks);
+    Accumulator cameras(all.num_kept);
+    Accumulator scores(all.num_kept);
+    Accumulator others(all.num_kept);
+    std::vector<bool> seen(static_cast<std::size_t>(all.num_kept), false);
+    double num_landmarks = 0.0;
+    double num_free = 0.0;
+    for_each_landmark(all, others, [&](const std::vector<int>& observations) {
+        const auto score = score_of(all, observations, huber);
+        if (!score) return;
+        add(score->columns, score->H, cameras);
+        add(score->columns, score->g * score->g.transpose(), scores);
+        for (const int column : score->columns) seen[static_cast<std::size_t>(column)] = true;
+        num_free += score->num_free;
+        ++num_landmarks;
+    });
+    // The same for what is fitted to all of them.
+    const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
+    const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /
+                       std::max(1.0, num_free - num_fitted);
+    return {cameras.sum() + others.sum(), few * scores.sum() + others.sum(), all.start};
+}
+
+}  // namespace divemesh::worker

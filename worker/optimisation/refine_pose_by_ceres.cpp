@@ -1,0 +1,50 @@
+#include "worker/optimisation/refine_pose_by_ceres.hpp"
+
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "worker/optimisation/residuals/point_transfer.hpp"
+#include "worker/optimisation/residuals/rotation_prior.hpp"
+
+namespace divemesh::worker {
+
+Eigen::Isometry3d refine_pose_by_ceres(const RectifiedRig& rig,
+                                       const PointPairs& pairs,
+                                       const MotionGuess& guess) {
+    const Eigen::AngleAxisd start(guess.T_current_previous.linear());
+    Eigen::Vector3d rodrigues = start.angle() * start.axis();
+    Eigen::Vector3d translation = guess.T_current_previous.translation();
+    ceres::Problem problem;
+    for (const PointPair& pair : pairs)
+        problem.AddResidualBlock(PointTransfer::create({rig,
+                                                        pair.previous_px,
+                                                        pair.current_px,
+                                                        pair.previous_sigma_px,
+                                                        pair.current_sigma_px}),
+                                 new ceres::HuberLoss(2.0),
+                                 rodrigues.data(),
+                                 translation.data());
+    if (guess.rotation)
+        problem.AddResidualBlock(
+            RotationPrior::create(guess.rotation->q, guess.rotation->sigma_rad),
+            nullptr,
+            rodrigues.data());
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 10;
+    options.logging_type = ceres::SILENT;
+    options.num_threads = 1;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    if (!summary.IsSolutionUsable()) return guess.T_current_previous;
+    Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
+    const double angle = rodrigues.norm();
+    if (angle > 1e-12)
+        T_current_previous.linear() =
+            Eigen::AngleAxisd(angle, rodrigues / angle).toRotationMatrix();
+    T_current_previous.translation() = translation;
+    return T_current_previous;
+}
+
+}  // namespace divemesh::worker

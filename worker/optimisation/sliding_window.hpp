@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "worker/optimisation/bundle_adjustment.hpp"
+#include "worker/optimisation/inertial_factors.hpp"
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/optimisation/marginalisation.hpp"
+#include "worker/types/keyframe.hpp"
+#include "worker/types/landmark.hpp"
+#include "worker/types/feature.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
+
+namespace divemesh::worker {
+
+// The last keyframes and what they saw and felt, adjusted together: poses, velocities, biases,
+// landmarks and the vertical all free, so that a noisy depth is never taken for the truth. What
+// older keyframes saw and felt stays as a prior. Without inertial sensors vision does it alone.
+class SlidingWindow {
+public:
+    // `noise`: of the readings, as InertialPrior has it.
+    SlidingWindow(const RectifiedRig& rig, const ImuNoise& noise) : rig_(rig), noise_(noise) {}
+
+    // `readings`: of the sensors at the keyframe, and since the one before.
+    void add_keyframe(const Keyframe& keyframe,
+                      const Features& features,
+                      const SensorReadings& readings);
+    void adjust();
+
+    // Where a landmark is known, it takes the place of the point measured at t-1.
+    void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const;
+
+    bool empty() const { return keyframes_.empty(); }
+    const Eigen::Isometry3d& T_world_cam() const { return keyframes_.back().T_world_cam; }
+    const BodyState& state() const { return entries_.back().state; }  // of the last keyframe
+    const WorldReference& reference() const { return *reference_; }
+    const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+    std::vector<Landmark> landmarks() const;  // seen by two keyframes or more
+
+private:
+    struct Entry {
+        BodyState state;
+        SensorReadings readings;
+        std::vector<std::size_t> landmarks;  // seen here
+        bool moved = true;                   // since the keyframe before
+    };
+    std::size_t landmark_of(const Feature& feature, const Keyframe& keyframe);
+    BodyState first_state(const Keyframe& keyframe, const SensorReadings& readings) const;
+    bool has_moved(const Entry& entry) const;
+    // A landmark with all that was seen of it, for the adjustment of the whole dive; before
+    // `first_in_window` is what the prior holds.
+    struct TrackedLandmark {
+        Landmark whole;
+        std::size_t first_in_window = 0;
+    };
+    std::size_t first_in_window() const;
+    // Whether the sensors reach back from a keyframe to the one before.
+    bool chained(std::size_t k) const;
+    void marginalise_oldest();
+    void marginalise_oldest(BundleAdjustment& leaving, std::size_t landmark);
+    std::vector<std::size_t> landmarks_in_window() const;
+    void add_states(BundleAdjustment& bundle_adjustment);
+    void add_observations(BundleAdjustment& bundle_adjustment,
+                          Landmark& landmark,
+                          std::size_t first,
+                          std::size_t end);
+    void add_landmarks(BundleAdjustment& bundle_adjustment);
+    void add_readings(BundleAdjustment& bundle_adjustment);
+    void drop_outliers();
+
+    RectifiedRig rig_;
+    ImuNoise noise_;
+    std::vector<Keyframe> keyframes_;
+    std::deque<Entry> entries_;  // states stay where they are: the prior knows them by place
+    std::vector<TrackedLandmark> landmarks_;
+    std::unordered_map<std::int64_t, std::size_t> landmark_of_feature_;
+    std::unique_ptr<WorldReference> reference_ = std::make_unique<WorldReference>();
+    LinearPrior prior_;       // by what has left the window
+    std::size_t oldest_ = 0;  // keyframe in the window
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <ceres/iteration_callback.h>
+#include <exception>
+
+#include "worker/base/observer.hpp"
+
+namespace divemesh::worker {
+
+// Keeps progress and cancellation alive inside a long solve. The exception waits until the solver
+// has stopped: it must not pass through Ceres.
+class SolverProgress : public ceres::IterationCallback {
+public:
+    SolverProgress(const ProgressCallback& report, Progress progress)
+        : report_(report), progress_(std::move(progress)) {}
+
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+        try {
+            report_(progress_);
+        } catch (...) {
+            failure_ = std::current_exception();
+            return ceres::SOLVER_ABORT;
+        }
+        return ceres::SOLVER_CONTINUE;
+    }
+
+    void rethrow() const {
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+private:
+    const ProgressCallback& report_;
+    Progress progress_;
+    std::exception_ptr failure_;
+};
+
+}  // namespace divemesh::worker

@@ -1,0 +1,61 @@
+#include "worker/pipeline/build_id.hpp"
+
+#include <cstddef>
+#include <cstring>
+#include <elf.h>
+#include <link.h>
+#include <span>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t padded(std::size_t size) { return (size + 3) & ~std::size_t{3}; }
+
+std::string to_hex(std::span<const unsigned char> bytes) {
+    static constexpr char kDigits[] = "0123456789abcdef";
+    std::string hex;
+    for (const unsigned char byte : bytes) {
+        hex += kDigits[byte >> 4];
+        hex += kDigits[byte & 15];
+    }
+    return hex;
+}
+
+// Notes lie one behind the other: a header, the owner's name, the content, each padded to 4 bytes.
+std::string find_build_id(std::span<const unsigned char> notes) {
+    while (notes.size() >= sizeof(ElfW(Nhdr))) {
+        ElfW(Nhdr) header;
+        std::memcpy(&header, notes.data(), sizeof header);
+        const std::size_t content = sizeof header + padded(header.n_namesz);
+        const std::size_t end = content + padded(header.n_descsz);
+        if (end > notes.size()) return "";
+        if (header.n_type == NT_GNU_BUILD_ID && header.n_namesz == sizeof "GNU" &&
+            std::memcmp(notes.data() + sizeof header, "GNU", sizeof "GNU") == 0)
+            return to_hex(notes.subspan(content, header.n_descsz));
+        notes = notes.subspan(end);
+    }
+    return "";
+}
+
+// The first object is the program itself: a result other than 0 ends the walk there.
+int look(dl_phdr_info* object, std::size_t, void* found) {
+    auto& id = *static_cast<std::string*>(found);
+    for (int i = 0; i < object->dlpi_phnum && id.empty(); ++i) {
+        const ElfW(Phdr)& segment = object->dlpi_phdr[i];
+        if (segment.p_type == PT_NOTE)
+            id = find_build_id(
+                {reinterpret_cast<const unsigned char*>(object->dlpi_addr + segment.p_vaddr),
+                 segment.p_memsz});
+    }
+    return 1;
+}
+
+}  // namespace
+
+std::string build_id() {
+    std::string id;
+    dl_iterate_phdr(look, &id);
+    return id;
+}
+
+}  // namespace divemesh::worker

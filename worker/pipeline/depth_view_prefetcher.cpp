@@ -1,0 +1,33 @@
+#include "worker/pipeline/depth_view_prefetcher.hpp"
+
+#include <utility>
+
+namespace divemesh::worker {
+
+DepthViewPrefetcher::DepthViewPrefetcher(const RectifiedRig& rig,
+                                         double voxel_m,
+                                         const std::vector<Keyframe>& frames,
+                                         const KeyframeStore& store,
+                                         TaskPool& task_pool)
+    : rig_(rig), voxel_m_(voxel_m), frames_(frames), store_(store) {
+    for (auto& lane : lanes_) fetch(lane.emplace(task_pool));
+}
+
+std::shared_ptr<const DepthView> DepthViewPrefetcher::next() {
+    Lane& lane = *lanes_[num_taken_++ % kNumLanes];
+    lane.task.wait();
+    auto view = std::exchange(lane.view, nullptr);
+    fetch(lane);
+    return view;
+}
+
+void DepthViewPrefetcher::fetch(Lane& lane) {
+    if (num_fetched_ == frames_.size()) return;
+    lane.task.run([this, &lane, frame_index = frames_[num_fetched_++].frame_index] {
+        const KeyframeImages images = store_.read(frame_index);
+        const Sampling sampling = choose_sampling(rig_, images.depth, voxel_m_);
+        lane.view = std::make_shared<const DepthView>(rig_, images, sampling);
+    });
+}
+
+}  // namespace divemesh::worker

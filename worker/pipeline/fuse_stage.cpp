@@ -1,0 +1,68 @@
+#include <memory>
+
+#include "worker/pipeline/link_or_copy.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/pipeline/stage_files.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+#include "worker/fusion/confirmed_points.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Beside the meshing: what is asked of the volume is asked before.
+void write_cloud(Reconstruction& made, std::shared_ptr<const OctreeVolume> cloud) {
+    const PointOctree& octree = cloud->octree();
+    const auto points =
+        std::make_shared<const ConfirmedPoints>(octree, *made.volume, made.options().num_threads);
+    made.cloud = {points->size(), octree.leaf_m(), octree.num_points(), octree.size_bytes()};
+    made.cloud_writer.run([file = made.artifact("cloud.ply"), cloud = std::move(cloud), points] {
+        CloudPlyWriter writer(file, points->size());
+        points->for_each([&](const Eigen::Vector3f& p_world, const Color& color) {
+            writer.add(p_world, color);
+        });
+        writer.commit();
+    });
+    if (made.options().num_threads == 1) made.cloud_writer.wait();  // makes room for the mesh
+}
+
+}  // namespace
+
+bool surface_wanted(const Reconstruction& made) { return made.options().surface; }
+
+bool load_fuse(Reconstruction& made, const std::string& key) {
+    const auto metrics = load_cloud_metrics(made.scratch("cloud.stage"), key);
+    if (!metrics || !std::filesystem::exists(made.scratch("cloud.ply")) ||
+        !std::filesystem::exists(made.scratch("volume.stage")))
+        return false;
+    made.cloud = *metrics;
+    link_or_copy(made.scratch("cloud.ply"), made.artifact("cloud.ply"));
+    made.volume = load_volume(made.scratch("volume.stage"),
+                              {made.request.scratch, made.options().fusion_memory_bytes});
+    return true;
+}
+
+void run_fuse(Reconstruction& made, const ProgressCallback& progress) {
+    FusedMap map = fuse(made.optimised.rig,
+                        made.optimised.mapped,
+                        made.track.statistics.median_depth_m,
+                        made.options(),
+                        made.keyframe_store,
+                        made.request.scratch,
+                        progress);
+    made.volume = std::move(map.volume);
+    write_cloud(made, std::move(map.cloud));
+}
+
+void save_fuse(Reconstruction& made, const std::string& key) {
+    made.cloud_writer.wait();
+    made.volume->save(made.scratch("volume.stage"));
+    link_or_copy(made.artifact("cloud.ply"), made.scratch("cloud.ply"));
+    save_cloud_metrics(made.scratch("cloud.stage"), key, made.cloud);
+}
+
+void finish_fuse(Reconstruction& made) {
+    made.voxel_m = made.volume->voxel_m();
+    made.volume_memory_bytes = made.volume->memory_bytes();
+}
+
+}  // namespace divemesh::worker

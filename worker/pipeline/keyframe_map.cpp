@@ -1,0 +1,37 @@
+#include "worker/pipeline/keyframe_map.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr std::size_t kMinKeyframesForInertia = 4;  // keyframes that tell velocity and vertical
+constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of the bias that a window has estimated
+
+}  // namespace
+
+void KeyframeMap::add(const RectifiedFrame& frame,
+                      const Features& features,
+                      MotionModel& motion,
+                      InertialPrior& inertial) {
+    rule_.taken(features, frame.timestamp_ns);
+    const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
+    const std::int64_t before_ns = empty() ? frame.timestamp_ns : last_ns_;
+    last_ns_ = frame.timestamp_ns;
+    const bool first = sliding_window_.empty();
+    sliding_window_.add_keyframe(
+        keyframe, features, inertial.readings(before_ns, frame.timestamp_ns));
+    if (first) return;
+    sliding_window_.adjust();
+    motion.correct(sliding_window_.T_world_cam());
+    if (inertial.has_accelerometer() &&
+        sliding_window_.keyframes().size() >= kMinKeyframesForInertia)
+        motion.correct(sliding_window_.state().velocity_world,
+                       sliding_window_.reference().gravity_direction_world);
+    inertial.set_bias(sliding_window_.state().bias, kWindowBiasSigma);
+}
+
+void KeyframeMap::move_to(Track& track) const {
+    track.keyframes = sliding_window_.keyframes();
+    track.landmarks = sliding_window_.landmarks();
+}
+
+}  // namespace divemesh::worker

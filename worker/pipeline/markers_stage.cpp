@@ -1,0 +1,71 @@
+#include <optional>
+
+#include "worker/camera/rerectifier.hpp"
+#include "worker/markers/measure_bars.hpp"
+#include "worker/markers/survey_markers.hpp"
+#include "worker/io/covariance_file.hpp"
+#include "worker/io/trajectory_file.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+MarkerWorld world_of(const OptimisedTrack& optimised) {
+    return {optimised.rig, optimised.keyframes, optimised.trajectory, optimised.covariances};
+}
+
+std::vector<TagView> find_tags(Reconstruction& made, const ProgressCallback& progress) {
+    const RefinedCalibration& calibration = made.optimised.calibration;
+    std::optional<Rerectifier> refined;
+    if (calibration.lenses_applied)
+        refined.emplace(made.dive.rig(), made.track.rig, calibration.applied_lenses);
+    return find_tags_in(made.dive,
+                        made.optimised.keyframes,
+                        made.marker_plan->family,
+                        refined ? &*refined : nullptr,
+                        {.stage = "optimise", .report = progress},
+                        made.options().num_threads);
+}
+
+void apply(const WorldScale& scale, OptimisedTrack& optimised) {
+    optimised.keyframes = scale.applied(optimised.keyframes, optimised.trajectory);
+    optimised.mapped = scale.applied(optimised.mapped, optimised.trajectory);
+    optimised.trajectory = scale.applied(optimised.trajectory);
+    optimised.covariances = scale.applied(optimised.covariances);
+}
+
+// Before anything is made of the poses, so that all that is given out has the one scale.
+void scale_world(double factor, Reconstruction& made) {
+    made.scale.emplace(factor, made.optimised.rig.T_imu_cam);
+    apply(*made.scale, made.optimised);
+    made.optimised.rig.baseline_m *= factor;
+    made.track.causal = WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
+    made.track.statistics.median_depth_m *= factor;
+    write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
+    write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
+    write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+}
+
+void correct_scale(const std::vector<TagView>& views, Reconstruction& made) {
+    ScaleCorrection correction;
+    if (const auto reason = reason_against(made.markers->scale)) {
+        made.markers->findings.push_back(*reason);
+    } else {
+        correction = {true, *made.markers->scale};
+        scale_world(correction.scale.factor, made);
+        made.markers = measure_markers(views, *made.marker_plan, world_of(made.optimised));
+    }
+    made.markers->correction = std::move(correction);
+}
+
+}  // namespace
+
+bool markers_wanted(const Reconstruction& made) { return made.marker_plan.has_value(); }
+
+void run_markers(Reconstruction& made, const ProgressCallback& progress) {
+    const auto views = find_tags(made, progress);
+    made.markers = measure_markers(views, *made.marker_plan, world_of(made.optimised));
+    if (made.options().correct_scale) correct_scale(views, made);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,43 @@
+#include "worker/optimisation/expected_path_error.hpp"
+#include "worker/pipeline/simplification_error.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/pipeline/stage_files.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+#include "worker/mesh/vertex_sigma.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+Surface simplified(Mesh mesh, const ReconstructionOptions& options) {
+    if (options.simplify >= 1.0 || mesh.triangles.empty()) return {std::move(mesh), std::nullopt};
+    Mesh fewer = simplify_mesh(mesh, {options.simplify, options.simplify_error_m});
+    const auto error = simplification_error(mesh, fewer, options.num_threads);
+    return {std::move(fewer), error};
+}
+
+}  // namespace
+
+bool load_mesh(Reconstruction& made, const std::string& key) {
+    auto stored = load_surface(made.scratch("mesh.stage"), key);
+    if (stored) made.surface = std::move(*stored);
+    return stored.has_value();
+}
+
+void run_mesh(Reconstruction& made, const ProgressCallback& progress) {
+    Mesh surface = mesh(*made.volume, made.options(), progress);
+    finish_sigma(surface, made.voxel_m, shared_sigma_m(made.optimised.statistics.path));
+    made.surface = simplified(std::move(surface), made.options());
+}
+
+void save_mesh(Reconstruction& made, const std::string& key) {
+    save_surface(made.scratch("mesh.stage"), key, made.surface);
+}
+
+void finish_mesh(Reconstruction& made) {
+    made.cloud_writer.wait();
+    made.volume.reset();
+    made.mesh_writer.run([&made] { write_ply(made.artifact("mesh.ply"), made.surface.mesh); });
+    made.border_finder.run([&made] { made.borders = find_borders(made.surface.mesh); });
+}
+
+}  // namespace divemesh::worker

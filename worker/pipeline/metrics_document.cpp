@@ -1,0 +1,320 @@
+#include "worker/pipeline/metrics_document.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iomanip>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "schemas/content_hash.hpp"
+#include "schemas/json.hpp"
+#include "worker/base/rotation_vector.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegPerRad = 57.29577951308232;
+
+double rate(std::int64_t count, double seconds) {
+    return seconds > 0.0 ? static_cast<double>(count) / seconds : 0.0;
+}
+
+std::string_view to_string(Distortion distortion) {
+    switch (distortion) {
+        case Distortion::None: return "none";
+        case Distortion::RadialTangential: return "radial-tangential";
+        case Distortion::Equidistant: return "equidistant";
+    }
+    return "";
+}
+
+void append(std::string& text, double value) {
+    char number[40];
+    std::snprintf(number, sizeof number, "%.12g\n", value);
+    text += number;
+}
+
+void append(std::string& text, const Camera& camera, const Eigen::Isometry3d& T_imu_cam) {
+    for (const double value : {static_cast<double>(camera.width_px),
+                               static_cast<double>(camera.height_px),
+                               camera.fx_px,
+                               camera.fy_px,
+                               camera.cx_px,
+                               camera.cy_px})
+        append(text, value);
+    text.append(to_string(camera.distortion)).append("\n");
+    for (const double value : camera.distortion_coefficients) append(text, value);
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
+}
+
+// The same for the same calibration, wherever its numbers were read from.
+std::string calibration_sha256(const Rig& rig) {
+    std::string text;
+    append(text, rig.cam0, rig.T_imu_cam0);
+    append(text, rig.cam1, rig.T_imu_cam1);
+    return sha256_hex(text);
+}
+
+json estimate(double value, double sigma) { return {{"value", value}, {"sigma", sigma}}; }
+
+// A camera as refined: stated values with what was found to be missing.
+json lens(const Camera& stated, const LensChange& change, const LensChange::Vector& sigmas) {
+    const Camera camera = changed_camera(stated, change);
+    return {{"fx_px", estimate(camera.fx_px, sigmas[0] * stated.fx_px)},
+            {"fy_px", estimate(camera.fy_px, sigmas[0] * stated.fy_px)},
+            {"cx_px", estimate(camera.cx_px, sigmas[1])},
+            {"cy_px", estimate(camera.cy_px, sigmas[2])},
+            {"k1", estimate(camera.distortion_coefficients[0], sigmas[3])},
+            {"k2", estimate(camera.distortion_coefficients[1], sigmas[4])}};
+}
+
+json refined(const MetricsInput& input) {
+    const RefinedCalibration& refined = input.refined;
+    json result = {{"lenses",
+                    {{"cam0", lens(input.rig.cam0, refined.lenses[0], refined.lens_sigmas[0])},
+                     {"cam1", lens(input.rig.cam1, refined.lenses[1], refined.lens_sigmas[1])},
+                     {"shift_px", refined.lens_shift_px},
+                     {"applied", refined.lenses_applied}}}};
+    if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return result;
+    const Eigen::Vector3d w = kDegPerRad * vector_from_rotation(refined.imu.q_body_imu);
+    const Eigen::Vector3d sigma = kDegPerRad * refined.rotation_sigma_rad;
+    result["time_offset_s"] = estimate(refined.imu.time_offset_s, refined.time_offset_sigma_s);
+    result["time_offset_s"]["applied"] = refined.time_offset_applied;
+    result["rotation_deg"] = {{"vector", {w.x(), w.y(), w.z()}},
+                              {"sigma", {sigma.x(), sigma.y(), sigma.z()}},
+                              {"angle", w.norm()},
+                              {"applied", refined.rotation_applied}};
+    return result;
+}
+
+json pose(const Eigen::Isometry3d& T) {
+    const Eigen::Vector3d p = T.translation();
+    const Eigen::Quaterniond q(T.linear());
+    return {{"position_m", {p.x(), p.y(), p.z()}},
+            {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+json dive(const MetricsInput& input) {
+    json result = {{"name", input.dive_name},
+                   {"content_sha256", input.content_sha256},
+                   {"duration_s", input.duration_s}};
+    if (const auto& position = input.position) {
+        result["position"] = {{"latitude_deg", position->latitude_deg},
+                              {"longitude_deg", position->longitude_deg}};
+        if (position->x_azimuth_deg) result["position"]["x_azimuth_deg"] = *position->x_azimuth_deg;
+    }
+    return result;
+}
+
+json calibration(const MetricsInput& input) {
+    const Rig& rig = input.rig;
+    json result = {{"body_frame", rig.imu_noise ? "imu" : "cam0"},
+                   {"baseline_m", rig.baseline_m()},
+                   {"focal_px", {rig.cam0.fx_px, rig.cam0.fy_px}},
+                   {"image_size_px", {rig.cam0.width_px, rig.cam0.height_px}},
+                   {"distortion_model", to_string(rig.cam0.distortion)},
+                   {"T_imu_cam0", pose(rig.T_imu_cam0)},
+                   {"sha256", calibration_sha256(rig)}};
+    if (input.gravity)
+        result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
+                             {"tilt_deg", input.gravity->tilt_deg}};
+    if (input.refined.is_known()) result["refined"] = refined(input);
+    return result;
+}
+
+json frames(const MetricsInput& input) {
+    const TrackStatistics& track = input.track;
+    return {{"num_frames", track.num_frames},
+            {"num_skipped_frames", track.num_skipped_frames},
+            {"num_frames_tracked", track.num_frames_tracked},
+            {"num_degenerate_frames", track.num_degenerate_frames},
+            {"coverage", rate(track.num_frames_tracked, static_cast<double>(track.num_frames))},
+            {"num_keyframes", input.num_keyframes}};
+}
+
+json tracking(const MetricsInput& input) {
+    const TrackStatistics& track = input.track;
+    json result = {{"mean_tracked_features", track.mean_tracked_features},
+                   {"inlier_share", track.inlier_share},
+                   {"horn_scale_median", track.horn_scale_median},
+                   {"median_depth_m", track.median_depth_m},
+                   {"median_track_life_frames", track.median_track_life_frames},
+                   {"num_landmarks", input.num_landmarks},
+                   {"reprojection_rms_px", input.optimise.reprojection_rms_px}};
+    if (input.rig.imu_noise)
+        result["imu_vision_disagreement_deg"] = track.imu_vision_disagreement_deg;
+    return result;
+}
+
+json stereo(const SearchStatistics& dense) {
+    const auto num_frames = static_cast<double>(dense.num_frames);
+    json result = {{"num_frames", dense.num_frames},
+                   {"mean_range_px", static_cast<double>(dense.sum_ranges_px) / num_frames}};
+    const auto num_patches = static_cast<double>(dense.num_patches);
+    if (dense.num_patches == 0) return result;
+    result["clipped_share"] = rate(dense.num_too_far + dense.num_too_near, num_patches);
+    result["too_near_share"] = rate(dense.num_too_near, num_patches);
+    return result;
+}
+
+json segments(const std::vector<TrackingSegment>& segments) {
+    json result = json::array();
+    for (const TrackingSegment& segment : segments) {
+        json intervals = json::array();
+        for (const TrackingSegment::Interval& interval : segment.intervals)
+            intervals.push_back({{"first_ns", interval.first_ns}, {"last_ns", interval.last_ns}});
+        result.push_back({{"num_frames", segment.num_frames},
+                          {"num_keyframes", segment.num_keyframes},
+                          {"path_length_m", segment.path_length_m},
+                          {"intervals", intervals}});
+    }
+    return result;
+}
+
+json loops(const LoopStatistics& loops) {
+    return {{"num_candidates", loops.num_candidates},
+            {"num_matched", loops.num_matched},
+            {"num_accepted", loops.num_accepted},
+            {"num_rejected", loops.num_matched - loops.num_accepted},
+            {"largest_correction_m", loops.largest_correction_m}};
+}
+
+// The speed of the whole leaves out `evaluate`, which only dives with truth have, and is not told
+// when a stage was reused: it would be of another run.
+json speed(const MetricsInput& input) {
+    json stages = json::array();
+    double wall_s = 0.0;
+    double pipeline_s = 0.0;
+    double cpu_s = 0.0;
+    bool any_reused = false;
+    for (const StageTime& stage : input.stages) {
+        wall_s += stage.wall_s;
+        cpu_s += stage.cpu_s;
+        any_reused = any_reused || stage.reused;
+        if (stage.stage != "evaluate") pipeline_s += stage.wall_s;
+        json entry = {{"stage", stage.stage},
+                      {"wall_s", stage.wall_s},
+                      {"cpu_s", stage.cpu_s},
+                      {"reused", stage.reused}};
+        if (!stage.reused) entry["frames_per_s"] = rate(input.track.num_frames, stage.wall_s);
+        stages.push_back(std::move(entry));
+    }
+    json result = {{"wall_s", wall_s},
+                   {"cpu_s", cpu_s},
+                   {"stages", stages},
+                   {"peak_memory_bytes", peak_memory_bytes()}};
+    if (!any_reused) result["frames_per_s"] = rate(input.track.num_frames, pipeline_s);
+    return result;
+}
+
+json mesh(const MeshMetrics& metrics) {
+    json result = {{"num_vertices", metrics.num_vertices},
+                   {"num_triangles", metrics.num_triangles},
+                   {"area_m2", metrics.area_m2},
+                   {"num_holes", metrics.borders.num_holes},
+                   {"hole_area_m2", metrics.borders.hole_area_m2},
+                   {"largest_hole_m2", metrics.borders.largest_hole_m2},
+                   {"outer_edge_m", metrics.borders.outer_edge_m},
+                   {"voxel_m", metrics.voxel_m},
+                   {"num_cloud_points", metrics.cloud.num_points},
+                   {"cloud_spacing_m", metrics.cloud.spacing_m},
+                   {"num_octree_points", metrics.cloud.num_octree_points},
+                   {"octree_bytes", metrics.cloud.octree_bytes},
+                   {"volume_memory_bytes", metrics.volume_memory_bytes}};
+    if (metrics.simplification)
+        result["simplification"] = {
+            {"num_triangles_before", metrics.simplification->num_triangles_before},
+            {"rms_m", metrics.simplification->rms_m},
+            {"max_m", metrics.simplification->max_m}};
+    return result;
+}
+
+void add_evaluation(const Evaluation& evaluation, json& document) {
+    json& trajectory = document["trajectory"];
+    if (evaluation.trajectory) trajectory["final"] = to_metrics(*evaluation.trajectory);
+    if (evaluation.covariance)
+        trajectory["covariance"]["check"] = to_metrics(*evaluation.covariance);
+    if (evaluation.causal) trajectory["causal"] = to_metrics(*evaluation.causal);
+    if (evaluation.surface) document["surface"] = to_metrics(*evaluation.surface);
+    if (evaluation.known_distances)
+        document["known_distances"] = to_metrics(*evaluation.known_distances);
+}
+
+// Nothing is made of what comes nearer than the largest disparity that is looked for.
+std::optional<Finding> find_too_near(const MetricsInput& input) {
+    constexpr double kTolerated = 0.02;
+    const SearchStatistics& dense = input.track.dense;
+    if (dense.num_patches == 0) return std::nullopt;
+    const double share =
+        static_cast<double>(dense.num_too_near) / static_cast<double>(dense.num_patches);
+    if (share <= kTolerated) return std::nullopt;
+    std::ostringstream message;
+    message << std::fixed << std::setprecision(0) << 100.0 * share
+            << " % of the scene was too close for the disparity search range ("
+            << input.options.num_disparities_px << " px) and is missing from the mesh";
+    return Finding{Severity::Warning,
+                   "scene_too_near",
+                   "",
+                   message.str(),
+                   "reconstruct again with a larger num_disparities_px, and keep more distance on "
+                   "the next dive"};
+}
+
+}  // namespace
+
+json metrics_document(const MetricsInput& input) {
+    json document = {{"format", 1},
+                     {"version", input.version},
+                     {"preset", input.preset},
+                     {"options", options_to_json(input.options)},
+                     {"dive", dive(input)},
+                     {"calibration", calibration(input)},
+                     {"frames", frames(input)},
+                     {"tracking", tracking(input)},
+                     {"trajectory", {{"path_length_m", input.path_length_m}}},
+                     {"loops", loops(input.optimise.loops)},
+                     {"pieces", segments(input.segments)},
+                     {"speed", speed(input)}};
+    if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
+    if (input.mesh) document["mesh"] = mesh(*input.mesh);
+    if (input.end_covariance_m2)
+        document["trajectory"]["covariance"]["end_sigma_m"] =
+            std::sqrt(input.end_covariance_m2->trace());
+    add_evaluation(input.evaluation, document);
+    std::vector<Finding> findings = input.findings;
+    findings.insert(
+        findings.end(), input.evaluation.findings.begin(), input.evaluation.findings.end());
+    if (input.markers) {
+        document["markers"] = to_metrics(*input.markers);
+        const std::vector<Finding>& of_markers = input.markers->findings;
+        findings.insert(findings.end(), of_markers.begin(), of_markers.end());
+    }
+    if (input.expected) {
+        document["expected_accuracy"] = to_metrics(*input.expected);
+        findings.insert(
+            findings.end(), input.expected->findings.begin(), input.expected->findings.end());
+    }
+    if (const auto too_near = find_too_near(input)) findings.push_back(*too_near);
+    document["findings"] = findings;
+    return document;
+}
+
+// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
+std::int64_t peak_memory_bytes() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        if (!line.starts_with("VmHWM:")) continue;
+        std::istringstream words(line.substr(6));
+        std::int64_t num_kib = 0;
+        words >> num_kib;
+        return num_kib * 1024;
+    }
+    return 0;
+}
+
+}  // namespace divemesh::worker

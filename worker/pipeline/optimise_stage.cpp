@@ -1,0 +1,39 @@
+#include <iterator>
+#include <memory>
+
+#include "worker/io/covariance_file.hpp"
+#include "worker/io/trajectory_file.hpp"
+#include "worker/pipeline/stage_files.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+
+namespace divemesh::worker {
+
+bool load_optimise(Reconstruction& made, const std::string& key) {
+    auto stored = load_optimised_track(made.scratch("optimise.stage"), key);
+    if (stored) made.optimised = std::move(*stored);
+    return stored.has_value();
+}
+
+void run_optimise(Reconstruction& made, const ProgressCallback& progress) {
+    made.optimised = optimise(made.track, made.dive, made.options(), made.keyframe_store, progress);
+}
+
+void save_optimise(Reconstruction& made, const std::string& key) {
+    save_optimised_track(made.scratch("optimise.stage"), key, made.optimised);
+}
+
+void finish_optimise(Reconstruction& made) {
+    const RefinedCalibration& calibration = made.optimised.calibration;
+    if (made.options().surface && calibration.lenses_applied)
+        made.keyframe_store = made.keyframe_store.rerectified(std::make_shared<KeyframeRerectifier>(
+            made.track.rig,
+            Rerectifier(made.dive.rig(), made.track.rig, calibration.applied_lenses)));
+    write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
+    write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+    // An hour's dive needs the room for what follows.
+    made.num_landmarks = std::ssize(made.track.landmarks);
+    made.track.landmarks = {};
+    made.track.odometry = {};
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/base/background_task.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/keyframes/keyframe_store.hpp"
+#include "worker/markers/locate_markers.hpp"
+#include "worker/markers/marker_metrics.hpp"
+#include "worker/dive/marker_plan.hpp"
+#include "worker/markers/world_scale.hpp"
+#include "worker/evaluation/evaluation.hpp"
+#include "worker/pipeline/reconstruct.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
+#include "worker/pipeline/stage_files.hpp"
+#include "worker/pipeline/stage_time.hpp"
+#include "worker/mesh/mesh_borders.hpp"
+
+namespace divemesh::worker {
+
+// A reconstruction under way: what its stages hand on in memory. The rest is in the scratch folder.
+struct Reconstruction {
+    // Opens the dive and makes the folder of the artifacts. Throws Error{BadData} with the first
+    // error among the findings, Error{InvalidArgument} where the scale cannot be corrected.
+    explicit Reconstruction(const ReconstructionRequest& made_for);
+
+    const ReconstructionOptions& options() const { return request.options; }
+    std::filesystem::path artifact(const std::string& name) const { return request.out / name; }
+    std::filesystem::path scratch(const std::string& name) const { return request.scratch / name; }
+
+    const ReconstructionRequest& request;
+    std::unique_ptr<Dive> opened_dive;
+    Dive& dive;
+    std::optional<MarkerPlan> marker_plan;  // nullopt: no marker is looked for
+
+    // track
+    KeyframeStore keyframe_store;  // from optimise on as seen through the refined lenses
+    Track track;                   // from optimise on without what optimise alone reads
+
+    // optimise; from markers on at the scale that they correct
+    OptimisedTrack optimised;
+    std::int64_t num_landmarks = 0;
+
+    // markers
+    std::optional<MarkerMetrics> markers;
+    std::optional<WorldScale> scale;  // that was applied
+
+    // fuse
+    std::unique_ptr<Volume> volume;  // until the mesh is made of it
+    double voxel_m = 0.0;
+    std::int64_t volume_memory_bytes = 0;
+    CloudMetrics cloud;
+
+    // mesh
+    Surface surface;
+    MeshBorders borders;
+
+    // texture
+    std::string thumbnail_png;
+
+    // evaluate
+    Evaluation evaluation;
+
+    std::vector<StageTime> stages;  // of those that are done
+
+    // Write the cloud while the mesh is made, and the mesh while its images are. They end before
+    // what they read goes, so they come last.
+    TaskPool task_pool;
+    BackgroundTask cloud_writer{task_pool};
+    BackgroundTask mesh_writer{task_pool};
+    BackgroundTask border_finder{task_pool};
+};
+
+}  // namespace divemesh::worker

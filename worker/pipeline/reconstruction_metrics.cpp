@@ -1,0 +1,81 @@
+#include "worker/pipeline/reconstruction_metrics.hpp"
+
+#include "worker/pipeline/metrics_document.hpp"
+#include "worker/evaluation/path_length.hpp"
+#include "worker/evaluation/surface_samples.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+ExpectedAccuracy expected(const Reconstruction& made) {
+    const auto& known = made.evaluation.known_distances;
+    return expected_accuracy(
+        {.recording = made.dive,
+         .trajectory = made.optimised.trajectory,
+         .num_segments = segments_of(made.optimised.trajectory, made.optimised.keyframes).size(),
+         .covariances = made.optimised.covariances,
+         .track = made.track.statistics,
+         .optimise = made.optimised.statistics,
+         .known_distances = known ? &*known : nullptr,
+         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr});
+}
+
+std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
+    if (!made.request.options.surface) return std::nullopt;
+    const Mesh& mesh = made.surface.mesh;
+    return MeshMetrics{.num_vertices = std::ssize(mesh.vertices),
+                       .num_triangles = std::ssize(mesh.triangles),
+                       .area_m2 = surface_area_m2(mesh),
+                       .borders = made.borders,
+                       .simplification = made.surface.simplification,
+                       .voxel_m = made.voxel_m,
+                       .cloud = made.cloud,
+                       .volume_memory_bytes = made.volume_memory_bytes};
+}
+
+}  // namespace
+
+Evaluation compare_with_truth(const Reconstruction& made) {
+    return evaluate_reconstruction(
+        {.rig = made.scale ? made.scale->applied(made.dive.rig()) : made.dive.rig(),
+         .trajectory = made.optimised.trajectory,
+         .causal = made.track.causal,
+         .covariances = made.optimised.covariances,
+         .keyframes = made.optimised.keyframes,
+         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
+         .ground_truth = made.dive.ground_truth(),
+         .known_distances = made.dive.known_distances(),
+         .reference = made.dive.read_reference_mesh(),
+         .num_threads = made.request.options.num_threads});
+}
+
+nlohmann::json metrics_of(const Reconstruction& made) {
+    return metrics_document(
+        {.version = DIVEMESH_VERSION,
+         .preset = made.request.preset,
+         .options = made.request.options,
+         .dive_name = made.dive.info().name,
+         .position = made.dive.info().position,
+         .content_sha256 = made.dive.content_sha256(),
+         .duration_s = made.dive.duration_s(),
+         .rig = made.dive.rig(),
+         .gravity = check_gravity(made.dive.imu(), made.optimised.trajectory),
+         .refined = made.optimised.calibration,
+         .end_covariance_m2 = made.optimised.covariances.empty()
+                                  ? std::optional<Eigen::Matrix3d>()
+                                  : made.optimised.covariances.back().position_m2,
+         .track = made.track.statistics,
+         .optimise = made.optimised.statistics,
+         .num_keyframes = std::ssize(made.optimised.keyframes),
+         .num_landmarks = made.num_landmarks,
+         .path_length_m = path_length_m(made.optimised.trajectory),
+         .segments = segments_of(made.optimised.trajectory, made.optimised.keyframes),
+         .mesh = mesh_metrics(made),
+         .markers = made.markers,
+         .stages = made.stages,
+         .evaluation = made.evaluation,
+         .expected = expected(made),
+         .findings = made.dive.findings()});
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "worker/pipeline/reconstruction.hpp"
+
+namespace divemesh::worker {
+
+// With what the dive itself knows better: its true trajectory, reference surface and distances.
+Evaluation compare_with_truth(const Reconstruction& made);
+
+// metrics.json.
+nlohmann::json metrics_of(const Reconstruction& made);
+
+}  // namespace divemesh::worker

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "worker/pipeline/stage.hpp"
+#include "worker/pipeline/stage_keys.hpp"
+#include "worker/pipeline/stage_progress.hpp"
+#include "worker/pipeline/stage_store.hpp"
+#include "worker/pipeline/stage_time.hpp"
+
+namespace divemesh::worker {
+
+// What a run of stages takes and tells.
+struct StageRunSettings {
+    StageKeys keys;
+    std::filesystem::path scratch;  // what the stages leave for the next ones and for another run
+    bool resumable = true;          // whether they leave it
+    StageStore& store;
+    StageProgress& progress;
+    std::function<void(const StageSpec&, const StageTime&)> done;
+};
+
+// The name of what a stage made in the store.
+inline std::string entry_name(const StageSpec& stage, const StageKeys& keys) {
+    return stage.name + "-" + keys.at(stage.name);
+}
+
+// What lies there may be half of an entry, of another one, or links into the store.
+inline void clear_files(const StageSpec& stage, const std::filesystem::path& scratch) {
+    for (const std::string& name : stage.files) std::filesystem::remove_all(scratch / name);
+}
+
+// Whether an earlier attempt has left what the stage would make, or the store has it.
+template <typename State>
+bool load_stage(const Stage<State>& stage, State& state, const StageRunSettings& settings) {
+    if (stage.load == nullptr) return false;
+    const std::string& key = settings.keys.at(stage.spec.name);
+    if (stage.load(state, key)) return true;
+    clear_files(stage.spec, settings.scratch);
+    const std::string entry = entry_name(stage.spec, settings.keys);
+    if (!settings.store.fetch(entry, settings.scratch)) return false;
+    if (stage.load(state, key)) return true;
+    settings.store.drop(entry);
+    return false;
+}
+
+template <typename State>
+void make_stage(const Stage<State>& stage,
+                State& state,
+                const StageRunSettings& settings,
+                const ProgressCallback& progress) {
+    clear_files(stage.spec, settings.scratch);
+    stage.run(state, progress);
+    if (stage.save == nullptr || !settings.resumable) return;
+    stage.save(state, settings.keys.at(stage.spec.name));
+    settings.store.store(entry_name(stage.spec, settings.keys), settings.scratch, stage.spec.files);
+}
+
+// Runs those of the stages that are wanted, in their order; each is loaded where it was made
+// before. Progress shares what is wanted in the proportions of the table.
+template <typename State>
+void run_stages(const std::vector<Stage<State>>& stages,
+                State& state,
+                const StageRunSettings& settings) {
+    const auto wanted = [&](const Stage<State>& stage) {
+        return stage.wanted == nullptr || stage.wanted(state);
+    };
+    double whole = 0.0;
+    for (const Stage<State>& stage : stages) whole += wanted(stage) ? stage.spec.share : 0.0;
+    for (const Stage<State>& stage : stages) {
+        if (!wanted(stage)) continue;
+        const StageSpec& spec = stage.spec;
+        const Stopwatch watch;
+        const auto progress = settings.progress.begin(
+            spec.part_of.empty() ? spec.name : spec.part_of, spec.share / whole);
+        const bool reused = load_stage(stage, state, settings);
+        if (!reused) make_stage(stage, state, settings, progress);
+        if (stage.finish != nullptr) stage.finish(state);
+        StageTime time = watch.stop(spec.name);
+        time.reused = reused;
+        settings.done(spec, time);
+    }
+}
+
+}  // namespace divemesh::worker

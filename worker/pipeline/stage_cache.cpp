@@ -1,0 +1,262 @@
+#include "worker/pipeline/stage_cache.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdlib.h>
+#include <string_view>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "schemas/content_hash.hpp"
+#include "schemas/error.hpp"
+#include "schemas/file_descriptor.hpp"
+#include "worker/pipeline/link_or_copy.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kListName = "files.json";
+constexpr const char* kTemporary = "new.";  // what is being written or removed
+constexpr auto kTemporaryFoldersLive = std::chrono::hours(24);
+
+struct CachedFile {
+    std::string name;  // relative, may hold folders
+    std::int64_t size_bytes = 0;
+    std::string sha256;
+};
+
+[[noreturn]] void give_up(const fs::path& file) {
+    throw Error(ErrorCode::Unavailable, "cannot use the stage cache file " + file.string());
+}
+
+void sync(const fs::path& path, int flags) {
+    const FileDescriptor opened(::open(path.c_str(), flags | O_CLOEXEC));
+    if (!opened.is_open() || ::fsync(opened.get()) != 0) give_up(path);
+}
+
+// As long and as it was when it was kept; read in pieces.
+std::string hash_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) give_up(file);
+    Sha256 hash;
+    std::vector<char> buffer(1 << 20);
+    while (stream) {
+        stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+        hash.update({buffer.data(), static_cast<std::size_t>(stream.gcount())});
+    }
+    if (stream.bad()) give_up(file);
+    return hash.hex();
+}
+
+std::vector<std::string> files_below(const fs::path& folder, const std::string& name) {
+    if (fs::is_regular_file(fs::symlink_status(folder / name))) return {name};
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder / name))
+        if (fs::is_regular_file(entry.symlink_status()))
+            names.push_back(entry.path().lexically_relative(folder).generic_string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+// A list may have been damaged or written by somebody else: no name leads out of the entry.
+bool stays_inside(const std::string& name) {
+    const fs::path path(name);
+    return !path.empty() && path.is_relative() &&
+           std::none_of(path.begin(), path.end(), [](const fs::path& part) {
+               return part == ".." || part == "." || part.empty();
+           });
+}
+
+nlohmann::json to_json(const std::vector<CachedFile>& files) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const CachedFile& file : files)
+        list.push_back(
+            {{"name", file.name}, {"size_bytes", file.size_bytes}, {"sha256", file.sha256}});
+    return list;
+}
+
+// Throws when it is none of ours.
+std::vector<CachedFile> read_list(const fs::path& entry) {
+    std::ifstream stream(entry / kListName);
+    std::vector<CachedFile> files;
+    for (const auto& item : nlohmann::json::parse(stream)) {
+        CachedFile file{item.at("name").get<std::string>(),
+                        item.at("size_bytes").get<std::int64_t>(),
+                        item.at("sha256").get<std::string>()};
+        if (!stays_inside(file.name) || file.size_bytes < 0) give_up(entry);
+        files.push_back(std::move(file));
+    }
+    return files;
+}
+
+void write_list(const fs::path& entry, const std::vector<CachedFile>& files) {
+    std::ofstream stream(entry / kListName);
+    stream << to_json(files);
+    stream.close();
+    if (!stream) give_up(entry / kListName);
+    sync(entry / kListName, O_RDONLY);
+}
+
+void sync_folders(const fs::path& entry) {
+    for (const auto& below : fs::recursive_directory_iterator(entry))
+        if (below.is_directory()) sync(below.path(), O_RDONLY | O_DIRECTORY);
+    sync(entry, O_RDONLY | O_DIRECTORY);
+}
+
+std::int64_t size_of(const std::vector<CachedFile>& files) {
+    std::int64_t bytes = 0;
+    for (const CachedFile& file : files) bytes += file.size_bytes;
+    return bytes;
+}
+
+fs::path make_temporary(const fs::path& folder) {
+    std::string name = (folder / (std::string(kTemporary) + "XXXXXX")).string();
+    if (::mkdtemp(name.data()) == nullptr) give_up(folder);
+    return name;
+}
+
+bool is_temporary(const fs::path& path) { return path.filename().string().starts_with(kTemporary); }
+
+// One process at a time throws entries out.
+class Lock {
+public:
+    explicit Lock(const fs::path& folder)
+        : file_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+        held_ = file_.is_open() && ::flock(file_.get(), LOCK_EX) == 0;
+    }
+    bool held() const { return held_; }
+
+private:
+    FileDescriptor file_;
+    bool held_ = false;
+};
+
+}  // namespace
+
+struct StageCache::Entry {
+    fs::path path;
+    fs::file_time_type used;
+    std::int64_t size_bytes = 0;
+};
+
+StageCache::StageCache(fs::path folder, std::int64_t max_bytes)
+    : folder_(max_bytes > 0 ? std::move(folder) : fs::path()), max_bytes_(max_bytes) {
+    std::error_code failure;
+    if (is_open()) fs::create_directories(folder_, failure);
+    if (failure) folder_.clear();
+}
+
+bool StageCache::fetch(const std::string& key, const fs::path& into) {
+    if (!is_open()) return false;
+    const fs::path entry = folder_ / key;
+    std::vector<fs::path> fetched;
+    try {
+        if (!fs::exists(entry / kListName)) return false;
+        for (const CachedFile& file : read_list(entry)) {
+            fetched.push_back(into / file.name);
+            link_or_copy(entry / file.name, fetched.back());
+            if (static_cast<std::int64_t>(fs::file_size(fetched.back())) != file.size_bytes ||
+                hash_of(fetched.back()) != file.sha256)
+                give_up(fetched.back());
+        }
+        fs::last_write_time(entry / kListName, fs::file_time_type::clock::now());
+        return true;
+    } catch (const std::exception&) {  // damaged, or thrown out by another process meanwhile
+        std::error_code ignored;
+        for (const fs::path& file : fetched) fs::remove(file, ignored);
+        drop(key);
+        return false;
+    }
+}
+
+void StageCache::store(const std::string& key,
+                       const fs::path& from,
+                       const std::vector<std::string>& names) {
+    if (!is_open()) return;
+    try {
+        write(key, from, names);
+        evict();
+    } catch (const std::exception&) {  // a full disk, most likely: the stage is done all the same
+    }
+}
+
+void StageCache::write(const std::string& key,
+                       const fs::path& from,
+                       const std::vector<std::string>& names) const {
+    if (fs::exists(folder_ / key)) return;
+    const fs::path entry = make_temporary(folder_);
+    try {
+        std::vector<CachedFile> files;
+        for (const std::string& name : names)
+            for (const std::string& file : files_below(from, name)) {
+                link_or_copy(from / file, entry / file);
+                sync(entry / file, O_RDONLY);
+                files.push_back({file,
+                                 static_cast<std::int64_t>(fs::file_size(entry / file)),
+                                 hash_of(entry / file)});
+            }
+        if (size_of(files) > max_bytes_) give_up(entry);
+        write_list(entry, files);
+        sync_folders(entry);
+        fs::rename(entry, folder_ / key);  // fails when another process was first: the same bytes
+        sync(folder_, O_RDONLY | O_DIRECTORY);
+    } catch (const std::exception&) {
+        std::error_code ignored;
+        fs::remove_all(entry, ignored);
+        throw;
+    }
+}
+
+void StageCache::drop(const std::string& key) {
+    if (is_open()) remove(folder_ / key);
+}
+
+// Out of the way in one step, so that nobody finds half an entry.
+void StageCache::remove(const fs::path& entry) const {
+    try {
+        const fs::path trash = make_temporary(folder_);
+        std::error_code failure;
+        fs::rename(entry, trash / "entry", failure);
+        fs::remove_all(trash, failure);
+    } catch (const std::exception&) {  // it stays: the next one tries again
+    }
+}
+
+void StageCache::evict() const {
+    const Lock lock(folder_);
+    if (!lock.held()) return;
+    std::vector<Entry> entries;
+    std::int64_t bytes = 0;
+    for (const auto& found : fs::directory_iterator(folder_)) {
+        if (!found.is_directory()) continue;
+        std::error_code failure;
+        if (is_temporary(found.path())) {  // of a process that was killed
+            const auto age = fs::file_time_type::clock::now() - found.last_write_time(failure);
+            if (!failure && age > kTemporaryFoldersLive) fs::remove_all(found.path(), failure);
+            continue;
+        }
+        try {
+            entries.push_back({found.path(),
+                               fs::last_write_time(found.path() / kListName),
+                               size_of(read_list(found.path()))});
+            bytes += entries.back().size_bytes;
+        } catch (const std::exception&) {
+            remove(found.path());
+        }
+    }
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+        return a.used < b.used;
+    });
+    for (const Entry& entry : entries) {
+        if (bytes <= max_bytes_) return;
+        remove(entry.path);
+        bytes -= entry.size_bytes;
+    }
+}
+
+}  // namespace divemesh::worker

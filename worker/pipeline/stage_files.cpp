@@ -1,0 +1,280 @@
+#include "worker/pipeline/stage_files.hpp"
+
+#include "worker/base/binary_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+// Eigen::Isometry3d and structs that hold one are stored as their 16 doubles.
+void put_pose(BinaryWriter& file, const Eigen::Isometry3d& T_a_b) { file.put_raw(T_a_b.matrix()); }
+
+Eigen::Isometry3d get_pose(BinaryReader& file) {
+    Eigen::Isometry3d T_a_b;
+    T_a_b.matrix() = file.get<Eigen::Matrix4d>();
+    return T_a_b;
+}
+
+void put_trajectory(BinaryWriter& file, const Trajectory& trajectory) {
+    file.put(static_cast<std::uint64_t>(trajectory.size()));
+    for (const StampedPose& pose : trajectory) {
+        file.put(pose.timestamp_ns);
+        put_pose(file, pose.T_world_imu);
+    }
+}
+
+Trajectory get_trajectory(BinaryReader& file) {
+    Trajectory trajectory;
+    const auto num_poses = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
+        StampedPose pose;
+        pose.timestamp_ns = file.get<std::int64_t>();
+        pose.T_world_imu = get_pose(file);
+        trajectory.push_back(pose);
+    }
+    return trajectory;
+}
+
+void put_keyframes(BinaryWriter& file, const std::vector<Keyframe>& keyframes) {
+    file.put(static_cast<std::uint64_t>(keyframes.size()));
+    for (const Keyframe& keyframe : keyframes) {
+        file.put(keyframe.frame_index);
+        file.put(keyframe.timestamp_ns);
+        put_pose(file, keyframe.T_world_cam);
+        file.put(keyframe.segment);
+    }
+}
+
+std::vector<Keyframe> get_keyframes(BinaryReader& file) {
+    std::vector<Keyframe> keyframes;
+    const auto num_keyframes = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_keyframes && file.ok(); ++i) {
+        Keyframe keyframe;
+        keyframe.frame_index = file.get<int>();
+        keyframe.timestamp_ns = file.get<std::int64_t>();
+        keyframe.T_world_cam = get_pose(file);
+        keyframe.segment = file.get<std::int32_t>();
+        keyframes.push_back(keyframe);
+    }
+    return keyframes;
+}
+
+void put_rig(BinaryWriter& file, const RectifiedRig& rig) {
+    file.put(rig.width_px);
+    file.put(rig.height_px);
+    for (const double value : {rig.focal_px, rig.cx_px, rig.cy_px, rig.baseline_m}) file.put(value);
+    put_pose(file, rig.T_imu_cam);
+}
+
+RectifiedRig get_rig(BinaryReader& file) {
+    RectifiedRig rig;
+    rig.width_px = file.get<int>();
+    rig.height_px = file.get<int>();
+    for (double* value : {&rig.focal_px, &rig.cx_px, &rig.cy_px, &rig.baseline_m})
+        *value = file.get<double>();
+    rig.T_imu_cam = get_pose(file);
+    return rig;
+}
+
+void put_alignment(BinaryWriter& file, const ImuAlignment& alignment) {
+    file.put(alignment.time_offset_s);
+    file.put_raw(alignment.q_body_imu.coeffs());
+}
+
+ImuAlignment get_alignment(BinaryReader& file) {
+    ImuAlignment alignment;
+    alignment.time_offset_s = file.get<double>();
+    alignment.q_body_imu.coeffs() = file.get<Eigen::Vector4d>();
+    return alignment;
+}
+
+void put_calibration(BinaryWriter& file, const RefinedCalibration& calibration) {
+    put_alignment(file, calibration.imu);
+    file.put(calibration.time_offset_sigma_s);
+    file.put_raw(calibration.rotation_sigma_rad);
+    for (std::size_t side = 0; side < 2; ++side) {
+        file.put_raw(calibration.lenses[side].values);
+        file.put_raw(calibration.applied_lenses[side].values);
+        file.put_raw(calibration.lens_sigmas[side]);
+    }
+    file.put(calibration.lens_shift_px);
+    for (const bool applied : {calibration.time_offset_applied,
+                               calibration.rotation_applied,
+                               calibration.lenses_applied})
+        file.put(static_cast<std::uint8_t>(applied));
+}
+
+RefinedCalibration get_calibration(BinaryReader& file) {
+    RefinedCalibration calibration;
+    calibration.imu = get_alignment(file);
+    calibration.time_offset_sigma_s = file.get<double>();
+    calibration.rotation_sigma_rad = file.get<Eigen::Vector3d>();
+    for (std::size_t side = 0; side < 2; ++side) {
+        calibration.lenses[side].values = file.get<LensChange::Vector>();
+        calibration.applied_lenses[side].values = file.get<LensChange::Vector>();
+        calibration.lens_sigmas[side] = file.get<LensChange::Vector>();
+    }
+    calibration.lens_shift_px = file.get<double>();
+    for (bool* applied : {&calibration.time_offset_applied,
+                          &calibration.rotation_applied,
+                          &calibration.lenses_applied})
+        *applied = file.get<std::uint8_t>() != 0;
+    return calibration;
+}
+
+void put_covariances(BinaryWriter& file, const CovarianceTrack& covariances) {
+    file.put(static_cast<std::uint64_t>(covariances.size()));
+    for (const PoseCovariance& pose : covariances) {
+        file.put(pose.timestamp_ns);
+        file.put_raw(pose.position_m2);
+        file.put_raw(pose.rotation_rad2);
+    }
+}
+
+CovarianceTrack get_covariances(BinaryReader& file) {
+    CovarianceTrack covariances;
+    const auto num_poses = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
+        PoseCovariance pose;
+        pose.timestamp_ns = file.get<std::int64_t>();
+        pose.position_m2 = file.get<Eigen::Matrix3d>();
+        pose.rotation_rad2 = file.get<Eigen::Matrix3d>();
+        covariances.push_back(pose);
+    }
+    return covariances;
+}
+
+// A reader past a matching key; nothing when the file is not what the stage would make now.
+std::optional<BinaryReader> open_stage(const std::filesystem::path& path, const std::string& key) {
+    BinaryReader file(path);
+    if (!file.ok() || file.get_text() != key || !file.ok()) return std::nullopt;
+    return file;
+}
+
+template <typename T>
+std::optional<T> complete(const BinaryReader& file, T value) {
+    if (!file.at_end()) return std::nullopt;
+    return value;
+}
+
+}  // namespace
+
+void save_track(const std::filesystem::path& path, const std::string& key, const Track& track) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    put_rig(file, track.rig);
+    put_trajectory(file, track.causal);
+    put_trajectory(file, track.odometry);
+    put_keyframes(file, track.keyframes);
+    put_keyframes(file, track.mapped);
+    file.put(static_cast<std::uint64_t>(track.landmarks.size()));
+    for (const Landmark& landmark : track.landmarks) {
+        file.put_raw(landmark.p_world);
+        file.put_vector(landmark.observations);
+    }
+    put_alignment(file, track.imu_alignment);
+    file.put(track.statistics);
+    file.commit();
+}
+
+std::optional<Track> load_track(const std::filesystem::path& path, const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    Track track;
+    track.rig = get_rig(*file);
+    track.causal = get_trajectory(*file);
+    track.odometry = get_trajectory(*file);
+    track.keyframes = get_keyframes(*file);
+    track.mapped = get_keyframes(*file);
+    const auto num_landmarks = file->get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_landmarks && file->ok(); ++i) {
+        Landmark landmark;
+        landmark.p_world = file->get<Eigen::Vector3d>();
+        landmark.observations = file->get_vector<LandmarkObservation>();
+        track.landmarks.push_back(std::move(landmark));
+    }
+    track.imu_alignment = get_alignment(*file);
+    track.statistics = file->get<TrackStatistics>();
+    return complete(*file, std::move(track));
+}
+
+void save_optimised_track(const std::filesystem::path& path,
+                          const std::string& key,
+                          const OptimisedTrack& track) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    put_trajectory(file, track.trajectory);
+    put_keyframes(file, track.keyframes);
+    put_keyframes(file, track.mapped);
+    put_rig(file, track.rig);
+    put_calibration(file, track.calibration);
+    put_covariances(file, track.covariances);
+    file.put(track.statistics);
+    file.commit();
+}
+
+std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& path,
+                                                   const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    OptimisedTrack track;
+    track.trajectory = get_trajectory(*file);
+    track.keyframes = get_keyframes(*file);
+    track.mapped = get_keyframes(*file);
+    track.rig = get_rig(*file);
+    track.calibration = get_calibration(*file);
+    track.covariances = get_covariances(*file);
+    track.statistics = file->get<OptimiseStatistics>();
+    return complete(*file, std::move(track));
+}
+
+void save_cloud_metrics(const std::filesystem::path& path,
+                        const std::string& key,
+                        const CloudMetrics& metrics) {
+    BinaryWriter file(path);
+    file.put_text(key);
+    file.put(metrics);
+    file.commit();
+}
+
+std::optional<CloudMetrics> load_cloud_metrics(const std::filesystem::path& path,
+                                               const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    return complete(*file, file->get<CloudMetrics>());
+}
+
+void save_surface(const std::filesystem::path& path,
+                  const std::string& key,
+                  const Surface& surface) {
+    const Mesh& mesh = surface.mesh;
+    BinaryWriter file(path);
+    file.put_text(key);
+    file.put_vector(mesh.vertices);
+    file.put_vector(mesh.normals);
+    file.put_vector(mesh.colors);
+    file.put_vector(mesh.sigma_m);
+    file.put_vector(mesh.sigma_local_m);
+    file.put_vector(mesh.num_observations);
+    file.put_vector(mesh.triangles);
+    file.put(surface.simplification.has_value());
+    if (surface.simplification) file.put(*surface.simplification);
+    file.commit();
+}
+
+std::optional<Surface> load_surface(const std::filesystem::path& path, const std::string& key) {
+    auto file = open_stage(path, key);
+    if (!file) return std::nullopt;
+    Surface surface;
+    Mesh& mesh = surface.mesh;
+    mesh.vertices = file->get_vector<Eigen::Vector3f>();
+    mesh.normals = file->get_vector<Eigen::Vector3f>();
+    mesh.colors = file->get_vector<Color>();
+    mesh.sigma_m = file->get_vector<float>();
+    mesh.sigma_local_m = file->get_vector<float>();
+    mesh.num_observations = file->get_vector<std::uint32_t>();
+    mesh.triangles = file->get_vector<std::array<std::uint32_t, 3>>();
+    if (file->get<bool>()) surface.simplification = file->get<SimplificationError>();
+    return complete(*file, std::move(surface));
+}
+
+}  // namespace divemesh::worker

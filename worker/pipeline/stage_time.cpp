@@ -1,0 +1,26 @@
+#include "worker/pipeline/stage_time.hpp"
+
+#include <ctime>
+#include <utility>
+
+namespace divemesh::worker {
+namespace {
+
+double clock_s(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+Stopwatch::Stopwatch()
+    : wall_start_s_(clock_s(CLOCK_MONOTONIC)), cpu_start_s_(clock_s(CLOCK_PROCESS_CPUTIME_ID)) {}
+
+StageTime Stopwatch::stop(std::string stage) const {
+    return {std::move(stage),
+            clock_s(CLOCK_MONOTONIC) - wall_start_s_,
+            clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_};
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,62 @@
+#include <fstream>
+#include <iterator>
+
+#include "worker/pipeline/link_or_copy.hpp"
+#include "worker/keyframes/keyframe_images.hpp"
+#include "worker/mosaic/mosaic.hpp"
+#include "worker/base/atomic_file.hpp"
+#include "worker/io/glb_writer.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+#include "worker/pipeline/stage_key_file.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, no artifact
+
+std::string read_text(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+bool load_texture(Reconstruction& made, const std::string& key) {
+    return has_stage_key(made.scratch("texture.stage"), key);
+}
+
+void run_texture(Reconstruction& made, const ProgressCallback& progress) {
+    const fs::path folder = made.scratch("texture");
+    fs::create_directories(folder);
+    write_glb(folder / "mesh.glb", made.surface.mesh);
+    progress({});
+    write_keyframe_images(folder,
+                          made.optimised.rig,
+                          made.optimised.keyframes,
+                          made.keyframe_store,
+                          made.options().num_threads,
+                          progress);
+    if (!made.options().texture) return;
+    const Mosaic mosaic = render_mosaic(made.surface.mesh);
+    write_mosaic(folder, mosaic);
+    write_file(folder / kThumbnail, thumbnail_png(mosaic));
+}
+
+void save_texture(Reconstruction& made, const std::string& key) {
+    save_stage_key(made.scratch("texture.stage"), key);
+}
+
+void finish_texture(Reconstruction& made) {
+    const fs::path folder = made.scratch("texture");
+    const fs::path thumbnail = folder / kThumbnail;
+    if (fs::exists(thumbnail)) made.thumbnail_png = read_text(thumbnail);
+    for (const auto& file : fs::recursive_directory_iterator(folder))
+        if (file.is_regular_file() && file.path() != thumbnail)
+            link_or_copy(file.path(), made.artifact(file.path().lexically_relative(folder)));
+    made.mesh_writer.wait();
+    made.border_finder.wait();
+}
+
+}  // namespace divemesh::worker

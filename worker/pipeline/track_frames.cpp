@@ -1,0 +1,53 @@
+#include "worker/pipeline/track_frames.hpp"
+
+#include <algorithm>
+
+#include "worker/base/background_task.hpp"
+#include "worker/pipeline/frame_prefetcher.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+void report(const ProgressCallback& progress, std::size_t num_done, const Recording& recording) {
+    Progress at;
+    at.frames_done = static_cast<std::int64_t>(num_done);
+    at.num_frames = recording.num_frames();
+    at.fraction = static_cast<double>(num_done) / std::max(1, recording.num_frames());
+    progress(at);
+}
+
+}  // namespace
+
+Track track_frames(Recording& recording,
+                   const Rectifier& rectifier,
+                   const ReconstructionOptions& options,
+                   const KeyframeStore& store,
+                   FrameTracker& tracker,
+                   const ProgressCallback& progress) {
+    Track result;
+    result.rig = rectifier.rig();
+    const Eigen::Isometry3d T_cam_imu = result.rig.T_imu_cam.inverse();
+    TaskPool task_pool(options.num_threads);
+    FramePrefetcher frames(recording, rectifier, task_pool);
+    KeyframeWriter writer(result.rig, options, store, task_pool);
+    Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
+    while (const auto frame = frames.next()) {
+        const TrackedFrame tracked = tracker.process(*frame);
+        writer.go_on(tracked.moving_before);
+        if (tracked.to_map) {
+            writer.write(*frame, tracked.to_map->depth, tracked.to_map->seen);
+            result.mapped.push_back({frame->index, frame->timestamp_ns, tracked.T_world_cam});
+        }
+        T_start_cam = T_start_cam * tracked.T_current_previous.inverse();
+        result.causal.push_back({frame->timestamp_ns, tracked.T_world_cam * T_cam_imu});
+        result.odometry.push_back({frame->timestamp_ns, T_start_cam * T_cam_imu});
+        report(progress, result.causal.size(), recording);
+    }
+    writer.finish();
+    tracker.move_to(result);
+    result.statistics.num_skipped_frames = recording.num_skipped_frames();
+    result.statistics.dense = writer.statistics();
+    return result;
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,26 @@
+#include "worker/io/trajectory_file.hpp"
+#include "worker/pipeline/stage_files.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+
+namespace divemesh::worker {
+
+bool load_track(Reconstruction& made, const std::string& key) {
+    auto stored = load_track(made.scratch("track.stage"), key);
+    if (stored) made.track = std::move(*stored);
+    return stored.has_value();
+}
+
+void run_track(Reconstruction& made, const ProgressCallback& progress) {
+    made.keyframe_store.clear();
+    made.track = track(made.dive, made.options(), made.keyframe_store, progress);
+}
+
+void save_track(Reconstruction& made, const std::string& key) {
+    save_track(made.scratch("track.stage"), key, made.track);
+}
+
+void finish_track(Reconstruction& made) {
+    write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
+}
+
+}  // namespace divemesh::worker

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "storage/blob_store.hpp"
+#include "storage/job_store.hpp"
+#include "worker/attempt/attempt_protocol.hpp"
+#include "worker/runner/child_process.hpp"
+#include "worker/runner/job_runner.hpp"
+#include "worker/runner/lease_keeper.hpp"
+
+namespace divemesh::worker {
+
+// Why the parent ends a child before it is done.
+enum class Stop { None, LeaseLost, Cancelled, Deadline, Stalled, ScratchFull, ShuttingDown };
+
+// One attempt from claim to its end in the catalog. Everything it writes carries the lease.
+class AttemptRunner {
+public:
+    AttemptRunner(const WorkerConfig& config,
+                  storage::JobStore& jobs,
+                  storage::BlobStore& blobs,
+                  storage::Claim claim)
+        : config_(config), jobs_(jobs), blobs_(blobs), claim_(std::move(claim)) {}
+
+    void run(const std::stop_token& stop);
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    AttemptRequest write_request() const;
+    void fetch_inputs(AttemptRequest& request) const;
+    void fetch_reconstruction(const std::vector<Artifact>& artifacts,
+                              const std::filesystem::path& into) const;
+    ProcessLimits limits();
+    void supervise(const LeaseKeeper& keeper, const std::stop_token& stop);
+    void read_lines(std::string& buffer);
+    void take(const AttemptMessage& message);
+    void report(const StageRun& stage);
+    void report_pending(std::chrono::milliseconds at_least_after);
+    void report(const std::function<bool()>& write);
+    Stop reason_to_stop(const LeaseKeeper& keeper,
+                        const std::stop_token& stop,
+                        const ChildProcess& child);
+    void end_child(ChildProcess& child);
+    void conclude_stopped();
+    void conclude(const AttemptMessage& result, const AttemptRequest& request);
+    void publish_intake(const IntakeAnswer& answer, const AttemptRequest& request);
+    std::vector<Artifact> store_artifacts(const AttemptRequest& request);
+    void fail(const Failure& failure);
+    void remove_blobs() const;
+    bool persist(const std::function<bool()>& write) const;
+
+    std::filesystem::path folder() const { return config_.work_folder / claim_.lease.lease_id; }
+    std::string blob_prefix() const {
+        return "jobs/" + claim_.job.id + "/attempt-" + std::to_string(claim_.lease.attempt) + "-" +
+               claim_.lease.lease_id + "/";
+    }
+
+    const WorkerConfig& config_;
+    storage::JobStore& jobs_;
+    storage::BlobStore& blobs_;
+    storage::Claim claim_;
+    Clock::time_point started_ = Clock::now();
+    Clock::time_point heard_ = Clock::now();     // of the child
+    Clock::time_point measured_ = Clock::now();  // the scratch folder
+    std::int64_t scratch_bytes_ = 0;             // what it may take
+    Stop stop_ = Stop::None;
+    std::optional<Clock::time_point> asked_to_end_;
+    std::optional<AttemptMessage> result_;
+    Measurement measurement_;
+    std::optional<UnreadableTruth> unreadable_truth_;
+    std::optional<Progress> progress_;  // that the catalog does not know yet
+    std::string log_;                   // the same
+    Clock::time_point reported_ = {};
+    std::size_t num_log_bytes_ = 0;  // in all
+    int num_stages_ = 0;
+    ProcessEnd end_;
+};
+
+}  // namespace divemesh::worker

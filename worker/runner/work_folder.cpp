@@ -1,0 +1,61 @@
+#include "worker/runner/work_folder.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr const char* kLockName = "lock";
+constexpr const char* kNamePrefix = "worker.";
+
+int open_lock(const std::filesystem::path& folder, int flags) {
+    return open((folder / kLockName).c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600);
+}
+
+// Whoever gets the lock of another's folder knows that its process is gone: a folder has its final
+// name only once it is locked.
+void remove_leftovers(const std::filesystem::path& common) {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(common, ignored)) {
+        if (!entry.path().filename().string().starts_with(kNamePrefix)) continue;
+        const int lock = open_lock(entry.path(), O_RDWR);
+        if (lock < 0) continue;
+        if (flock(lock, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(entry.path(), ignored);
+        close(lock);
+    }
+}
+
+}  // namespace
+
+WorkFolder::WorkFolder(const std::filesystem::path& common) {
+    std::error_code failure;
+    std::filesystem::create_directories(common, failure);
+    remove_leftovers(common);
+    std::string unlocked = (common / "new.XXXXXX").string();
+    if (mkdtemp(unlocked.data()) == nullptr)
+        throw Error(
+            ErrorCode::Unavailable,
+            "cannot create a work folder in " + common.string() + ": " + std::strerror(errno));
+    lock_ = open_lock(unlocked, O_RDWR | O_CREAT);
+    path_ = common / (kNamePrefix + unlocked.substr(unlocked.size() - 6));
+    if (lock_ < 0 || flock(lock_, LOCK_EX | LOCK_NB) != 0 ||
+        rename(unlocked.c_str(), path_.c_str()) != 0)
+        throw Error(ErrorCode::Unavailable, "cannot lock " + path_.string());
+}
+
+WorkFolder::~WorkFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+    close(lock_);
+}
+
+}  // namespace divemesh::worker

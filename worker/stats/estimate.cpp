@@ -1,0 +1,63 @@
+#include "worker/stats/estimate.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "worker/stats/distributions.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double variance_of(const std::vector<double>& values, double mean) {
+    double squares = 0.0;
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    return squares / static_cast<double>(values.size() - 1);
+}
+
+// What noise adds to noise that is there already varies more than noise alone: the replicates'
+// variance, a parabola of the added one through 0, taken back to minus 1 (Stefanski and Cook 1995).
+// A third of it is left of a figure that goes with the noise's square, all of it of a linear one.
+double deviation_of(const Simulated& simulated, double once, double twice) {
+    const double variance_once = variance_of(simulated.once, once);
+    const double variance_twice = variance_of(simulated.twice, twice);
+    return std::sqrt(
+        std::clamp(3.0 * variance_once - variance_twice, variance_once / 3.0, variance_once));
+}
+
+}  // namespace
+
+double sharpened(double measured, double blurred, double blurred_twice) {
+    const double first = measured - blurred;
+    if (first == 0.0 || !std::isfinite(first)) return measured;
+    const double next = (blurred - blurred_twice) / first;
+    return measured + first * (2.0 - std::clamp(std::isfinite(next) ? next : 1.0, 0.0, 1.0));
+}
+
+Estimate estimate(const Simulated& simulated,
+                  double sigma_relative_error,
+                  const SharedError& shared) {
+    double noise = 0.0;  // what it added
+    double half_width = 0.0;
+    if (simulated.once.size() > 1) {
+        const double once = mean_of(simulated.once);
+        const double twice = mean_of(simulated.twice);
+        noise = 3.0 * once - 2.0 * simulated.sharp - twice;
+        half_width = student_t_quantile(0.975, static_cast<double>(simulated.once.size() - 1)) *
+                     deviation_of(simulated, once, twice);
+    }
+    const double value = simulated.sharp - noise;
+    const Eigen::Vector4d systematic(2.0 * sigma_relative_error * noise,
+                                     simulated.sharp - simulated.measured,
+                                     shared.relative * value,
+                                     shared.absolute);
+    half_width = std::hypot(half_width, kNormal975 * systematic.norm());
+    return {value, value - half_width, value + half_width};
+}
+
+}  // namespace divemesh::worker

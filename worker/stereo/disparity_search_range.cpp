@@ -1,0 +1,39 @@
+#include "worker/stereo/disparity_search_range.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kStep_px = 64;
+constexpr int kMinFeatures = 50;   // fewer say too little of what the frame shows
+constexpr double kFarther = 0.75;  // of a feature's disparity
+constexpr double kNearer = 1.33;
+constexpr double kMatcherError_px = 2.0;  // winners at the ends of the range are not believed
+
+}  // namespace
+
+DisparityRange disparity_search_range(const Features& features, int num_disparities_px) {
+    const DisparityRange whole{0, num_disparities_px};
+    double least = num_disparities_px;
+    double largest = 0.0;
+    int num_features = 0;
+    for (const Feature& feature : features) {
+        if (!has_depth(feature)) continue;
+        least = std::min(least, feature.disparity_px);
+        largest = std::max(largest, feature.disparity_px);
+        ++num_features;
+    }
+    if (num_features < kMinFeatures) return whole;
+    const int first =
+        std::max(0, static_cast<int>(std::floor(kFarther * least - kMatcherError_px)));
+    const int end = static_cast<int>(std::ceil(kNearer * largest + kMatcherError_px)) + 1;
+    const int num = (end - first + kStep_px - 1) / kStep_px * kStep_px;
+    if (num >= num_disparities_px) return whole;
+    // What the steps give beyond need lies half before and half behind.
+    const int earlier = first - (num - (end - first)) / 2;
+    return {std::clamp(earlier, 0, num_disparities_px - num), num};
+}
+
+}  // namespace divemesh::worker

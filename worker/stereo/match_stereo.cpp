@@ -1,0 +1,125 @@
+#include "worker/stereo/match_stereo.hpp"
+
+#include <functional>
+#include <opencv2/calib3d.hpp>
+#include <optional>
+
+#include "worker/stereo/block_matcher.hpp"
+#include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/coarse_disparity_search.hpp"
+#include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/speckles.hpp"
+
+namespace divemesh::worker {
+namespace {
+
+constexpr int kMinSpeckleSize = 120;  // pixels
+constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
+constexpr float kMaxSigma_px = 1.0F;
+constexpr float kMinSigma_px = 0.15F;  // what calibration, interpolation and slant leave
+
+void remove_islands(DepthMap& depth) {
+    remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
+}
+
+// What is left of an island after the refinement goes; so do those that it made, where it took out
+// what has no texture.
+void refine(const RectifiedFrame& frame, DisparityRefiner& refiner, DepthMap& depth) {
+    unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
+    depth.sigma_disparity_px =
+        cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
+    remove_islands(depth);
+}
+
+void rate_by_texture(const RectifiedFrame& frame, DepthMap& depth) {
+    depth.sigma_disparity_px = disparity_sigma(frame.left);
+    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kMaxSigma_px);
+    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kMaxSigma_px);
+    remove_islands(depth);
+}
+
+// OpenCV's single-pass semi-global matcher, for comparison.
+class OpenCvSgbm {
+public:
+    explicit OpenCvSgbm(int num_disparities)
+        : matcher_(cv::StereoSGBM::create(
+              0, num_disparities, 3, 72, 288, 1, 31, 5, 0, 0, cv::StereoSGBM::MODE_SGBM_3WAY)) {}
+
+    cv::Mat compute(const cv::Mat& left, const cv::Mat& right) {
+        cv::Mat fixed_point, disparity;
+        matcher_->compute(left, right, fixed_point);
+        fixed_point.convertTo(disparity, CV_32F, 1.0 / 16.0);
+        disparity.setTo(0.0, disparity < 0.0);
+        return disparity;
+    }
+
+private:
+    cv::Ptr<cv::StereoSGBM> matcher_;
+};
+
+}  // namespace
+
+struct StereoMatcher::Implementation {
+    explicit Implementation(int num_disparities)
+        : num_disparities_px(num_disparities), survey(num_disparities) {}
+
+    int num_disparities_px;
+    CoarseDisparitySearch survey;
+    bool searches_within_range = false;
+    std::function<void(const RectifiedFrame& frame, const DisparityRange& range, DepthMap& depth)>
+        compute;
+    std::optional<DisparityRefiner> refiner;
+
+    void use_sgm() {
+        searches_within_range = true;
+        compute = [matcher = CensusSgm(num_disparities_px)](const RectifiedFrame& frame,
+                                                            const DisparityRange& range,
+                                                            DepthMap& depth) mutable {
+            depth.disparity_px = matcher.compute(frame.left, frame.right, range);
+        };
+        refiner.emplace();
+    }
+};
+
+StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& options)
+    : implementation_(std::make_unique<Implementation>(options.num_disparities_px)) {
+    const int num_disparities = options.num_disparities_px;
+    const auto use = [&](auto matcher) {
+        implementation_->compute =
+            [matcher](const RectifiedFrame& frame, const DisparityRange&, DepthMap& depth) mutable {
+                depth.disparity_px = matcher.compute(frame.left, frame.right);
+            };
+    };
+    if (options.stereo == "block")
+        use(BlockMatcher(num_disparities));
+    else if (options.stereo == "opencv_sgbm")
+        use(OpenCvSgbm(num_disparities));
+    else
+        implementation_->use_sgm();
+}
+
+StereoMatcher::~StereoMatcher() = default;
+
+DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
+    return match(frame, {0, implementation_->num_disparities_px});
+}
+
+DepthMap StereoMatcher::match(const RectifiedFrame& frame, const DisparityRange& range) {
+    DepthMap depth;
+    auto& own = *implementation_;
+    const auto surveyed = own.survey.survey(frame.left, frame.right);
+    const DisparityRange searched = own.searches_within_range
+                                        ? widen(range, surveyed, own.num_disparities_px)
+                                        : DisparityRange{0, own.num_disparities_px};
+    depth.search = outcome_of(searched, surveyed);
+    own.compute(frame, searched, depth);
+    if (own.refiner)
+        refine(frame, *own.refiner, depth);
+    else
+        rate_by_texture(frame, depth);
+    depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
+    return depth;
+}
+
+}  // namespace divemesh::worker

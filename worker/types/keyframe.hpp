@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "worker/types/search_outcome.hpp"
+
+namespace divemesh::worker {
+
+// What a stereo pair says about depth, in the rectified left image.
+struct DepthMap {
+    cv::Mat disparity_px;        // CV_32F, height x width; <= 0: unknown
+    cv::Mat sigma_disparity_px;  // CV_32F, standard deviation; where disparity_px > 0
+    SearchOutcome search;        // not kept in the store
+};
+
+// A rectified pair.
+struct RectifiedFrame {
+    int index = 0;
+    std::int64_t timestamp_ns = 0;
+    cv::Mat left;   // CV_8UC1
+    cv::Mat right;  // CV_8UC1
+};
+
+// A frame that is kept for mapping: its pose here, its pictures and depth in the keyframe store
+// under the same frame index. Nothing but a guess ties keyframes of different pieces.
+struct Keyframe {
+    int frame_index = 0;
+    std::int64_t timestamp_ns = 0;
+    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  // rectified left camera
+    std::int32_t segment = 0;
+};
+
+struct KeyframeImages {
+    cv::Mat left_color;  // CV_8UC3 BGR, rectified; grey dives: three equal channels
+    DepthMap depth;      // empty when no surface is asked for
+};
+
+}  // namespace divemesh::worker

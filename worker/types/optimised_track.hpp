@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/types/path_uncertainty.hpp"
+#include "worker/types/pose_covariance.hpp"
+#include "worker/types/refined_calibration.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/types/keyframe.hpp"
+#include "worker/types/loop_statistics.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::worker {
+
+struct OptimiseStatistics {
+    double reprojection_rms_px = 0.0;
+    LoopStatistics loops;
+    PathUncertainty path;  // of the final trajectory
+};
+
+struct OptimisedTrack {
+    Trajectory trajectory;  // every frame, with hindsight
+    std::vector<Keyframe> keyframes;
+    std::vector<Keyframe> mapped;  // Track::mapped with hindsight
+    RectifiedRig rig;              // its body as refined
+    RefinedCalibration calibration;
+    CovarianceTrack covariances;  // of every frame; empty: not known
+    OptimiseStatistics statistics;
+};
+
+}  // namespace divemesh::worker

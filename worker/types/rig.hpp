@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "worker/types/camera.hpp"
+
+namespace divemesh::worker {
+
+struct ImuNoise {
+    double gyroscope_noise_density = 2e-3;      // rad/s/sqrt(Hz)
+    double gyroscope_random_walk = 2e-5;        // rad/s^2/sqrt(Hz)
+    double accelerometer_noise_density = 2e-2;  // m/s^2/sqrt(Hz)
+    double accelerometer_random_walk = 3e-3;    // m/s^3/sqrt(Hz)
+};
+
+// The calibrated cameras and IMU: the one internal calibration type. Frame `imu` is the body;
+// without an IMU the body is cam0 and T_imu_cam0 is the identity.
+struct Rig {
+    Camera cam0;
+    Camera cam1;
+    Eigen::Isometry3d T_imu_cam0 = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_imu_cam1 = Eigen::Isometry3d::Identity();
+    std::optional<ImuNoise> imu_noise;  // set when the dive has an IMU
+
+    Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }
+    double baseline_m() const { return T_cam1_cam0().translation().norm(); }
+};
+
+}  // namespace divemesh::worker
