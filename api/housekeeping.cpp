@@ -4,8 +4,8 @@
 
 #include "api/audit.hpp"
 #include "api/disk_reserve.hpp"
-#include "api/uploads/make_truth.hpp"
 #include "api/sensors/sensor_hub.hpp"
+#include "api/uploads/make_truth.hpp"
 #include "schemas/log.hpp"
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "api/uploads/hash_cache.hpp"
 #include "api/rate_limiter.hpp"
 #include "api/token_cache.hpp"
+#include "api/uploads/hash_cache.hpp"
 #include "api/uploads/upload_locks.hpp"
 #include "api/webhook_target.hpp"
 #include "storage/blob_store.hpp"

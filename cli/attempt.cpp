@@ -12,7 +12,7 @@ void add_attempt(CLI::App& app, Context& context) {
     auto request = std::make_shared<std::filesystem::path>();
     command->add_option("request", *request, "the request, as JSON")->required();
     command->callback([request, &context] {
-        context.command = [request] { return worker::run_attempt(*request); };
+        context.command = [request] { return attempt::run_attempt(*request); };
     });
 }
 

@@ -53,12 +53,12 @@ std::string summary(const nlohmann::json& document) {
     return text + table_text(rows);
 }
 
-int run(const worker::CompareRequest& request, const Context& context) {
+int run(const compare::CompareRequest& request, const Context& context) {
     catch_interrupts();
     nlohmann::json document;
     {
         ProgressBar bar;
-        document = worker::compare_reconstructions(request, [&](const Progress& progress) {
+        document = compare::compare_reconstructions(request, [&](const Progress& progress) {
             throw_if_interrupted();
             show_progress(bar, progress);
         });
@@ -73,10 +73,10 @@ struct ServerSide {
 };
 
 // The same of two dives or reconstructions on a server.
-int run_there(const worker::CompareRequest& request,
+int run_there(const compare::CompareRequest& request,
               const ServerSide& there,
               const Context& context) {
-    const worker::CompareOptions& options = request.options;
+    const compare::CompareOptions& options = request.options;
     if (request.later_areas && !request.areas)
         throw Error(
             ErrorCode::InvalidArgument,
@@ -106,7 +106,7 @@ int run_there(const worker::CompareRequest& request,
 
 void add_compare(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("compare", "compare two dives of one place");
-    auto request = std::make_shared<worker::CompareRequest>();
+    auto request = std::make_shared<compare::CompareRequest>();
     auto& options = request->options;
     auto there = std::make_shared<ServerSide>();
     add_server_options(*command, there->server);

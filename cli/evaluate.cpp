@@ -19,7 +19,7 @@ void add_trajectory(CLI::App& parent, Context& context) {
     struct Options {
         std::filesystem::path estimate;
         std::filesystem::path reference;
-        worker::TrajectoryEvaluationOptions how;
+        evaluation::TrajectoryEvaluationOptions how;
         std::string pairs = "consecutive";
         std::string lever_arm;
         std::string time_offset;
@@ -51,11 +51,12 @@ void add_trajectory(CLI::App& parent, Context& context) {
         context.command = [options, &context] {
             auto how = options->how;
             if (options->pairs == "all")
-                how.relative.pairs = worker::RelativePoseOptions::Pairs::All;
+                how.relative.pairs = evaluation::RelativePoseOptions::Pairs::All;
             if (!options->lever_arm.empty()) set_lever_arm(how.truth, options->lever_arm);
             if (!options->time_offset.empty()) set_time_offset(how.truth, options->time_offset);
-            return print(worker::evaluate_trajectory(options->estimate, options->reference, how),
-                         context);
+            return print(
+                evaluation::evaluate_trajectory(options->estimate, options->reference, how),
+                context);
         };
     });
 }
@@ -63,7 +64,7 @@ void add_trajectory(CLI::App& parent, Context& context) {
 void add_mesh(CLI::App& parent, Context& context) {
     auto* command = parent.add_subcommand("mesh", "distance of a mesh from a reference mesh");
     struct Options {
-        worker::MeshEvaluationRequest request;
+        evaluation::MeshEvaluationRequest request;
         std::filesystem::path estimate_trajectory;
         std::filesystem::path reference_trajectory;
     };
@@ -90,7 +91,7 @@ void add_mesh(CLI::App& parent, Context& context) {
                 options->request.estimate_trajectory = options->estimate_trajectory;
                 options->request.reference_trajectory = options->reference_trajectory;
             }
-            return print(worker::evaluate_mesh(options->request), context);
+            return print(evaluation::evaluate_mesh(options->request), context);
         };
     });
 }

@@ -22,19 +22,19 @@ struct ExportOptions {
 };
 
 // What is given here goes before what dive.json said.
-std::optional<worker::GeographicPosition> position(
-    const ExportOptions& options, const worker::ReconstructionFolder& reconstruction) {
-    if (!options.latitude_deg) return worker::position_of(reconstruction);
-    return worker::GeographicPosition{
+std::optional<types::GeographicPosition> position(const ExportOptions& options,
+                                                  const io::ReconstructionFolder& reconstruction) {
+    if (!options.latitude_deg) return io::position_of(reconstruction);
+    return types::GeographicPosition{
         *options.latitude_deg, *options.longitude_deg, options.x_azimuth_deg};
 }
 
 int run(const ExportOptions& options, const Context& context) {
-    const auto formats = worker::export_formats(options.formats);
-    const worker::ReconstructionFolder reconstruction(options.reconstruction);
+    const auto formats = io::export_formats(options.formats);
+    const io::ReconstructionFolder reconstruction(options.reconstruction);
     const fs::path out = options.out.empty() ? options.reconstruction : options.out;
     const auto place = position(options, reconstruction);
-    const auto names = worker::export_reconstruction(reconstruction, formats, place, out);
+    const auto names = io::export_reconstruction(reconstruction, formats, place, out);
     nlohmann::json files = nlohmann::json::array();
     for (const std::string& name : names) files.push_back((out / name).string());
     if (context.json)

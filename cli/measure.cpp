@@ -8,9 +8,9 @@
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/text.hpp"
-#include "worker/report/drawing_page.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
+#include "worker/report/drawing_page.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -74,23 +74,22 @@ std::string report_text(const json& result) {
 }
 
 struct Options {
-    worker::MeasureRequest request;
+    reef::MeasureRequest request;
     std::filesystem::path csv;
     std::filesystem::path draw;
 };
 
 int write_drawing_page(const Options& options) {
-    const worker::ReconstructionFolder model(options.request.reconstruction);
-    worker::write_file(options.draw, worker::drawing_page(model));
+    const io::ReconstructionFolder model(options.request.reconstruction);
+    base::write_file(options.draw, report::drawing_page(model));
     std::cout << options.draw.string() << "\n";
     return kExitDone;
 }
 
 int measure(const Options& options, const Context& context) {
     if (!options.draw.empty()) return write_drawing_page(options);
-    const json result = worker::measure_reconstruction(options.request);
-    if (!options.csv.empty())
-        worker::write_file(options.csv, worker::metrics_csv(result["figures"]));
+    const json result = reef::measure_reconstruction(options.request);
+    if (!options.csv.empty()) base::write_file(options.csv, reef::metrics_csv(result["figures"]));
     std::cout << (context.json ? result.dump(2) + "\n" : report_text(result));
     return kExitDone;
 }

@@ -39,10 +39,10 @@ int print_options(const ReconstructionOptions& options, const Context& context) 
     return kExitDone;
 }
 
-nlohmann::json run_with_bar(const worker::ReconstructionRequest& request) {
+nlohmann::json run_with_bar(const pipeline::ReconstructionRequest& request) {
     catch_interrupts();
     ProgressBar bar;
-    return worker::reconstruct_dive(request, [&](const Progress& progress) {
+    return pipeline::reconstruct_dive(request, [&](const Progress& progress) {
         throw_if_interrupted();
         show_progress(bar, progress);
     });
@@ -59,7 +59,7 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
                     "no dive or no output folder: give DIVE and --out DIR");
     fs::create_directories(options.out);
     const ScratchFolder scratch(options.out);
-    worker::ReconstructionRequest request;
+    pipeline::ReconstructionRequest request;
     request.dive = options.dive;
     request.out = options.out;
     request.scratch = scratch.path();

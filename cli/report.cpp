@@ -114,7 +114,7 @@ int finish(const nlohmann::json& report, const Context& context) {
 
 int report_here(const ReportOptions& options, const Context& context) {
     const fs::path folder = options.subject;
-    worker::AccuracyReportRequest request;
+    report::AccuracyReportRequest request;
     request.reconstruction = folder;
     request.dive = given(options.dive);
     request.out = options.out.empty() ? folder / "accuracy" : options.out;
@@ -139,7 +139,7 @@ int report_here(const ReportOptions& options, const Context& context) {
     nlohmann::json report;
     {
         ProgressBar bar;
-        report = worker::make_accuracy_report(request, [&](const Progress& progress) {
+        report = report::make_accuracy_report(request, [&](const Progress& progress) {
             throw_if_interrupted();
             show_progress(bar, progress);
         });

@@ -17,7 +17,7 @@ struct Words {
     std::string marker_family = "tag36h11";
 };
 
-void add_options(CLI::App& command, worker::SimulateOptions& options, Words& words) {
+void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& words) {
     // clang-format off
     command.add_option("--scene", words.scene, "tank (in air), barge, reef, bed (a plane) or transect (a straight reef as long as the path)")->capture_default_str();
     command.add_option("--out", options.out, "folder of the dive, created if missing")->required();
@@ -44,13 +44,13 @@ void add_options(CLI::App& command, worker::SimulateOptions& options, Words& wor
     // clang-format on
 }
 
-int run(worker::SimulateOptions options, const Words& words) {
-    options.scene = worker::scene_kind_from_string(words.scene);
-    if (!words.water.empty()) options.water = worker::water_kind_from_string(words.water);
-    options.marker_family = worker::marker_family_from_string(words.marker_family);
+int run(simulator::SimulateOptions options, const Words& words) {
+    options.scene = simulator::scene_kind_from_string(words.scene);
+    if (!words.water.empty()) options.water = simulator::water_kind_from_string(words.water);
+    options.marker_family = dive::marker_family_from_string(words.marker_family);
     catch_interrupts();
     ProgressBar bar;
-    worker::simulate(options, [&](const Progress& progress) {
+    simulator::simulate(options, [&](const Progress& progress) {
         throw_if_interrupted();
         show_progress(bar, progress);
     });
@@ -61,7 +61,7 @@ int run(worker::SimulateOptions options, const Words& words) {
 
 void add_simulate(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("simulate", "render a dive with exact ground truth");
-    auto options = std::make_shared<worker::SimulateOptions>();
+    auto options = std::make_shared<simulator::SimulateOptions>();
     auto words = std::make_shared<Words>();
     add_options(*command, *options, *words);
     command->callback([options, words, &context] {

@@ -51,7 +51,7 @@ HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     if (!fs::is_directory(dive)) {
         auto file = std::make_unique<client::FileSource>(dive);
         auto hashes = client::hash_archive(*file, show_bytes(bar, "hash", file->size_bytes()));
-        hashes.content_sha256 = worker::archive_content_sha256(
+        hashes.content_sha256 = dive::archive_content_sha256(
             dive, [&](const Progress& progress) { bar.show("open", progress.fraction, ""); });
         return {std::move(file), hashes, name};
     }

@@ -17,18 +17,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-worker::IntakeReport examine(const fs::path& dive) {
+dive::IntakeReport examine(const fs::path& dive) {
     catch_interrupts();
     const ScratchFolder scratch(fs::temp_directory_path());
     ProgressBar bar;
-    return worker::examine_dive(dive, scratch.path(), [&](const Progress& progress) {
+    return dive::examine_dive(dive, scratch.path(), [&](const Progress& progress) {
         throw_if_interrupted();
         show_progress(bar, progress);
     });
 }
 
 int validate(const fs::path& dive, const Context& context) {
-    const worker::IntakeReport report = examine(dive);
+    const dive::IntakeReport report = examine(dive);
     const bool refused = has_error(report.findings);
     if (context.json) {
         std::cout << nlohmann::json{{"state", refused ? "refused" : "ready"},

@@ -18,7 +18,7 @@ constexpr std::int64_t kCache_bytes = std::int64_t{20} << 30;
 void add_worker(CLI::App& app, Context& context) {
     struct Options {
         DataOptions data;
-        worker::WorkerConfig config{.cache_bytes = kCache_bytes};
+        runner::WorkerConfig config{.cache_bytes = kCache_bytes};
     };
     auto* command = app.add_subcommand("worker", "run jobs from a catalog");
     auto options = std::make_shared<Options>();
@@ -42,7 +42,7 @@ void add_worker(CLI::App& app, Context& context) {
             options->config.cache_folder = cache_folder(options->data);
             server::start_log();
             StopSignal signal;
-            worker::run_worker(options->config, signal.token());
+            runner::run_worker(options->config, signal.token());
             return kExitDone;
         };
     });

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "schemas/error.hpp"
+#include "sensor/clock/uptime.hpp"
 #include "sensor/device_state.hpp"
 #include "sensor/status_maker.hpp"
-#include "sensor/clock/uptime.hpp"
 
 namespace divemesh::sensor {
 namespace {

@@ -9,13 +9,13 @@
 #include <string>
 
 #include "sensor/commands/command_executor.hpp"
-#include "sensor/preview/dive_assessment.hpp"
-#include "sensor/uploads/dive_uploads.hpp"
-#include "sensor/preview/image_check.hpp"
 #include "sensor/link/link.hpp"
-#include "sensor/ring/message_ring.hpp"
+#include "sensor/preview/dive_assessment.hpp"
+#include "sensor/preview/image_check.hpp"
 #include "sensor/preview/preview_maker.hpp"
 #include "sensor/recording/recording_source.hpp"
+#include "sensor/ring/message_ring.hpp"
+#include "sensor/uploads/dive_uploads.hpp"
 
 namespace divemesh::sensor {
 

@@ -20,7 +20,7 @@ void set(json& status, const char* name, const std::optional<Value>& value) {
 
 // As a status may hold it: valid UTF-8, at most so long.
 std::string shortened(const std::string& text, std::size_t max_num_bytes) {
-    std::string clean = worker::printable(text);
+    std::string clean = dive::printable(text);
     std::size_t end = std::min(clean.size(), max_num_bytes);
     while (end > 0 && end < clean.size() && (clean[end] & 0xC0) == 0x80) --end;
     return clean.substr(0, end);

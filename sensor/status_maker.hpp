@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sensor/preview/image_check.hpp"
 #include "sensor/link/link.hpp"
+#include "sensor/preview/image_check.hpp"
 #include "sensor/recording/recording_source.hpp"
 
 namespace divemesh::sensor {

@@ -5,8 +5,8 @@
 
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
-#include "api/uploads/concatenation.hpp"
 #include "api/in_pool.hpp"
+#include "api/uploads/concatenation.hpp"
 #include "api/uploads/make_dive.hpp"
 #include "api/uploads/make_truth.hpp"
 #include "api/uploads/upload_writer.hpp"

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <vector>
 
-#include "api/uploads/chunk_writer.hpp"
 #include "api/in_pool.hpp"
+#include "api/uploads/chunk_writer.hpp"
 #include "api/uploads/upload_writer.hpp"
 #include "schemas/error.hpp"
 

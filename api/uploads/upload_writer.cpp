@@ -1,8 +1,8 @@
 #include "api/uploads/upload_writer.hpp"
 
+#include "api/quota.hpp"
 #include "api/uploads/chunk_writer.hpp"
 #include "api/uploads/make_dive.hpp"
-#include "api/quota.hpp"
 #include "schemas/error.hpp"
 #include "storage/upload_store.hpp"
 

@@ -38,7 +38,7 @@ bool CommandJournal::note(const CommandNote& note) {
     try {
         std::error_code ignored;
         std::filesystem::create_directories(file_.parent_path(), ignored);
-        worker::write_file(file_, all.dump(-1, ' ', false, json::error_handler_t::replace));
+        base::write_file(file_, all.dump(-1, ' ', false, json::error_handler_t::replace));
         return true;
     } catch (const Error&) {
         return false;

@@ -3,9 +3,9 @@
 #include <condition_variable>
 #include <utility>
 
+#include "sensor/clock/uptime.hpp"
 #include "sensor/link/connection.hpp"
 #include "sensor/link/stream_session.hpp"
-#include "sensor/clock/uptime.hpp"
 
 namespace divemesh::sensor {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "api/client/rest_client.hpp"
 #include "sensor/commands/command.hpp"
-#include "sensor/ring/message_ring.hpp"
 #include "sensor/link/rate_meter.hpp"
 #include "sensor/link/send_order.hpp"
+#include "sensor/ring/message_ring.hpp"
 
 namespace divemesh::sensor {
 

@@ -39,16 +39,16 @@ double coverage(const std::vector<cv::Point2d>& points, cv::Size size) {
 // What a person wants to read of a figure, and what a thin link has to carry.
 double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
-bool fits(const cv::Mat& image, const worker::Camera& camera) {
+bool fits(const cv::Mat& image, const types::Camera& camera) {
     return image.cols == camera.width_px && image.rows == camera.height_px;
 }
 
 }  // namespace
 
 struct DiveAssessment::Implementation {
-    std::optional<worker::Rig> rig;
+    std::optional<types::Rig> rig;
     std::optional<LiveOdometry> odometry;
-    worker::CornerScores corners;
+    features::CornerScores corners;
     std::vector<cv::Point2d> points;  // in the last picture
     ImageQuality quality;
     cv::Mat image;
@@ -57,11 +57,11 @@ struct DiveAssessment::Implementation {
     void follow(const FrameImages& before, const FrameImages& now) {
         if (!odometry) odometry.emplace(*rig);
         const auto stereo = [this](const FrameImages& frame) {
-            return worker::StereoFrame{
+            return types::StereoFrame{
                 num_frames, frame.timestamp_ns, grey_of(frame.left), grey_of(frame.right)};
         };
         odometry->add(stereo(before), stereo(now));
-        for (const worker::Feature& feature : odometry->features())
+        for (const types::Feature& feature : odometry->features())
             points.emplace_back(feature.pixel.x(), feature.pixel.y());
         image = odometry->image();
     }
@@ -69,8 +69,8 @@ struct DiveAssessment::Implementation {
         return rig && sensor::fits(frame.left, rig->cam0) && sensor::fits(frame.right, rig->cam1);
     }
     void count(const cv::Mat& left) {
-        for (const cv::Point& point : worker::best_of_cells(
-                 corners.of(left), kMinCornerScore, worker::CornerScores::kBorder_px, kCell_px))
+        for (const cv::Point& point : features::best_of_cells(
+                 corners.of(left), kMinCornerScore, features::CornerScores::kBorder_px, kCell_px))
             points.emplace_back(point);
         image = left;
     }

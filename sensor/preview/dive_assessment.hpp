@@ -6,10 +6,10 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "sensor/recording/dive_tail.hpp"
 #include "sensor/preview/image_check.hpp"
 #include "sensor/preview/live_odometry.hpp"
 #include "sensor/preview/preview_maker.hpp"
+#include "sensor/recording/dive_tail.hpp"
 
 namespace divemesh::sensor {
 

@@ -48,7 +48,7 @@ std::optional<double> sharpness_of(const cv::Mat& grey) {
     cv::GaussianBlur(grey, blurred, {}, kReblur_px);
     const cv::Mat fine = gradient_of(grey);
     const cv::Mat coarse = gradient_of(blurred);
-    const float strong = worker::upper_quantile(
+    const float strong = stats::upper_quantile(
         std::vector<float>(coarse.begin<float>(), coarse.end<float>()), 1.0 - kEdgeShare);
     if (strong < kMinEdge) return std::nullopt;
     const cv::Mat edges = coarse >= strong;

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/odometry/frame_features.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
+#include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
 
 namespace divemesh::sensor {
 namespace {
 
-using namespace divemesh::worker;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kTolerance_px = 2.0;
@@ -28,69 +27,69 @@ double seconds_between(std::int64_t before_ns, std::int64_t after_ns) {
 
 Vector6d vector_of(const Eigen::Isometry3d& T) {
     Vector6d vector;
-    vector << vector_from_rotation(Eigen::Quaterniond(T.linear())), T.translation();
+    vector << base::vector_from_rotation(Eigen::Quaterniond(T.linear())), T.translation();
     return vector;
 }
 
 Eigen::Isometry3d motion_of(const Vector6d& vector) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = rotation_from_vector(vector.head<3>()).toRotationMatrix();
+    T.linear() = base::rotation_from_vector(vector.head<3>()).toRotationMatrix();
     T.translation() = vector.tail<3>();
     return T;
 }
 
 }  // namespace
 
-LiveOdometry::LiveOdometry(const Rig& rig)
+LiveOdometry::LiveOdometry(const types::Rig& rig)
     : rectifier_(rig), tracker_(rectifier_.rig(), kNumFeatures) {}
 
-void LiveOdometry::add(const StereoFrame& before, const StereoFrame& now) {
+void LiveOdometry::add(const types::StereoFrame& before, const types::StereoFrame& now) {
     const double interval_s = seconds_between(before.timestamp_ns, now.timestamp_ns);
     if (!(interval_s > 0.0)) return;
     const bool is_known =
         motion_ && seconds_between(motion_->timestamp_ns, now.timestamp_ns) < kMaxPrediction_s;
     const Eigen::Isometry3d guess =
         is_known ? motion_of(motion_->rate * interval_s) : Eigen::Isometry3d::Identity();
-    const PointPairs pairs = follow(before, now, guess);
+    const odometry::PointPairs pairs = follow(before, now, guess);
     const auto seed = static_cast<std::uint64_t>(num_assessments_++);
-    const RectifiedRig& rig = rectifier_.rig();
-    const Registration found =
-        register_with_rotation(rig, pairs, std::nullopt, guess, kTolerance_px, seed);
+    const types::RectifiedRig& rig = rectifier_.rig();
+    const odometry::Registration found =
+        odometry::register_with_rotation(rig, pairs, std::nullopt, guess, kTolerance_px, seed);
     if (!found.found) {
         ++num_lost_;
         return;
     }
     const Eigen::Isometry3d T_current_previous =
-        refine_pose(rig, found.inliers, {found.T_current_previous, {}, 0.0});
-    const Motion motion{
-        now.timestamp_ns,
-        vector_of(T_current_previous) / interval_s,
-        motion_covariance(rig, found.inliers, T_current_previous) / (interval_s * interval_s)};
+        odometry::refine_pose(rig, found.inliers, {found.T_current_previous, {}, 0.0});
+    const Motion motion{now.timestamp_ns,
+                        vector_of(T_current_previous) / interval_s,
+                        odometry::motion_covariance(rig, found.inliers, T_current_previous) /
+                            (interval_s * interval_s)};
     if (motion_ && motion_->timestamp_ns < motion.timestamp_ns) advance(*motion_, motion);
     motion_before_ = motion_;
     motion_ = motion;
 }
 
-PointPairs LiveOdometry::follow(const StereoFrame& before,
-                                const StereoFrame& now,
-                                const Eigen::Isometry3d& guess) {
-    const RectifiedRig& rig = rectifier_.rig();
-    const RectifiedFrame first = rectifier_.rectify(before);
+odometry::PointPairs LiveOdometry::follow(const types::StereoFrame& before,
+                                          const types::StereoFrame& now,
+                                          const Eigen::Isometry3d& guess) {
+    const types::RectifiedRig& rig = rectifier_.rig();
+    const types::RectifiedFrame first = rectifier_.rectify(before);
     tracker_.track(first.left, {}, Eigen::Isometry3d::Identity());
-    Features features;
-    add_new_features(rig, first, {}, kNumDisparities_px, tracker_, features);
-    const RectifiedFrame frame = rectifier_.rectify(now);
+    types::Features features;
+    odometry::add_new_features(rig, first, {}, kNumDisparities_px, tracker_, features);
+    const types::RectifiedFrame frame = rectifier_.rectify(now);
     features_ = tracker_.track(frame.left, features, guess);
-    match_sparse_stereo(frame, {}, kNumDisparities_px, features_);
+    features::match_sparse_stereo(frame, {}, kNumDisparities_px, features_);
     image_ = frame.left;
-    const PointPairs pairs = with_depth_at_both_times(rig, features, features_);
+    const odometry::PointPairs pairs = odometry::with_depth_at_both_times(rig, features, features_);
     show(pairs);
     return pairs;
 }
 
-void LiveOdometry::show(const PointPairs& pairs) {
+void LiveOdometry::show(const odometry::PointPairs& pairs) {
     tracks_.clear();
-    for (const PointPair& pair : pairs)
+    for (const odometry::PointPair& pair : pairs)
         tracks_.push_back(
             {{static_cast<float>(pair.previous_px.x()), static_cast<float>(pair.previous_px.y())},
              {static_cast<float>(pair.current_px.x()), static_cast<float>(pair.current_px.y())}});
@@ -144,10 +143,10 @@ void LiveOdometry::add_error(const Eigen::Isometry3d& T_current_previous,
     const Eigen::Vector3d step = T_first_next.translation() - T_first_current_.translation();
     const Eigen::Matrix3d R = T_first_next.linear();
     Matrix6d by_before = Matrix6d::Identity();
-    by_before.bottomLeftCorner<3, 3>() = -cross_matrix(step);
+    by_before.bottomLeftCorner<3, 3>() = -base::cross_matrix(step);
     Matrix6d by_motion = Matrix6d::Zero();
     by_motion.topLeftCorner<3, 3>() = -R;
-    by_motion.bottomLeftCorner<3, 3>() = -R * cross_matrix(T_current_previous.translation());
+    by_motion.bottomLeftCorner<3, 3>() = -R * base::cross_matrix(T_current_previous.translation());
     by_motion.bottomRightCorner<3, 3>() = -R;
     covariance_ = by_before * covariance_ * by_before.transpose() +
                   by_motion * covariance * by_motion.transpose();

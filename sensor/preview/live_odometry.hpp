@@ -17,10 +17,10 @@ namespace divemesh::sensor {
 // the camera is seen to move.
 class LiveOdometry {
 public:
-    explicit LiveOdometry(const worker::Rig& rig);
+    explicit LiveOdometry(const types::Rig& rig);
 
     // The next look. Pictures CV_8UC1 as recorded and calibrated.
-    void add(const worker::StereoFrame& before, const worker::StereoFrame& now);
+    void add(const types::StereoFrame& before, const types::StereoFrame& now);
 
     // To where the camera was at the last look whose motion was found.
     double distance_m() const { return distance_m_; }
@@ -30,8 +30,8 @@ public:
     int num_assessments() const { return num_assessments_; }
     int num_lost() const { return num_lost_; }  // of them, whose motion was not found
     int num_tracked() const { return static_cast<int>(tracks_.size()); }
-    const worker::RectifiedRig& rig() const { return rectifier_.rig(); }
-    const worker::Features& features() const { return features_; }
+    const types::RectifiedRig& rig() const { return rectifier_.rig(); }
+    const types::Features& features() const { return features_; }
     const std::vector<TrackLine>& tracks() const { return tracks_; }
     const cv::Mat& image() const { return image_; }
 
@@ -47,17 +47,17 @@ private:
         double speed_m_s() const;
     };
 
-    worker::PointPairs follow(const worker::StereoFrame& before,
-                              const worker::StereoFrame& now,
-                              const Eigen::Isometry3d& guess);
+    odometry::PointPairs follow(const types::StereoFrame& before,
+                                const types::StereoFrame& now,
+                                const Eigen::Isometry3d& guess);
     void advance(const Motion& from, const Motion& to);
     void learn_unrest(const Motion& before, const Motion& look, const Motion& after);
     void add_error(const Eigen::Isometry3d& T_current_previous, const Matrix6d& covariance);
-    void show(const worker::PointPairs& pairs);
+    void show(const odometry::PointPairs& pairs);
 
-    worker::Rectifier rectifier_;
-    worker::FeatureTracker tracker_;
-    worker::Features features_;
+    camera::Rectifier rectifier_;
+    features::FeatureTracker tracker_;
+    types::Features features_;
     std::vector<TrackLine> tracks_;
     cv::Mat image_;
     std::optional<Motion> motion_;  // the last one that was found

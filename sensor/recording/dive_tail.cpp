@@ -26,7 +26,7 @@ std::optional<std::array<double, 4>> unit_quaternion(std::span<const std::string
     std::array<double, 4> q{};
     double square = 0.0;
     for (std::size_t i = 0; i < 4; ++i) {
-        const auto value = worker::parse_double(fields[i + 1]);
+        const auto value = dive::parse_double(fields[i + 1]);
         if (!value || !std::isfinite(*value)) return std::nullopt;
         q[i] = *value;
         square += q[i] * q[i];
@@ -66,7 +66,7 @@ bool DiveTail::update(std::int64_t until_ns) {
         if (const auto q = unit_quaternion(fields)) counts_.orientation = q;
     });
     pressure_.read(until_ns, [&](std::int64_t, auto fields) {
-        const auto depth = fields.size() >= 2 ? worker::parse_double(fields[1]) : std::nullopt;
+        const auto depth = fields.size() >= 2 ? dive::parse_double(fields[1]) : std::nullopt;
         if (depth && std::abs(*depth) < 12'000.0) counts_.depth_m = depth;
     });
     counts_.frame_rate_hz = frame_stamps_.rate_hz();
@@ -86,7 +86,7 @@ const DiveTail::Row* DiveTail::partner_of(const Row& left) const {
 }
 
 cv::Mat DiveTail::image(const char* camera, const Row& row) const {
-    if (!worker::entry_name_problem(row.file).empty()) return {};
+    if (!dive::entry_name_problem(row.file).empty()) return {};
     return read_image(root_ / camera / "data" / row.file);
 }
 

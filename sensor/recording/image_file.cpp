@@ -15,10 +15,10 @@ constexpr std::int64_t kMaxSizeBytes = std::int64_t{64} << 20;
 constexpr std::int64_t kMaxImagePixels = 64'000'000;
 
 // Decoders paint the rest of a half picture grey and say nothing: its end has to be there.
-bool is_whole(std::string_view bytes, worker::ImageFormat format) {
+bool is_whole(std::string_view bytes, dive::ImageFormat format) {
     constexpr std::string_view kJpegEnd = "\xFF\xD9";
     constexpr std::string_view kPngEnd = "IEND\xAE\x42\x60\x82";
-    const bool is_png = format == worker::ImageFormat::Png;
+    const bool is_png = format == dive::ImageFormat::Png;
     constexpr std::size_t kTail = 64;  // some cameras write a few bytes after the end
     const std::string_view tail = bytes.substr(bytes.size() - std::min(bytes.size(), kTail));
     return tail.rfind(is_png ? kPngEnd : kJpegEnd) != std::string_view::npos;
@@ -38,13 +38,11 @@ cv::Mat read_image(const std::filesystem::path& file) {
             if (got == 0) return {};
             done += got;
         }
-        const worker::ImageHeader header = worker::read_image_header(bytes);
+        const dive::ImageHeader header = dive::read_image_header(bytes);
         if (!is_whole(bytes, header.format) || header.width_px * header.height_px > kMaxImagePixels)
             return {};
-        return worker::decode_image(
-            bytes,
-            header,
-            header.num_channels == 1 ? worker::Channels::Grey : worker::Channels::Bgr);
+        return dive::decode_image(
+            bytes, header, header.num_channels == 1 ? dive::Channels::Grey : dive::Channels::Bgr);
     } catch (const Error&) {
         return {};
     }

@@ -9,23 +9,23 @@
 namespace divemesh::sensor {
 namespace {
 
-std::optional<worker::CalibratedCamera> read_camera(const std::filesystem::path& file) {
+std::optional<dive::CalibratedCamera> read_camera(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
-    std::string text(static_cast<std::size_t>(worker::kMaxYamlBytes), '\0');
+    std::string text(static_cast<std::size_t>(dive::kMaxYamlBytes), '\0');
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(stream.gcount()));
-    worker::FindingLog findings;
-    const auto yaml = worker::parse_sensor_yaml(text, file.string(), findings);
-    return yaml ? worker::calibrated_camera(*yaml, file.string(), findings) : std::nullopt;
+    dive::FindingLog findings;
+    const auto yaml = dive::parse_sensor_yaml(text, file.string(), findings);
+    return yaml ? dive::calibrated_camera(*yaml, file.string(), findings) : std::nullopt;
 }
 
 }  // namespace
 
-std::optional<worker::Rig> read_rig(const std::filesystem::path& dive_root) {
+std::optional<types::Rig> read_rig(const std::filesystem::path& dive_root) {
     const auto cam0 = read_camera(dive_root / "cam0" / "sensor.yaml");
     const auto cam1 = read_camera(dive_root / "cam1" / "sensor.yaml");
     if (!cam0 || !cam1) return std::nullopt;
-    worker::Rig rig;
+    types::Rig rig;
     rig.cam0 = cam0->camera;
     rig.cam1 = cam1->camera;
     rig.T_imu_cam0 = cam0->T_body_cam;

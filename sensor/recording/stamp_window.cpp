@@ -32,7 +32,7 @@ std::optional<double> StampWindow::period_ns() const {
     std::vector<std::int64_t> steps;
     for (std::size_t i = 1; i < stamps_ns_.size(); ++i)
         steps.push_back(stamps_ns_[i] - stamps_ns_[i - 1]);
-    return static_cast<double>(worker::upper_median(std::move(steps)));
+    return static_cast<double>(stats::upper_median(std::move(steps)));
 }
 
 std::optional<double> StampWindow::rate_hz() const {

@@ -34,8 +34,8 @@ bool TableTail::take_row(std::int64_t until_ns, const OnRow& on_row) {
     const std::string_view line = std::string_view(pending_).substr(returned_, end - returned_);
     bool is_due = true;
     if (line.size() <= kMaxLineLength)
-        worker::for_each_csv_row(line, [&](std::int64_t, auto fields) {
-            const auto stamp = worker::parse_integer(fields[0]);
+        dive::for_each_csv_row(line, [&](std::int64_t, auto fields) {
+            const auto stamp = dive::parse_integer(fields[0]);
             if (!stamp) return;
             is_due = *stamp <= until_ns;
             if (is_due) on_row(*stamp, fields);

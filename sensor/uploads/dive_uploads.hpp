@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
-#include "sensor/uploads/dive_upload.hpp"
 #include "sensor/recording/recording_source.hpp"
+#include "sensor/uploads/dive_upload.hpp"
 #include "sensor/uploads/upload_ledger.hpp"
 
 namespace divemesh::sensor {

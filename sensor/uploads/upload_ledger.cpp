@@ -106,7 +106,7 @@ void UploadLedger::save() {
     try {
         std::error_code ignored;
         fs::create_directories(file_.parent_path(), ignored);
-        worker::write_file(file_, all.dump());
+        base::write_file(file_, all.dump());
         trouble_.clear();
     } catch (const Error& error) {
         trouble_ = error.what();

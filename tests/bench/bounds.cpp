@@ -51,14 +51,15 @@ struct NamedDive {
 // them that is within what 95 % of the surface should be.
 void add_surface(const fs::path& dive_folder, const fs::path& result_folder, json& result) {
     const TemporaryFolder scratch;
-    const auto dive = worker::Dive::open(dive_folder, scratch.path());
+    const auto dive = dive::Dive::open(dive_folder, scratch.path());
     const auto reference = dive->read_reference_mesh();
     if (!reference || dive->ground_truth().empty()) return;
-    const worker::ReconstructionFolder folder(result_folder);
-    const worker::Mesh mesh = folder.mesh();
-    const Eigen::Isometry3f T = worker::trajectory_error(folder.trajectory(), dive->ground_truth())
-                                    .T_reference_surface.cast<float>();
-    const worker::SurfaceIndex truth(*reference);
+    const io::ReconstructionFolder folder(result_folder);
+    const types::Mesh mesh = folder.mesh();
+    const Eigen::Isometry3f T =
+        evaluation::trajectory_error(folder.trajectory(), dive->ground_truth())
+            .T_reference_surface.cast<float>();
+    const evaluation::SurfaceIndex truth(*reference);
     const double error_95_m = folder.metrics()["expected_accuracy"]["surface"]["error_95_m"];
     const std::size_t step = 1 + mesh.vertices.size() / kVerticesPerDive;
     json levels = json::array();
@@ -173,7 +174,7 @@ void add_samples(const json& result, std::vector<CalibrationCurve>& curves) {
 void write_plot(const std::vector<CalibrationCurve>& curves, const fs::path& file) {
     const char* colors[] = {
         "#0b6fa4", "#b3541e", "#2e7d4f", "#7b4ba0", "#a08a1e", "#a3231f", "#4a5560"};
-    worker::Plot plot{"Stated level against observed frequency (number of dives)",
+    report::Plot plot{"Stated level against observed frequency (number of dives)",
                       "stated",
                       "observed",
                       {},
@@ -183,14 +184,14 @@ void write_plot(const std::vector<CalibrationCurve>& curves, const fs::path& fil
         if (curves[i].num_dives() == 0) continue;
         const std::string name =
             curves[i].kind() + " (" + std::to_string(curves[i].num_dives()) + ")";
-        worker::PlotLine line{name, colors[i % std::size(colors)], {0.0}, {0.0}};
+        report::PlotLine line{name, colors[i % std::size(colors)], {0.0}, {0.0}};
         for (const double level : shown_levels()) {
             line.x.push_back(level);
             line.y.push_back(curves[i].held(level));
         }
         plot.lines.push_back(std::move(line));
     }
-    std::string svg = worker::svg_plot(plot);
+    std::string svg = report::svg_plot(plot);
     svg.insert(svg.find('>') + 1,
                "<style>text{font:11px sans-serif;fill:#415059}.title{font-size:13px;"
                "font-weight:600}.grid{stroke:#e4eaee}</style><rect width=\"100%\" "

@@ -15,7 +15,7 @@ double degrees_of_freedom(double squared_ratio) {
     double few = 1.0, many = 1e6;
     for (int halving = 0; halving < 60; ++halving) {
         const double middle = std::sqrt(few * many);
-        (worker::chi_square_quantile(0.95, middle) > squared_ratio * middle ? few : many) = middle;
+        (stats::chi_square_quantile(0.95, middle) > squared_ratio * middle ? few : many) = middle;
     }
     return many;
 }

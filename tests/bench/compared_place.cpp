@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <numbers>
 
-#include "worker/base/parallel.hpp"
 #include "worker/base/hashed_random.hpp"
+#include "worker/base/parallel.hpp"
 
 namespace divemesh::bench {
 namespace {
 
-using worker::hash64;
-using worker::to_unit;
+using base::hash64;
+using base::to_unit;
 
 constexpr double kStep_m = 0.005;
 constexpr double kNoise_m = 0.0015;
@@ -41,7 +41,7 @@ ComparedPlace::ComparedPlace(unsigned seed, std::size_t num_vertices)
       num_along_(std::max(1, static_cast<int>(2.0 * half_x_m_ / kSquare_m))),
       num_across_(std::max(1, static_cast<int>(2.0 * half_y_m_ / kSquare_m))),
       ground_(synthetic::rough_ground(seed)) {
-    worker::RandomRow random(hash64(seed, 1U));
+    base::RandomRow random(hash64(seed, 1U));
     for (int row = 0; row < num_across_; ++row)
         for (int column = 0; column < num_along_; ++column) {
             const double radius_m = random.uniform(0.06, 0.18);
@@ -93,20 +93,20 @@ Eigen::Isometry3d ComparedPlace::T_model_place(int year) const {
     return T;
 }
 
-worker::Mesh ComparedPlace::model(int year) const {
+types::Mesh ComparedPlace::model(int year) const {
     const auto columns = static_cast<std::uint32_t>(2.0 * half_x_m_ / kStep_m);
     const auto rows = static_cast<std::uint32_t>(2.0 * half_y_m_ / kStep_m);
     const std::size_t num = std::size_t{rows} * columns;
     const Eigen::Isometry3d T = T_model_place(year);
-    worker::Mesh mesh;
+    types::Mesh mesh;
     mesh.vertices.resize(num);
     mesh.normals.resize(num);
     mesh.colors.resize(num);
     mesh.sigma_m.assign(num, static_cast<float>(kNoise_m));
-    worker::for_each_index(0, rows, [&](std::size_t row) {
+    base::for_each_index(0, rows, [&](std::size_t row) {
         for (std::uint32_t column = 0; column < columns; ++column) {
             const std::size_t i = row * columns + column;
-            worker::RandomRow random(hash64(seed_, year, i));
+            base::RandomRow random(hash64(seed_, year, i));
             const double x = -half_x_m_ + kStep_m * (column + random.uniform(0.1, 0.9));
             const double y = -half_y_m_ + kStep_m * (static_cast<double>(row) + 0.5);
             const double z = height_m(x, y, year);

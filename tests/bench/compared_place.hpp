@@ -16,7 +16,7 @@ public:
     ComparedPlace(unsigned seed, std::size_t num_vertices);
 
     // As a dive of that year would have it: vertices 5 mm apart, its own noise and frame.
-    worker::Mesh model(int year) const;
+    types::Mesh model(int year) const;
     // Places to look down from, in the frame of that year's model, row after row.
     std::vector<Eigen::Vector3d> eyes(int year) const;
     double heading_rad(int year) const { return year == 1 ? 0.0 : 0.3; }

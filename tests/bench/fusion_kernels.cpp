@@ -10,22 +10,22 @@
 
 #include "tests/bench/measured.hpp"
 #include "tests/synthetic/ideal_rig.hpp"
-#include "worker/mesh/marching_cubes.hpp"
 #include "worker/fusion/octree_volume.hpp"
-#include "worker/mesh/surface_nets.hpp"
 #include "worker/fusion/tsdf_volume.hpp"
+#include "worker/mesh/marching_cubes.hpp"
+#include "worker/mesh/surface_nets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::bench {
 namespace {
 
 constexpr int kNumKeyframes = 16;
 constexpr double kVoxel_m = 0.01;
 
-RectifiedRig vga_rig() { return synthetic::ideal_rig(640, 480, 498.0); }
+types::RectifiedRig vga_rig() { return synthetic::ideal_rig(640, 480, 498.0); }
 
 struct DeepKeyframe {
-    Keyframe keyframe;
-    KeyframeImages images;
+    types::Keyframe keyframe;
+    types::KeyframeImages images;
 };
 
 // Depth of the bed under a pixel of a camera at x_m that looks down from 1.6 m.
@@ -40,7 +40,7 @@ double depth_of_bed(const Eigen::Vector3d& ray, double x_m) {
 }
 
 DeepKeyframe keyframe_at(double x_m, cv::RNG& random) {
-    const RectifiedRig rig = vga_rig();
+    const types::RectifiedRig rig = vga_rig();
     DeepKeyframe made;
     made.keyframe.T_world_cam.translation() = Eigen::Vector3d(x_m, 0.0, 0.0);
     made.images.left_color = cv::Mat(rig.height_px, rig.width_px, CV_8UC3);
@@ -68,7 +68,7 @@ const std::vector<DeepKeyframe>& keyframes() {
 
 template <typename MadeVolume>
 void fuse(benchmark::State& state, double voxel_m) {
-    VolumeSettings settings;
+    fusion::VolumeSettings settings;
     settings.rig = vga_rig();
     settings.voxel_m = voxel_m;
     settings.num_threads = 1;
@@ -78,9 +78,10 @@ void fuse(benchmark::State& state, double voxel_m) {
         MadeVolume volume(settings);
         for (const DeepKeyframe& frame : keyframes())
             volume.add(frame.keyframe,
-                       DepthView(settings.rig,
-                                 frame.images,
-                                 choose_sampling(settings.rig, frame.images.depth, kVoxel_m)));
+                       fusion::DepthView(
+                           settings.rig,
+                           frame.images,
+                           fusion::choose_sampling(settings.rig, frame.images.depth, kVoxel_m)));
         memory_bytes = volume.memory_bytes();
     }
     state.counters["per_keyframe"] = benchmark::Counter(
@@ -88,39 +89,42 @@ void fuse(benchmark::State& state, double voxel_m) {
     state.counters["MB"] = 1e-6 * static_cast<double>(memory_bytes);
 }
 
-void tsdf_fusion(benchmark::State& state) { fuse<TsdfVolume>(state, kVoxel_m); }
+void tsdf_fusion(benchmark::State& state) { fuse<fusion::TsdfVolume>(state, kVoxel_m); }
 BENCHMARK(tsdf_fusion)->Unit(benchmark::kMillisecond);
 
-void octree_fusion(benchmark::State& state) { fuse<OctreeVolume>(state, 0.5 * kVoxel_m); }
+void octree_fusion(benchmark::State& state) { fuse<fusion::OctreeVolume>(state, 0.5 * kVoxel_m); }
 BENCHMARK(octree_fusion)->Unit(benchmark::kMillisecond);
 
 void depth_view(benchmark::State& state) {
     for ([[maybe_unused]] auto _ : state)
         for (const DeepKeyframe& frame : keyframes())
             benchmark::DoNotOptimize(
-                DepthView(vga_rig(), frame.images, static_cast<Sampling>(state.range(0))).pixels());
+                fusion::DepthView(
+                    vga_rig(), frame.images, static_cast<fusion::Sampling>(state.range(0)))
+                    .pixels());
     state.counters["per_keyframe"] = benchmark::Counter(
         kNumKeyframes, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(depth_view)
-    ->Arg(static_cast<int>(Sampling::Full))
-    ->Arg(static_cast<int>(Sampling::Half))
+    ->Arg(static_cast<int>(fusion::Sampling::Full))
+    ->Arg(static_cast<int>(fusion::Sampling::Half))
     ->Unit(benchmark::kMillisecond);
 
 // Step 8 on what the keyframes gave. `of_limit`: the time in which distances, weights and views
 // could be read once from memory, of that which the mesh takes.
 void extract(benchmark::State& state,
-             Mesh (*mesher)(const SignedDistanceField&, const MeshingSettings&)) {
+             types::Mesh (*mesher)(const fusion::SignedDistanceField&,
+                                   const mesh::MeshingSettings&)) {
     constexpr double kBytesPerVoxel = 6.0;
-    VolumeSettings settings;
+    fusion::VolumeSettings settings;
     settings.rig = vga_rig();
     settings.voxel_m = kVoxel_m;
     settings.num_threads = 1;
-    TsdfVolume volume(settings);
+    fusion::TsdfVolume volume(settings);
     for (const DeepKeyframe& frame : keyframes()) volume.integrate(frame.keyframe, frame.images);
     const auto field = volume.field(1);
-    const double num_voxels = static_cast<double>(kBlockSamples * field->blocks().size());
-    MeshingSettings meshing;
+    const double num_voxels = static_cast<double>(fusion::kBlockSamples * field->blocks().size());
+    mesh::MeshingSettings meshing;
     meshing.num_threads = 1;
     std::size_t num_triangles = 0;
     const double run_s = bench::measure(state, "voxels", num_voxels, [&] {
@@ -130,11 +134,11 @@ void extract(benchmark::State& state,
     state.counters["of_limit"] = kBytesPerVoxel * num_voxels / bench::bytes_read_per_s() / run_s;
 }
 
-void extract_by_surface_nets(benchmark::State& state) { extract(state, surface_nets); }
+void extract_by_surface_nets(benchmark::State& state) { extract(state, mesh::surface_nets); }
 BENCHMARK(extract_by_surface_nets)->Unit(benchmark::kMillisecond);
 
-void extract_by_marching_cubes(benchmark::State& state) { extract(state, marching_cubes); }
+void extract_by_marching_cubes(benchmark::State& state) { extract(state, mesh::marching_cubes); }
 BENCHMARK(extract_by_marching_cubes)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::bench

@@ -91,10 +91,10 @@ double thread_cpu_s() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double byte_operations_per_s(worker::Instructions instructions) {
+double byte_operations_per_s(base::Instructions instructions) {
 #if defined(__x86_64__)
-    if (instructions == worker::Instructions::Avx512) return operations_per_s(operate_avx512, 64);
-    if (instructions == worker::Instructions::Avx2) return operations_per_s(operate_avx2, 32);
+    if (instructions == base::Instructions::Avx512) return operations_per_s(operate_avx512, 64);
+    if (instructions == base::Instructions::Avx2) return operations_per_s(operate_avx2, 32);
 #endif
     return operations_per_s(operate, 16);
 }

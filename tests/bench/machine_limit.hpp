@@ -28,7 +28,7 @@ double thread_cpu_s();
 
 // Byte operations (additions and minima in turn, on registers, none waiting for another) that one
 // core does in a second with the vectors of an instruction set: no kernel can do more.
-double byte_operations_per_s(worker::Instructions instructions);
+double byte_operations_per_s(base::Instructions instructions);
 
 // Bytes that one core reads in a second from memory, one after the other: no pass over a map can be
 // faster.

@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
         std::cerr << "plane_fit mesh.ply [picture.png]\n";
         return 2;
     }
-    const auto points = bench::in_plane(worker::read_ply(argv[1]).vertices);
+    const auto points = bench::in_plane(io::read_ply(argv[1]).vertices);
     const double rms_m = bench::plane_rms_m(points);
     if (argc > 2) bench::draw(argv[2], points, rms_m);
     std::cout << "{\"num_vertices\": " << points.size() << ", \"plane_rms_m\": " << rms_m

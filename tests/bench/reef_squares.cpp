@@ -67,25 +67,25 @@ struct KnownSquare {
     double plane_z_m = 0.0;  // the lowest true height
 };
 
-double top_m(const worker::Mesh& mesh) {
+double top_m(const types::Mesh& mesh) {
     float top = -1e9F;
     for (const Eigen::Vector3f& vertex : mesh.vertices) top = std::max(top, vertex.z());
     return top + 1.0;
 }
 
-worker::Mesh in_truth_frame(worker::Mesh mesh, const fs::path& model, const fs::path& dive) {
+types::Mesh in_truth_frame(types::Mesh mesh, const fs::path& model, const fs::path& dive) {
     const Eigen::Isometry3f T =
-        worker::trajectory_error(worker::ReconstructionFolder(model).trajectory(),
-                                 worker::read_trajectory(dive / kTruthFile).poses)
+        evaluation::trajectory_error(io::ReconstructionFolder(model).trajectory(),
+                                     io::read_trajectory(dive / kTruthFile).poses)
             .T_reference_surface.cast<float>();
     for (Eigen::Vector3f& vertex : mesh.vertices) vertex = T * vertex;
     return mesh;
 }
 
 // Side by side over all of the reference, those of which the truth is known and most was seen.
-std::vector<KnownSquare> known_squares(const worker::Mesh& reference, const worker::Mesh& model) {
-    const worker::SurfaceIndex truth(reference);
-    const worker::SurfaceIndex seen(model);
+std::vector<KnownSquare> known_squares(const types::Mesh& reference, const types::Mesh& model) {
+    const evaluation::SurfaceIndex truth(reference);
+    const evaluation::SurfaceIndex seen(model);
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector3f& vertex : reference.vertices)
         box.extend(vertex.head<2>().cast<double>());
@@ -144,7 +144,7 @@ json measured(const std::vector<KnownSquare>& squares,
 std::optional<double> truth_of(const std::string& metric,
                                const json& entry,
                                const KnownSquare& square,
-                               const worker::Mesh& reference) {
+                               const types::Mesh& reference) {
     if (metric == "rugosity") return true_rugosity(square.truth, entry["resolution_m"]);
     if (metric == "height_range") return true_range(square.truth)->size_m();
     if (metric == "volume") return true_volume_m3(square.truth, square.plane_z_m);
@@ -167,9 +167,9 @@ DiveSamples samples_of(const SimulatedDive& dive, const Options& options) {
     const fs::path model = options.keep / ("sim-" + dive.name());
     if (!fs::exists(model / "metrics.json")) dives.reconstruct(dive, model);
     const fs::path folder = dives.rendered(dive);
-    const worker::Mesh reference = worker::read_ply(folder / "reference.ply");
-    const std::vector<KnownSquare> squares = known_squares(
-        reference, in_truth_frame(worker::read_ply(model / "mesh.ply"), model, folder));
+    const types::Mesh reference = io::read_ply(folder / "reference.ply");
+    const std::vector<KnownSquare> squares =
+        known_squares(reference, in_truth_frame(io::read_ply(model / "mesh.ply"), model, folder));
     DiveSamples samples;
     if (squares.empty()) return samples;
     const json answer = measured(squares, model, folder, options);

@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json marks_of(const Eigen::Vector3d& p_world, const worker::MarkingInput& input) {
+json marks_of(const Eigen::Vector3d& p_world, const evaluation::MarkingInput& input) {
     json marks = json::array();
-    for (const worker::Mark& mark : worker::mark_point(p_world, input)) {
+    for (const dive::Mark& mark : evaluation::mark_point(p_world, input)) {
         marks.push_back({{"timestamp_ns", mark.timestamp_ns},
                          {"left", {mark.pixel_left.x(), mark.pixel_left.y()}}});
         if (mark.pixel_right)
@@ -32,16 +32,16 @@ json marks_of(const Eigen::Vector3d& p_world, const worker::MarkingInput& input)
 }
 
 // The ends of the known distances, marked in every fifth frame as the true rig saw them.
-json marked_distances(const worker::Dive& dive) {
+json marked_distances(const dive::Dive& dive) {
     const auto reference = dive.read_reference_mesh();
     if (!reference) return json::array();
     std::vector<std::int64_t> timestamps_ns;
     for (std::size_t i = 0; i < dive.ground_truth().size(); i += 5)
         timestamps_ns.push_back(dive.ground_truth()[i].timestamp_ns);
-    const worker::SurfaceIndex surface(*reference);
-    const worker::MarkingInput input{dive.rig(), dive.ground_truth(), timestamps_ns, surface};
+    const evaluation::SurfaceIndex surface(*reference);
+    const evaluation::MarkingInput input{dive.rig(), dive.ground_truth(), timestamps_ns, surface};
     json distances = json::array();
-    for (const worker::KnownDistance& known : dive.known_distances())
+    for (const dive::KnownDistance& known : dive.known_distances())
         distances.push_back({{"name", known.name},
                              {"distance_m", known.distance_m},
                              {"marks_a", marks_of(known.a_world, input)},
@@ -71,7 +71,7 @@ void write_with_baseline_error(const fs::path& dive, double error, const fs::pat
     fs::remove_all(copy);
     fs::copy(dive, copy, fs::copy_options::recursive | fs::copy_options::create_hard_links);
     const TemporaryFolder scratch;
-    const auto exact = worker::Dive::open(dive, scratch.path());
+    const auto exact = dive::Dive::open(dive, scratch.path());
     const Eigen::Vector3d left = exact->rig().T_imu_cam0.translation();
     const Eigen::Vector3d right = exact->rig().T_imu_cam1.translation();
     const fs::path yaml = copy / "mav0" / "cam1" / "sensor.yaml";
@@ -94,7 +94,7 @@ double SimulatedDive::baseline_error() const {
     const std::string words = scene + " " + name();
     std::seed_seq seeds(words.begin(), words.end());
     std::mt19937_64 random(seeds);
-    return worker::kCalibrationSigma * std::normal_distribution<double>()(random);
+    return evaluation::kCalibrationSigma * std::normal_distribution<double>()(random);
 }
 
 std::vector<SimulatedDive> dives_of_seed(int seed) {

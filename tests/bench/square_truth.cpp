@@ -46,7 +46,7 @@ double SquareHeights::share_known() const {
 }
 
 SquareHeights heights_of(const Square& square,
-                         const worker::SurfaceIndex& surface,
+                         const evaluation::SurfaceIndex& surface,
                          double above_m) {
     SquareHeights result;
     result.num_nodes = 1 + static_cast<int>(std::lround(square.side_m * SquareHeights::kPerMetre));
@@ -126,7 +126,7 @@ double true_slope_deg(const SquareHeights& heights) {
     return std::atan(plane.head<2>().norm()) * 180.0 / std::numbers::pi;
 }
 
-double true_surface_area_m2(const Square& square, const worker::Mesh& mesh) {
+double true_surface_area_m2(const Square& square, const types::Mesh& mesh) {
     double sum_m2 = 0.0;
     for (const auto& triangle : mesh.triangles) {
         Corners corners;

@@ -25,7 +25,9 @@ struct SquareHeights {
 };
 
 // What is first met on the way down from z = above_m.
-SquareHeights heights_of(const Square& square, const worker::SurfaceIndex& surface, double above_m);
+SquareHeights heights_of(const Square& square,
+                         const evaluation::SurfaceIndex& surface,
+                         double above_m);
 
 // Figures as docs/measuring.md defines them, written down once more to judge what is measured.
 // Nothing where no height is known.
@@ -45,6 +47,6 @@ double true_volume_m3(const SquareHeights& heights, double plane_z_m);
 // Of the plane that fits the heights, to the horizontal.
 double true_slope_deg(const SquareHeights& heights);
 // Of all sheets within the square.
-double true_surface_area_m2(const Square& square, const worker::Mesh& mesh);
+double true_surface_area_m2(const Square& square, const types::Mesh& mesh);
 
 }  // namespace divemesh::bench

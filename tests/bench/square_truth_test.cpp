@@ -8,7 +8,7 @@
 namespace divemesh::bench {
 namespace {
 
-using worker::Mesh;
+using types::Mesh;
 
 // Two triangles over [0, 1] x [0, 1].
 Mesh sheet(const std::array<float, 4>& heights) {
@@ -22,7 +22,7 @@ Mesh sheet(const std::array<float, 4>& heights) {
 const Square kSquare{{0.2, 0.3}, 0.6};
 
 SquareHeights heights_over(const Mesh& mesh) {
-    const worker::SurfaceIndex index(mesh);
+    const evaluation::SurfaceIndex index(mesh);
     return heights_of(kSquare, index, 5.0);
 }
 

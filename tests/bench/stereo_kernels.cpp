@@ -12,8 +12,8 @@
 namespace divemesh::bench {
 namespace {
 
-using worker::best_instructions;
-using worker::Instructions;
+using base::best_instructions;
+using base::Instructions;
 
 constexpr double kNumPixels = 1.0 * kWidth_px * kHeight_px;
 
@@ -63,7 +63,7 @@ void opencv_block(benchmark::State& state) {
 // are needed.
 void census_sgm(benchmark::State& state) {
     const auto set = static_cast<Instructions>(state.range(1));
-    worker::CensusSgm matcher(static_cast<int>(state.range(0)), set);
+    stereo::CensusSgm matcher(static_cast<int>(state.range(0)), set);
     const double run_s = measure_range(state, [&] {
         benchmark::DoNotOptimize(matcher.compute(slanted_bed().left, slanted_bed().right));
     });
@@ -73,19 +73,19 @@ void census_sgm(benchmark::State& state) {
 
 void census_sgm_refined(benchmark::State& state) {
     const auto set = static_cast<Instructions>(state.range(1));
-    worker::CensusSgm matcher(static_cast<int>(state.range(0)), set);
-    worker::DisparityRefiner refiner(set);
+    stereo::CensusSgm matcher(static_cast<int>(state.range(0)), set);
+    stereo::DisparityRefiner refiner(set);
     measure_range(state, [&] {
         cv::Mat disparity = matcher.compute(slanted_bed().left, slanted_bed().right);
-        worker::unconfirm_speckles(disparity, 120, 1.5F);
+        stereo::unconfirm_speckles(disparity, 120, 1.5F);
         benchmark::DoNotOptimize(
             refiner.refine(slanted_bed().left, slanted_bed().right, disparity));
-        worker::remove_speckles(disparity, 120, 1.5F);
+        stereo::remove_speckles(disparity, 120, 1.5F);
     });
 }
 
 void block_matcher(benchmark::State& state) {
-    worker::BlockMatcher matcher(static_cast<int>(state.range(0)),
+    stereo::BlockMatcher matcher(static_cast<int>(state.range(0)),
                                  static_cast<Instructions>(state.range(1)));
     measure_range(state, [&] {
         benchmark::DoNotOptimize(matcher.compute(slanted_bed().left, slanted_bed().right));
@@ -101,14 +101,14 @@ void every_set(benchmark::internal::Benchmark* benchmark) {
 }
 
 cv::Mat matched_bed() {
-    return cv::max(worker::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right), 0.0);
+    return cv::max(stereo::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right), 0.0);
 }
 
 void speckles(benchmark::State& state) {
     const cv::Mat matched = matched_bed();
     measure(state, "px", kNumPixels, [&] {
         cv::Mat disparity = matched.clone();
-        worker::remove_speckles(disparity, 120, 1.5F);
+        stereo::remove_speckles(disparity, 120, 1.5F);
     });
 }
 

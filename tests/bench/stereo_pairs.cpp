@@ -82,10 +82,10 @@ double share_bad(const cv::Mat& disparity_px, const cv::Mat& truth_px) {
 cv::Mat match_own(const StereoPair& pair) {
     ReconstructionOptions options;
     options.num_disparities_px = kNumDisparities;
-    worker::RectifiedFrame frame;
+    types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
-    return worker::StereoMatcher({}, options).match(frame).disparity_px;
+    return stereo::StereoMatcher({}, options).match(frame).disparity_px;
 }
 
 struct OpenCvVariant {

@@ -49,7 +49,7 @@ void align_patch(benchmark::State& state) {
     measure(state, "feature", static_cast<double>(move.features.size()), [&] {
         for (const cv::Point2f& feature : move.features) {
             const Eigen::Vector2d pixel(feature.x, feature.y);
-            const auto patch = worker::Patch::read(move.before, pixel);
+            const auto patch = features::Patch::read(move.before, pixel);
             if (patch) benchmark::DoNotOptimize(patch->align(move.now, pixel));
         }
     });
@@ -62,7 +62,7 @@ void opencv_corners(benchmark::State& state) {
 }
 
 void corner_scores(benchmark::State& state) {
-    worker::CornerScores scores;
+    features::CornerScores scores;
     measure(
         state, "px", kNumPixels, [&] { benchmark::DoNotOptimize(scores.of(slanted_bed().left)); });
 }

@@ -30,14 +30,14 @@ TEST(ArchiveIdentityTest, IsTheIdentityThatTheFolderHas) {
 
     api::client::DiveTar tar(folder / "dive");
     const auto expected = tar.hash([](std::int64_t) {}).content_sha256;
-    EXPECT_EQ(worker::archive_content_sha256(folder / "dive.tar.gz"), expected);
-    EXPECT_EQ(worker::archive_content_sha256(folder / "dive.tar"), expected);
+    EXPECT_EQ(dive::archive_content_sha256(folder / "dive.tar.gz"), expected);
+    EXPECT_EQ(dive::archive_content_sha256(folder / "dive.tar"), expected);
 }
 
 TEST(ArchiveIdentityTest, RefusesWhatIsNoArchive) {
     const TemporaryFolder folder;
     write_file(folder / "dive.zip", "this is text");
-    EXPECT_THROW(worker::archive_content_sha256(folder / "dive.zip"), Error);
+    EXPECT_THROW(dive::archive_content_sha256(folder / "dive.zip"), Error);
 }
 
 }  // namespace

@@ -10,9 +10,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace divemesh::worker;
     divemesh::fuzz::Input input(data, size);
     const auto bytes = input.rest();
-    for (const auto parse : {parse_obj, parse_glb}) {
+    for (const auto parse : {io::parse_obj, io::parse_glb}) {
         try {
-            const Mesh mesh = parse(bytes, "mesh");
+            const types::Mesh mesh = parse(bytes, "mesh");
             if (mesh.vertices.size() > bytes.size()) std::abort();
             for (const auto& triangle : mesh.triangles)
                 for (const std::uint32_t vertex : triangle)

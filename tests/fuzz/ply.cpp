@@ -10,7 +10,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace divemesh::worker;
     try {
-        const Mesh mesh = parse_ply(divemesh::fuzz::Input(data, size).rest(), "mesh.ply");
+        const types::Mesh mesh =
+            io::parse_ply(divemesh::fuzz::Input(data, size).rest(), "mesh.ply");
         const std::size_t num = mesh.vertices.size();
         for (const std::size_t of_each : {mesh.normals.size(),
                                           mesh.colors.size(),

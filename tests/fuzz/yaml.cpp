@@ -4,16 +4,17 @@
 // sensor.yaml of a camera and of an inertial unit, up to what the reconstruction is told.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace divemesh::worker;
-    FindingLog findings;
+    dive::FindingLog findings;
     const std::string file = "sensor.yaml";
-    const auto yaml = parse_sensor_yaml(divemesh::fuzz::Input(data, size).rest(), file, findings);
+    const auto yaml =
+        dive::parse_sensor_yaml(divemesh::fuzz::Input(data, size).rest(), file, findings);
     if (!yaml) return 0;
-    rigid_motion(*yaml, file, findings);
-    imu_noise(*yaml, file, findings);
-    const auto camera = calibrated_camera(*yaml, file, findings);
+    dive::rigid_motion(*yaml, file, findings);
+    dive::imu_noise(*yaml, file, findings);
+    const auto camera = dive::calibrated_camera(*yaml, file, findings);
     if (!camera) return 0;
-    CalibratedCamera beside = *camera;
+    dive::CalibratedCamera beside = *camera;
     beside.T_body_cam.translation().x() += 0.1;
-    check_stereo(*camera, beside, findings);
+    dive::check_stereo(*camera, beside, findings);
     return 0;
 }

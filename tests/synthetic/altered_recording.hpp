@@ -10,20 +10,18 @@
 namespace divemesh::synthetic {
 
 // A recording of which every pair is altered before it is seen.
-class AlteredRecording : public worker::Recording {
+class AlteredRecording : public types::Recording {
 public:
-    using Alter = std::function<void(worker::StereoFrame&)>;
+    using Alter = std::function<void(types::StereoFrame&)>;
 
-    AlteredRecording(worker::Recording& recording, Alter alter)
+    AlteredRecording(types::Recording& recording, Alter alter)
         : recording_(recording), alter_(std::move(alter)) {}
 
-    const worker::Rig& rig() const override { return recording_.rig(); }
+    const types::Rig& rig() const override { return recording_.rig(); }
     int num_frames() const override { return recording_.num_frames(); }
-    const std::vector<worker::ImuSample>& imu() const override { return recording_.imu(); }
-    const std::vector<worker::OrientationSample>& ahrs() const override {
-        return recording_.ahrs();
-    }
-    const std::vector<worker::PressureSample>& pressure() const override {
+    const std::vector<types::ImuSample>& imu() const override { return recording_.imu(); }
+    const std::vector<types::OrientationSample>& ahrs() const override { return recording_.ahrs(); }
+    const std::vector<types::PressureSample>& pressure() const override {
         return recording_.pressure();
     }
     cv::Mat left_in_color(int frame_index) const override {
@@ -31,14 +29,14 @@ public:
     }
     void rewind() override { recording_.rewind(); }
     std::int64_t num_skipped_frames() const override { return recording_.num_skipped_frames(); }
-    std::optional<worker::StereoFrame> next_frame() override {
+    std::optional<types::StereoFrame> next_frame() override {
         auto frame = recording_.next_frame();
         if (frame) alter_(*frame);
         return frame;
     }
 
 private:
-    worker::Recording& recording_;
+    types::Recording& recording_;
     Alter alter_;
 };
 

@@ -5,8 +5,8 @@
 namespace divemesh::synthetic {
 
 // An ideal pair 12 cm apart, its principal point in the middle of the picture.
-inline worker::RectifiedRig ideal_rig(int width_px, int height_px, double focal_px) {
-    worker::RectifiedRig rig;
+inline types::RectifiedRig ideal_rig(int width_px, int height_px, double focal_px) {
+    types::RectifiedRig rig;
     rig.width_px = width_px;
     rig.height_px = height_px;
     rig.focal_px = focal_px;

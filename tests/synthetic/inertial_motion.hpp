@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/imu/preintegration.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/imu/preintegration.hpp"
 
 // What a perfect inertial unit feels on a way that is given as a function of time,
 // T_world_imu(t_s).
@@ -28,28 +28,28 @@ Eigen::Vector3d velocity(const Motion& T_world_imu, double t_s) {
 }
 
 template <typename Motion>
-worker::ImuSample imu_at(const Motion& T_world_imu, double t_s) {
+types::ImuSample imu_at(const Motion& T_world_imu, double t_s) {
     const double h = kDerivativeStep_s;
     const Eigen::Vector3d acceleration =
         (velocity(T_world_imu, t_s + h) - velocity(T_world_imu, t_s - h)) / (2.0 * h);
     const Eigen::Matrix3d R = T_world_imu(t_s).linear();
-    const Eigen::Vector3d turn = worker::vector_from_rotation(Eigen::Quaterniond(
+    const Eigen::Vector3d turn = base::vector_from_rotation(Eigen::Quaterniond(
         T_world_imu(t_s - h).linear().transpose() * T_world_imu(t_s + h).linear()));
-    worker::ImuSample sample;
+    types::ImuSample sample;
     sample.timestamp_ns = std::llround(1e9 * t_s);
     sample.angular_velocity_imu = turn / (2.0 * h);
     sample.acceleration_imu =
-        R.transpose() * (acceleration + worker::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
+        R.transpose() * (acceleration + imu::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
     return sample;
 }
 
 template <typename Motion>
-std::vector<worker::ImuSample> imu_along(const Motion& T_world_imu,
-                                         double from_s,
-                                         double to_s,
-                                         const worker::ImuBias& bias,
-                                         double rate_hz = 200.0) {
-    std::vector<worker::ImuSample> samples;
+std::vector<types::ImuSample> imu_along(const Motion& T_world_imu,
+                                        double from_s,
+                                        double to_s,
+                                        const imu::ImuBias& bias,
+                                        double rate_hz = 200.0) {
+    std::vector<types::ImuSample> samples;
     const auto num = std::lround((to_s - from_s) * rate_hz);
     for (long i = 0; i <= num; ++i) {
         auto sample = imu_at(T_world_imu, from_s + static_cast<double>(i) / rate_hz);

@@ -37,15 +37,15 @@ inline HeightOf rough_ground(unsigned seed) {
 
 // A height field of size 2 * half_x by 2 * half_y about the middle, a vertex every `step_m`, moved
 // along its normal by noise of `sigma_m`.
-inline worker::Mesh ground_mesh(const HeightOf& height,
-                                double half_x_m,
-                                double half_y_m,
-                                double step_m,
-                                double sigma_m,
-                                unsigned seed) {
+inline types::Mesh ground_mesh(const HeightOf& height,
+                               double half_x_m,
+                               double half_y_m,
+                               double step_m,
+                               double sigma_m,
+                               unsigned seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, sigma_m > 0.0 ? sigma_m : 1.0);
-    worker::Mesh mesh;
+    types::Mesh mesh;
     const auto columns = static_cast<std::uint32_t>(2.0 * half_x_m / step_m) + 1U;
     const auto rows = static_cast<std::uint32_t>(2.0 * half_y_m / step_m) + 1U;
     for (std::uint32_t row = 0; row < rows; ++row)
@@ -73,7 +73,7 @@ inline worker::Mesh ground_mesh(const HeightOf& height,
     return mesh;
 }
 
-inline worker::Mesh moved(worker::Mesh mesh, const Eigen::Isometry3d& T) {
+inline types::Mesh moved(types::Mesh mesh, const Eigen::Isometry3d& T) {
     for (Eigen::Vector3f& p : mesh.vertices) p = (T * p.cast<double>()).cast<float>();
     for (Eigen::Vector3f& n : mesh.normals) n = (T.linear() * n.cast<double>()).cast<float>();
     return mesh;

@@ -12,8 +12,8 @@
 namespace divemesh::synthetic {
 
 // A camera of 320x240 over a flat floor, which is read exactly anywhere.
-inline worker::RectifiedRig small_rig() {
-    worker::RectifiedRig small = ideal_rig(320, 240, 250.0);
+inline types::RectifiedRig small_rig() {
+    types::RectifiedRig small = ideal_rig(320, 240, 250.0);
     small.T_imu_cam = rig().T_imu_cam;
     return small;
 }
@@ -35,10 +35,10 @@ public:
     }
 
     // What a camera sees, with the depth of every pixel.
-    worker::KeyframeImages look(const Eigen::Isometry3d& T_world_cam) const {
-        const worker::RectifiedRig rig = small_rig();
+    types::KeyframeImages look(const Eigen::Isometry3d& T_world_cam) const {
+        const types::RectifiedRig rig = small_rig();
         cv::Mat gray(rig.height_px, rig.width_px, CV_8U);
-        worker::KeyframeImages images;
+        types::KeyframeImages images;
         images.depth.disparity_px.create(gray.size(), CV_32F);
         images.depth.sigma_disparity_px.create(gray.size(), CV_32F);
         images.depth.sigma_disparity_px.setTo(0.1F);
@@ -57,12 +57,12 @@ public:
     }
 
     // What it is recognised by.
-    static worker::DescribedKeypoints view(const Eigen::Isometry3d& T_world_cam,
-                                           const worker::KeyframeImages& images) {
+    static features::DescribedKeypoints view(const Eigen::Isometry3d& T_world_cam,
+                                             const types::KeyframeImages& images) {
         cv::Mat gray;
         cv::extractChannel(images.left_color, gray, 0);
-        worker::DescribedKeypoints view = worker::describe_keypoints(gray);
-        for (worker::DescribedKeypoint& point : view)
+        features::DescribedKeypoints view = features::describe_keypoints(gray);
+        for (features::DescribedKeypoint& point : view)
             point.disparity_px = static_cast<float>(
                 small_rig().disparity_px(seen_at(T_world_cam, point.u_px, point.v_px).z()));
         return view;

@@ -10,9 +10,9 @@
 namespace divemesh::synthetic {
 
 // As much of a reconstruction's folder as a comparison needs.
-inline void write_reconstruction(const std::filesystem::path& folder, const worker::Mesh& mesh) {
+inline void write_reconstruction(const std::filesystem::path& folder, const types::Mesh& mesh) {
     std::filesystem::create_directories(folder);
-    worker::write_ply(folder / "mesh.ply", mesh);
+    io::write_ply(folder / "mesh.ply", mesh);
     std::ofstream(folder / "metrics.json") << nlohmann::json{
         {"version", "0.1.0"},
         {"preset", "standard"},

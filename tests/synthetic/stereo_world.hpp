@@ -7,15 +7,15 @@
 
 #include "tests/synthetic/ideal_rig.hpp"
 #include "worker/base/rotation_vector.hpp"
-#include "worker/types/feature.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
+#include "worker/types/feature.hpp"
 
 namespace divemesh::synthetic {
 
 // With the camera a hand's breadth from the unit, turned by a quarter.
-inline worker::RectifiedRig rig() {
-    worker::RectifiedRig rig = ideal_rig(640, 480, 500.0);
-    rig.T_imu_cam.linear() = worker::rotation_from_vector({0.02, -0.03, 1.56}).toRotationMatrix();
+inline types::RectifiedRig rig() {
+    types::RectifiedRig rig = ideal_rig(640, 480, 500.0);
+    rig.T_imu_cam.linear() = base::rotation_from_vector({0.02, -0.03, 1.56}).toRotationMatrix();
     rig.T_imu_cam.translation() = Eigen::Vector3d(-0.03, -0.06, 0.04);
     return rig;
 }
@@ -24,9 +24,9 @@ inline worker::RectifiedRig rig() {
 inline Eigen::Isometry3d T_world_cam(double frame) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << 0.03 * frame, 0.05 * std::sin(0.05 * frame), 0.04 * std::sin(0.04 * frame);
-    T.linear() = worker::rotation_from_vector({0.05 * std::sin(0.06 * frame),
-                                               0.06 * std::sin(0.05 * frame),
-                                               0.04 * std::sin(0.03 * frame)})
+    T.linear() = base::rotation_from_vector({0.05 * std::sin(0.06 * frame),
+                                             0.06 * std::sin(0.05 * frame),
+                                             0.04 * std::sin(0.03 * frame)})
                      .toRotationMatrix();
     return T;
 }
@@ -47,13 +47,13 @@ public:
     }
 
     // What the frame sees, with `noise_px` on u, v and disparity.
-    worker::Features see(const Eigen::Isometry3d& T_world_camera, int frame, double noise_px) {
-        worker::Features features;
+    types::Features see(const Eigen::Isometry3d& T_world_camera, int frame, double noise_px) {
+        types::Features features;
         for (std::size_t i = 0; i < points_.size(); ++i) {
             const Eigen::Vector3d p_cam =
                 T_world_camera.inverse() * (points_[i] + frame * velocity_[i]);
             if (p_cam.z() < 0.3) continue;
-            const Eigen::Vector3d m = worker::project_px(rig(), p_cam) +
+            const Eigen::Vector3d m = types::project_px(rig(), p_cam) +
                                       noise_px * Eigen::Vector3d(normal(), normal(), normal());
             if (m.x() < m.z() || m.y() < 0.0 || m.x() > 639.0 || m.y() > 479.0) continue;
             features.push_back({static_cast<std::int64_t>(i), m.head<2>(), m.z()});

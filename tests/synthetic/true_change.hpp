@@ -23,8 +23,8 @@ public:
 
     // `model_a` and `comparison` are folders, `truth_a` the true path of the earlier dive, which
     // says where the model's world lies in the scene's.
-    TrueChange(const worker::Scene& before,
-               const worker::Scene& after,
+    TrueChange(const simulator::Scene& before,
+               const simulator::Scene& after,
                const std::filesystem::path& model_a,
                const std::filesystem::path& truth_a,
                const std::filesystem::path& comparison)
@@ -33,8 +33,8 @@ public:
           scale_(nlohmann::json::parse(std::ifstream(comparison / "mosaic_difference.json"))),
           heights_(cv::imread((comparison / "change_height.png").string(), cv::IMREAD_UNCHANGED)) {
         T_scene_a_ =
-            worker::trajectory_error(worker::read_trajectory(model_a / "trajectory.tum").poses,
-                                     worker::read_trajectory(truth_a).poses)
+            evaluation::trajectory_error(io::read_trajectory(model_a / "trajectory.tum").poses,
+                                         io::read_trajectory(truth_a).poses)
                 .T_reference_surface;
     }
 
@@ -69,8 +69,8 @@ private:
         return first.valid() && second.valid() ? static_cast<double>(first.t - second.t) : 0.0;
     }
 
-    worker::RayCaster before_;
-    worker::RayCaster after_;
+    simulator::RayCaster before_;
+    simulator::RayCaster after_;
     nlohmann::json scale_;
     cv::Mat heights_;
     Eigen::Isometry3d T_scene_a_;

@@ -15,14 +15,14 @@
 #include "schemas/reconstruction_options.hpp"
 #include "schemas/truth_file.hpp"
 #include "worker/attempt/attempt_protocol.hpp"
+#include "worker/attempt/forbid_processes.hpp"
 #include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
-#include "worker/attempt/forbid_processes.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::attempt {
 namespace {
 
 using namespace std::chrono_literals;
@@ -52,7 +52,7 @@ AttemptRequest read_request(const std::filesystem::path& file) {
     return nlohmann::json::parse(stream).get<AttemptRequest>();
 }
 
-ProgressCallback reporter() {
+base::ProgressCallback reporter() {
     return [last = std::chrono::steady_clock::time_point{},
             stage = std::string()](const Progress& progress) mutable {
         if (cancel_requested) throw Error(ErrorCode::Cancelled, "cancelled");
@@ -73,7 +73,7 @@ void write_thumbnail(const std::filesystem::path& file, const std::string& jpeg)
 }
 
 void run_intake(const AttemptRequest& request) {
-    const IntakeReport report = examine_dive(request.dive, request.scratch, reporter());
+    const dive::IntakeReport report = dive::examine_dive(request.dive, request.scratch, reporter());
     if (!report.thumbnail_jpeg.empty())
         write_thumbnail(request.out / "thumbnail.jpg", report.thumbnail_jpeg);
     send(IntakeAnswer{.findings = report.findings,
@@ -129,7 +129,7 @@ std::optional<std::filesystem::path> truth_file(const AttemptRequest& request, T
 std::optional<UnreadableTruth> unreadable_truth(const AttemptRequest& request) {
     for (const auto& [kind, file] : request.truth) {
         const TruthKind of = truth_kind_from_string(kind);
-        if (auto problem = problem_of_truth(of, file); !problem.empty())
+        if (auto problem = report::problem_of_truth(of, file); !problem.empty())
             return UnreadableTruth{of, std::move(problem)};
     }
     return std::nullopt;
@@ -137,7 +137,7 @@ std::optional<UnreadableTruth> unreadable_truth(const AttemptRequest& request) {
 
 void run_report(const AttemptRequest& request) {
     const nlohmann::json& options = request.options;
-    AccuracyReportRequest report{
+    report::AccuracyReportRequest report{
         .reconstruction = request.reconstructions.at(0),
         .dive = request.dive,
         .out = request.out,
@@ -155,7 +155,7 @@ void run_report(const AttemptRequest& request) {
     if (options.contains("time_offset"))
         set_time_offset(report.truth, options["time_offset"].get<std::string>());
     try {
-        send(measurement_of(make_accuracy_report(report, reporter())));
+        send(measurement_of(report::make_accuracy_report(report, reporter())));
     } catch (const Error& error) {
         const auto unreadable = unreadable_truth(request);
         if (error.code() == ErrorCode::Cancelled || !unreadable) throw;
@@ -168,13 +168,13 @@ void run_report(const AttemptRequest& request) {
 }
 
 void run_comparison(const AttemptRequest& request) {
-    CompareRequest compare{.a = request.reconstructions.at(0),
-                           .b = request.reconstructions.at(1),
-                           .out = request.out,
-                           .areas = truth_file(request, TruthKind::Areas),
-                           .later_areas = truth_file(request, "later_areas"),
-                           .num_threads = request.options.value("num_threads", 0)};
-    CompareOptions& options = compare.options;
+    compare::CompareRequest compare{.a = request.reconstructions.at(0),
+                                    .b = request.reconstructions.at(1),
+                                    .out = request.out,
+                                    .areas = truth_file(request, TruthKind::Areas),
+                                    .later_areas = truth_file(request, "later_areas"),
+                                    .num_threads = request.options.value("num_threads", 0)};
+    compare::CompareOptions& options = compare.options;
     for (const auto& [name, value] : {std::pair{"cell_m", &options.cell_m},
                                       std::pair{"normal_scale_m", &options.normal_scale_m},
                                       std::pair{"cylinder_m", &options.cylinder_m},
@@ -182,7 +182,7 @@ void run_comparison(const AttemptRequest& request) {
                                       std::pair{"least_area_m2", &options.least_area_m2}})
         *value = request.options.value(name, *value);
     try {
-        compare_reconstructions(compare, reporter());
+        compare::compare_reconstructions(compare, reporter());
     } catch (const Error& error) {
         if (error.code() != ErrorCode::Conflict) throw;
         return send(Failure{.code = ErrorCode::BadData,  // trying again cannot help
@@ -194,15 +194,15 @@ void run_comparison(const AttemptRequest& request) {
 
 void run_reconstruction(const AttemptRequest& request) {
     const auto metrics =
-        reconstruct_dive({.dive = request.dive,
-                          .out = request.out,
-                          .scratch = request.scratch,
-                          .cache = request.cache,
-                          .cache_bytes = request.cache_bytes,
-                          .preset = request.preset,
-                          .options = make_options(request.preset, request.options),
-                          .stage_done = [](const StageRun& stage) { send(stage); }},
-                         reporter());
+        pipeline::reconstruct_dive({.dive = request.dive,
+                                    .out = request.out,
+                                    .scratch = request.scratch,
+                                    .cache = request.cache,
+                                    .cache_bytes = request.cache_bytes,
+                                    .preset = request.preset,
+                                    .options = make_options(request.preset, request.options),
+                                    .stage_done = [](const StageRun& stage) { send(stage); }},
+                                   reporter());
     send(Measurement{.metrics = measured_metrics(metrics),
                      .version = text_at(metrics, "/version"),
                      .calibration_sha256 = text_at(metrics, "/calibration/sha256")});
@@ -243,4 +243,4 @@ int run_attempt(const std::filesystem::path& request_file) try {
     return 1;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::attempt

@@ -2,7 +2,7 @@
 
 #include "schemas/json.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::attempt {
 namespace {
 
 using nlohmann::json;
@@ -119,4 +119,4 @@ AttemptMessage decode_message(const std::string& line) {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::attempt

@@ -15,7 +15,7 @@
 
 // What the two processes of a worker say to each other. The parent writes one request file; the
 // child answers on the pipe at kAttemptPipe, one JSON object a line.
-namespace divemesh::worker {
+namespace divemesh::attempt {
 
 inline constexpr int kAttemptPipe = 3;                 // file descriptor in the child
 inline constexpr std::size_t kMaxLineBytes = 4 << 20;  // a longer line is a broken child
@@ -66,4 +66,4 @@ std::string encode_message(const AttemptMessage& message);  // one line with its
 // Throws Error{BadData} when the line is none of ours.
 AttemptMessage decode_message(const std::string& line);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::attempt

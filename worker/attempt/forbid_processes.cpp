@@ -6,7 +6,7 @@
 #include <sched.h>
 #include <seccomp.h>
 
-namespace divemesh::worker {
+namespace divemesh::attempt {
 namespace {
 
 constexpr std::uint32_t kRefuse = SCMP_ACT_ERRNO(EPERM);
@@ -33,4 +33,4 @@ bool forbid_processes() {
     return filter && add_rules(filter.get()) && seccomp_load(filter.get()) == 0;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::attempt

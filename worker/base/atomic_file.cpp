@@ -8,7 +8,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
@@ -77,4 +77,4 @@ void write_file(const std::filesystem::path& file, std::string_view bytes, Durab
     output.commit();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

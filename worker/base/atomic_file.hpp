@@ -7,7 +7,7 @@
 
 #include "schemas/file_descriptor.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Whether a file outlives a power cut from commit() on. For many small ones that are made again
 // with ease, a sync of each would take longer than making them.
@@ -40,4 +40,4 @@ void write_file(const std::filesystem::path& file,
                 std::string_view bytes,
                 Durability durability = Durability::Synced);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

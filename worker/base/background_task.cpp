@@ -6,7 +6,7 @@
 #include <mutex>
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 class BackgroundTask::Task {
 public:
@@ -67,4 +67,4 @@ void BackgroundTask::wait() {
 
 bool BackgroundTask::is_running() const { return task_ && task_->is_running(); }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -5,7 +5,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // The cores that work beside the caller. With one thread everything happens in order, in the
 // caller's own time: what is computed never depends on the number.
@@ -44,4 +44,4 @@ private:
     std::shared_ptr<Task> task_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

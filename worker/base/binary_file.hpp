@@ -11,7 +11,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Plain values and vectors of them in the byte order of this machine: scratch files never leave it.
 class BinaryWriter {
@@ -125,4 +125,4 @@ private:
     bool ok_ = false;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Sets that grow together (Tarjan 1975, with path halving); the lowest member stands for its set.
 class DisjointSets {
@@ -27,4 +27,4 @@ private:
     std::vector<std::size_t> parent_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

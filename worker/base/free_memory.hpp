@@ -2,10 +2,10 @@
 
 #include <malloc.h>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Hands what was freed back to the system. The allocator keeps it otherwise, and what the next
 // stage takes comes on top of it.
 inline void return_freed_memory() { malloc_trim(0); }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Randomness as a function of where it is needed, not of the order in which it is asked for: the
 // same bytes whatever the number of threads.
@@ -41,4 +41,4 @@ private:
     std::uint64_t counter_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
@@ -51,4 +51,4 @@ std::optional<AbsoluteOrientation> absolute_orientation(const std::vector<Eigen:
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

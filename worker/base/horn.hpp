@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 struct AbsoluteOrientation {
     Eigen::Isometry3d T_b_a = Eigen::Isometry3d::Identity();  // with scale 1
@@ -17,4 +17,4 @@ struct AbsoluteOrientation {
 std::optional<AbsoluteOrientation> absolute_orientation(const std::vector<Eigen::Vector3d>& a,
                                                         const std::vector<Eigen::Vector3d>& b);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

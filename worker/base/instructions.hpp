@@ -1,6 +1,6 @@
 #pragma once
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // What the inner loops are compiled for, each set containing the ones before. Every set gives the
 // same integers: the loops are one source, compiled once per set. Loops that gain nothing from the
@@ -41,7 +41,7 @@ auto compiled_for(Instructions instructions) {
                                                   : CompiledBody<body>::for_avx2;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base
 
 // Makes a function a part of each of its callers, compiled for what they are compiled for.
 #define DIVEMESH_INLINE_BODY inline __attribute__((always_inline))

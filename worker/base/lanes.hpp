@@ -15,7 +15,7 @@
 // them. Only +, -, *, / and the square root are used, which round alike everywhere, so the results
 // are the same to the bit. Files that include this are compiled with -Wno-psabi: the functions are
 // inlined, there is no ABI to warn of.
-namespace divemesh::worker {
+namespace divemesh::base {
 
 inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
@@ -94,4 +94,4 @@ DIVEMESH_INLINE_BODY void transpose(Floats (&rows)[kLanes]) {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -7,7 +7,7 @@
 #include "schemas/error.hpp"
 #include "schemas/job.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Progress out, cancellation in: the only way the pipeline and the world around it talk while it
 // works. A stage calls report() at least every 200 ms of its work. The callback throws
@@ -16,4 +16,4 @@ using ProgressCallback = std::function<void(const Progress&)>;
 
 inline void ignore_progress(const Progress&) {}
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -5,7 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 void run(int num_threads,
@@ -48,4 +48,4 @@ void for_each_index(int num_threads,
     progress.at(1.0);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

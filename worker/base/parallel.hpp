@@ -5,7 +5,7 @@
 
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Calls work(i) for i in [0, num) on `num_threads` threads (0: all cores), in any order: what each
 // call writes must belong to its i alone, so that the result does not depend on the threads. What a
@@ -27,4 +27,4 @@ void for_each_index(int num_threads,
                     const ProgressShare& progress,
                     const std::function<void(std::size_t)>& work);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // The rotation by |w| about w, rad (Rodrigues), and back with |w| <= pi.
 inline Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& w) {
@@ -46,4 +46,4 @@ inline Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
            (angle - std::sin(angle)) / (squared * angle) * W * W;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // A number in a message, with so many places: the same on every machine.
 inline std::string fixed(double value, int places) {
@@ -19,4 +19,4 @@ inline std::string significant(double value, int digits = 4) {
     return text;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

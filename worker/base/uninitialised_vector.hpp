@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 
 // Leaves what resize() adds as it is in memory, where its type lets it: who writes all of it on
 // several threads has the system bring in the pages on all of them too.
@@ -33,4 +33,4 @@ public:
 template <typename T>
 using UninitialisedVector = std::vector<T, UninitialisedAllocator<T>>;
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

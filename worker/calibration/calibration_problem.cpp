@@ -5,18 +5,18 @@
 #include <ceres/solver.h>
 #include <cmath>
 
+#include "worker/base/rotation_vector.hpp"
+#include "worker/camera/rerectifier.hpp"
 #include "worker/imu/imu_steps.hpp"
 #include "worker/optimisation/reduced_information.hpp"
-#include "worker/optimisation/solver_progress.hpp"
-#include "worker/optimisation/sparse_inverse.hpp"
-#include "worker/camera/rerectifier.hpp"
-#include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/residuals/misaligned_gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/random_walk.hpp"
 #include "worker/optimisation/residuals/relative_pose.hpp"
+#include "worker/optimisation/solver_progress.hpp"
+#include "worker/optimisation/sparse_inverse.hpp"
 #include "worker/types/feature.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::calibration {
 namespace {
 
 constexpr std::size_t kMaxObservations = 20'000;
@@ -43,11 +43,11 @@ constexpr double kPrincipalPointSigma_px = 0.5;
 constexpr double kDistortionSigma = 0.02;
 constexpr double kDistortionShare = 0.15;  // of the coefficient, when that is more
 
-LensChanges prior_sigmas(const Rig& rig) {
+LensChanges prior_sigmas(const types::Rig& rig) {
     LensChanges sigmas;
     for (int side = 0; side < 2; ++side) {
         const auto& k = (side == 0 ? rig.cam0 : rig.cam1).distortion_coefficients;
-        sigmas.segment<LensChange::kSize>(LensChange::kSize * side) << kFocalSigma,
+        sigmas.segment<types::LensChange::kSize>(types::LensChange::kSize * side) << kFocalSigma,
             kPrincipalPointSigma_px, kPrincipalPointSigma_px,
             std::max(kDistortionSigma, kDistortionShare * std::abs(k[0])),
             std::max(kDistortionSigma, kDistortionShare * std::abs(k[1]));
@@ -56,49 +56,50 @@ LensChanges prior_sigmas(const Rig& rig) {
 }
 
 // rad/s; the time lies between two samples.
-Eigen::Vector3d rate_at(const std::vector<ImuSample>& samples, std::int64_t time_ns) {
-    const auto after = std::upper_bound(
-        samples.begin() + 1,
-        samples.end() - 1,
-        time_ns,
-        [](std::int64_t time, const ImuSample& sample) { return time < sample.timestamp_ns; });
-    return interpolate(*(after - 1), *after, time_ns).angular_velocity_imu;
+Eigen::Vector3d rate_at(const std::vector<types::ImuSample>& samples, std::int64_t time_ns) {
+    const auto after = std::upper_bound(samples.begin() + 1,
+                                        samples.end() - 1,
+                                        time_ns,
+                                        [](std::int64_t time, const types::ImuSample& sample) {
+                                            return time < sample.timestamp_ns;
+                                        });
+    return imu::interpolate(*(after - 1), *after, time_ns).angular_velocity_imu;
 }
 
 }  // namespace
 
-std::array<LensChange, 2> split(const LensChanges& changes) {
-    return {LensChange{changes.head<LensChange::kSize>()},
-            LensChange{changes.tail<LensChange::kSize>()}};
+std::array<types::LensChange, 2> split(const LensChanges& changes) {
+    return {types::LensChange{changes.head<types::LensChange::kSize>()},
+            types::LensChange{changes.tail<types::LensChange::kSize>()}};
 }
 
-CalibrationProblem::CalibrationProblem(const Track& track,
-                                       const Recording& recording,
-                                       const InertialPrior& inertial)
+CalibrationProblem::CalibrationProblem(const types::Track& track,
+                                       const types::Recording& recording,
+                                       const imu::InertialPrior& inertial)
     : track_(track),
       recording_(recording),
       inertial_(inertial),
       prior_sigmas_(prior_sigmas(recording.rig())),
       loss_(kHuber),
       lens_loss_(kHuber / kSystematic) {
-    for (const Keyframe& keyframe : track.keyframes) {
+    for (const types::Keyframe& keyframe : track.keyframes) {
         const Eigen::Isometry3d T_world_body = keyframe.T_world_cam * track.rig.T_imu_cam.inverse();
         State& state = states_.emplace_back();
         state.q_world_body = Eigen::Quaterniond(T_world_body.linear()).normalized();
         state.p_world_body = T_world_body.translation();
     }
     std::size_t num_observations = 0;
-    for (const Landmark& landmark : track.landmarks)
+    for (const types::Landmark& landmark : track.landmarks)
         num_observations += landmark.observations.size();
     const std::size_t stride = 1 + num_observations / kMaxObservations;
     for (std::size_t i = 0; i < track.landmarks.size(); i += stride)
         landmarks_.push_back(track.landmarks[i]);
     unknowns_.time_offset_s = track.imu_alignment.time_offset_s;
-    unknowns_.misalignment = vector_from_rotation(track.imu_alignment.q_body_imu);
+    unknowns_.misalignment = base::vector_from_rotation(track.imu_alignment.q_body_imu);
 }
 
 void CalibrationProblem::solve(bool free_lenses,
-                               const ProgressCallback& progress,
+                               const base::ProgressCallback& progress,
                                const Progress& at) {
     for (int i = 0; i < kMaxRounds; ++i)
         if (round(free_lenses, i + 1 == kMaxRounds, progress, at)) return;
@@ -106,7 +107,7 @@ void CalibrationProblem::solve(bool free_lenses,
 
 bool CalibrationProblem::round(bool free_lenses,
                                bool last,
-                               const ProgressCallback& progress,
+                               const base::ProgressCallback& progress,
                                const Progress& at) {
     const CalibrationUnknowns before = unknowns_;
     ceres::Problem::Options options;
@@ -134,7 +135,7 @@ bool CalibrationProblem::round(bool free_lenses,
     solver.function_tolerance = 1e-5;
     solver.logging_type = ceres::SILENT;
     solver.num_threads = 1;
-    SolverProgress callback(progress, at);
+    optimisation::SolverProgress callback(progress, at);
     solver.callbacks.push_back(&callback);
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
@@ -145,24 +146,24 @@ bool CalibrationProblem::round(bool free_lenses,
     return still || last;
 }
 
-std::array<RectifiedLens, 2> CalibrationProblem::lenses() const {
-    auto lenses = rectified_lenses(recording_.rig());
+std::array<camera::RectifiedLens, 2> CalibrationProblem::lenses() const {
+    auto lenses = camera::rectified_lenses(recording_.rig());
     const auto change = split(unknowns_.lenses);
     for (std::size_t side = 0; side < 2; ++side)
-        lenses[side].camera = changed_camera(lenses[side].camera, change[side]);
+        lenses[side].camera = camera::changed_camera(lenses[side].camera, change[side]);
     return lenses;
 }
 
-LensReprojection::Shift CalibrationProblem::shift_of(const std::array<RectifiedLens, 2>& lenses,
-                                                     const Eigen::Vector3d& measured_px) const {
-    const auto left = shift_of_change(track_.rig, lenses[0], measured_px.head<2>());
+LensReprojection::Shift CalibrationProblem::shift_of(
+    const std::array<camera::RectifiedLens, 2>& lenses, const Eigen::Vector3d& measured_px) const {
+    const auto left = camera::shift_of_change(track_.rig, lenses[0], measured_px.head<2>());
     LensReprojection::Shift shift = LensReprojection::Shift::Zero();
-    shift.topLeftCorner<2, LensChange::kSize>() = left;
+    shift.topLeftCorner<2, types::LensChange::kSize>() = left;
     if (measured_px.z() <= 0.0) return shift;
-    const auto right = shift_of_change(
+    const auto right = camera::shift_of_change(
         track_.rig, lenses[1], {measured_px.x() - measured_px.z(), measured_px.y()});
-    shift.bottomLeftCorner<1, LensChange::kSize>() = left.row(0);
-    shift.bottomRightCorner<1, LensChange::kSize>() = -right.row(0);
+    shift.bottomLeftCorner<1, types::LensChange::kSize>() = left.row(0);
+    shift.bottomRightCorner<1, types::LensChange::kSize>() = -right.row(0);
     return shift;
 }
 
@@ -171,9 +172,9 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
                                           bool free_lenses) {
     const Eigen::Vector3d sigma_px = (free_lenses ? kSystematic : 1.0) * kFeatureSigma_px;
     const auto lenses = this->lenses();
-    const Rerectifier rerectifier(recording_.rig(), track_.rig, split(unknowns_.lenses));
-    for (Landmark& landmark : landmarks_) {
-        for (const LandmarkObservation& seen : landmark.observations) {
+    const camera::Rerectifier rerectifier(recording_.rig(), track_.rig, split(unknowns_.lenses));
+    for (types::Landmark& landmark : landmarks_) {
+        for (const types::LandmarkObservation& seen : landmark.observations) {
             const Eigen::Vector3d moved =
                 rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px));
             LensReprojection residual;
@@ -200,7 +201,7 @@ void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
         State& to = states_[k];
         const std::int64_t from_ns = track_.keyframes[k - 1].timestamp_ns + shift_ns;
         const std::int64_t to_ns = track_.keyframes[k].timestamp_ns + shift_ns;
-        const auto integral = integrate_gyroscope(
+        const auto integral = imu::integrate_gyroscope(
             samples, from_ns, to_ns, from.gyroscope_bias_imu, inertial_.noise());
         if (!integral) continue;
         const auto rate = [&](std::int64_t time_ns) {
@@ -208,7 +209,7 @@ void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
         };
         const Eigen::Vector3d by_time =
             rate(to_ns) - integral->q_from_to.conjugate() * rate(from_ns);
-        problem.AddResidualBlock(MisalignedGyroRotationCost::create(
+        problem.AddResidualBlock(optimisation::MisalignedGyroRotationCost::create(
                                      {*integral, by_time, 1e-9 * static_cast<double>(shift_ns)}),
                                  nullptr,
                                  q(from),
@@ -218,7 +219,7 @@ void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
                                  &unknowns_.time_offset_s);
         const double walk =
             inertial_.noise().gyroscope_random_walk * std::sqrt(integral->duration_s);
-        problem.AddResidualBlock(RandomWalk::create(std::max(kMinWalk, walk)),
+        problem.AddResidualBlock(optimisation::RandomWalk::create(std::max(kMinWalk, walk)),
                                  nullptr,
                                  from.gyroscope_bias_imu.data(),
                                  to.gyroscope_bias_imu.data());
@@ -231,7 +232,7 @@ void CalibrationProblem::add_odometry(ceres::Problem& problem) {
             track_.keyframes[k - 1].T_world_cam.inverse() * track_.keyframes[k].T_world_cam;
         const Eigen::Isometry3d T_cam_body = track_.rig.T_imu_cam.inverse();
         problem.AddResidualBlock(
-            RelativePose::create(
+            optimisation::RelativePose::create(
                 T_cam_body.inverse() * T_before_now * T_cam_body, kStepSigma_m, kStepSigma_rad),
             nullptr,
             q(states_[k - 1]),
@@ -273,10 +274,10 @@ void CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
     for (double* block : kept_blocks())
         if (problem.HasParameterBlock(block)) kept.push_back(block);
     std::vector<double*> points;
-    for (Landmark& landmark : landmarks_) points.push_back(landmark.p_world.data());
-    const ReducedInformation information =
-        reduced_information(problem, kept, points, free_lenses ? kHuber / kSystematic : kHuber);
-    const auto inverse = SparseInverse::of(information.lower);
+    for (types::Landmark& landmark : landmarks_) points.push_back(landmark.p_world.data());
+    const optimisation::ReducedInformation information = optimisation::reduced_information(
+        problem, kept, points, free_lenses ? kHuber / kSystematic : kHuber);
+    const auto inverse = optimisation::SparseInverse::of(information.lower);
     if (!inverse) return;
     const auto covariance = [&](const double* block, int size) -> Eigen::MatrixXd {
         const auto at = std::find(kept.begin(), kept.end(), block) - kept.begin();
@@ -291,7 +292,7 @@ void CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
 
 double CalibrationProblem::shift_px(const LensChanges& changes) const {
     constexpr int kSteps = 8;
-    const auto lenses = rectified_lenses(recording_.rig());
+    const auto lenses = camera::rectified_lenses(recording_.rig());
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     Eigen::Vector3d squares = Eigen::Vector3d::Zero();
     for (int i = 0; i <= kSteps; ++i) {
@@ -311,4 +312,4 @@ double CalibrationProblem::shift_px(const LensChanges& changes) const {
     return (squares / kNum - mean.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt().maxCoeff();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::calibration

@@ -8,13 +8,13 @@
 #include <ceres/problem.h>
 #include <vector>
 
-#include "worker/imu/inertial_prior.hpp"
-#include "worker/camera/rectified_lens.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/calibration/lens_reprojection.hpp"
+#include "worker/camera/rectified_lens.hpp"
+#include "worker/imu/inertial_prior.hpp"
 #include "worker/types/track.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::calibration {
 
 using LensChanges = Eigen::Matrix<double, LensReprojection::kNumChanges, 1>;  // left, right
 using LensCovariance =
@@ -34,17 +34,17 @@ struct CalibrationSigmas {
 };
 
 // Of the left and of the right camera.
-std::array<LensChange, 2> split(const LensChanges& changes);
+std::array<types::LensChange, 2> split(const LensChanges& changes);
 
 // The dive with its calibration free.
 class CalibrationProblem {
 public:
-    CalibrationProblem(const Track& track,
-                       const Recording& recording,
-                       const InertialPrior& inertial);
+    CalibrationProblem(const types::Track& track,
+                       const types::Recording& recording,
+                       const imu::InertialPrior& inertial);
 
     // Rounds of least squares, each linear in a time offset and lenses near those of the last one.
-    void solve(bool free_lenses, const ProgressCallback& progress, const Progress& at);
+    void solve(bool free_lenses, const base::ProgressCallback& progress, const Progress& at);
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
     const CalibrationUnknowns& unknowns() const { return unknowns_; }
     const CalibrationSigmas& sigmas() const { return sigmas_; }
@@ -59,7 +59,10 @@ private:
         Eigen::Vector3d gyroscope_bias_imu = Eigen::Vector3d::Zero();  // rad/s
     };
     // True when it was the last one that is needed, or `last`: then the sigmas are known.
-    bool round(bool free_lenses, bool last, const ProgressCallback& progress, const Progress& at);
+    bool round(bool free_lenses,
+               bool last,
+               const base::ProgressCallback& progress,
+               const Progress& at);
     void add_observations(ceres::Problem& problem,
                           ceres::ParameterBlockOrdering& ordering,
                           bool free_lenses);
@@ -68,18 +71,18 @@ private:
     void add_odometry(ceres::Problem& problem);
     void add_priors(ceres::Problem& problem, bool free_lenses);
     void find_sigmas(ceres::Problem& problem, bool free_lenses);
-    LensReprojection::Shift shift_of(const std::array<RectifiedLens, 2>& lenses,
+    LensReprojection::Shift shift_of(const std::array<camera::RectifiedLens, 2>& lenses,
                                      const Eigen::Vector3d& measured_px) const;
-    std::array<RectifiedLens, 2> lenses() const;
+    std::array<camera::RectifiedLens, 2> lenses() const;
     std::vector<double*> kept_blocks();  // all but the landmarks; the unknowns come first
     double* q(State& state) { return state.q_world_body.coeffs().data(); }
 
-    const Track& track_;
-    const Recording& recording_;
-    const InertialPrior& inertial_;
+    const types::Track& track_;
+    const types::Recording& recording_;
+    const imu::InertialPrior& inertial_;
     LensChanges prior_sigmas_;
     std::vector<State> states_;
-    std::vector<Landmark> landmarks_;
+    std::vector<types::Landmark> landmarks_;
     CalibrationUnknowns unknowns_;
     CalibrationSigmas sigmas_;
     ceres::EigenQuaternionManifold rotation_;
@@ -87,4 +90,4 @@ private:
     ceres::HuberLoss lens_loss_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::calibration

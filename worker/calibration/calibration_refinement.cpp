@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/calibration/calibration_problem.hpp"
 #include "worker/camera/rerectifier.hpp"
-#include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::calibration {
 namespace {
 
 constexpr std::size_t kMinCalibrationKeyframes = 5;
@@ -45,10 +45,10 @@ Distortions distortion_alone(const LensChanges& found, const LensCovariance& cov
     return result;
 }
 
-void take_imu(const CalibrationProblem& problem, RefinedCalibration& result) {
+void take_imu(const CalibrationProblem& problem, types::RefinedCalibration& result) {
     const CalibrationUnknowns& found = problem.unknowns();
     const CalibrationSigmas& sigmas = problem.sigmas();
-    result.imu = {found.time_offset_s, rotation_from_vector(found.misalignment)};
+    result.imu = {found.time_offset_s, base::rotation_from_vector(found.misalignment)};
     result.time_offset_sigma_s = sigmas.time_offset_s;
     result.rotation_sigma_rad = sigmas.misalignment.diagonal().cwiseMax(0.0).cwiseSqrt();
     result.time_offset_applied =
@@ -59,13 +59,13 @@ void take_imu(const CalibrationProblem& problem, RefinedCalibration& result) {
 
 }  // namespace
 
-RefinedCalibration refine_calibration(const Track& track,
-                                      const Recording& recording,
-                                      const ReconstructionOptions& options,
-                                      const InertialPrior& inertial,
-                                      const ProgressCallback& progress,
-                                      const Progress& at) {
-    RefinedCalibration result;
+types::RefinedCalibration refine_calibration(const types::Track& track,
+                                             const types::Recording& recording,
+                                             const ReconstructionOptions& options,
+                                             const imu::InertialPrior& inertial,
+                                             const base::ProgressCallback& progress,
+                                             const Progress& at) {
+    types::RefinedCalibration result;
     if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty()) return result;
     CalibrationProblem problem(track, recording, inertial);
     const bool align = options.align_imu && inertial.has_gyroscope();
@@ -79,7 +79,8 @@ RefinedCalibration refine_calibration(const Track& track,
     const LensCovariance covariance = problem.sigmas().lenses;
     const LensChanges sigmas = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     result.lenses = split(found);
-    result.lens_sigmas = {sigmas.head<LensChange::kSize>(), sigmas.tail<LensChange::kSize>()};
+    result.lens_sigmas = {sigmas.head<types::LensChange::kSize>(),
+                          sigmas.tail<types::LensChange::kSize>()};
     const Distortions bent = distortion_alone(found, covariance);
     result.applied_lenses = split(bent.changes);
     result.lens_shift_px = problem.shift_px(bent.changes);
@@ -92,17 +93,20 @@ RefinedCalibration refine_calibration(const Track& track,
     return result;
 }
 
-void apply_calibration(const Rig& rig, const RefinedCalibration& calibration, Track& track) {
-    const RectifiedRig rectified = track.rig;
+void apply_calibration(const types::Rig& rig,
+                       const types::RefinedCalibration& calibration,
+                       types::Track& track) {
+    const types::RectifiedRig rectified = track.rig;
     if (calibration.rotation_applied) {
         const Eigen::Isometry3d T_body_imu(calibration.imu.q_body_imu);
         track.rig.T_imu_cam = T_body_imu.inverse() * track.rig.T_imu_cam;
-        for (StampedPose& pose : track.odometry) pose.T_world_imu = pose.T_world_imu * T_body_imu;
+        for (types::StampedPose& pose : track.odometry)
+            pose.T_world_imu = pose.T_world_imu * T_body_imu;
     }
     if (!calibration.lenses_applied) return;
-    const Rerectifier rerectifier(rig, rectified, calibration.applied_lenses);
-    for (Landmark& landmark : track.landmarks) {
-        for (LandmarkObservation& seen : landmark.observations) {
+    const camera::Rerectifier rerectifier(rig, rectified, calibration.applied_lenses);
+    for (types::Landmark& landmark : track.landmarks) {
+        for (types::LandmarkObservation& seen : landmark.observations) {
             const Eigen::Vector3f moved =
                 rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px))
                     .cast<float>();
@@ -113,4 +117,4 @@ void apply_calibration(const Rig& rig, const RefinedCalibration& calibration, Tr
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::calibration

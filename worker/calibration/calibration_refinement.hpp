@@ -1,26 +1,28 @@
 #pragma once
 
+#include "worker/base/observer.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/types/refined_calibration.hpp"
-#include "worker/base/observer.hpp"
 #include "worker/types/track.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::calibration {
 
 // Bundle adjustment with the calibration free, over keyframes and evenly thinned landmarks: time
 // offset and rotation of the inertial unit by its gyroscope, focal length, principal point, k1 and
 // k2 of both lenses by the pictures as they were recorded, each with a prior as wide as a careful
 // calibration errs. A change is believed when it is significant and large enough to matter: a good
 // calibration stays as it is.
-RefinedCalibration refine_calibration(const Track& track,
-                                      const Recording& recording,
-                                      const ReconstructionOptions& options,
-                                      const InertialPrior& inertial,
-                                      const ProgressCallback& progress,
-                                      const Progress& at);
+types::RefinedCalibration refine_calibration(const types::Track& track,
+                                             const types::Recording& recording,
+                                             const ReconstructionOptions& options,
+                                             const imu::InertialPrior& inertial,
+                                             const base::ProgressCallback& progress,
+                                             const Progress& at);
 
 // Makes the track as if the dive had come with the refined calibration: body, odometry and
 // observations. Poses of the cameras stay.
-void apply_calibration(const Rig& rig, const RefinedCalibration& calibration, Track& track);
+void apply_calibration(const types::Rig& rig,
+                       const types::RefinedCalibration& calibration,
+                       types::Track& track);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::calibration

@@ -6,7 +6,7 @@
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/optimisation/residuals/stereo_reprojection.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::calibration {
 
 // StereoReprojection through lenses that are not quite what rectification took them for:
 //
@@ -15,10 +15,10 @@ namespace divemesh::worker {
 // G, 3 x 10, is how (u, v, disparity) of this observation move with c. Blocks: q_world_imu
 // (x y z w), p_world_imu (m), p_world (m), c.
 struct LensReprojection {
-    static constexpr int kNumChanges = 2 * LensChange::kSize;
+    static constexpr int kNumChanges = 2 * types::LensChange::kSize;
     using Shift = Eigen::Matrix<double, 3, kNumChanges>;
 
-    StereoReprojection stereo;
+    optimisation::StereoReprojection stereo;
     Shift shift_px;
 
     static ceres::CostFunction* create(const LensReprojection& reprojection);
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    StereoReprojectionCost stereo_;
+    optimisation::StereoReprojectionCost stereo_;
     LensReprojection::Shift jacobian_of_change_;
 };
 
@@ -54,4 +54,4 @@ inline ceres::CostFunction* LensReprojection::create(const LensReprojection& rep
     return new LensReprojectionCost(reprojection);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::calibration

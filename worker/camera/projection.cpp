@@ -3,19 +3,19 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::camera {
 namespace {
 
 // Normalised image coordinates through the lens (Brown 1966; Kannala and Brandt 2006).
-Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& n) {
+Eigen::Vector2d distort(const types::Camera& camera, const Eigen::Vector2d& n) {
     const auto& k = camera.distortion_coefficients;
     const double r2 = n.squaredNorm();
-    if (camera.distortion == Distortion::RadialTangential) {
+    if (camera.distortion == types::Distortion::RadialTangential) {
         const double radial = 1.0 + r2 * (k[0] + r2 * k[1]);
         return {n.x() * radial + 2.0 * k[2] * n.x() * n.y() + k[3] * (r2 + 2.0 * n.x() * n.x()),
                 n.y() * radial + k[2] * (r2 + 2.0 * n.y() * n.y()) + 2.0 * k[3] * n.x() * n.y()};
     }
-    if (camera.distortion == Distortion::Equidistant) {
+    if (camera.distortion == types::Distortion::Equidistant) {
         const double r = std::sqrt(r2);
         if (r < 1e-12) return n;
         const double theta = std::atan(r);
@@ -27,14 +27,14 @@ Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& n) {
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& p_cam) {
+std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
     if (p_cam.z() <= 1e-6) return std::nullopt;
     const Eigen::Vector2d d = distort(camera, p_cam.head<2>() / p_cam.z());
     return Eigen::Vector2d(camera.fx_px * d.x() + camera.cx_px,
                            camera.fy_px * d.y() + camera.cy_px);
 }
 
-Eigen::Vector3d unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
+Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
                             (pixel.y() - camera.cy_px) / camera.fy_px);
     // Fixed-point start, then Newton with a numeric Jacobian: converges wherever the model is
@@ -57,9 +57,9 @@ Eigen::Vector3d unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
     return {n.x(), n.y(), 1.0};
 }
 
-bool contains(const Camera& camera, const Eigen::Vector2d& pixel) {
+bool contains(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < camera.width_px - 0.5 &&
            pixel.y() < camera.height_px - 0.5;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::camera

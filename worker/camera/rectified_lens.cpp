@@ -5,7 +5,7 @@
 
 #include "worker/camera/projection.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::camera {
 namespace {
 
 // Column i holds axis i of the rectified camera in the frame of cam0.
@@ -20,34 +20,34 @@ Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
     return axes;
 }
 
-Eigen::Vector2d pixel_of(const Camera& camera, const Eigen::Vector3d& ray_cam) {
+Eigen::Vector2d pixel_of(const types::Camera& camera, const Eigen::Vector3d& ray_cam) {
     return project(camera, ray_cam).value_or(Eigen::Vector2d(-1.0, -1.0));
 }
 
 }  // namespace
 
-Eigen::Vector2d RectifiedLens::recorded_px(const RectifiedRig& rig,
+Eigen::Vector2d RectifiedLens::recorded_px(const types::RectifiedRig& rig,
                                            const Eigen::Vector2d& rectified_px) const {
     return pixel_of(camera,
                     R_camera_rectified * rig.point_cam(rectified_px.x(), rectified_px.y(), 1.0));
 }
 
-Eigen::Vector2d RectifiedLens::rectified_px(const RectifiedRig& rig,
+Eigen::Vector2d RectifiedLens::rectified_px(const types::RectifiedRig& rig,
                                             const Eigen::Vector2d& recorded_px) const {
     Eigen::Vector3d ray = R_camera_rectified.transpose() * unproject(camera, recorded_px);
     ray.z() = std::max(ray.z(), 1e-3);
     return rig.pixel(ray);
 }
 
-std::array<RectifiedLens, 2> rectified_lenses(const Rig& rig) {
+std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
     const Eigen::Matrix3d R_cam0_rectified = rectified_axes(T_cam0_cam1);
     return {{{rig.cam0, R_cam0_rectified},
              {rig.cam1, T_cam0_cam1.linear().transpose() * R_cam0_rectified}}};
 }
 
-Camera changed_camera(const Camera& camera, const LensChange& change) {
-    Camera result = camera;
+types::Camera changed_camera(const types::Camera& camera, const types::LensChange& change) {
+    types::Camera result = camera;
     result.fx_px *= 1.0 + change.values[0];
     result.fy_px *= 1.0 + change.values[0];
     result.cx_px += change.values[1];
@@ -57,9 +57,10 @@ Camera changed_camera(const Camera& camera, const LensChange& change) {
     return result;
 }
 
-Eigen::Matrix<double, 2, LensChange::kSize> shift_of_change(const RectifiedRig& rig,
-                                                            const RectifiedLens& lens,
-                                                            const Eigen::Vector2d& rectified_px) {
+Eigen::Matrix<double, 2, types::LensChange::kSize> shift_of_change(
+    const types::RectifiedRig& rig,
+    const RectifiedLens& lens,
+    const Eigen::Vector2d& rectified_px) {
     constexpr double kStep_px = 0.5;
     Eigen::Matrix2d recorded_by_rectified;
     for (int axis = 0; axis < 2; ++axis) {
@@ -70,10 +71,10 @@ Eigen::Matrix<double, 2, LensChange::kSize> shift_of_change(const RectifiedRig& 
     }
     const Eigen::Vector3d ray =
         lens.R_camera_rectified * rig.point_cam(rectified_px.x(), rectified_px.y(), 1.0);
-    Eigen::Matrix<double, 2, LensChange::kSize> recorded_by_change;
-    for (int i = 0; i < LensChange::kSize; ++i) {
-        LensChange above;
-        LensChange below;
+    Eigen::Matrix<double, 2, types::LensChange::kSize> recorded_by_change;
+    for (int i = 0; i < types::LensChange::kSize; ++i) {
+        types::LensChange above;
+        types::LensChange below;
         const double step = i == 1 || i == 2 ? 0.1 : 1e-4;
         above.values[i] = step;
         below.values[i] = -step;
@@ -84,4 +85,4 @@ Eigen::Matrix<double, 2, LensChange::kSize> shift_of_change(const RectifiedRig& 
     return recorded_by_rectified.inverse() * recorded_by_change;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::camera

@@ -8,7 +8,7 @@
 #include "worker/camera/projection.hpp"
 #include "worker/camera/rectified_lens.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::camera {
 namespace {
 
 // The part of a normalised image plane that a picture covers everywhere.
@@ -19,7 +19,9 @@ struct Extent {
     double bottom = 1e9;
 };
 
-void narrow(Extent& extent, const Camera& camera, const Eigen::Matrix3d& R_rectified_camera) {
+void narrow(Extent& extent,
+            const types::Camera& camera,
+            const Eigen::Matrix3d& R_rectified_camera) {
     const auto ray = [&](double u, double v) {
         const Eigen::Vector3d r = R_rectified_camera * unproject(camera, {u, v});
         return Eigen::Vector2d(r.head<2>() / std::max(r.z(), 1e-3));
@@ -37,7 +39,7 @@ void narrow(Extent& extent, const Camera& camera, const Eigen::Matrix3d& R_recti
 }
 
 // Where every rectified pixel lies in the picture as recorded.
-void make_map(const RectifiedLens& lens, const RectifiedRig& rig, cv::Mat (&map)[2]) {
+void make_map(const RectifiedLens& lens, const types::RectifiedRig& rig, cv::Mat (&map)[2]) {
     cv::Mat x(rig.height_px, rig.width_px, CV_32F);
     cv::Mat y(rig.height_px, rig.width_px, CV_32F);
     for (int v = 0; v < rig.height_px; ++v) {
@@ -58,7 +60,7 @@ cv::Mat remapped(const cv::Mat& image, const cv::Mat (&map)[2]) {
 
 }  // namespace
 
-Rectifier::Rectifier(const Rig& rig) {
+Rectifier::Rectifier(const types::Rig& rig) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
     if (T_cam0_cam1.translation().x() <= 0.0)
         throw Error(ErrorCode::BadData,
@@ -93,8 +95,8 @@ Rectifier::Rectifier(const Rig& rig) {
     make_map(right, rig_, right_map_);
 }
 
-RectifiedFrame Rectifier::rectify(const StereoFrame& frame) const {
-    RectifiedFrame result;
+types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const {
+    types::RectifiedFrame result;
     result.index = frame.index;
     result.timestamp_ns = frame.timestamp_ns;
     result.left = rectify_left(frame.left);
@@ -104,4 +106,4 @@ RectifiedFrame Rectifier::rectify(const StereoFrame& frame) const {
 
 cv::Mat Rectifier::rectify_left(const cv::Mat& image) const { return remapped(image, left_map_); }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::camera

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace divemesh::worker {
+namespace divemesh::camera {
 namespace {
 
 std::array<RectifiedLens, 2> changed(std::array<RectifiedLens, 2> lenses,
-                                     const std::array<LensChange, 2>& change) {
+                                     const std::array<types::LensChange, 2>& change) {
     for (std::size_t side = 0; side < 2; ++side)
         lenses[side].camera = changed_camera(lenses[side].camera, change[side]);
     return lenses;
@@ -43,9 +43,9 @@ float disparity_at(const cv::Mat& disparity, float u, float v, float nearest) {
 
 }  // namespace
 
-Rerectifier::Rerectifier(const Rig& rig,
-                         const RectifiedRig& rectified,
-                         const std::array<LensChange, 2>& change)
+Rerectifier::Rerectifier(const types::Rig& rig,
+                         const types::RectifiedRig& rectified,
+                         const std::array<types::LensChange, 2>& change)
     : rectified_(rectified), stated_(rectified_lenses(rig)), refined_(changed(stated_, change)) {}
 
 Eigen::Vector2d Rerectifier::forward(std::size_t side, const Eigen::Vector2d& pixel) const {
@@ -63,7 +63,7 @@ Eigen::Vector3d Rerectifier::moved(const Eigen::Vector3d& measured_px) const {
     return {left.x(), left.y(), left.x() - right.x()};
 }
 
-KeyframeRerectifier::KeyframeRerectifier(const RectifiedRig& rectified,
+KeyframeRerectifier::KeyframeRerectifier(const types::RectifiedRig& rectified,
                                          const Rerectifier& rerectifier)
     : source_x_(rectified.height_px, rectified.width_px, CV_32F),
       source_y_(rectified.height_px, rectified.width_px, CV_32F),
@@ -86,8 +86,8 @@ KeyframeRerectifier::KeyframeRerectifier(const RectifiedRig& rectified,
     }
 }
 
-KeyframeImages KeyframeRerectifier::moved(const KeyframeImages& images) const {
-    KeyframeImages result;
+types::KeyframeImages KeyframeRerectifier::moved(const types::KeyframeImages& images) const {
+    types::KeyframeImages result;
     result.left_color = moved(images.left_color);
     const cv::Mat& disparity = images.depth.disparity_px;
     result.depth.disparity_px = cv::Mat::zeros(disparity.size(), CV_32F);
@@ -122,4 +122,4 @@ cv::Mat KeyframeRerectifier::moved(const cv::Mat& left) const {
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::camera

@@ -5,18 +5,18 @@
 #include <opencv2/core/mat.hpp>
 
 #include "worker/camera/rectified_lens.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/types/keyframe.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::camera {
 
 // Where the same things would have been seen, had the pair been rectified with other lenses into
 // the same ideal pair.
 class Rerectifier {
 public:
-    Rerectifier(const Rig& rig,
-                const RectifiedRig& rectified,
-                const std::array<LensChange, 2>& change);  // left, right
+    Rerectifier(const types::Rig& rig,
+                const types::RectifiedRig& rectified,
+                const std::array<types::LensChange, 2>& change);  // left, right
 
     // (u, v, disparity); without disparity (<= 0) it stays so.
     Eigen::Vector3d moved(const Eigen::Vector3d& measured_px) const;
@@ -25,7 +25,7 @@ public:
     Eigen::Vector2d back(std::size_t side, const Eigen::Vector2d& pixel) const;
 
 private:
-    RectifiedRig rectified_;
+    types::RectifiedRig rectified_;
     std::array<RectifiedLens, 2> stated_;
     std::array<RectifiedLens, 2> refined_;
 };
@@ -33,11 +33,11 @@ private:
 // The same for whole keyframes. Thread-safe after construction.
 class KeyframeRerectifier {
 public:
-    KeyframeRerectifier(const RectifiedRig& rectified, const Rerectifier& rerectifier);
+    KeyframeRerectifier(const types::RectifiedRig& rectified, const Rerectifier& rerectifier);
 
     // The left picture resampled; depth from both ends of every disparity. The rows along which the
     // pair was matched stay what they were: a vertical error of the right lens is not undone.
-    KeyframeImages moved(const KeyframeImages& images) const;
+    types::KeyframeImages moved(const types::KeyframeImages& images) const;
     cv::Mat moved(const cv::Mat& left) const;
 
 private:
@@ -47,4 +47,4 @@ private:
     cv::Mat shift_right_;  // CV_32F: new u minus old u in the right picture, by old u and v
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::camera

@@ -4,13 +4,13 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "worker/base/hashed_random.hpp"
+#include "worker/base/horn.hpp"
 #include "worker/compare/coarse_alignment.hpp"
 #include "worker/compare/surface_raster.hpp"
-#include "worker/base/horn.hpp"
-#include "worker/base/hashed_random.hpp"
 #include "worker/mesh/mean_edge.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr std::int64_t kMaxCells = 3'000'000;
@@ -27,10 +27,10 @@ struct Described {
     cv::Mat descriptors;
 };
 
-cv::Mat grey_of(const Mesh& mesh, const SurfaceRaster& raster) {
+cv::Mat grey_of(const types::Mesh& mesh, const SurfaceRaster& raster) {
     std::vector<float> brightness(mesh.vertices.size());
     for (std::size_t i = 0; i < brightness.size(); ++i) {
-        const Color& c = mesh.colors[i];
+        const types::Color& c = mesh.colors[i];
         brightness[i] = 0.299F * static_cast<float>(c[0]) + 0.587F * static_cast<float>(c[1]) +
                         0.114F * static_cast<float>(c[2]);
     }
@@ -45,9 +45,9 @@ cv::Mat grey_of(const Mesh& mesh, const SurfaceRaster& raster) {
     return grey;
 }
 
-Described describe(const Mesh& mesh) {
+Described describe(const types::Mesh& mesh) {
     const RasterGrid grid =
-        grid_over(mesh, mesh, std::max(kMinCell_m, mean_edge_m(mesh)), kMaxCells);
+        grid_over(mesh, mesh, std::max(kMinCell_m, mesh::mean_edge_m(mesh)), kMaxCells);
     const SurfaceRaster raster = rasterise(mesh, grid);
     cv::Mat mask(raster.triangle.size(), CV_8U, cv::Scalar::all(0));
     for (int row = 0; row < mask.rows; ++row)
@@ -117,12 +117,14 @@ Pairs find_inliers(const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
 
 }  // namespace
 
-std::vector<CoarseAlignment> align_by_features(const Mesh& a, const Mesh& b, std::uint64_t seed) {
+std::vector<CoarseAlignment> align_by_features(const types::Mesh& a,
+                                               const types::Mesh& b,
+                                               std::uint64_t seed) {
     if (a.colors.empty() || b.colors.empty() || a.triangles.empty() || b.triangles.empty())
         return {};
     const Pairs pairs = match(describe(a), describe(b));
     if (pairs.a.size() < kMinNumPairs) return {};
-    RandomRow random(hash64(seed, 0x6665617475726573ULL));
+    base::RandomRow random(base::hash64(seed, 0x6665617475726573ULL));
     Pairs best;
     const auto draw = [&] { return static_cast<std::size_t>(random.next() % pairs.a.size()); };
     for (int round = 0; round < kRounds; ++round) {
@@ -134,11 +136,11 @@ std::vector<CoarseAlignment> align_by_features(const Mesh& a, const Mesh& b, std
         if (some.a.size() > best.a.size()) best = std::move(some);
     }
     if (best.a.size() < kMinNumPairs) return {};
-    const auto horn = absolute_orientation(best.b, best.a);
+    const auto horn = base::absolute_orientation(best.b, best.a);
     if (!horn) return {};
     best = find_inliers(pairs, horn->T_b_a);
     if (best.a.size() < kMinNumPairs) return {};
     return {{horn->T_b_a, "features", static_cast<double>(best.a.size())}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

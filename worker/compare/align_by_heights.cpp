@@ -5,10 +5,10 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "worker/compare/coarse_alignment.hpp"
 #include "worker/base/parallel.hpp"
+#include "worker/compare/coarse_alignment.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr int kNumHeadings = 90;
@@ -28,7 +28,7 @@ struct Heights {
     double num = 0.0;
 };
 
-Heights heights_of(const Mesh& mesh, double heading, double cell_m, double level_m) {
+Heights heights_of(const types::Mesh& mesh, double heading, double cell_m, double level_m) {
     const Eigen::Rotation2Df rotation(static_cast<float>(heading));
     const auto flat = [&](const Eigen::Vector3f& p) -> Eigen::Vector2f {
         return rotation * Eigen::Vector2f(p.head<2>());
@@ -149,13 +149,13 @@ std::vector<Peak> peaks_at(const Heights& f,
     return peaks;
 }
 
-double mean_height_m(const Mesh& mesh) {
+double mean_height_m(const types::Mesh& mesh) {
     double sum = 0.0;
     for (const Eigen::Vector3f& p : mesh.vertices) sum += static_cast<double>(p.z());
     return sum / static_cast<double>(std::max<std::size_t>(1, mesh.vertices.size()));
 }
 
-double max_side_m(const Mesh& mesh) {
+double max_side_m(const types::Mesh& mesh) {
     Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::max());
     Eigen::Vector2f high = -low;
     for (const Eigen::Vector3f& p : mesh.vertices) {
@@ -167,7 +167,9 @@ double max_side_m(const Mesh& mesh) {
 
 }  // namespace
 
-std::vector<CoarseAlignment> align_by_heights(const Mesh& a, const Mesh& b, int num_threads) {
+std::vector<CoarseAlignment> align_by_heights(const types::Mesh& a,
+                                              const types::Mesh& b,
+                                              int num_threads) {
     if (a.vertices.empty() || b.vertices.empty()) return {};
     const double max_length_m = std::max(max_side_m(a), max_side_m(b));
     const double cell_m = std::max(kMinCell_m, max_length_m / kCellsAcross);
@@ -179,7 +181,7 @@ std::vector<CoarseAlignment> align_by_heights(const Mesh& a, const Mesh& b, int 
                         cv::getOptimalDFTSize(f.height.rows + across_b));
     const Spectra of_f = spectra_of(f, size);
     std::vector<std::vector<Peak>> found(kNumHeadings);
-    for_each_index(num_threads, found.size(), [&](std::size_t i) {
+    base::for_each_index(num_threads, found.size(), [&](std::size_t i) {
         const double heading = 2.0 * std::numbers::pi * static_cast<double>(i) / kNumHeadings;
         const Heights g = heights_of(b, heading, cell_m, level_b);
         found[i] = peaks_at(f, of_f, g, size, heading, cell_m);
@@ -198,4 +200,4 @@ std::vector<CoarseAlignment> align_by_heights(const Mesh& a, const Mesh& b, int 
     return coarse_alignments;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

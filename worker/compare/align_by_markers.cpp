@@ -1,7 +1,7 @@
-#include "worker/compare/coarse_alignment.hpp"
 #include "worker/base/horn.hpp"
+#include "worker/compare/coarse_alignment.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr double kMoved_m = 0.1;
@@ -37,12 +37,12 @@ Shared unmoved(const Shared& all, const Eigen::Isometry3d& T_a_b) {
 std::vector<CoarseAlignment> align_by_markers(const std::vector<MarkerPosition>& a,
                                               const std::vector<MarkerPosition>& b) {
     const Shared all = shared_markers(a, b);
-    const auto first = absolute_orientation(all.b, all.a);
+    const auto first = base::absolute_orientation(all.b, all.a);
     if (!first) return {};
     const Shared some = unmoved(all, first->T_b_a);
-    const auto second = absolute_orientation(some.b, some.a);
+    const auto second = base::absolute_orientation(some.b, some.a);
     if (!second) return {};
     return {{second->T_b_a, "markers", static_cast<double>(some.a.size())}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -10,23 +10,23 @@
 #include "worker/compare/outlined_cells.hpp"
 #include "worker/io/csv_cell.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
 
 constexpr double kMinCoverage = 0.5;
 
-AreaSet read_in_world(const std::filesystem::path& file) {
-    AreaSet set = read_areas(file);
-    if (set.frame != AreaFrame::World)
+reef::AreaSet read_in_world(const std::filesystem::path& file) {
+    reef::AreaSet set = reef::read_areas(file);
+    if (set.frame != reef::AreaFrame::World)
         throw Error(ErrorCode::BadData,
                     file.string() +
                         ": its frame is ground_truth, but a comparison needs areas in the frame of "
                         "the reconstruction that they are drawn on: write \"frame\": \"world\"");
     try {
-        for (const Area& area : set.areas)
-            if (area.kind != AreaKind::Transect) outline_from_above(area);
+        for (const reef::Area& area : set.areas)
+            if (area.kind != reef::AreaKind::Transect) outline_from_above(area);
     } catch (const Error& refused) {
         throw Error(
             refused.code(),
@@ -41,11 +41,11 @@ cv::Mat compared_ground(const ChangeMap& map) {
 }
 
 // Of the ground what lies in quadrats without a label; all of it when there are none.
-cv::Mat in_quadrats(const AreaSet& set, const RasterGrid& grid, const cv::Mat& ground) {
+cv::Mat in_quadrats(const reef::AreaSet& set, const RasterGrid& grid, const cv::Mat& ground) {
     cv::Mat inside = cv::Mat::zeros(ground.size(), CV_8U);
     bool any = false;
-    for (const Area& area : set.areas) {
-        if (area.kind != AreaKind::Quadrat || !area.label.empty()) continue;
+    for (const reef::Area& area : set.areas) {
+        if (area.kind != reef::AreaKind::Quadrat || !area.label.empty()) continue;
         any = true;
         cells_within(outline_from_above(area), grid).add_to(inside);
     }
@@ -123,7 +123,7 @@ json area_json(const ComparedOutline& outline, double area_m2, double coverage) 
     json entry = {{"name", outline.area.name},
                   {"mark", outline.mark},
                   {"dive", outline.dive},
-                  {"kind", to_string(outline.area.kind)},
+                  {"kind", reef::to_string(outline.area.kind)},
                   {"area_m2", area_m2},
                   {"coverage", coverage}};
     if (!outline.area.label.empty()) entry["label"] = outline.area.label;
@@ -139,7 +139,7 @@ void measure_outlines(const std::vector<ComparedOutline>& outlines,
                       LabelCells& labels,
                       json& result) {
     for (const ComparedOutline& outline : outlines) {
-        const Area& area = outline.area;
+        const reef::Area& area = outline.area;
         const double of_outline_m2 = area_m2(outline.outline);
         const OutlinedCells within = cells_within(outline.outline, grid);
         const double coverage = share_on(within, of_outline_m2, measurer.ground(), grid.cell_m);
@@ -184,7 +184,7 @@ json csv_value(const json& metric, const char* time, const char* bound) {
 
 std::string csv_field(const json& value) {
     if (value.is_null()) return "";
-    return value.is_string() ? csv_cell(value.get<std::string>()) : value.dump();
+    return value.is_string() ? io::csv_cell(value.get<std::string>()) : value.dump();
 }
 
 }  // namespace
@@ -198,10 +198,10 @@ ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
 
 std::vector<ComparedOutline> outlines_of(const ComparedAreas& areas) {
     std::vector<ComparedOutline> outlines;
-    const auto add = [&](const AreaSet& set, const char* dive, const char* letter) {
+    const auto add = [&](const reef::AreaSet& set, const char* dive, const char* letter) {
         int number = 0;
-        for (const Area& area : set.areas)
-            if (area.kind != AreaKind::Transect)
+        for (const reef::Area& area : set.areas)
+            if (area.kind != reef::AreaKind::Transect)
                 outlines.push_back(
                     {area, dive, letter + std::to_string(++number), outline_from_above(area)});
     };
@@ -253,4 +253,4 @@ std::string area_changes_csv(const json& metrics) {
     return csv;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -10,12 +10,13 @@
 #include "worker/reef/area_set.hpp"
 #include "worker/reef/polygon.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Outlines of the compared place, in the earlier dive's frame.
 struct ComparedAreas {
-    AreaSet earlier;               // drawn on the earlier dive
-    std::optional<AreaSet> later;  // drawn on the later; nothing: the earlier stand for the place
+    reef::AreaSet earlier;  // drawn on the earlier dive
+    std::optional<reef::AreaSet>
+        later;  // drawn on the later; nothing: the earlier stand for the place
 };
 
 // Reads them. Throws what read_areas throws, and Error{BadData} for a file whose areas are not in
@@ -25,10 +26,10 @@ ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
 
 // A quadrat or a polygon as seen from above.
 struct ComparedOutline {
-    const Area& area;
+    const reef::Area& area;
     const char* dive;  // "earlier" or "later": that it was drawn on
     std::string mark;  // in pictures and tables: A1, A2 ... of the earlier, B1 ... of the later
-    Polygon outline;
+    reef::Polygon outline;
 };
 
 // All of them, those of the earlier dive first. They refer to `areas`.
@@ -53,4 +54,4 @@ nlohmann::json area_changes(const ComparedAreas& areas,
 // earlier, later and change, method, refused (RFC 4180; lines end with \n).
 std::string area_changes_csv(const nlohmann::json& metrics);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -6,21 +6,21 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/base/atomic_file.hpp"
 #include "worker/compare/changed_mesh.hpp"
 #include "worker/compare/outlined_cells.hpp"
-#include "worker/base/atomic_file.hpp"
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr double kMinFull_m = 0.02;
 constexpr double kHeightStep_m = 1e-4;
 constexpr int kZeroHeight = 32768;
 
-cv::Vec3b bgr(const Color& color) { return {color[2], color[1], color[0]}; }
+cv::Vec3b bgr(const types::Color& color) { return {color[2], color[1], color[0]}; }
 
-std::vector<Eigen::Vector3f> shades(const Mesh& mesh) {
+std::vector<Eigen::Vector3f> shades(const types::Mesh& mesh) {
     std::vector<Eigen::Vector3f> colors(mesh.vertices.size());
     for (std::size_t i = 0; i < colors.size(); ++i)
         colors[i] = mesh.colors.empty()
@@ -137,10 +137,10 @@ double full_change_m(const ChangeMap& map) {
         for (int column = 0; column < map.state.cols; ++column)
             if (map.at(row, column) == CellState::Grown || map.at(row, column) == CellState::Lost)
                 sizes.push_back(std::abs(map.change_m.at<float>(row, column)));
-    return std::max(kMinFull_m, static_cast<double>(lower_quantile(std::move(sizes), 0.95)));
+    return std::max(kMinFull_m, static_cast<double>(stats::lower_quantile(std::move(sizes), 0.95)));
 }
 
-cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid) {
+cv::Mat draw_surface(const types::Mesh& mesh, const RasterGrid& grid) {
     const SurfaceRaster raster = rasterise(mesh, grid);
     const auto colors = shades(mesh);
     cv::Mat image(grid.rows, grid.columns, CV_8UC3, cv::Scalar::all(255));
@@ -155,7 +155,7 @@ cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid) {
     return image;
 }
 
-cv::Mat draw_changes(const Mesh& b,
+cv::Mat draw_changes(const types::Mesh& b,
                      const ChangeMap& map,
                      const Changes& changes,
                      const std::vector<ComparedOutline>& outlines,
@@ -223,9 +223,9 @@ void write_difference(const std::filesystem::path& folder,
     if (has_outlines)
         description["colors"]["outlines"] =
             "green: of the earlier dive, A1, A2 ...; violet: of the later, B1 ...";
-    write_file(folder / "mosaic_difference.png", encode_png(image));
-    write_file(folder / "change_height.png", encode_png(heights));
-    write_file(folder / "mosaic_difference.json", description.dump(2) + "\n");
+    base::write_file(folder / "mosaic_difference.png", encode_png(image));
+    base::write_file(folder / "change_height.png", encode_png(heights));
+    base::write_file(folder / "mosaic_difference.json", description.dump(2) + "\n");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

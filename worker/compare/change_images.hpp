@@ -6,7 +6,7 @@
 
 #include "worker/compare/area_changes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // The change that counts as full colour in pictures: 95 % of all significant change is less, 20 mm
 // at least.
@@ -17,14 +17,14 @@ double full_change_m(const ChangeMap& map);
 // their marks in green (earlier dive) and violet (later). Lines and letters are such that they can
 // be seen when the picture is shown `kDisplaySide_px` long.
 inline constexpr int kDisplaySide_px = 1100;
-cv::Mat draw_changes(const Mesh& b,
+cv::Mat draw_changes(const types::Mesh& b,
                      const ChangeMap& map,
                      const Changes& changes,
                      const std::vector<ComparedOutline>& outlines,
                      double full_m);
 
 // A surface from above on the map's grid, in its own colours.
-cv::Mat draw_surface(const Mesh& mesh, const RasterGrid& grid);
+cv::Mat draw_surface(const types::Mesh& mesh, const RasterGrid& grid);
 
 // mosaic_difference.png with mosaic_difference.json (scale, meaning of colours), and
 // change_height.png: 16 bit, the height of b over a; the .json says how.
@@ -37,4 +37,4 @@ void write_difference(const std::filesystem::path& folder,
 std::string encode_png(const cv::Mat& image);
 std::string encode_jpeg(const cv::Mat& image, int max_side_px);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "worker/compare/change_scatter.hpp"
 #include "worker/base/parallel.hpp"
+#include "worker/compare/change_scatter.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
@@ -16,7 +16,10 @@ constexpr float kMinNormalZ = 0.25F;  // normals' z at the least; steeper is mea
 constexpr double kMinBehind_m = 0.005;
 constexpr double kBehindShare = 0.3;  // of the change
 
-std::uint32_t nearest_corner(const Mesh& mesh, const SurfaceRaster& raster, int row, int column) {
+std::uint32_t nearest_corner(const types::Mesh& mesh,
+                             const SurfaceRaster& raster,
+                             int row,
+                             int column) {
     const auto& corners =
         mesh.triangles[static_cast<std::size_t>(raster.triangle.at<int>(row, column))];
     const auto& w = raster.weights.at<cv::Vec2f>(row, column);
@@ -26,7 +29,7 @@ std::uint32_t nearest_corner(const Mesh& mesh, const SurfaceRaster& raster, int 
 }
 
 // Standard deviation of the height, m.
-float height_sigma_m(const Mesh& mesh, std::uint32_t vertex) {
+float height_sigma_m(const types::Mesh& mesh, std::uint32_t vertex) {
     const float along_normal = mesh.sigma_m.empty() ? 0.0F : mesh.sigma_m[vertex];
     return std::max(kMinSigma_m, along_normal) /
            std::max(kMinNormalZ, std::abs(mesh.normals[vertex].z()));
@@ -80,7 +83,7 @@ public:
 
     // Of cells that seem to have changed: the dive without the higher surface must have looked
     // through it. `of_b`: of what was lost, into which b looks.
-    void check(int row, int column, bool of_b, const SurfaceIndex& index) const {
+    void check(int row, int column, bool of_b, const evaluation::SurfaceIndex& index) const {
         const CellState state = map_.at(row, column);
         if (state != (of_b ? CellState::Lost : CellState::Grown)) return;
         const SurfaceRaster& higher = of_b ? raster_a_ : raster_b_;
@@ -137,10 +140,11 @@ ChangeMap map_changes(const Surveyed& a,
         grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
     const Mapper mapper(a, b, registration, map);
     const auto each_cell = [&](const auto& work) {
-        for_each_index(num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
-            for (int column = 0; column < grid.columns; ++column)
-                work(static_cast<int>(row), column);
-        });
+        base::for_each_index(
+            num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
+                for (int column = 0; column < grid.columns; ++column)
+                    work(static_cast<int>(row), column);
+            });
     };
     each_cell([&](int row, int column) { mapper.measure(row, column); });
     mapper.scale(scale_m);
@@ -148,10 +152,10 @@ ChangeMap map_changes(const Surveyed& a,
     for (const bool of_b : {false, true}) {  // one index in memory at a time
         const Surveyed& looking = of_b ? b : a;
         if (!looking.views) continue;
-        const SurfaceIndex index(looking.mesh, true);
+        const evaluation::SurfaceIndex index(looking.mesh, true);
         each_cell([&](int row, int column) { mapper.check(row, column, of_b, index); });
     }
     return map;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

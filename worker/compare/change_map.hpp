@@ -10,7 +10,7 @@
 #include "worker/compare/point_to_plane_icp.hpp"
 #include "worker/compare/surface_raster.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 enum class CellState : std::uint8_t {
     Unseen,  // by either
@@ -38,7 +38,7 @@ struct ChangeMap {
 
 // One dive's surface in a's frame and what was measured from it.
 struct Surveyed {
-    const Mesh& mesh;
+    const types::Mesh& mesh;
     const std::vector<M3c2Distance>& distances;  // of its vertices
     const std::optional<Views>& views;           // into this frame; none: not checked
 };
@@ -54,4 +54,4 @@ ChangeMap map_changes(const Surveyed& a,
                       double scale_m,
                       int num_threads);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

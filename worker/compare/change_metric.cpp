@@ -1,6 +1,6 @@
 #include "worker/compare/change_metric.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 nlohmann::json entry(nlohmann::json whose, const ChangeMetric& metric) {
@@ -13,13 +13,13 @@ nlohmann::json entry(nlohmann::json whose, const ChangeMetric& metric) {
 
 }  // namespace
 
-nlohmann::json estimate_json(const Estimate& estimate) {
+nlohmann::json estimate_json(const stats::Estimate& estimate) {
     return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
 nlohmann::json change_json(nlohmann::json whose,
                            const ChangeMetric& metric,
-                           const Estimate& change) {
+                           const stats::Estimate& change) {
     nlohmann::json json = entry(std::move(whose), metric);
     json["change"] = estimate_json(change);
     json["method"] = metric.method;
@@ -34,4 +34,4 @@ nlohmann::json refused_change_json(nlohmann::json whose,
     return json;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -6,25 +6,25 @@
 
 #include "worker/stats/estimate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // One entry of the figures of areas and labels.
 struct ChangeMetric {
     std::string metric;
     std::string unit;
     std::string method;
-    std::optional<Estimate> earlier = {};
-    std::optional<Estimate> later = {};
+    std::optional<stats::Estimate> earlier = {};
+    std::optional<stats::Estimate> later = {};
 };
 
-nlohmann::json estimate_json(const Estimate& estimate);
+nlohmann::json estimate_json(const stats::Estimate& estimate);
 
 // `whose`: the names of what it is of (area, dive, label), which the entry begins with.
 nlohmann::json change_json(nlohmann::json whose,
                            const ChangeMetric& metric,
-                           const Estimate& change);
+                           const stats::Estimate& change);
 nlohmann::json refused_change_json(nlohmann::json whose,
                                    const ChangeMetric& metric,
                                    const std::string& reason);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -5,7 +5,7 @@
 
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr std::size_t kMinBlocks = 12;
@@ -50,11 +50,11 @@ ChangeNoise measure_noise(const ChangeMap& map, const cv::Mat& counts) {
         std::vector<double> sizes = block_means(map, counts, side);
         if (sizes.size() < kMinBlocks) break;
         for (double& size : sizes) size = std::abs(size);
-        const double sigma =
-            std::max(lower_quantile(sizes, 0.683), lower_quantile(sizes, 0.95) / 1.96);
+        const double sigma = std::max(stats::lower_quantile(sizes, 0.683),
+                                      stats::lower_quantile(sizes, 0.95) / 1.96);
         steps.push_back({side * map.grid.cell_m, sigma, sizes.size()});
     }
     return ChangeNoise(std::move(steps));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

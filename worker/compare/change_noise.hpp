@@ -5,7 +5,7 @@
 
 #include "worker/compare/change_map.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // How the error of a mean change falls with the area it is taken over, measured on stable ground:
 // neighbouring cells err together, so that it falls slower than with the root of their number
@@ -34,4 +34,4 @@ private:
 // % and for 95 % of them.
 ChangeNoise measure_noise(const ChangeMap& map, const cv::Mat& counts);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -7,7 +7,7 @@
 
 #include "worker/compare/change_sums.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr double k95 = 1.96;
@@ -120,7 +120,7 @@ private:
     double volume_of(const Found& found) const {
         return sum_over(window_of(found.window), found.core).volume_m3;
     }
-    ChangeMap window_of(const cv::Rect& window) const { return worker::window_of(map_, window); }
+    ChangeMap window_of(const cv::Rect& window) const { return compare::window_of(map_, window); }
 
     void find(CellState state) {
         cv::Mat labels;
@@ -190,7 +190,7 @@ private:
 
     // Standard deviation of the volume when the outline's bounds hold with 95 %: of what stands up
     // steeply the mesh rounds off the foot or fills it, the same way everywhere.
-    static double outline_m3(const Estimate& area_m2, const ChangeSums& sums) {
+    static double outline_m3(const stats::Estimate& area_m2, const ChangeSums& sums) {
         return std::abs(sums.volume_m3) / std::max(1e-12, area_m2.value) * 0.5 *
                (area_m2.high - area_m2.low) / k95;
     }
@@ -236,7 +236,7 @@ private:
         return exceeded_with(0.05 * std::min(1.0, share));
     }
 
-    Estimate area_of(const Found& found) const {
+    stats::Estimate area_of(const Found& found) const {
         const double cell_m2 = map_.grid.cell_m * map_.grid.cell_m;
         cv::Mat less;
         cv::Mat more;
@@ -303,4 +303,4 @@ Changes gather_changes(ChangeMap& map, const PatchOptions& options) {
     return Gatherer(map, options).gather();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -7,14 +7,14 @@
 #include "worker/compare/change_noise.hpp"
 #include "worker/stats/estimate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Connected ground that rose or sank beyond the level of detection.
 struct ChangePatch {
     int number = 0;  // from 1 on, the largest volume first
     bool grown = false;
-    Estimate area_m2;    // seen from above
-    Estimate volume_m3;  // between both surfaces, positive
+    stats::Estimate area_m2;    // seen from above
+    stats::Estimate volume_m3;  // between both surfaces, positive
     Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
     Eigen::AlignedBox2d box_m;
     double mean_change_m = 0.0;
@@ -25,8 +25,8 @@ struct ChangePatch {
 };
 
 struct ChangeTotal {
-    Estimate area_m2;
-    Estimate volume_m3;          // its upper bound holds what may be outside of the patches as well
+    stats::Estimate area_m2;
+    stats::Estimate volume_m3;   // its upper bound holds what may be outside of the patches as well
     double undetected_m3 = 0.0;  // at most, outside of all patches
     std::size_t num_patches = 0;
 };
@@ -35,7 +35,7 @@ struct Changes {
     std::vector<ChangePatch> patches;
     ChangeTotal grown;
     ChangeTotal lost;
-    Estimate rest_m3;  // rise less fall of the ground outside of all patches
+    stats::Estimate rest_m3;  // rise less fall of the ground outside of all patches
     double rest_m2 = 0.0;
     ChangeNoise noise{std::vector<ChangeNoise::Step>{}};
     double beyond_share =
@@ -63,4 +63,4 @@ struct PatchOptions {
 // of the other ground rose (sank) by beyond what their noise alone shows.
 Changes gather_changes(ChangeMap& map, const PatchOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -7,7 +7,7 @@
 
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr std::array kRanges_m = {0.0, 0.01, 0.02, 0.04, 0.08, 0.16};
@@ -53,8 +53,8 @@ cv::Mat classes_of(const ChangeMap& map,
 
 double robust_sigma(std::vector<float>& sizes) {
     if (sizes.empty()) return 0.0;
-    return std::max(static_cast<double>(lower_quantile(sizes, 0.5)) / 0.6745,
-                    static_cast<double>(lower_quantile(sizes, 0.8)) / 1.2816);
+    return std::max(static_cast<double>(stats::lower_quantile(sizes, 0.5)) / 0.6745,
+                    static_cast<double>(stats::lower_quantile(sizes, 0.8)) / 1.2816);
 }
 
 std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
@@ -86,4 +86,4 @@ std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
     return scatter;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -4,7 +4,7 @@
 
 #include "worker/compare/change_map.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Ground of one kind: as steep, as near to where the compared ground ends. Both are what a mesh
 // errs by that its vertices' sigma does not know: at a step a small shift is a large change, and
@@ -30,4 +30,4 @@ std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
 // the larger. Reorders the values; 0 of none.
 double robust_sigma(std::vector<float>& sizes);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

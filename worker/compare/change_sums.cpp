@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 ChangeSums sum_over(const ChangeMap& map, const cv::Mat& cells) {
     ChangeSums sums;
@@ -39,9 +39,9 @@ double noise_m3(const ChangeSums& sums, const ChangeNoise& noise) {
 
 double registration_m3(const ChangeSums& sums) { return sums.area_m2 * sums.registration_m; }
 
-Estimate interval(double value, double noise, double shared) {
+stats::Estimate interval(double value, double noise, double shared) {
     const double half = 1.96 * std::hypot(noise, shared);
     return {value, value - half, value + half};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

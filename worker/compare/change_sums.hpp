@@ -4,7 +4,7 @@
 #include "worker/compare/change_noise.hpp"
 #include "worker/stats/estimate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // The change of some cells of the ground.
 struct ChangeSums {
@@ -26,6 +26,6 @@ double noise_m3(const ChangeSums& sums, const ChangeNoise& noise);
 double registration_m3(const ChangeSums& sums);
 
 // 95 %; `noise` and `shared` are standard deviations that have nothing to do with each other.
-Estimate interval(double value, double noise, double shared);
+stats::Estimate interval(double value, double noise, double shared);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -8,7 +8,7 @@
 
 #include "worker/base/atomic_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -20,7 +20,7 @@ void put(std::string& bytes, const Value& value) {
     bytes.append(raw, sizeof value);
 }
 
-std::string header_of(const Mesh& mesh) {
+std::string header_of(const types::Mesh& mesh) {
     return "ply\nformat binary_little_endian 1.0\n"
            "comment divemesh; metres, frame of the earlier dive, z up; change since that dive\n"
            "element vertex " +
@@ -35,12 +35,12 @@ std::string header_of(const Mesh& mesh) {
 
 }  // namespace
 
-Color change_color(double change_m, double full_m) {
+types::Color change_color(double change_m, double full_m) {
     if (std::isnan(change_m)) return {150, 150, 150};
     const double share = std::clamp(change_m / full_m, -1.0, 1.0);
-    constexpr Color kWhite = {247, 247, 247};
-    const Color end = share < 0.0 ? Color{178, 24, 43} : Color{33, 102, 172};
-    Color color{};
+    constexpr types::Color kWhite = {247, 247, 247};
+    const types::Color end = share < 0.0 ? types::Color{178, 24, 43} : types::Color{33, 102, 172};
+    types::Color color{};
     for (std::size_t i = 0; i < 3; ++i)
         color[i] = static_cast<std::uint8_t>(
             std::lround(kWhite[i] + std::abs(share) * (end[i] - kWhite[i])));
@@ -48,10 +48,10 @@ Color change_color(double change_m, double full_m) {
 }
 
 void write_changed_mesh(const std::filesystem::path& file,
-                        const Mesh& mesh,
+                        const types::Mesh& mesh,
                         const std::vector<M3c2Distance>& distances,
                         double full_m) {
-    AtomicFile output(file);
+    base::AtomicFile output(file);
     output.write(header_of(mesh));
     std::string record;
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -75,4 +75,4 @@ void write_changed_mesh(const std::filesystem::path& file,
     output.commit();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

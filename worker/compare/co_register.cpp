@@ -10,7 +10,7 @@
 #include "worker/compare/height_spread.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr double kMinAgreement = 0.6;
@@ -30,10 +30,10 @@ constexpr double kAfterHeights_m = 0.35;
 using Column = std::pair<int, int>;
 
 // Points one a cube, the first of each, few enough.
-Mesh thinned(const Mesh& mesh, double spacing_m) {
+types::Mesh thinned(const types::Mesh& mesh, double spacing_m) {
     for (double cube_m = 2.0 * spacing_m;; cube_m *= 1.25) {
         std::set<std::array<int, 3>> cubes;
-        Mesh few;
+        types::Mesh few;
         for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
             std::array<int, 3> cube{};
             for (std::size_t axis = 0; axis < 3; ++axis)
@@ -50,7 +50,7 @@ Mesh thinned(const Mesh& mesh, double spacing_m) {
     }
 }
 
-std::set<Column> ground_of(const Mesh& mesh) {
+std::set<Column> ground_of(const types::Mesh& mesh) {
     std::set<Column> ground;
     for (const Eigen::Vector3f& p : mesh.vertices)
         ground.emplace(static_cast<int>(std::floor(static_cast<double>(p.x()) / kGroundCell_m)),
@@ -63,11 +63,13 @@ Column column_of(const Eigen::Vector3d& p) {
             static_cast<int>(std::floor(p.y() / kGroundCell_m))};
 }
 
-double typical_sigma_m(const Mesh& mesh) { return static_cast<double>(upper_median(mesh.sigma_m)); }
+double typical_sigma_m(const types::Mesh& mesh) {
+    return static_cast<double>(stats::upper_median(mesh.sigma_m));
+}
 
 class Registrar {
 public:
-    Registrar(const Mesh& a, const Mesh& b, const CoRegisterOptions& options)
+    Registrar(const types::Mesh& a, const types::Mesh& b, const CoRegisterOptions& options)
         : options_(options),
           a_(a),
           few_b_(thinned(b, options.spacing_m)),
@@ -135,7 +137,7 @@ public:
     }
 
 private:
-    static SurfacePoints points_of(const Mesh& mesh, const PointGrid& grid) {
+    static SurfacePoints points_of(const types::Mesh& mesh, const PointGrid& grid) {
         return {mesh.vertices, mesh.normals, mesh.sigma_m, grid};
     }
     static double area_m2(const std::set<Column>& ground) {
@@ -169,8 +171,8 @@ private:
     }
 
     const CoRegisterOptions& options_;
-    const Mesh& a_;
-    Mesh few_b_;
+    const types::Mesh& a_;
+    types::Mesh few_b_;
     PointGrid grid_a_;
     PointGrid grid_b_;
     std::set<Column> ground_a_;
@@ -214,10 +216,10 @@ CoRegistration fit_heights(const Registrar& registrar,
 
 }  // namespace
 
-CoRegistration co_register(const Mesh& a,
-                           const Mesh& b,
+CoRegistration co_register(const types::Mesh& a,
+                           const types::Mesh& b,
                            const CoRegisterOptions& options,
-                           const ProgressShare& progress) {
+                           const base::ProgressShare& progress) {
     const Registrar registrar(a, b, options);
     progress.at(0.1);
     for (const CoarseAlignment& guess : options.known)
@@ -233,4 +235,4 @@ CoRegistration co_register(const Mesh& a,
     return fit_heights(registrar, coarse_alignments);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 
+#include "worker/base/parallel.hpp"
 #include "worker/compare/coarse_alignment.hpp"
 #include "worker/compare/point_to_plane_icp.hpp"
-#include "worker/base/parallel.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 struct CoRegisterOptions {
     double spacing_m = 0.01;  // of the vertices
@@ -20,9 +20,9 @@ struct CoRegisterOptions {
 // stable surface and checks the outcome. Throws Error{Conflict} that says what fell short when the
 // surfaces do not lie on each other, share too little ground, or would do so in another place as
 // well.
-CoRegistration co_register(const Mesh& a,
-                           const Mesh& b,
+CoRegistration co_register(const types::Mesh& a,
+                           const types::Mesh& b,
                            const CoRegisterOptions& options,
-                           const ProgressShare& progress);
+                           const base::ProgressShare& progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

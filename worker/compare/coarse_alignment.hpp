@@ -8,7 +8,7 @@
 #include "worker/compare/marker_positions.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Where b could lie in a's frame, before surfaces are fitted to each other. Both worlds have z up;
 // heading and origin are those of each dive's first pose, so that nothing is known of them.
@@ -27,11 +27,15 @@ std::vector<CoarseAlignment> align_by_markers(const std::vector<MarkerPosition>&
 // Features (SIFT, Lowe 2004) of the views from above, matched, with the heights below them: 3D
 // pairs, of which RANSAC over turn about the vertical and shift chooses, and Horn (1987) makes the
 // pose. Nothing when fewer than 12 pairs agree. The score is their number.
-std::vector<CoarseAlignment> align_by_features(const Mesh& a, const Mesh& b, std::uint64_t seed);
+std::vector<CoarseAlignment> align_by_features(const types::Mesh& a,
+                                               const types::Mesh& b,
+                                               std::uint64_t seed);
 
 // Heights on a coarse grid: normalised correlation of what both saw (Padfield 2012, by FFT) at
 // every shift and, four degrees apart, every heading. The best five that differ by more than 0.5 m
 // or 12 degrees; the score is the correlation.
-std::vector<CoarseAlignment> align_by_heights(const Mesh& a, const Mesh& b, int num_threads);
+std::vector<CoarseAlignment> align_by_heights(const types::Mesh& a,
+                                              const types::Mesh& b,
+                                              int num_threads);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr double kMinOverlapShare = 0.25;  // of the smaller outline
 
 // The fan of triangles about q's first corner, each with its sign, is q.
-double in_common_m2(const Polygon& p, const Polygon& q) {
+double in_common_m2(const reef::Polygon& p, const reef::Polygon& q) {
     double sum = 0.0;
     double rotation = 0.0;
     for (std::size_t i = 1; i + 1 < q.size(); ++i) {
@@ -16,13 +16,13 @@ double in_common_m2(const Polygon& p, const Polygon& q) {
         const Eigen::Vector2d v = q[i + 1] - q[0];
         const double twice = u.x() * v.y() - u.y() * v.x();
         rotation += twice;
-        if (twice > 0.0) sum += overlap_m2(p, q[0], q[i], q[i + 1]);
-        if (twice < 0.0) sum -= overlap_m2(p, q[0], q[i + 1], q[i]);
+        if (twice > 0.0) sum += reef::overlap_m2(p, q[0], q[i], q[i + 1]);
+        if (twice < 0.0) sum -= reef::overlap_m2(p, q[0], q[i + 1], q[i]);
     }
     return rotation < 0.0 ? -sum : sum;
 }
 
-Eigen::AlignedBox2d box_of(const Polygon& outline) {
+Eigen::AlignedBox2d box_of(const reef::Polygon& outline) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& p : outline) box.extend(p);
     return box;
@@ -60,13 +60,15 @@ std::vector<Candidate> candidates(const std::vector<Colony>& before,
 
 }  // namespace
 
-std::vector<Colony> colonies_of(const AreaSet& set, const RasterGrid& grid, const cv::Mat& ground) {
+std::vector<Colony> colonies_of(const reef::AreaSet& set,
+                                const RasterGrid& grid,
+                                const cv::Mat& ground) {
     std::vector<Colony> colonies;
-    for (const Area& area : set.areas) {
-        if (area.label.empty() || area.kind == AreaKind::Transect) continue;
+    for (const reef::Area& area : set.areas) {
+        if (area.label.empty() || area.kind == reef::AreaKind::Transect) continue;
         Colony colony{area.name, area.label, outline_from_above(area)};
         colony.area_m2 = area_m2(colony.outline);
-        colony.diameter_m = max_diameter_m(colony.outline);
+        colony.diameter_m = reef::max_diameter_m(colony.outline);
         colony.share =
             share_on(cells_within(colony.outline, grid), colony.area_m2, ground, grid.cell_m);
         colonies.push_back(std::move(colony));
@@ -91,4 +93,4 @@ std::vector<ColonyPair> match_colonies(const std::vector<Colony>& before,
     return pairs;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

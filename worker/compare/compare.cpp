@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "schemas/error.hpp"
+#include "worker/base/atomic_file.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/compare/area_changes.hpp"
 #include "worker/compare/change_images.hpp"
 #include "worker/compare/change_scatter.hpp"
@@ -11,13 +13,11 @@
 #include "worker/compare/co_register.hpp"
 #include "worker/compare/compare_document.hpp"
 #include "worker/compare/compare_report.hpp"
-#include "worker/base/atomic_file.hpp"
 #include "worker/io/mesh_check.hpp"
-#include "worker/base/parallel.hpp"
-#include "worker/stats/quantile.hpp"
 #include "worker/mesh/mean_edge.hpp"
+#include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr double kMinCell_m = 0.005;
@@ -44,26 +44,26 @@ void check(const CompareRequest& request) {
                     "there are areas of the later dive only: give those of the earlier dive too");
 }
 
-Mesh surface_of(const ReconstructionFolder& folder) {
+types::Mesh surface_of(const io::ReconstructionFolder& folder) {
     if (!folder.has_surface())
         throw Error(ErrorCode::BadData,
                     folder.path().string() +
                         " has no mesh.ply, because it was reconstructed without a surface: "
                         "reconstruct it again with surface=true");
-    Mesh mesh = folder.mesh();
+    types::Mesh mesh = folder.mesh();
     if (mesh.triangles.empty())
         throw Error(ErrorCode::BadData,
                     (folder.path() / "mesh.ply").string() +
                         " has no triangles, so there is no surface to compare: use another dive");
-    mesh.normals = unit_normals(mesh);
+    mesh.normals = io::unit_normals(mesh);
     mesh.sigma_local_m = {};  // not asked for
     mesh.num_observations = {};
     return mesh;
 }
 
-CompareOptions settled(CompareOptions options, const Mesh& a, const Mesh& b) {
+CompareOptions settled(CompareOptions options, const types::Mesh& a, const types::Mesh& b) {
     if (options.cell_m == 0.0)
-        options.cell_m = std::max({kMinCell_m, mean_edge_m(a), mean_edge_m(b)});
+        options.cell_m = std::max({kMinCell_m, mesh::mean_edge_m(a), mesh::mean_edge_m(b)});
     if (options.normal_scale_m == 0.0) options.normal_scale_m = 8.0 * options.cell_m;
     if (options.cylinder_m == 0.0) options.cylinder_m = 4.0 * options.cell_m;
     if (options.least_area_m2 == 0.0)
@@ -71,7 +71,7 @@ CompareOptions settled(CompareOptions options, const Mesh& a, const Mesh& b) {
     return options;
 }
 
-void move(Mesh& mesh, const Eigen::Isometry3d& T) {
+void move(types::Mesh& mesh, const Eigen::Isometry3d& T) {
     const Eigen::Matrix3f R = T.linear().cast<float>();
     for (Eigen::Vector3f& p : mesh.vertices) p = (T * p.cast<double>()).cast<float>();
     for (Eigen::Vector3f& n : mesh.normals) n = (R * n).normalized();
@@ -115,12 +115,12 @@ struct Distances {
     double level_factor = 1.0;
 };
 
-Distances measure(const Mesh& a,
-                  const Mesh& b,
+Distances measure(const types::Mesh& a,
+                  const types::Mesh& b,
                   const CoRegistration& registration,
                   const CompareOptions& options,
                   int num_threads,
-                  const ProgressShare& progress) {
+                  const base::ProgressShare& progress) {
     const auto cube_m = static_cast<float>(options.cylinder_m);
     const PointGrid grid_a(a.vertices, cube_m);
     const PointGrid grid_b(b.vertices, cube_m);
@@ -158,21 +158,21 @@ DistanceSummary summarise(const Distances& distances) {
         levels.push_back(distance.lod95_m);
     }
     summary.num_known = values.size();
-    summary.median_m = static_cast<double>(lower_quantile(std::move(values), 0.5));
-    summary.median_abs_m = static_cast<double>(lower_quantile(std::move(sizes), 0.5));
-    summary.median_lod95_m = static_cast<double>(lower_quantile(std::move(levels), 0.5));
+    summary.median_m = static_cast<double>(stats::lower_quantile(std::move(values), 0.5));
+    summary.median_abs_m = static_cast<double>(stats::lower_quantile(std::move(sizes), 0.5));
+    summary.median_lod95_m = static_cast<double>(stats::lower_quantile(std::move(levels), 0.5));
     return summary;
 }
 
 struct Pair {
-    ReconstructionFolder folder_a;
-    ReconstructionFolder folder_b;
-    Mesh a;
-    Mesh b;
+    io::ReconstructionFolder folder_a;
+    io::ReconstructionFolder folder_b;
+    types::Mesh a;
+    types::Mesh b;
 };
 
 Pair read(const CompareRequest& request) {
-    Pair pair{ReconstructionFolder(request.a), ReconstructionFolder(request.b), {}, {}};
+    Pair pair{io::ReconstructionFolder(request.a), io::ReconstructionFolder(request.b), {}, {}};
     pair.a = surface_of(pair.folder_a);
     pair.b = surface_of(pair.folder_b);
     return pair;
@@ -190,15 +190,16 @@ void write_results(const std::filesystem::path& folder,
     const cv::Mat difference = draw_changes(pair.b, map, changes, outlines, full_m);
     write_difference(folder, difference, map, !outlines.empty(), full_m);
     write_changed_mesh(folder / "changed_mesh.ply", pair.b, distances, full_m);
-    write_file(folder / "report.html",
-               compare_report({document,
-                               draw_surface(pair.a, map.grid),
-                               draw_surface(pair.b, map.grid),
-                               difference,
-                               full_m}));
+    base::write_file(folder / "report.html",
+                     compare_report({document,
+                                     draw_surface(pair.a, map.grid),
+                                     draw_surface(pair.b, map.grid),
+                                     difference,
+                                     full_m}));
     if (document.contains("areas"))
-        write_file(folder / "area_changes.csv", area_changes_csv(document["areas"]["figures"]));
-    write_file(folder / "compare.json", document.dump(2) + "\n");
+        base::write_file(folder / "area_changes.csv",
+                         area_changes_csv(document["areas"]["figures"]));
+    base::write_file(folder / "compare.json", document.dump(2) + "\n");
 }
 
 std::optional<ComparedAreas> areas_of(const CompareRequest& request) {
@@ -209,7 +210,7 @@ std::optional<ComparedAreas> areas_of(const CompareRequest& request) {
 CoRegistration lay_over(const Pair& pair,
                         const CompareRequest& request,
                         double spacing_m,
-                        const ProgressShare& progress) {
+                        const base::ProgressShare& progress) {
     return co_register(pair.a,
                        pair.b,
                        {.spacing_m = spacing_m,
@@ -223,10 +224,10 @@ CoRegistration lay_over(const Pair& pair,
 }  // namespace
 
 nlohmann::json compare_reconstructions(const CompareRequest& request,
-                                       const ProgressCallback& report) {
+                                       const base::ProgressCallback& report) {
     check(request);
     const auto stage = [&](const char* name, double begin, double end) {
-        ProgressShare share{name, begin, end, report};
+        base::ProgressShare share{name, begin, end, report};
         share.at(0.0);
         return share;
     };
@@ -237,7 +238,7 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     CompareOptions options = settled(request.options, pair.a, pair.b);
     const CoRegistration registration = lay_over(pair, request, options.cell_m, registering);
     move(pair.b, registration.T_a_b);
-    if (areas && areas->later) areas->later = moved(*areas->later, registration.T_a_b);
+    if (areas && areas->later) areas->later = reef::moved(*areas->later, registration.T_a_b);
     const Distances distances =
         measure(pair.a, pair.b, registration, options, threads, stage("measure", 0.4, 0.7));
     const auto changing = stage("change", 0.7, 0.85);
@@ -277,4 +278,4 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     return document;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -7,7 +7,7 @@
 
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 struct CompareOptions {
     double cell_m = 0.0;          // of the maps; 0: the meshes' mean edge, 5 mm at least
@@ -40,7 +40,7 @@ struct CompareRequest {
 // Error{NotFound} or Error{BadData} for folders that are no reconstructions with a surface,
 // Error{Conflict} when the two cannot be laid over each other (different places, too little
 // overlap, ambiguous ground), Error{InvalidArgument} for options out of range.
-nlohmann::json compare_reconstructions(const CompareRequest& request,
-                                       const ProgressCallback& report = ignore_progress);
+nlohmann::json compare_reconstructions(
+    const CompareRequest& request, const base::ProgressCallback& report = base::ignore_progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -5,14 +5,14 @@
 
 #include "worker/compare/change_metric.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
 
 constexpr double k95 = 1.96;
 
-json dive_of(const ReconstructionFolder& folder) {
+json dive_of(const io::ReconstructionFolder& folder) {
     const json& metrics = folder.metrics();
     const auto text = [&](const char* path) {
         return metrics.value(json::json_pointer(path), std::string());
@@ -25,7 +25,7 @@ json dive_of(const ReconstructionFolder& folder) {
 
 json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 json to_json(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
-json to_json(const Estimate& estimate) { return estimate_json(estimate); }
+json to_json(const stats::Estimate& estimate) { return estimate_json(estimate); }
 
 json to_json(const CoRegistration& fit) {
     const Eigen::Quaterniond q(fit.T_a_b.linear());
@@ -123,4 +123,4 @@ json compare_document(const ComparisonResult& result) {
             {"patches", patches}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -6,7 +6,7 @@
 #include "worker/compare/compare.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // What the M3C2 distances of b's vertices say as a whole.
 struct DistanceSummary {
@@ -20,8 +20,8 @@ struct DistanceSummary {
 };
 
 struct ComparisonResult {
-    const ReconstructionFolder& a;
-    const ReconstructionFolder& b;
+    const io::ReconstructionFolder& a;
+    const io::ReconstructionFolder& b;
     const CompareOptions& options;  // as used: nothing left at 0
     const CoRegistration& registration;
     const DistanceSummary& distances;
@@ -33,4 +33,4 @@ struct ComparisonResult {
 // compare.json (schemas/compare.schema.json).
 nlohmann::json compare_document(const ComparisonResult& result);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

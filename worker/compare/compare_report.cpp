@@ -12,7 +12,7 @@
 #include "worker/report/html_template.hpp"
 #include "worker/report/svg_plot.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
@@ -39,7 +39,7 @@ std::string jpeg(const cv::Mat& image) {
 }
 
 json totals(const json& document) {
-    HtmlRows rows;
+    report::HtmlRows rows;
     for (const char* kind : {"grown", "lost"}) {
         const json& total = document.at(kind);
         const std::string name(kind);
@@ -53,11 +53,11 @@ json totals(const json& document) {
                       bounds(document.at("rest").at("volume_m3"), 1e3, 2));
     rows.emplace_back("rest: beyond its level of detection",
                       number(100.0 * at(document, "/rest/beyond_share"), 1) + " %");
-    return rows_values(rows);
+    return report::rows_values(rows);
 }
 
 json ground(const json& document) {
-    HtmlRows rows;
+    report::HtmlRows rows;
     rows.emplace_back("seen by both", number(at(document, "/ground/both_m2"), 2) + " m²");
     rows.emplace_back("by the earlier dive alone",
                       number(at(document, "/ground/only_a_m2"), 2) + " m²");
@@ -75,12 +75,12 @@ json ground(const json& document) {
                       number(1e3 * at(document, "/options/cell_m"), 1) + ", " +
                           number(1e3 * at(document, "/options/cylinder_m"), 0) + ", " +
                           number(1e3 * at(document, "/options/normal_scale_m"), 0) + " mm");
-    return rows_values(rows);
+    return report::rows_values(rows);
 }
 
 json registration(const json& document) {
     const json& fit = document.at("registration");
-    HtmlRows rows;
+    report::HtmlRows rows;
     rows.emplace_back("found by", fit.at("method").get<std::string>());
     rows.emplace_back("of the later dive over ground of the earlier",
                       number(100.0 * at(fit, "/overlap"), 0) + " %");
@@ -97,7 +97,7 @@ json registration(const json& document) {
                           number(at(fit, "/uncertainty95/heading_deg"), 3) + "°");
     rows.emplace_back("patches that err independently",
                       std::to_string(fit.at("num_patches").get<int>()));
-    return rows_values(rows);
+    return report::rows_values(rows);
 }
 
 json patches(const json& document) {
@@ -157,7 +157,7 @@ json label_changes(const json& metrics) {
                             ? "refused: " + metric.at("refused").get<std::string>()
                             : estimate_text(metric, "change", factor)});
     }
-    return grid_values(rows);
+    return report::grid_values(rows);
 }
 
 // Of each outline, by dive and name: its figures by theirs.
@@ -200,7 +200,7 @@ json outline_changes(const json& areas) {
         }
         rows.push_back(std::move(row));
     }
-    return grid_values(rows);
+    return report::grid_values(rows);
 }
 
 json areas(const json& document) {
@@ -211,9 +211,9 @@ json areas(const json& document) {
             {"outlines", outline_changes(*found)}};
 }
 
-Plot noise_plot(const json& document) {
-    PlotLine measured{"measured on stable ground", "#0b6fa4", {}, {}};
-    PlotLine independent{"if cells erred independently", "#9aa7af", {}, {}};
+report::Plot noise_plot(const json& document) {
+    report::PlotLine measured{"measured on stable ground", "#0b6fa4", {}, {}};
+    report::PlotLine independent{"if cells erred independently", "#9aa7af", {}, {}};
     for (const json& step : document.at("noise")) {
         const double side_m = step.at("side_m").get<double>();
         measured.x.push_back(side_m);
@@ -237,7 +237,7 @@ std::string title_of(const json& dive) {
 
 std::string compare_report(const CompareReportInput& input) {
     const json& document = input.document;
-    return fill_template(
+    return report::fill_template(
         comparison_page_html(),
         {{"title", title_of(document.at("a")) + " → " + title_of(document.at("b"))},
          {"full_change", number(1e3 * input.full_change_m, 0) + " mm"},
@@ -249,7 +249,7 @@ std::string compare_report(const CompareReportInput& input) {
          {"patches", patches(document)},
          {"areas", areas(document)},
          {"registration", registration(document)},
-         {"noise", svg_plot(noise_plot(document))}});
+         {"noise", report::svg_plot(noise_plot(document))}});
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

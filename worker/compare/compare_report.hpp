@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 struct CompareReportInput {
     const nlohmann::json& document;  // compare.json
@@ -19,4 +19,4 @@ struct CompareReportInput {
 // from dives are escaped, no script, nothing is loaded.
 std::string compare_report(const CompareReportInput& input);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

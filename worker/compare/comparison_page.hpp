@@ -2,9 +2,9 @@
 
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // The template beside this file, for fill_template().
 std::string_view comparison_page_html();
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -8,7 +8,7 @@
 #include "schemas/error.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 std::optional<Views> read_views(const std::filesystem::path& folder) {
     const auto file = folder / "keyframes.json";
@@ -25,13 +25,13 @@ std::optional<Views> read_views(const std::filesystem::path& folder) {
     } catch (const nlohmann::json::exception& error) {
         throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
     }
-    for (const KeyframePose& keyframe : ReconstructionFolder(folder).keyframes())
+    for (const io::KeyframePose& keyframe : io::ReconstructionFolder(folder).keyframes())
         views.T_cam_world.push_back(keyframe.T_world_cam.inverse());
     return views;
 }
 
 bool is_free_space(const Views& views,
-                   const SurfaceIndex& surface,
+                   const evaluation::SurfaceIndex& surface,
                    const Eigen::Vector3d& p_world,
                    double behind_m) {
     return std::ranges::any_of(views.T_cam_world, [&](const Eigen::Isometry3d& T_cam_world) {
@@ -48,4 +48,4 @@ bool is_free_space(const Views& views,
     });
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

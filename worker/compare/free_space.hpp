@@ -7,7 +7,7 @@
 
 #include "worker/evaluation/surface_index.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Pinhole views of a dive, as keyframes.json has them.
 struct Views {
@@ -24,8 +24,8 @@ std::optional<Views> read_views(const std::filesystem::path& folder);
 // Whether some view looked through place p at the mesh behind it, at least `behind_m` farther: the
 // dive then knows that p was free.
 bool is_free_space(const Views& views,
-                   const SurfaceIndex& surface,
+                   const evaluation::SurfaceIndex& surface,
                    const Eigen::Vector3d& p_world,
                    double behind_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

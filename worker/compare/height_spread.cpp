@@ -5,11 +5,11 @@
 
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 double percentile_80(std::vector<double> values) {
     for (double& value : values) value = std::abs(value);
-    return upper_quantile(std::move(values), 0.8);
+    return stats::upper_quantile(std::move(values), 0.8);
 }
 
 double height_spread_m(const std::vector<Eigen::Vector3d>& places) {
@@ -33,4 +33,4 @@ double height_spread_m(const std::vector<Eigen::Vector3d>& places) {
     return percentile_80(std::move(heights));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // The size that four fifths of the values do not exceed; 0 of none.
 double percentile_80(std::vector<double> values);
@@ -12,4 +12,4 @@ double percentile_80(std::vector<double> values);
 // more. 0 of fewer than four, and of such as lie above a line.
 double height_spread_m(const std::vector<Eigen::Vector3d>& places);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

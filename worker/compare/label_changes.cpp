@@ -6,7 +6,7 @@
 #include "worker/reef/population.hpp"
 #include "worker/reef/population_change.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
@@ -15,9 +15,9 @@ constexpr double kMinShare = 0.5;
 
 // The colonies of one label.
 struct LabelChange {
-    std::vector<Individual> areas_m2;      // of those that count
-    std::vector<Individual> diameters_m;   // likewise
-    std::vector<Individual> on_ground_m2;  // of all, what lies on the surveyed ground
+    std::vector<reef::Individual> areas_m2;      // of those that count
+    std::vector<reef::Individual> diameters_m;   // likewise
+    std::vector<reef::Individual> on_ground_m2;  // of all, what lies on the surveyed ground
 };
 
 const Colony* at(const std::vector<Colony>& colonies, int index) {
@@ -26,8 +26,8 @@ const Colony* at(const std::vector<Colony>& colonies, int index) {
 
 // `size` of a colony, at both times.
 template <typename Size>
-Individual individual(const Colony* before, const Colony* after, const Size& size) {
-    Individual individual;
+reef::Individual individual(const Colony* before, const Colony* after, const Size& size) {
+    reef::Individual individual;
     if (before != nullptr) individual.before = size(*before);
     if (after != nullptr) individual.after = size(*after);
     return individual;
@@ -50,14 +50,14 @@ std::map<std::string, LabelChange> by_label(const ComparedColonies& colonies) {
     return labels;
 }
 
-std::vector<double> sizes_of(const std::vector<Individual>& individuals, bool later) {
+std::vector<double> sizes_of(const std::vector<reef::Individual>& individuals, bool later) {
     std::vector<double> sizes;
-    for (const Individual& one : individuals)
+    for (const reef::Individual& one : individuals)
         if (const auto& size = later ? one.after : one.before) sizes.push_back(*size);
     return sizes;
 }
 
-Estimate over(const Estimate& estimate, double surveyed_m2) {
+stats::Estimate over(const stats::Estimate& estimate, double surveyed_m2) {
     return {estimate.value / surveyed_m2, estimate.low / surveyed_m2, estimate.high / surveyed_m2};
 }
 
@@ -72,18 +72,18 @@ public:
         const auto metric = [&](const char* name,
                                 const char* unit,
                                 const char* method,
-                                const std::vector<Individual>& individuals,
+                                const std::vector<reef::Individual>& individuals,
                                 const auto& at_one_time) {
             ChangeMetric made{name, unit, method, at_one_time(sizes_of(individuals, false))};
             if (colonies_.have_later) made.later = at_one_time(sizes_of(individuals, true));
             return made;
         };
-        const Estimate count = count_change(change.areas_m2);
-        const auto count_of = [](const auto& sizes) { return poisson_count(sizes.size()); };
+        const stats::Estimate count = reef::count_change(change.areas_m2);
+        const auto count_of = [](const auto& sizes) { return reef::poisson_count(sizes.size()); };
         put(metric("count", "", "new minus gone colonies, Poisson", change.areas_m2, count_of),
             count);
         const auto density = [&](const auto& sizes) {
-            return density_per_m2({sizes, {}, ground_m2});
+            return reef::density_per_m2({sizes, {}, ground_m2});
         };
         put(metric("population_density",
                    "1/m2",
@@ -91,13 +91,15 @@ public:
                    change.areas_m2,
                    density),
             over(count, ground_m2));
-        const auto cover_of = [&](const auto& sizes) { return cover({sizes, {}, ground_m2}); };
+        const auto cover_of = [&](const auto& sizes) {
+            return reef::cover({sizes, {}, ground_m2});
+        };
         put(metric("cover",
                    "",
                    "area of the colonies over surveyed ground, compound Poisson",
                    change.on_ground_m2,
                    cover_of),
-            over(sum_change(change.on_ground_m2), ground_m2));
+            over(reef::sum_change(change.on_ground_m2), ground_m2));
         add_median("colony_area_median", "m2", change.areas_m2);
         add_median("colony_diameter_median", "m", change.diameters_m);
     }
@@ -105,7 +107,7 @@ public:
     json take() { return std::move(metrics_); }
 
 private:
-    void put(const ChangeMetric& metric, const Estimate& change) {
+    void put(const ChangeMetric& metric, const stats::Estimate& change) {
         metrics_.push_back(
             colonies_.have_later
                 ? change_json(whose_, metric, change)
@@ -115,21 +117,23 @@ private:
                       "there are outlines of only one year: give those of the later dive too"));
     }
 
-    void add_median(const char* name, const char* unit, const std::vector<Individual>& sizes) {
+    void add_median(const char* name,
+                    const char* unit,
+                    const std::vector<reef::Individual>& sizes) {
         ChangeMetric metric{name, unit, "over the colonies of each year, bootstrap"};
-        const auto median_of = [&](bool later) -> std::optional<Estimate> {
+        const auto median_of = [&](bool later) -> std::optional<stats::Estimate> {
             const std::vector<double> values = sizes_of(sizes, later);
             if (values.empty()) return std::nullopt;
-            return size_quantile(values, 0.5, seed_);
+            return reef::size_quantile(values, 0.5, seed_);
         };
         metric.earlier = median_of(false);
         if (colonies_.have_later) metric.later = median_of(true);
-        const auto change = median_change(sizes, seed_);
+        const auto change = reef::median_change(sizes, seed_);
         if (!change && colonies_.have_later)
             metrics_.push_back(
                 refused_change_json(whose_, metric, "one of the two years has no such colony"));
         else
-            put(metric, change.value_or(Estimate{}));
+            put(metric, change.value_or(stats::Estimate{}));
     }
 
     const ComparedColonies& colonies_;
@@ -146,4 +150,4 @@ json label_changes(const ComparedColonies& colonies, std::uint64_t seed) {
     return metrics.take();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

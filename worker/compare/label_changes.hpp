@@ -5,7 +5,7 @@
 
 #include "worker/compare/colonies.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // What became of the colonies of each label.
 struct ComparedColonies {
@@ -21,4 +21,4 @@ struct ComparedColonies {
 // on the surveyed ground; cover counts what lies on it.
 nlohmann::json label_changes(const ComparedColonies& colonies, std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -4,7 +4,7 @@
 
 #include "worker/base/parallel.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr std::size_t kSlice = 4096;  // cores a thread takes at a time
@@ -99,7 +99,7 @@ std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
     std::vector<M3c2Distance> distances(core.points.size());
     // Neighbours after each other: what is about them is in the cache.
     const std::vector<std::uint32_t>& order = core.grid.in_order();
-    for_each_index(num_threads, (order.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+    base::for_each_index(num_threads, (order.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
         std::vector<Along> points;
         for (std::size_t k = slice * kSlice; k < std::min(order.size(), (slice + 1) * kSlice);
              ++k) {
@@ -121,4 +121,4 @@ std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
     return distances;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -7,7 +7,7 @@
 
 #include "worker/compare/point_grid.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // The vertices of a surface, ready to be asked for those about a line.
 struct SurfacePoints {
@@ -50,4 +50,4 @@ std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
                                          const M3c2Options& options,
                                          int num_threads);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

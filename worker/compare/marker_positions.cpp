@@ -7,7 +7,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 MarkerPosition position_of(const nlohmann::json& entry) {
@@ -41,7 +41,7 @@ int largest_segment(const nlohmann::json& metrics) {
 
 }  // namespace
 
-std::vector<MarkerPosition> marker_positions(const ReconstructionFolder& folder) {
+std::vector<MarkerPosition> marker_positions(const io::ReconstructionFolder& folder) {
     std::vector<MarkerPosition> positions;
     const auto section = folder.metrics().find("markers");
     if (section == folder.metrics().end()) return positions;
@@ -56,4 +56,4 @@ std::vector<MarkerPosition> marker_positions(const ReconstructionFolder& folder)
     return positions;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -6,7 +6,7 @@
 
 #include "worker/io/reconstruction_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Where the middle of a marker lies, as a reconstruction found it: a fixed point between dives.
 struct MarkerPosition {
@@ -19,6 +19,6 @@ struct MarkerPosition {
 // Of the section `markers` of metrics.json, by rising id; empty when nobody looked for markers or
 // none was found. Markers of a piece that is not tied to the largest one are left out. Throws
 // Error{BadData} when the section is not as schemas/metrics.schema.json has it.
-std::vector<MarkerPosition> marker_positions(const ReconstructionFolder& folder);
+std::vector<MarkerPosition> marker_positions(const io::ReconstructionFolder& folder);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

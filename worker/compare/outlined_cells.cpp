@@ -6,11 +6,11 @@
 
 #include "worker/reef/area_plane.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 // Of the map, a cell farther out than needed.
-cv::Rect window_about(const Polygon& corners, const RasterGrid& grid) {
+cv::Rect window_about(const reef::Polygon& corners, const RasterGrid& grid) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& p : corners) box.extend(p);
     const auto within = [](double place, int most) {
@@ -23,7 +23,7 @@ cv::Rect window_about(const Polygon& corners, const RasterGrid& grid) {
 }
 
 // Where the outline crosses a horizontal line, from left to right.
-std::vector<double> crossings(const Polygon& corners, double y) {
+std::vector<double> crossings(const reef::Polygon& corners, double y) {
     std::vector<double> places;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Eigen::Vector2d& a = corners[i];
@@ -37,17 +37,17 @@ std::vector<double> crossings(const Polygon& corners, double y) {
 
 }  // namespace
 
-Polygon outline_from_above(const Area& area) {
-    Area level = area;
+reef::Polygon outline_from_above(const reef::Area& area) {
+    reef::Area level = area;
     level.normal = Eigen::Vector3d::UnitZ();
-    plane_of(level);
-    Polygon outline;
+    reef::plane_of(level);
+    reef::Polygon outline;
     for (const Eigen::Vector3d& point : area.points) outline.emplace_back(point.head<2>());
     return outline;
 }
 
-Polygon in_cells(const Polygon& outline, const RasterGrid& grid) {
-    Polygon corners;
+reef::Polygon in_cells(const reef::Polygon& outline, const RasterGrid& grid) {
+    reef::Polygon corners;
     for (const Eigen::Vector2d& p : outline)
         corners.emplace_back((p.x() - grid.corner_m.x()) / grid.cell_m,
                              (grid.corner_m.y() - p.y()) / grid.cell_m);
@@ -69,8 +69,8 @@ double share_on(const OutlinedCells& within, double area_m2, const cv::Mat& map,
     return within.num_on(map) / num;
 }
 
-OutlinedCells cells_within(const Polygon& outline, const RasterGrid& grid) {
-    const Polygon corners = in_cells(outline, grid);
+OutlinedCells cells_within(const reef::Polygon& outline, const RasterGrid& grid) {
+    const reef::Polygon corners = in_cells(outline, grid);
     OutlinedCells within;
     within.window = window_about(corners, grid);
     within.cells = cv::Mat::zeros(within.window.size(), CV_8U);
@@ -90,4 +90,4 @@ OutlinedCells cells_within(const Polygon& outline, const RasterGrid& grid) {
     return within;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -6,14 +6,14 @@
 #include "worker/reef/area_set.hpp"
 #include "worker/reef/polygon.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // The outline of a quadrat or a polygon as seen from above: x and y of its corners. Throws
 // Error{BadData} that names the area when from above it has no area or its sides cross.
-Polygon outline_from_above(const Area& area);
+reef::Polygon outline_from_above(const reef::Area& area);
 
 // In cells of the map: x along columns, y along rows, whole at the cells' sides.
-Polygon in_cells(const Polygon& outline, const RasterGrid& grid);
+reef::Polygon in_cells(const reef::Polygon& outline, const RasterGrid& grid);
 
 // Cells of a map whose middle lies within an outline.
 struct OutlinedCells {
@@ -24,9 +24,9 @@ struct OutlinedCells {
     void add_to(cv::Mat& map) const;
 };
 
-OutlinedCells cells_within(const Polygon& outline, const RasterGrid& grid);
+OutlinedCells cells_within(const reef::Polygon& outline, const RasterGrid& grid);
 
 // Of an outline with that area the share that a map names; what lies beside the map counts as not.
 double share_on(const OutlinedCells& within, double area_m2, const cv::Mat& map, double cell_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -4,7 +4,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr int kBitsPerAxis = 16;  // of a region's place
@@ -245,4 +245,4 @@ std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& p,
     return best;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

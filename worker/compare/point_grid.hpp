@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Points sorted into cubes, to find those near a place or along a line. 8 x 8 x 8 cubes are a block
 // and 4 x 4 x 4 blocks a region; regions are found by where they are, and each level says which of
@@ -216,4 +216,4 @@ void PointGrid::near_segment(const Eigen::Vector3f& from,
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

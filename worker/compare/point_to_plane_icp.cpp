@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "worker/base/rotation_vector.hpp"
 #include "worker/base/parallel.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -44,7 +44,7 @@ std::vector<Partner> find_partners(const SurfacePoints& a,
                                    std::vector<std::optional<std::uint32_t>>& nearest_points) {
     std::vector<Partner> partners(b.points.size());
     constexpr std::size_t kSlice = 1024;
-    for_each_index(
+    base::for_each_index(
         options.num_threads, (partners.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
             for (std::size_t i = slice * kSlice;
                  i < std::min(partners.size(), (slice + 1) * kSlice);
@@ -73,7 +73,8 @@ double robust_scale(const std::vector<Partner>& partners) {
     std::vector<double> sizes;
     for (const Partner& partner : partners)
         if (partner.found) sizes.push_back(std::abs(partner.residual_m));
-    return sizes.empty() ? 0.0 : std::max(kMinScale_m, 1.4826 * upper_median(std::move(sizes)));
+    return sizes.empty() ? 0.0
+                         : std::max(kMinScale_m, 1.4826 * stats::upper_median(std::move(sizes)));
 }
 
 struct Fit {
@@ -150,7 +151,7 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& T_a_b,
                         const Vector6d& step,
                         const Eigen::Vector3d& pivot) {
     Eigen::Isometry3d move = Eigen::Isometry3d::Identity();
-    move.linear() = rotation_from_vector(step.head<3>()).toRotationMatrix();
+    move.linear() = base::rotation_from_vector(step.head<3>()).toRotationMatrix();
     move.translation() = pivot - move.linear() * pivot + step.tail<3>();
     return move * T_a_b;
 }
@@ -204,4 +205,4 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

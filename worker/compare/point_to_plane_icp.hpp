@@ -7,7 +7,7 @@
 
 #include "worker/compare/m3c2.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -47,4 +47,4 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
                                                  const Eigen::Isometry3d& T_a_b,
                                                  const IcpOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -6,13 +6,13 @@
 
 #include "worker/mesh/triangle_pixels.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
 // The higher surface wins; of equals the one drawn first.
-void draw(const PixelTriangle& corners, int index, SurfaceRaster& raster) {
+void draw(const mesh::PixelTriangle& corners, int index, SurfaceRaster& raster) {
     const auto set = [&](int row, int column, const Eigen::Vector3f& weights, float height) {
         auto& highest = raster.height_m.at<float>(row, column);
         if (height <= highest) return;  // false where there was nothing
@@ -20,15 +20,18 @@ void draw(const PixelTriangle& corners, int index, SurfaceRaster& raster) {
         raster.triangle.at<int>(row, column) = index;
         raster.weights.at<cv::Vec2f>(row, column) = {weights[1], weights[2]};
     };
-    for_each_pixel(corners, raster.triangle.rows, raster.triangle.cols, set);
+    mesh::for_each_pixel(corners, raster.triangle.rows, raster.triangle.cols, set);
 }
 
 }  // namespace
 
-RasterGrid grid_over(const Mesh& a, const Mesh& b, double cell_m, std::int64_t max_cells) {
+RasterGrid grid_over(const types::Mesh& a,
+                     const types::Mesh& b,
+                     double cell_m,
+                     std::int64_t max_cells) {
     Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
     Eigen::Vector2d high = -low;
-    for (const Mesh* mesh : {&a, &b})
+    for (const types::Mesh* mesh : {&a, &b})
         for (const Eigen::Vector3f& p : mesh->vertices) {
             low = low.cwiseMin(p.head<2>().cast<double>());
             high = high.cwiseMax(p.head<2>().cast<double>());
@@ -48,12 +51,12 @@ RasterGrid grid_over(const Mesh& a, const Mesh& b, double cell_m, std::int64_t m
     return grid;
 }
 
-SurfaceRaster rasterise(const Mesh& mesh, const RasterGrid& grid) {
+SurfaceRaster rasterise(const types::Mesh& mesh, const RasterGrid& grid) {
     SurfaceRaster raster{cv::Mat(grid.rows, grid.columns, CV_32F, cv::Scalar::all(kNothing)),
                          cv::Mat(grid.rows, grid.columns, CV_32S, cv::Scalar::all(-1)),
                          cv::Mat(grid.rows, grid.columns, CV_32FC2, cv::Scalar::all(0))};
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        PixelTriangle corners;
+        mesh::PixelTriangle corners;
         for (std::size_t k = 0; k < 3; ++k) {
             const Eigen::Vector3d p = mesh.vertices[mesh.triangles[i][k]].cast<double>();
             corners[k] = Eigen::Vector3d((p.x() - grid.corner_m.x()) / grid.cell_m,
@@ -66,4 +69,4 @@ SurfaceRaster rasterise(const Mesh& mesh, const RasterGrid& grid) {
     return raster;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

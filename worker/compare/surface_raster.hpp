@@ -5,7 +5,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 
 // Square cells of the horizontal plane. Row 0 is north (largest y), column 0 west; cell (0, 0) has
 // its outer corner at `corner_m`.
@@ -29,7 +29,7 @@ struct SurfaceRaster {
     bool seen(int row, int column) const { return triangle.at<int>(row, column) >= 0; }
     // Of a value per vertex, where something was seen.
     template <typename Value>
-    Value interpolate(const Mesh& mesh,
+    Value interpolate(const types::Mesh& mesh,
                       const std::vector<Value>& values,
                       int row,
                       int column) const {
@@ -43,8 +43,11 @@ struct SurfaceRaster {
 
 // A grid over the bounds of both meshes, with coarser cells where it would have more than
 // `max_cells`.
-RasterGrid grid_over(const Mesh& a, const Mesh& b, double cell_m, std::int64_t max_cells);
+RasterGrid grid_over(const types::Mesh& a,
+                     const types::Mesh& b,
+                     double cell_m,
+                     std::int64_t max_cells);
 
-SurfaceRaster rasterise(const Mesh& mesh, const RasterGrid& grid);
+SurfaceRaster rasterise(const types::Mesh& mesh, const RasterGrid& grid);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -3,13 +3,13 @@
 #include "worker/dive/dive_files.hpp"
 #include "worker/dive/dive_source.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 std::string archive_content_sha256(const std::filesystem::path& archive,
-                                   const ProgressCallback& progress) {
+                                   const base::ProgressCallback& progress) {
     constexpr auto nowhere = "";  // hashes are made while unpacking: nothing has to be kept
     const DiveFiles files(open_archive(archive, nowhere, DiveLimits{}, progress));
-    return files.content_sha256(ignore_progress);
+    return files.content_sha256(base::ignore_progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,11 +5,11 @@
 
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // The identity of the dive in an archive (schemas/content_hash.hpp): one pass, nothing unpacked to
 // disk. Throws Error{BadData} when it is no archive or holds no dive, as Dive::open() does.
 std::string archive_content_sha256(const std::filesystem::path& archive,
-                                   const ProgressCallback& progress = ignore_progress);
+                                   const base::ProgressCallback& progress = base::ignore_progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

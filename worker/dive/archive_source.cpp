@@ -14,7 +14,7 @@
 #include "worker/dive/pack_file.hpp"
 #include "worker/dive/refusal.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::int64_t kRatioCheckedFromBytes = std::int64_t{64} << 20;
@@ -50,7 +50,7 @@ public:
     ArchiveSource(const std::filesystem::path& archive,
                   const std::filesystem::path& scratch,
                   const DiveLimits& limits,
-                  const ProgressCallback& progress)
+                  const base::ProgressCallback& progress)
         : name_(archive.filename().string()), pack_(scratch) {
         Unpacker unpacker(*this, archive, limits, progress);
         unpacker.run();
@@ -76,7 +76,7 @@ private:
         Unpacker(ArchiveSource& source,
                  const std::filesystem::path& path,
                  const DiveLimits& limits,
-                 const ProgressCallback& progress);
+                 const base::ProgressCallback& progress);
         void run();
 
     private:
@@ -98,7 +98,7 @@ private:
 
         ArchiveSource& source_;
         const DiveLimits& limits_;
-        const ProgressCallback& progress_;
+        const base::ProgressCallback& progress_;
         Utf8Names utf8_names_;
         FileDescriptor file_;
         std::int64_t archive_bytes_ = 0;
@@ -116,7 +116,7 @@ private:
 ArchiveSource::Unpacker::Unpacker(ArchiveSource& source,
                                   const std::filesystem::path& path,
                                   const DiveLimits& limits,
-                                  const ProgressCallback& progress)
+                                  const base::ProgressCallback& progress)
     : source_(source),
       limits_(limits),
       progress_(progress),
@@ -285,8 +285,8 @@ void ArchiveSource::Unpacker::report() {
 std::unique_ptr<DiveSource> open_archive(const std::filesystem::path& archive,
                                          const std::filesystem::path& scratch,
                                          const DiveLimits& limits,
-                                         const ProgressCallback& progress) {
+                                         const base::ProgressCallback& progress) {
     return std::make_unique<ArchiveSource>(archive, scratch, limits, progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

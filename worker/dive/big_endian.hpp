@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // The unsigned number in `length` bytes of a picture file, the highest first. The bytes are there.
 inline std::int64_t big_endian(std::string_view bytes, std::size_t offset, std::size_t length) {
@@ -13,4 +13,4 @@ inline std::int64_t big_endian(std::string_view bytes, std::size_t offset, std::
     return value;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,22 +5,22 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/dive/entry_name.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/dive/entry_name.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr double kMaxRigSize_m = 5.0;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-std::optional<Distortion> distortion_from_text(const std::string& text) {
+std::optional<types::Distortion> distortion_from_text(const std::string& text) {
     if (text == "radial-tangential" || text == "radtan" || text == "plumb_bob")
-        return Distortion::RadialTangential;
+        return types::Distortion::RadialTangential;
     if (text == "equidistant" || text == "equi" || text == "fisheye")
-        return Distortion::Equidistant;
-    if (text == "none" || text.empty()) return Distortion::None;
+        return types::Distortion::Equidistant;
+    if (text == "none" || text.empty()) return types::Distortion::None;
     return std::nullopt;
 }
 
@@ -34,7 +34,7 @@ public:
     CameraReader(const SensorYaml& yaml, const std::string& file, FindingLog& findings)
         : yaml_(yaml), file_(file), findings_(findings) {}
 
-    std::optional<Camera> read() {
+    std::optional<types::Camera> read() {
         read_model();
         read_resolution();
         read_intrinsics();
@@ -87,13 +87,13 @@ private:
         const double height = camera_.height_px;
         if (k[0] < 0.1 * width || k[0] > 20.0 * width || k[1] < 0.5 * k[0] || k[1] > 2.0 * k[0])
             fail("calibration_intrinsics",
-                 "focal lengths " + significant(k[0]) + " and " + significant(k[1]) +
-                     " px are impossible for an image " + significant(width) + " px wide",
+                 "focal lengths " + base::significant(k[0]) + " and " + base::significant(k[1]) +
+                     " px are impossible for an image " + base::significant(width) + " px wide",
                  "Write focal lengths in pixels of the recorded resolution.");
         if (k[2] < 0.0 || k[3] < 0.0 || k[2] > width || k[3] > height)
             fail("calibration_intrinsics",
-                 "the principal point (" + significant(k[2]) + ", " + significant(k[3]) +
-                     ") px lies outside the image",
+                 "the principal point (" + base::significant(k[2]) + ", " +
+                     base::significant(k[3]) + ") px lies outside the image",
                  "Write the calibration for the recorded resolution.");
     }
 
@@ -109,12 +109,12 @@ private:
         const bool has_more = std::any_of(k.begin() + std::min<std::ptrdiff_t>(4, std::ssize(k)),
                                           k.end(),
                                           [](double value) { return value != 0.0; });
-        if (*model != Distortion::None && (k.size() < 4 || has_more))
+        if (*model != types::Distortion::None && (k.size() < 4 || has_more))
             return fail("calibration_distortion",
                         "distortion_coefficients has " + std::to_string(k.size()) +
                             " numbers, but " + yaml_.distortion_model + " has 4",
                         "Calibrate with four coefficients (k1 k2 p1 p2, or k1 k2 k3 k4).");
-        if (*model != Distortion::None)
+        if (*model != types::Distortion::None)
             std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
     }
 
@@ -128,7 +128,7 @@ private:
                     (0.5 + 0.5 * std::clamp(1.5 * std::cos(angle), -1.0, 1.0)) * camera_.width_px,
                     (0.5 + 0.5 * std::clamp(1.5 * std::sin(angle), -1.0, 1.0)) * camera_.height_px);
                 const Eigen::Vector2d pixel = centre + share * (border - centre);
-                const auto back = project(camera_, unproject(camera_, pixel));
+                const auto back = camera::project(camera_, camera::unproject(camera_, pixel));
                 if (!back || !((*back - pixel).norm() < 0.5)) return true;
             }
             return false;
@@ -148,7 +148,7 @@ private:
     const SensorYaml& yaml_;
     const std::string& file_;
     FindingLog& findings_;
-    Camera camera_;
+    types::Camera camera_;
     bool good_ = true;
 };
 
@@ -160,7 +160,8 @@ bool is_stereo(const Eigen::Isometry3d& T_cam0_cam1) {
 }
 
 std::string metres(const Eigen::Vector3d& v) {
-    return "x " + fixed(v.x(), 3) + ", y " + fixed(v.y(), 3) + ", z " + fixed(v.z(), 3) + " m";
+    return "x " + base::fixed(v.x(), 3) + ", y " + base::fixed(v.y(), 3) + ", z " +
+           base::fixed(v.z(), 3) + " m";
 }
 
 constexpr const char* kCam1Yaml = "mav0/cam1/sensor.yaml";
@@ -188,7 +189,7 @@ void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, Fin
     findings.error("cameras_not_stereo",
                    kCam1Yaml,
                    "cam1 is at " + metres(baseline) + " in cam0's frame, turned by " +
-                       fixed(angle_deg, 1) + " degrees, which is not a left-right pair",
+                       base::fixed(angle_deg, 1) + " degrees, which is not a left-right pair",
                    "Check T_BS of cam0 and cam1.");
 }
 
@@ -212,8 +213,8 @@ std::optional<Eigen::Isometry3d> rigid_motion(const SensorYaml& yaml,
         findings.error("calibration_not_rigid",
                        file,
                        "T_BS is not a rotation and translation (R'R differs from 1 by " +
-                           significant(skew, 2) + ", determinant " + significant(R.determinant()) +
-                           ")",
+                           base::significant(skew, 2) + ", determinant " +
+                           base::significant(R.determinant()) + ")",
                        remedy);
         return std::nullopt;
     }
@@ -240,8 +241,8 @@ std::optional<CalibratedCamera> calibrated_camera(const SensorYaml& yaml,
     return CalibratedCamera{*camera, *T_body_cam};
 }
 
-ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings) {
-    ImuNoise noise;
+types::ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings) {
+    types::ImuNoise noise;
     bool all_good = true;
     const auto take = [&](const std::optional<double>& value, double& target) {
         if (value && *value > 0.0 && *value < 100.0)
@@ -274,21 +275,21 @@ void check_stereo(const CalibratedCamera& cam0,
         return findings.error(
             "baseline_absurd",
             kCam1Yaml,
-            "the baseline is " + significant(baseline_m) + " m, which is too long",
+            "the baseline is " + base::significant(baseline_m) + " m, which is too long",
             "Write translations in m, not mm or cm.");
     const double distance_m = cam0.T_body_cam.translation().norm();
     if (distance_m > kMaxRigSize_m)
-        return findings.error(
-            "extrinsics_absurd",
-            "mav0/cam0/sensor.yaml",
-            "T_BS puts cam0 " + significant(distance_m) + " m from the body, which is too far",
-            "Write translations in m, not mm or cm.");
+        return findings.error("extrinsics_absurd",
+                              "mav0/cam0/sensor.yaml",
+                              "T_BS puts cam0 " + base::significant(distance_m) +
+                                  " m from the body, which is too far",
+                              "Write translations in m, not mm or cm.");
     if (baseline_m < 0.005)
         findings.warning("baseline_short",
                          kCam1Yaml,
-                         "the baseline is only " + significant(baseline_m * 1e3) + " mm",
+                         "the baseline is only " + base::significant(baseline_m * 1e3) + " mm",
                          "Check that the translations in T_BS are in m.");
     check_sides(cam0, cam1, findings);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -7,10 +7,10 @@
 #include "worker/dive/sensor_yaml.hpp"
 #include "worker/types/camera.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 struct CalibratedCamera {
-    Camera camera;
+    types::Camera camera;
     Eigen::Isometry3d T_body_cam = Eigen::Isometry3d::Identity();
 };
 
@@ -26,10 +26,10 @@ std::optional<Eigen::Isometry3d> rigid_motion(const SensorYaml& yaml,
                                               const std::string& file,
                                               FindingLog& findings);
 
-ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings);
+types::ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings);
 
 // How the two cameras stand to each other and to the body: baseline, sides, distances, and T_BS
 // written the wrong way round.
 void check_stereo(const CalibratedCamera& cam0, const CalibratedCamera& cam1, FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMaxFields = 32;
@@ -58,4 +58,4 @@ std::optional<std::int64_t> parse_integer(std::string_view field) {
 
 std::optional<double> parse_double(std::string_view field) { return parse_number<double>(field); }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

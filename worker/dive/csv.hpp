@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Calls `row` with line number (from 1) and trimmed fields of every line that is no comment, not
 // empty, and not a heading in the first place. At most 32 fields a line; the rest is not seen.
@@ -18,4 +18,4 @@ void for_each_csv_row(
 std::optional<std::int64_t> parse_integer(std::string_view field);
 std::optional<double> parse_double(std::string_view field);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
-#include "worker/types/geographic_position.hpp"
-#include "worker/dive/marker_plan.hpp"
 #include "worker/base/observer.hpp"
-#include "worker/types/recording.hpp"
+#include "worker/dive/marker_plan.hpp"
+#include "worker/types/geographic_position.hpp"
 #include "worker/types/mesh.hpp"
+#include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // What a hostile archive or picture may not exceed. Checked before anything is allocated.
 struct DiveLimits {
@@ -35,7 +35,7 @@ struct DiveInfo {
     std::vector<std::string> tags;
     std::optional<double> water_temperature_c;
     std::optional<double> water_salinity_psu;
-    std::optional<GeographicPosition> position;  // of the first pose of the body
+    std::optional<types::GeographicPosition> position;  // of the first pose of the body
 };
 
 // A point as it is marked in one stereo pair; pixels of the recorded (distorted) pictures.
@@ -62,27 +62,29 @@ struct KnownDistance {
 // `mav0/` or its parent as the root. An archive is read once and its accepted entries are kept in
 // one file of ours in `scratch`; entry names never become paths. Everything that was noticed is in
 // findings(); a dive that cannot be reconstructed has at least one error there.
-class Dive : public Recording {
+class Dive : public types::Recording {
 public:
     // Throws Error{NotFound} when there is nothing at `path`, Error{BadData} with the reason when
     // it is not a dive at all; whatever can be told as findings is told as findings. `progress` is
     // called while an archive is unpacked and may throw Error{Cancelled}.
-    static std::unique_ptr<Dive> open(const std::filesystem::path& path,
-                                      const std::filesystem::path& scratch,
-                                      const DiveLimits& limits = {},
-                                      const ProgressCallback& progress = ignore_progress);
+    static std::unique_ptr<Dive> open(
+        const std::filesystem::path& path,
+        const std::filesystem::path& scratch,
+        const DiveLimits& limits = {},
+        const base::ProgressCallback& progress = base::ignore_progress);
 
     virtual const DiveInfo& info() const = 0;
     virtual const std::vector<Finding>& findings() const = 0;  // grows as frames are read
     virtual const std::string& content_sha256() const = 0;     // of the sorted (path, sha256) list
     virtual double duration_s() const = 0;
 
-    virtual const Trajectory& ground_truth()
+    virtual const types::Trajectory& ground_truth()
         const = 0;  // empty: none; T_world_imu of its own world
     virtual const std::vector<KnownDistance>& known_distances() const = 0;
     // markers.json; nothing: none.
     virtual const std::optional<MarkerPlan>& markers() const = 0;
-    virtual std::optional<Mesh> read_reference_mesh() const = 0;  // world of the ground truth
+    virtual std::optional<types::Mesh> read_reference_mesh()
+        const = 0;  // world of the ground truth
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
+#include "worker/base/text.hpp"
 #include "worker/dive/calibration.hpp"
 #include "worker/dive/dive_json.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
-#include "worker/base/text.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::int64_t kMaxJsonBytes = std::int64_t{16} << 20;
@@ -162,14 +162,14 @@ Eigen::Isometry3d ContentsReader::mounting(const std::string& sensor) {
 void ContentsReader::read_rig() {
     const auto cam0 = read_camera("cam0");
     const auto cam1 = read_camera("cam1");
-    if (!contents_.imu.empty()) contents_.rig.imu_noise = ImuNoise{};
+    if (!contents_.imu.empty()) contents_.rig.imu_noise = types::ImuNoise{};
     const Eigen::Isometry3d T_body_imu =
         contents_.imu.empty() ? (cam0 ? cam0->T_body_cam : Eigen::Isometry3d::Identity())
                               : mounting("imu0");
     to_imu_frame(T_body_imu);
     if (!cam0 || !cam1) return;
     check_stereo(*cam0, *cam1, findings_);
-    Rig& rig = contents_.rig;
+    types::Rig& rig = contents_.rig;
     rig.cam0 = cam0->camera;
     rig.cam1 = cam1->camera;
     rig.T_imu_cam0 = T_body_imu.inverse() * cam0->T_body_cam;
@@ -187,13 +187,13 @@ void ContentsReader::to_imu_frame(const Eigen::Isometry3d& T_body_imu) {
     if (!contents_.ahrs.empty()) {
         const Eigen::Isometry3d T_ahrs_imu = mounting("ahrs0").inverse() * T_body_imu;
         const Eigen::Quaterniond q_ahrs_imu(T_ahrs_imu.linear());
-        for (OrientationSample& sample : contents_.ahrs)
+        for (types::OrientationSample& sample : contents_.ahrs)
             sample.q_world_imu = (sample.q_world_imu * q_ahrs_imu).normalized();
     }
     if (contents_.ground_truth.empty()) return;
     const Eigen::Isometry3d T_truth_imu =
         mounting("state_groundtruth_estimate0").inverse() * T_body_imu;
-    for (StampedPose& pose : contents_.ground_truth)
+    for (types::StampedPose& pose : contents_.ground_truth)
         pose.T_world_imu = pose.T_world_imu * T_truth_imu;
 }
 
@@ -221,8 +221,8 @@ void ContentsReader::check_coverage(const Samples& samples,
     if (covered_s < 0.98 * dive_s)
         findings_.warning(sensor + "_partial",
                           file,
-                          file + " covers " + fixed(covered_s, 2) + " s of " + fixed(dive_s, 2) +
-                              " s of images: " + ranges,
+                          file + " covers " + base::fixed(covered_s, 2) + " s of " +
+                              base::fixed(dive_s, 2) + " s of images: " + ranges,
                           "Start this sensor before the cameras and stop it after them.");
 }
 
@@ -241,4 +241,4 @@ DiveContents read_contents(const DiveFiles& files, const DiveLimits& limits, Fin
     return ContentsReader(files, limits, findings).read();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -6,18 +6,18 @@
 #include "worker/dive/dive_files.hpp"
 #include "worker/dive/frame_list.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Everything of a dive but its pictures, in the frames of Rig.
 struct DiveContents {
     DiveInfo info;
-    Rig rig;
+    types::Rig rig;
     bool has_rig = false;  // both cameras are calibrated
     std::vector<FramePair> pairs;
-    std::vector<ImuSample> imu;
-    std::vector<OrientationSample> ahrs;
-    std::vector<PressureSample> pressure;
-    Trajectory ground_truth;
+    std::vector<types::ImuSample> imu;
+    std::vector<types::OrientationSample> ahrs;
+    std::vector<types::PressureSample> pressure;
+    types::Trajectory ground_truth;
     std::vector<KnownDistance> known_distances;
     std::optional<MarkerPlan> markers;
 };
@@ -25,4 +25,4 @@ struct DiveContents {
 // What is missing or wrong is a finding.
 DiveContents read_contents(const DiveFiles& files, const DiveLimits& limits, FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,7 +5,7 @@
 #include "schemas/content_hash.hpp"
 #include "worker/dive/refusal.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(source)) {
     std::vector<std::string> paths;
@@ -62,7 +62,7 @@ std::vector<std::string> DiveFiles::sensors() const {
     return names;
 }
 
-std::string DiveFiles::content_sha256(const ProgressCallback& progress) const {
+std::string DiveFiles::content_sha256(const base::ProgressCallback& progress) const {
     std::int64_t total_bytes = 1;
     for (const Entry& entry : entries_) total_bytes += entry.file->size_bytes;
     std::int64_t done_bytes = 0;
@@ -86,4 +86,4 @@ std::string DiveFiles::content_sha256(const ProgressCallback& progress) const {
     return divemesh::content_sha256(std::move(hashed));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -8,7 +8,7 @@
 
 #include "worker/dive/dive_source.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // The files of a source under the dive's own names: "mav0/cam0/data.csv", "dive.json".
 class DiveFiles {
@@ -23,7 +23,7 @@ public:
     // The names directly under "mav0/", sorted.
     std::vector<std::string> sensors() const;
     // See schemas/content_hash.hpp. Reads every file that is not hashed yet.
-    std::string content_sha256(const ProgressCallback& progress) const;
+    std::string content_sha256(const base::ProgressCallback& progress) const;
 
 private:
     struct Entry {
@@ -36,4 +36,4 @@ private:
     std::vector<Entry> entries_;  // sorted by path
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

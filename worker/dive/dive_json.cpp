@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "schemas/invalid_input.hpp"
-#include "worker/dive/entry_name.hpp"
 #include "worker/base/text.hpp"
+#include "worker/dive/entry_name.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 using nlohmann::json;
@@ -57,14 +57,14 @@ void read_water(const json& object, DiveInfo& info) {
 
 // {"latitude_deg": 44.6, "longitude_deg": -63.6, "x_azimuth_deg": 90}, the azimuth optional. Half a
 // position or a wrong one would put the model elsewhere: it is left out, with a warning.
-std::optional<GeographicPosition> position_at(const json& object, FindingLog& findings) {
+std::optional<types::GeographicPosition> position_at(const json& object, FindingLog& findings) {
     const auto found = object.find("position");
     if (found == object.end()) return std::nullopt;
     if (found->is_object()) {
         const auto latitude_deg = number_at(*found, "latitude_deg");
         const auto longitude_deg = number_at(*found, "longitude_deg");
         const auto azimuth_deg = number_at(*found, "x_azimuth_deg");
-        const GeographicPosition position{
+        const types::GeographicPosition position{
             latitude_deg.value_or(0.0), longitude_deg.value_or(0.0), azimuth_deg};
         if (latitude_deg && longitude_deg && position.is_valid() &&
             (azimuth_deg || !found->contains("x_azimuth_deg")))
@@ -187,4 +187,4 @@ std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findi
     return std::nullopt;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -6,7 +6,7 @@
 #include "worker/dive/dive.hpp"
 #include "worker/dive/finding_log.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 inline constexpr const char* kJsonUnreadable = "json_unreadable";  // a finding: nothing of it is
 
@@ -17,4 +17,4 @@ std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingL
 // was meant would scale the result.
 std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

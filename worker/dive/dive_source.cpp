@@ -5,7 +5,7 @@
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/refusal.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 void DiveSource::sort_files() {
     std::sort(files_.begin(), files_.end(), [](const SourceFile& a, const SourceFile& b) {
@@ -16,7 +16,7 @@ void DiveSource::sort_files() {
 std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
                                         const std::filesystem::path& scratch,
                                         const DiveLimits& limits,
-                                        const ProgressCallback& progress,
+                                        const base::ProgressCallback& progress,
                                         FindingLog& findings) {
     std::error_code problem;
     const auto status = std::filesystem::status(path, problem);
@@ -32,4 +32,4 @@ std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
     return open_archive(path, scratch, limits, progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

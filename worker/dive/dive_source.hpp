@@ -11,7 +11,7 @@
 #include "worker/dive/dive.hpp"
 #include "worker/dive/finding_log.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 struct SourceFile {
     std::string path;  // checked by entry_name_problem()
@@ -40,7 +40,7 @@ protected:
 // Links and special files are left out and reported. Throws as Dive::open() does.
 std::unique_ptr<DiveSource> open_folder(const std::filesystem::path& folder,
                                         const DiveLimits& limits,
-                                        const ProgressCallback& progress,
+                                        const base::ProgressCallback& progress,
                                         FindingLog& findings);
 
 // Reads the archive once and keeps its files in one file of ours in `scratch` that has no name any
@@ -50,13 +50,13 @@ std::unique_ptr<DiveSource> open_folder(const std::filesystem::path& folder,
 std::unique_ptr<DiveSource> open_archive(const std::filesystem::path& archive,
                                          const std::filesystem::path& scratch,
                                          const DiveLimits& limits,
-                                         const ProgressCallback& progress);
+                                         const base::ProgressCallback& progress);
 
 // One or the other, by what is at `path`.
 std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
                                         const std::filesystem::path& scratch,
                                         const DiveLimits& limits,
-                                        const ProgressCallback& progress,
+                                        const base::ProgressCallback& progress,
                                         FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

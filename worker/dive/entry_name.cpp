@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMaxPrintedBytes = 200;
@@ -80,4 +80,4 @@ std::string entry_name_problem(std::string_view name) {
     return "";
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Text from outside as it may stand in a message: valid UTF-8 without control characters, short.
 std::string printable(std::string_view text);
@@ -12,4 +12,4 @@ std::string printable(std::string_view text);
 // plain parts, no backslash, no control character, at most 1024 bytes and 16 folders.
 std::string entry_name_problem(std::string_view name);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 constexpr std::int64_t kKeptOfOneCode = 10;
 
@@ -47,4 +47,4 @@ void FindingLog::add(Finding finding) {
     rest.message = "and " + std::to_string(num_seen - kKeptOfOneCode) + " more of this kind";
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

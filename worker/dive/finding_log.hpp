@@ -7,7 +7,7 @@
 
 #include "schemas/finding.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Collects findings. Of one code it keeps the first ten and one more that counts the rest, so that
 // a dive of a million broken pictures is still told in few words. One thread at a time.
@@ -26,4 +26,4 @@ private:
     std::map<std::string, std::size_t> summary_index_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

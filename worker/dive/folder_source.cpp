@@ -11,7 +11,7 @@
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/refusal.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
@@ -41,7 +41,7 @@ class Lister {
 public:
     Lister(const std::filesystem::path& folder,
            const DiveLimits& limits,
-           const ProgressCallback& progress,
+           const base::ProgressCallback& progress,
            FindingLog& findings)
         : folder_(folder), limits_(limits), progress_(progress), findings_(findings) {}
 
@@ -98,7 +98,7 @@ private:
 
     const std::filesystem::path& folder_;
     const DiveLimits& limits_;
-    const ProgressCallback& progress_;
+    const base::ProgressCallback& progress_;
     FindingLog& findings_;
     std::int64_t num_entries_ = 0;
     std::vector<SourceFile> files_;
@@ -108,7 +108,7 @@ class FolderSource : public DiveSource {
 public:
     FolderSource(const std::filesystem::path& folder,
                  const DiveLimits& limits,
-                 const ProgressCallback& progress,
+                 const base::ProgressCallback& progress,
                  FindingLog& findings)
         : folder_(folder), root_(::open(folder.c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY)) {
         if (!root_.is_open())
@@ -151,9 +151,9 @@ private:
 
 std::unique_ptr<DiveSource> open_folder(const std::filesystem::path& folder,
                                         const DiveLimits& limits,
-                                        const ProgressCallback& progress,
+                                        const base::ProgressCallback& progress,
                                         FindingLog& findings) {
     return std::make_unique<FolderSource>(folder, limits, progress, findings);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

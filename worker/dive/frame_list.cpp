@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/stamp_check.hpp"
-#include "worker/base/text.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr double kMinPeriod_s = 1e-3;  // 1000 pictures a second
@@ -50,7 +50,8 @@ void report_pairs(const std::vector<CameraRow>& left,
         findings.warning("frames_unsynchronised",
                          "mav0/cam1/data.csv",
                          "left and right images are up to " +
-                             fixed(static_cast<double>(max_offset_ns) * 1e-6, 2) + " ms apart",
+                             base::fixed(static_cast<double>(max_offset_ns) * 1e-6, 2) +
+                             " ms apart",
                          "Trigger both cameras together: at 0.3 m/s, 5 ms are 1.5 mm of baseline.");
 }
 
@@ -99,4 +100,4 @@ std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
     return pairs;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

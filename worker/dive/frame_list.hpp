@@ -7,7 +7,7 @@
 
 #include "worker/dive/finding_log.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // A row of a camera's data.csv.
 struct CameraRow {
@@ -32,4 +32,4 @@ std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
                                    const std::vector<CameraRow>& right,
                                    FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

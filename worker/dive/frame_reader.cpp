@@ -2,7 +2,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::int64_t kMaxImageFileBytes = std::int64_t{64} << 20;
@@ -22,7 +22,7 @@ LoadedImage without_image(std::string code, std::string problem) {
 
 LoadedImage load_image(const DiveFiles& files,
                        const std::string& path,
-                       const Camera& camera,
+                       const types::Camera& camera,
                        const DiveLimits& limits,
                        Channels channels) {
     if (!files.has(path)) return without_image("image_missing", "the file is missing");
@@ -63,4 +63,4 @@ void FrameReader::rewind() {
     next_to_load_ = 0;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

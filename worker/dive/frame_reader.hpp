@@ -12,7 +12,7 @@
 #include "worker/dive/image.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // A picture, or why there is none.
 struct LoadedImage {
@@ -24,7 +24,7 @@ struct LoadedImage {
 
 LoadedImage load_image(const DiveFiles& files,
                        const std::string& path,
-                       const Camera& camera,
+                       const types::Camera& camera,
                        const DiveLimits& limits,
                        Channels channels);
 
@@ -57,4 +57,4 @@ private:
     std::deque<std::future<LoadedPair>> prefetched_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

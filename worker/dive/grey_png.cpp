@@ -8,7 +8,7 @@
 
 #include "worker/dive/big_endian.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
@@ -154,4 +154,4 @@ std::optional<cv::Mat> decode_grey_png(std::string_view bytes) {
     return image;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

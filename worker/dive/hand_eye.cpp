@@ -8,7 +8,7 @@
 #include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMinPairs = 6;
@@ -22,11 +22,11 @@ double spread(const std::vector<Eigen::Vector3d>& vectors) {
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
         for (const auto& v : vectors) values.push_back(v[axis]);
-        centre[axis] = upper_median(std::move(values));
+        centre[axis] = stats::upper_median(std::move(values));
     }
     std::vector<double> distances;
     for (const auto& v : vectors) distances.push_back((v - centre).norm());
-    return upper_median(std::move(distances));
+    return stats::upper_median(std::move(distances));
 }
 
 double residual(const std::vector<RotationPair>& pairs, const Eigen::Matrix3d& R_imu_cam0) {
@@ -88,19 +88,19 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
     if (result.scale > 20.0)
         return findings.error("imu_units",
                               "mav0/imu0/data.csv",
-                              "the gyroscope shows rotations " + fixed(result.scale, 0) +
+                              "the gyroscope shows rotations " + base::fixed(result.scale, 0) +
                                   " times as fast as the images do; this looks like degrees/s",
                               "Write rates in rad/s.");
     if (result.given_residual < kFits && result.best_angle_deg < kMaxAngle_deg) return;
     const std::string seen =
         "the rotations of the gyroscope do not match those of the images (mismatch " +
-        fixed(100.0 * result.given_residual, 0) + " %";
+        base::fixed(100.0 * result.given_residual, 0) + " %";
     if (result.inverse_residual < kFits && result.inverse_residual < 0.5 * result.given_residual)
         return findings.error(
             "extrinsics_inverted",
             "mav0/cam0/sensor.yaml",
-            "T_BS looks inverted: " + seen + ", " + fixed(100.0 * result.inverse_residual, 0) +
-                " % with the inverse)",
+            "T_BS looks inverted: " + seen + ", " +
+                base::fixed(100.0 * result.inverse_residual, 0) + " % with the inverse)",
             "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
     if (result.best_is_determined && result.best_residual < kFits &&
@@ -108,7 +108,7 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
         return findings.error("extrinsics_rotation",
                               "mav0/cam0/sensor.yaml",
                               "T_BS of the cameras is rotated by about " +
-                                  fixed(result.best_angle_deg, 0) +
+                                  base::fixed(result.best_angle_deg, 0) +
                                   " degrees relative to the IMU: " + seen + ")",
                               "Calibrate cameras and IMU together, and check the axes of the IMU.");
     if (result.given_residual < kFits) return;
@@ -118,4 +118,4 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
                      "Check the time offset between cameras and IMU, and T_BS.");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,7 +5,7 @@
 
 #include "worker/dive/finding_log.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // The turning of the rig over a short time, as mean rates in rad/s: what the gyro says, and what
 // the left pictures say.
@@ -35,4 +35,4 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
                      const Eigen::Matrix3d& R_imu_cam0,
                      FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

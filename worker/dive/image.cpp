@@ -6,7 +6,7 @@
 #include "worker/dive/big_endian.hpp"
 #include "worker/dive/grey_png.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
@@ -111,4 +111,4 @@ cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels
     return image;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

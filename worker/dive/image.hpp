@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 enum class ImageFormat { Png, Jpeg };
 
@@ -28,4 +28,4 @@ enum class Channels { Grey, Bgr };
 // acceptable. Throws Error{BadData} when it does not decode.
 cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels channels);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr int kThumbnailWidth_px = 320;
@@ -34,7 +34,7 @@ void report_black(const std::string& camera,
 
 }  // namespace
 
-void ImageSurvey::add(const StereoFrame& frame) {
+void ImageSurvey::add(const types::StereoFrame& frame) {
     ++num_frames_;
     num_black_left_ += is_black(frame.left) ? 1 : 0;
     num_black_right_ += is_black(frame.right) ? 1 : 0;
@@ -64,4 +64,4 @@ std::string thumbnail_jpeg(const cv::Mat& image) {
     return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -7,14 +7,14 @@
 #include "worker/dive/finding_log.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // What the pictures of a dive look like as a whole: brightness, and one for the thumbnail.
 class ImageSurvey {
 public:
     explicit ImageSurvey(int num_frames) : middle_(num_frames / 2) {}
 
-    void add(const StereoFrame& frame);
+    void add(const types::StereoFrame& frame);
     // Findings on the whole; after the last frame.
     void report(std::int64_t num_frames, FindingLog& findings) const;
     // Of the frame nearest to the middle of the dive; nothing without a frame.
@@ -32,4 +32,4 @@ private:
 // 320 px wide.
 std::string thumbnail_jpeg(const cv::Mat& image);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -7,11 +7,11 @@
 #include "worker/dive/refusal.hpp"
 #include "worker/dive/stored_dive.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 // Part of the whole, so that the fraction rises from 0 to 1 over all of it.
-ProgressCallback part(const ProgressCallback& progress, double begin, double share) {
+base::ProgressCallback part(const base::ProgressCallback& progress, double begin, double share) {
     return [&progress, begin, share](const Progress& state) {
         Progress whole = state;
         whole.stage = "check";
@@ -20,7 +20,7 @@ ProgressCallback part(const ProgressCallback& progress, double begin, double sha
     };
 }
 
-void survey_images(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
+void survey_images(StoredDive& dive, IntakeReport& report, const base::ProgressCallback& progress) {
     ImageSurvey survey(dive.num_frames());
     Progress state;
     state.num_frames = dive.num_frames();
@@ -55,7 +55,7 @@ void check_reference_mesh(StoredDive& dive) {
     }
 }
 
-void examine(StoredDive& dive, IntakeReport& report, const ProgressCallback& progress) {
+void examine(StoredDive& dive, IntakeReport& report, const base::ProgressCallback& progress) {
     report.name = dive.info().name;
     report.site = dive.info().site;
     report.rig = dive.info().rig;
@@ -73,7 +73,7 @@ void examine(StoredDive& dive, IntakeReport& report, const ProgressCallback& pro
 
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
-                          const ProgressCallback& progress) {
+                          const base::ProgressCallback& progress) {
     IntakeReport report;
     try {
         const auto opening = part(progress, 0.0, 0.3);
@@ -85,4 +85,4 @@ IntakeReport examine_dive(const std::filesystem::path& path,
     return report;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -8,7 +8,7 @@
 #include "schemas/finding.hpp"
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // What `divemesh validate` prints and an intake job answers.
 struct IntakeReport {
@@ -27,6 +27,6 @@ struct IntakeReport {
 // Error{Cancelled} and a broken machine.
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
-                          const ProgressCallback& progress);
+                          const base::ProgressCallback& progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,7 +5,7 @@
 #include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr EnumText<MarkerFamily> kFamilyTexts[] = {
@@ -33,4 +33,4 @@ int num_ids(MarkerFamily family) {
     throw Error(ErrorCode::InvalidArgument, "unknown marker family");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // The AprilTag families that are looked for (Olson, "AprilTag", ICRA 2011; Krogius, Haggenmiller
 // and Olson, "Flexible layouts for fiducial tags", IROS 2019), named as their pictures are.
@@ -14,4 +14,4 @@ MarkerFamily marker_family_from_string(std::string_view text);
 
 int num_ids(MarkerFamily family);  // ids are 0 to num_ids - 1
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

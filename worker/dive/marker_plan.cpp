@@ -8,7 +8,7 @@
 #include "schemas/enum_text.hpp"
 #include "schemas/invalid_input.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 using nlohmann::json;
@@ -266,4 +266,4 @@ std::optional<MarkerPlan> marker_plan_of(const std::optional<MarkerPlan>& of_div
     return plan;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -9,7 +9,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/dive/marker_family.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Corners as somebody sees them who reads the tag upright, counter-clockwise.
 enum class TagCorner { BottomLeft, BottomRight, TopRight, TopLeft };
@@ -55,4 +55,4 @@ nlohmann::json to_json(const MarkerPlan& plan);
 std::optional<MarkerPlan> marker_plan_of(const std::optional<MarkerPlan>& of_dive,
                                          const ReconstructionOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

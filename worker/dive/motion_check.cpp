@@ -8,12 +8,12 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
-#include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr int kNumMoments = 12;
@@ -30,21 +30,21 @@ struct Moment {
 };
 
 // Rotation vector of imu at `end_ns` in imu at `begin_ns`.
-Eigen::Vector3d integrate_gyro(const std::vector<ImuSample>& imu,
+Eigen::Vector3d integrate_gyro(const std::vector<types::ImuSample>& imu,
                                std::int64_t begin_ns,
                                std::int64_t end_ns) {
     auto sample = std::lower_bound(
-        imu.begin(), imu.end(), begin_ns, [](const ImuSample& s, std::int64_t time) {
+        imu.begin(), imu.end(), begin_ns, [](const types::ImuSample& s, std::int64_t time) {
             return s.timestamp_ns < time;
         });
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     for (std::int64_t now = begin_ns; sample != imu.end() && now < end_ns; ++sample) {
         const std::int64_t until = std::min(sample->timestamp_ns, end_ns);
         const double seconds = static_cast<double>(until - now) * 1e-9;
-        rotation = rotation * rotation_from_vector(sample->angular_velocity_imu * seconds);
+        rotation = rotation * base::rotation_from_vector(sample->angular_velocity_imu * seconds);
         now = until;
     }
-    return vector_from_rotation(rotation);
+    return base::vector_from_rotation(rotation);
 }
 
 // From frame `first` on until the turn is large enough to be seen, or half a second is over.
@@ -108,10 +108,11 @@ struct StereoPoint {
     double inverse_depth = 0.0;  // negative: the rays meet behind the camera
 };
 
-StereoPoint triangulate(const Rig& rig, const cv::Point2f& left, const cv::Point2f& right) {
+StereoPoint triangulate(const types::Rig& rig, const cv::Point2f& left, const cv::Point2f& right) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
-    const Eigen::Vector3d ray0 = unproject(rig.cam0, {left.x, left.y});
-    const Eigen::Vector3d ray1 = T_cam0_cam1.linear() * unproject(rig.cam1, {right.x, right.y});
+    const Eigen::Vector3d ray0 = camera::unproject(rig.cam0, {left.x, left.y});
+    const Eigen::Vector3d ray1 =
+        T_cam0_cam1.linear() * camera::unproject(rig.cam1, {right.x, right.y});
     const Eigen::Vector3d baseline = T_cam0_cam1.translation();
     // Depth z of ray0 from z * ray0 x ray1 = baseline x ray1.
     const Eigen::Vector3d a = ray0.cross(ray1);
@@ -124,8 +125,8 @@ StereoPoint triangulate(const Rig& rig, const cv::Point2f& left, const cv::Point
     return point;
 }
 
-Rig swapped(const Rig& rig) {
-    Rig result = rig;
+types::Rig swapped(const types::Rig& rig) {
+    types::Rig result = rig;
     std::swap(result.cam0, result.cam1);
     std::swap(result.T_imu_cam0, result.T_imu_cam1);
     return result;
@@ -138,7 +139,7 @@ public:
                 FindingLog& findings)
         : contents_(contents), load_(load), findings_(findings) {}
 
-    void run(const ProgressCallback& progress) {
+    void run(const base::ProgressCallback& progress) {
         for (const Moment& moment : choose_moments(contents_)) {
             progress({});
             look_at(moment);
@@ -167,7 +168,8 @@ private:
             stereo_.push_back(point);
             stereo_swapped_.push_back(triangulate(swapped_rig_, corners[i], right[i]));
             if (point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
-            const Eigen::Vector3d ray = unproject(contents_.rig.cam0, {later[i].x, later[i].y});
+            const Eigen::Vector3d ray =
+                camera::unproject(contents_.rig.cam0, {later[i].x, later[i].y});
             points.emplace_back(point.p_cam0.x(), point.p_cam0.y(), point.p_cam0.z());
             rays.emplace_back(ray.x(), ray.y());
         }
@@ -208,7 +210,7 @@ private:
             std::vector<double> errors_px;
             errors_px.reserve(points.size());
             for (const StereoPoint& point : points) errors_px.push_back(point.epipolar_error_px);
-            return upper_median(std::move(errors_px));
+            return stats::upper_median(std::move(errors_px));
         };
         const auto num_behind = [](const std::vector<StereoPoint>& points) {
             return std::count_if(points.begin(), points.end(), [](const StereoPoint& point) {
@@ -232,7 +234,7 @@ private:
             findings_.warning("stereo_mismatch",
                               "mav0/cam1/sensor.yaml",
                               "matching points in the left and right images are " +
-                                  fixed(error_px, 1) +
+                                  base::fixed(error_px, 1) +
                                   " px (median) away from where the calibration predicts them",
                               "Calibrate the stereo pair again.");
     }
@@ -240,7 +242,7 @@ private:
     const DiveContents& contents_;
     const std::function<LoadedPair(int index)>& load_;
     FindingLog& findings_;
-    const Rig swapped_rig_ = swapped(contents_.rig);
+    const types::Rig swapped_rig_ = swapped(contents_.rig);
     std::vector<StereoPoint> stereo_;
     std::vector<StereoPoint> stereo_swapped_;  // as if the pictures were those of the other camera
     std::vector<RotationPair> rotations_;
@@ -250,9 +252,9 @@ private:
 
 void check_motion(const DiveContents& contents,
                   const std::function<LoadedPair(int index)>& load,
-                  const ProgressCallback& progress,
+                  const base::ProgressCallback& progress,
                   FindingLog& findings) {
     MotionCheck(contents, load, findings).run(progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -8,7 +8,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& folder, int code) {
@@ -52,4 +52,4 @@ void PackFile::read(std::int64_t offset_bytes, std::span<char> bytes) const {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -6,7 +6,7 @@
 
 #include "schemas/file_descriptor.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // One append-only file without a name: what was read from an archive lies in it end to end, and it
 // is gone with the object, however the process ends. Without a folder it only counts the bytes.
@@ -26,4 +26,4 @@ private:
     std::int64_t size_bytes_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

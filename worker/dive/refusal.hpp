@@ -6,7 +6,7 @@
 #include "schemas/error.hpp"
 #include "schemas/finding.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Error{BadData} for what is no dive at all, with the finding that says so.
 class Refusal : public Error {
@@ -22,4 +22,4 @@ private:
     Finding finding_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/stamp_check.hpp"
-#include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds are far below
@@ -41,11 +41,11 @@ void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
 }
 
 template <typename Get>
-double median_of(const std::vector<ImuSample>& samples, const Get& get) {
+double median_of(const std::vector<types::ImuSample>& samples, const Get& get) {
     std::vector<double> values;
     values.reserve(samples.size());
-    for (const ImuSample& sample : samples) values.push_back(get(sample));
-    return upper_median(std::move(values));
+    for (const types::ImuSample& sample : samples) values.push_back(get(sample));
+    return stats::upper_median(std::move(values));
 }
 
 // The gravity check: a diver's mean specific force is that of gravity.
@@ -55,7 +55,7 @@ void check_acceleration(double median_m_s2, const std::string& file, FindingLog&
         const char* name;
     };
     constexpr Unit units[] = {{1.0, "g"}, {980.7, "cm/s^2"}, {9806.7, "mm/s^2 or mg"}};
-    const std::string seen = "the median acceleration is " + significant(median_m_s2);
+    const std::string seen = "the median acceleration is " + base::significant(median_m_s2);
     for (const Unit& unit : units)
         if (std::abs(median_m_s2 / unit.gravity - 1.0) < 0.2)
             return findings.error(
@@ -76,20 +76,20 @@ void check_acceleration(double median_m_s2, const std::string& file, FindingLog&
                          "Calibrate the bias and scale of the accelerometer.");
 }
 
-void check_imu_units(const std::vector<ImuSample>& samples,
+void check_imu_units(const std::vector<types::ImuSample>& samples,
                      const std::string& file,
                      FindingLog& findings) {
     if (samples.empty()) return;
     check_acceleration(
-        median_of(samples, [](const ImuSample& s) { return s.acceleration_imu.norm(); }),
+        median_of(samples, [](const types::ImuSample& s) { return s.acceleration_imu.norm(); }),
         file,
         findings);
     const double rate =
-        median_of(samples, [](const ImuSample& s) { return s.angular_velocity_imu.norm(); });
+        median_of(samples, [](const types::ImuSample& s) { return s.angular_velocity_imu.norm(); });
     if (rate > 2.0 * std::numbers::pi)
         findings.error("imu_units",
                        file,
-                       "the median rotation rate is " + significant(rate) +
+                       "the median rotation rate is " + base::significant(rate) +
                            " rad/s, more than one turn per second; this looks like degrees/s",
                        "Write rates in rad/s.");
 }
@@ -103,10 +103,10 @@ std::optional<Eigen::Quaterniond> unit_quaternion(double w, double x, double y, 
 
 }  // namespace
 
-std::vector<ImuSample> parse_imu(std::string_view text,
-                                 const std::string& file,
-                                 FindingLog& findings) {
-    std::vector<ImuSample> samples;
+std::vector<types::ImuSample> parse_imu(std::string_view text,
+                                        const std::string& file,
+                                        FindingLog& findings) {
+    std::vector<types::ImuSample> samples;
     StampCheck check("imu", file, findings);
     for_each_sample<6>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
         samples.push_back({timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
@@ -116,10 +116,10 @@ std::vector<ImuSample> parse_imu(std::string_view text,
     return samples;
 }
 
-std::vector<OrientationSample> parse_ahrs(std::string_view text,
-                                          const std::string& file,
-                                          FindingLog& findings) {
-    std::vector<OrientationSample> samples;
+std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
+                                                 const std::string& file,
+                                                 FindingLog& findings) {
+    std::vector<types::OrientationSample> samples;
     StampCheck check("ahrs", file, findings);
     for_each_sample<4>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
         const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
@@ -129,18 +129,19 @@ std::vector<OrientationSample> parse_ahrs(std::string_view text,
     return samples;
 }
 
-std::vector<PressureSample> parse_pressure(std::string_view text,
-                                           const std::string& file,
-                                           FindingLog& findings) {
-    std::vector<PressureSample> samples;
+std::vector<types::PressureSample> parse_pressure(std::string_view text,
+                                                  const std::string& file,
+                                                  FindingLog& findings) {
+    std::vector<types::PressureSample> samples;
     StampCheck check("pressure", file, findings);
     for_each_sample<1>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
         samples.push_back({timestamp_ns, v[0]});
         return true;
     });
-    const auto absurd = std::count_if(samples.begin(), samples.end(), [](const PressureSample& s) {
-        return s.depth_m < -20.0 || s.depth_m > 11000.0;
-    });
+    const auto absurd =
+        std::count_if(samples.begin(), samples.end(), [](const types::PressureSample& s) {
+            return s.depth_m < -20.0 || s.depth_m > 11000.0;
+        });
     if (absurd * 20 > std::ssize(samples))
         findings.error(
             "pressure_units",
@@ -151,15 +152,15 @@ std::vector<PressureSample> parse_pressure(std::string_view text,
     return samples;
 }
 
-Trajectory parse_ground_truth(std::string_view text,
-                              const std::string& file,
-                              FindingLog& findings) {
-    Trajectory poses;
+types::Trajectory parse_ground_truth(std::string_view text,
+                                     const std::string& file,
+                                     FindingLog& findings) {
+    types::Trajectory poses;
     StampCheck check("ground_truth", file, findings);
     for_each_sample<7>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
         const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
         if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return false;
-        StampedPose pose;
+        types::StampedPose pose;
         pose.timestamp_ns = timestamp_ns;
         pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
         poses.push_back(pose);
@@ -168,4 +169,4 @@ Trajectory parse_ground_truth(std::string_view text,
     return poses;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -9,7 +9,7 @@
 
 #include "worker/dive/entry_name.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMaxDepth = 8;
@@ -169,4 +169,4 @@ std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

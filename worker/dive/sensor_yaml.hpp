@@ -9,7 +9,7 @@
 #include "worker/dive/finding_log.hpp"
 #include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 constexpr std::int64_t kMaxYamlBytes = std::int64_t{1} << 20;
 
@@ -33,4 +33,4 @@ std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
                                             const std::string& file,
                                             FindingLog& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -1,10 +1,10 @@
 #include "worker/dive/stamp_check.hpp"
 
-#include "worker/dive/csv.hpp"
 #include "worker/base/text.hpp"
+#include "worker/dive/csv.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr double kMaxBadShare = 0.05;
@@ -18,7 +18,7 @@ std::int64_t median_period_ns(const std::vector<std::int64_t>& timestamps_ns) {
     periods.reserve(timestamps_ns.size() - 1);
     for (std::size_t i = 1; i < timestamps_ns.size(); ++i)
         periods.push_back(timestamps_ns[i] - timestamps_ns[i - 1]);
-    return upper_median(std::move(periods));
+    return stats::upper_median(std::move(periods));
 }
 
 std::optional<std::int64_t> StampCheck::accept(std::int64_t line, std::string_view stamp) {
@@ -109,10 +109,11 @@ void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, dou
     findings_.warning(sensor_ + "_gap",
                       file_,
                       std::to_string(num_gaps) + " gaps; the longest is " +
-                          fixed(static_cast<double>(max_interval_ns) * 1e-9, 3) + " s after " +
-                          std::to_string(max_after_ns) + ", where there should be a row every " +
-                          fixed(static_cast<double>(period_ns) * 1e-9, 4) + " s",
+                          base::fixed(static_cast<double>(max_interval_ns) * 1e-9, 3) +
+                          " s after " + std::to_string(max_after_ns) +
+                          ", where there should be a row every " +
+                          base::fixed(static_cast<double>(period_ns) * 1e-9, 4) + " s",
                       "Check the recorder: a full disk or a slow card loses samples.");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -8,7 +8,7 @@
 
 #include "worker/dive/finding_log.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // Lets rows through whose stamps rise and tells of the others: one finding per kind, with how many
 // and where the first is. A few bad rows are a warning; above one in twenty the table is an error.
@@ -53,4 +53,4 @@ private:
 // Median difference of rising stamps; 0 for fewer than two.
 std::int64_t median_period_ns(const std::vector<std::int64_t>& timestamps_ns);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -6,7 +6,7 @@
 #include "worker/dive/motion_check.hpp"
 #include "worker/io/ply.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr int kPrefetchedPairs = 3;
@@ -14,7 +14,7 @@ constexpr int kImagesProbed = 5;
 constexpr const char* kReferenceMesh = "reference.ply";
 
 // At most one call in 50 ms reaches the receiver.
-ProgressCallback throttled(const ProgressCallback& progress) {
+base::ProgressCallback throttled(const base::ProgressCallback& progress) {
     using Clock = std::chrono::steady_clock;
     return [&progress, next = Clock::time_point()](const Progress& state) mutable {
         const auto now = Clock::now();
@@ -35,7 +35,7 @@ std::string remedy_for(const std::string& code) {
 StoredDive::StoredDive(const std::filesystem::path& path,
                        const std::filesystem::path& scratch,
                        const DiveLimits& limits,
-                       const ProgressCallback& progress)
+                       const base::ProgressCallback& progress)
     : limits_(limits),
       files_(open_source(path, scratch, limits, throttled(progress), findings_)),
       contents_(read_contents(files_, limits, findings_)),
@@ -80,7 +80,7 @@ void StoredDive::check_first_images() {
                     remedy_for("image_size"));
 }
 
-std::optional<StereoFrame> StoredDive::next_frame() {
+std::optional<types::StereoFrame> StoredDive::next_frame() {
     while (auto pair = reader_.next()) {
         if ((pair->left.was_16_bit || pair->right.was_16_bit) && !has_reported_16_bit_) {
             has_reported_16_bit_ = true;
@@ -91,7 +91,7 @@ std::optional<StereoFrame> StoredDive::next_frame() {
                               "Record 8 bits, or scale 10- and 12-bit data to the full range.");
         }
         if (pair->is_complete()) {
-            StereoFrame frame;
+            types::StereoFrame frame;
             frame.index = pair->index;
             frame.timestamp_ns =
                 contents_.pairs[static_cast<std::size_t>(pair->index)].timestamp_ns;
@@ -128,11 +128,11 @@ void StoredDive::report_skipped(const LoadedPair& pair) {
 }
 
 const std::string& StoredDive::content_sha256() const {
-    hash_contents(ignore_progress);
+    hash_contents(base::ignore_progress);
     return content_sha256_;
 }
 
-void StoredDive::hash_contents(const ProgressCallback& progress) const {
+void StoredDive::hash_contents(const base::ProgressCallback& progress) const {
     if (content_sha256_.empty()) content_sha256_ = files_.content_sha256(throttled(progress));
 }
 
@@ -143,19 +143,19 @@ double StoredDive::duration_s() const {
            1e-9;
 }
 
-std::optional<Mesh> StoredDive::read_reference_mesh() const {
+std::optional<types::Mesh> StoredDive::read_reference_mesh() const {
     if (!files_.has(kReferenceMesh)) return std::nullopt;
     const auto bytes = files_.read(kReferenceMesh, limits_.max_file_bytes);
     if (!bytes)
         throw Error(ErrorCode::BadData, "reference.ply is too large: simplify it or remove it");
-    return parse_ply(*bytes, kReferenceMesh);
+    return io::parse_ply(*bytes, kReferenceMesh);
 }
 
 std::unique_ptr<Dive> Dive::open(const std::filesystem::path& path,
                                  const std::filesystem::path& scratch,
                                  const DiveLimits& limits,
-                                 const ProgressCallback& progress) {
+                                 const base::ProgressCallback& progress) {
     return std::make_unique<StoredDive>(path, scratch, limits, progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -8,7 +8,7 @@
 #include "worker/dive/dive_contents.hpp"
 #include "worker/dive/frame_reader.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // A dive read from a folder or an archive: what Dive::open() gives.
 class StoredDive : public Dive {
@@ -16,14 +16,16 @@ public:
     StoredDive(const std::filesystem::path& path,
                const std::filesystem::path& scratch,
                const DiveLimits& limits,
-               const ProgressCallback& progress);
+               const base::ProgressCallback& progress);
 
-    const Rig& rig() const override { return contents_.rig; }
+    const types::Rig& rig() const override { return contents_.rig; }
     int num_frames() const override { return static_cast<int>(contents_.pairs.size()); }
-    const std::vector<ImuSample>& imu() const override { return contents_.imu; }
-    const std::vector<OrientationSample>& ahrs() const override { return contents_.ahrs; }
-    const std::vector<PressureSample>& pressure() const override { return contents_.pressure; }
-    std::optional<StereoFrame> next_frame() override;
+    const std::vector<types::ImuSample>& imu() const override { return contents_.imu; }
+    const std::vector<types::OrientationSample>& ahrs() const override { return contents_.ahrs; }
+    const std::vector<types::PressureSample>& pressure() const override {
+        return contents_.pressure;
+    }
+    std::optional<types::StereoFrame> next_frame() override;
     cv::Mat left_in_color(int frame_index) const override;
     void rewind() override { reader_.rewind(); }
     std::int64_t num_skipped_frames() const override { return std::ssize(skipped_); }
@@ -32,15 +34,15 @@ public:
     const std::vector<Finding>& findings() const override { return findings_.all(); }
     const std::string& content_sha256() const override;
     double duration_s() const override;
-    const Trajectory& ground_truth() const override { return contents_.ground_truth; }
+    const types::Trajectory& ground_truth() const override { return contents_.ground_truth; }
     const std::vector<KnownDistance>& known_distances() const override {
         return contents_.known_distances;
     }
     const std::optional<MarkerPlan>& markers() const override { return contents_.markers; }
-    std::optional<Mesh> read_reference_mesh() const override;
+    std::optional<types::Mesh> read_reference_mesh() const override;
 
     // Hashes what is not hashed yet, with progress.
-    void hash_contents(const ProgressCallback& progress) const;
+    void hash_contents(const base::ProgressCallback& progress) const;
     FindingLog& log() { return findings_; }
 
 private:
@@ -58,4 +60,4 @@ private:
     mutable std::string content_sha256_;  // computed when first asked for
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

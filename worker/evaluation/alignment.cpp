@@ -2,7 +2,7 @@
 
 #include <Eigen/SVD>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 using Svd = Eigen::JacobiSVD<Eigen::Matrix3d>;
@@ -99,4 +99,4 @@ std::vector<Eigen::Vector3d> scaled_about_centre(const std::vector<PosePair>& pa
     return positions;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

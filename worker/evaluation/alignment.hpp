@@ -5,7 +5,7 @@
 
 #include "worker/evaluation/trajectory_pairs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct Alignment {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // scale 1
@@ -26,4 +26,4 @@ Eigen::Isometry3d align_poses(const std::vector<PosePair>& pairs);
 std::vector<Eigen::Vector3d> scaled_about_centre(const std::vector<PosePair>& pairs,
                                                  const Alignment& alignment);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -5,15 +5,15 @@
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/stats/distributions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
-std::optional<CovarianceCheck> check_covariances(const Trajectory& estimate,
-                                                 const CovarianceTrack& covariances,
-                                                 const Trajectory& reference) {
+std::optional<CovarianceCheck> check_covariances(const types::Trajectory& estimate,
+                                                 const types::CovarianceTrack& covariances,
+                                                 const types::Trajectory& reference) {
     if (covariances.size() != estimate.size() || estimate.empty()) return std::nullopt;
     const auto first = pose_at(reference, estimate.front().timestamp_ns);
     if (!first) return std::nullopt;
-    const double bound_95 = chi_square_quantile(0.95, 3.0);
+    const double bound_95 = stats::chi_square_quantile(0.95, 3.0);
     CovarianceCheck check;
     for (std::size_t i = 0; i < estimate.size(); ++i) {
         const auto truth = pose_at(reference, estimate[i].timestamp_ns);
@@ -39,4 +39,4 @@ nlohmann::json to_metrics(const CovarianceCheck& check) {
             {"share_in_95", check.share_in_95}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "worker/types/pose_covariance.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
+#include "worker/types/pose_covariance.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // Whether the stated covariances are honest: position relative to the first pose, nothing aligned,
 // against the truth.
@@ -17,10 +17,10 @@ struct CovarianceCheck {
 };
 
 // Nothing when there are no covariances or the first pose has no truth.
-std::optional<CovarianceCheck> check_covariances(const Trajectory& estimate,
-                                                 const CovarianceTrack& covariances,
-                                                 const Trajectory& reference);
+std::optional<CovarianceCheck> check_covariances(const types::Trajectory& estimate,
+                                                 const types::CovarianceTrack& covariances,
+                                                 const types::Trajectory& reference);
 
 nlohmann::json to_metrics(const CovarianceCheck& check);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

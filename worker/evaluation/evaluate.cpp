@@ -9,12 +9,12 @@
 #include "worker/io/mesh_reader.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
-void require_same_pairing(const TrajectoryFile& estimate, const TrajectoryFile& reference) {
-    if ((estimate.format == TrajectoryFormat::Kitti) !=
-        (reference.format == TrajectoryFormat::Kitti))
+void require_same_pairing(const io::TrajectoryFile& estimate, const io::TrajectoryFile& reference) {
+    if ((estimate.format == io::TrajectoryFormat::Kitti) !=
+        (reference.format == io::TrajectoryFormat::Kitti))
         throw Error(ErrorCode::InvalidArgument,
                     "a KITTI file has no timestamps: compare it only with another KITTI file");
 }
@@ -27,10 +27,11 @@ void require_no_truth_options(const TruthOptions& options) {
                     "TUM or EuRoC files");
 }
 
-TrajectoryError error_between(const TrajectoryFile& estimate, const TrajectoryFile& reference) {
+TrajectoryError error_between(const io::TrajectoryFile& estimate,
+                              const io::TrajectoryFile& reference) {
     require_same_pairing(estimate, reference);
     TrajectoryErrorOptions options;
-    options.pair_by_index = estimate.format == TrajectoryFormat::Kitti;
+    options.pair_by_index = estimate.format == io::TrajectoryFormat::Kitti;
     return trajectory_error(estimate.poses, reference.poses, options);
 }
 
@@ -39,12 +40,12 @@ TrajectoryError error_between(const TrajectoryFile& estimate, const TrajectoryFi
 nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
                                    const std::filesystem::path& reference,
                                    const TrajectoryEvaluationOptions& options) {
-    const TrajectoryFile estimated = read_trajectory(estimate);
-    TrajectoryFile truth = read_trajectory(reference);
+    const io::TrajectoryFile estimated = io::read_trajectory(estimate);
+    io::TrajectoryFile truth = io::read_trajectory(reference);
     require_same_pairing(estimated, truth);
-    const std::string_view truth_format = to_string(truth.format);
+    const std::string_view truth_format = io::to_string(truth.format);
     RegisteredTruth registered;
-    if (truth.format == TrajectoryFormat::Kitti) {
+    if (truth.format == io::TrajectoryFormat::Kitti) {
         require_no_truth_options(options.truth);
         registered.poses = std::move(truth.poses);
         registered.options.pair_by_index = true;
@@ -57,7 +58,7 @@ nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
         relative_pose_error(pair_poses(estimated.poses, poses, pairing), options.relative));
     if (!registration.has_orientation) json = without_rotations(std::move(json));
     json["truth"] = to_metrics(registration, options.truth);
-    json["estimate_format"] = to_string(estimated.format);
+    json["estimate_format"] = io::to_string(estimated.format);
     json["reference_format"] = truth_format;
     return json;
 }
@@ -69,15 +70,15 @@ nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request) {
                     "and the reference, or neither");
     SurfaceErrorInput input;
     if (request.estimate_trajectory) {
-        const TrajectoryFile estimated = read_trajectory(*request.estimate_trajectory);
+        const io::TrajectoryFile estimated = io::read_trajectory(*request.estimate_trajectory);
         input.T_reference_world =
-            error_between(estimated, read_trajectory(*request.reference_trajectory))
+            error_between(estimated, io::read_trajectory(*request.reference_trajectory))
                 .T_reference_surface;
-        for (const StampedPose& pose : estimated.poses)
+        for (const types::StampedPose& pose : estimated.poses)
             input.camera_positions_world.push_back(pose.T_world_imu.translation());
     }
     return to_metrics(
-        surface_error(read_mesh(request.estimate), read_mesh(request.reference), input));
+        surface_error(io::read_mesh(request.estimate), io::read_mesh(request.reference), input));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -7,7 +7,7 @@
 #include "schemas/truth_options.hpp"
 #include "worker/evaluation/relative_pose_error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct TrajectoryEvaluationOptions {
     RelativePoseOptions relative = {.delta_m = 1.0};
@@ -34,4 +34,4 @@ struct MeshEvaluationRequest {
 // `divemesh evaluate mesh`: the figures of metrics.json's surface.
 nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

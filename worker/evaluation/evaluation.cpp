@@ -5,7 +5,7 @@
 #include "schemas/error.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation) {
@@ -29,7 +29,7 @@ void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation)
 void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
     SurfaceErrorInput surface;
     surface.T_reference_world = evaluation.trajectory->T_reference_surface;
-    for (const StampedPose& pose : input.trajectory)
+    for (const types::StampedPose& pose : input.trajectory)
         surface.camera_positions_world.emplace_back(
             (pose.T_world_imu * input.rig.T_imu_cam0).translation());
     surface.num_threads = input.num_threads;
@@ -54,7 +54,8 @@ void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluatio
         return;
     }
     std::vector<std::int64_t> timestamps_ns;
-    for (const Keyframe& keyframe : input.keyframes) timestamps_ns.push_back(keyframe.timestamp_ns);
+    for (const types::Keyframe& keyframe : input.keyframes)
+        timestamps_ns.push_back(keyframe.timestamp_ns);
     const SurfaceIndex reference(*input.reference);
     const MarkingInput truth{input.rig, input.ground_truth, timestamps_ns, reference};
     evaluation.known_distances =
@@ -68,10 +69,10 @@ Evaluation evaluate_reconstruction(const EvaluationInput& input) {
     if (!input.ground_truth.empty()) add_trajectory_errors(input, evaluation);
     const bool has_truth = evaluation.trajectory.has_value() && input.reference.has_value();
     if (has_truth && input.mesh != nullptr) add_surface_error(input, evaluation);
-    const auto num_unmarked = std::count_if(
-        input.known_distances.begin(), input.known_distances.end(), [](const KnownDistance& known) {
-            return !known.is_marked();
-        });
+    const auto num_unmarked =
+        std::count_if(input.known_distances.begin(),
+                      input.known_distances.end(),
+                      [](const dive::KnownDistance& known) { return !known.is_marked(); });
     const auto num_known = static_cast<std::ptrdiff_t>(input.known_distances.size());
     if (num_known > 0 && (has_truth || num_unmarked < num_known))
         add_known_distances(input, has_truth, evaluation);
@@ -87,4 +88,4 @@ Evaluation evaluate_reconstruction(const EvaluationInput& input) {
     return evaluation;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -11,18 +11,18 @@
 #include "worker/evaluation/trajectory_error.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct EvaluationInput {
-    const Rig& rig;
-    const Trajectory& trajectory;  // final
-    const Trajectory& causal;
-    const CovarianceTrack& covariances;  // of the final one; empty: none
-    const std::vector<Keyframe>& keyframes;
-    const Mesh* mesh;                // none: no surface was asked for
-    const Trajectory& ground_truth;  // empty: none
-    const std::vector<KnownDistance>& known_distances;
-    const std::optional<Mesh>& reference;  // in the ground truth's world
+    const types::Rig& rig;
+    const types::Trajectory& trajectory;  // final
+    const types::Trajectory& causal;
+    const types::CovarianceTrack& covariances;  // of the final one; empty: none
+    const std::vector<types::Keyframe>& keyframes;
+    const types::Mesh* mesh;                // none: no surface was asked for
+    const types::Trajectory& ground_truth;  // empty: none
+    const std::vector<dive::KnownDistance>& known_distances;
+    const std::optional<types::Mesh>& reference;  // in the ground truth's world
     int num_threads = 0;
 };
 
@@ -39,4 +39,4 @@ struct Evaluation {
 
 Evaluation evaluate_reconstruction(const EvaluationInput& input);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

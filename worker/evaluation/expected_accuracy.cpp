@@ -6,10 +6,10 @@
 #include <numbers>
 #include <sstream>
 
-#include "worker/optimisation/expected_path_error.hpp"
 #include "worker/evaluation/path_length.hpp"
+#include "worker/optimisation/expected_path_error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 using nlohmann::json;
@@ -20,7 +20,7 @@ constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
 
 // Of standard deviations; without loops there is nothing that residuals could be of.
-double covariance_scale(const LoopStatistics& loops) {
+double covariance_scale(const types::LoopStatistics& loops) {
     return loops.num_accepted > 0 ? std::max(1.0, loops.residual_sigmas) : 1.0;
 }
 
@@ -34,7 +34,7 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
     if (input.num_segments > 1)
         return leave_out("the dive has " + std::to_string(input.num_segments) +
                          " segments whose positions relative to each other are not known");
-    const LoopStatistics& loops = input.optimise.loops;
+    const types::LoopStatistics& loops = input.optimise.loops;
     const double scale = covariance_scale(loops);
     if (loops.num_accepted > 0) {
         expected.loop_residual_m = loops.residual_m;
@@ -43,12 +43,12 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
         expected.left_out.push_back(
             {"trajectory.loops", "no place was recognised again, so the drift cannot be checked"});
     }
-    const PathUncertainty& path = input.optimise.path;
+    const types::PathUncertainty& path = input.optimise.path;
     const Eigen::Matrix3d& end_m2 = input.covariances.back().position_m2;
     expected.end_expected_m = scale * std::sqrt(end_m2.trace());
-    expected.end_bound_m = scale * std::sqrt(squared_length_95(end_m2));
+    expected.end_bound_m = scale * std::sqrt(optimisation::squared_length_95(end_m2));
     expected.ate_bound_m =
-        scale * std::sqrt(quantile_95(path.mean_square_m2, path.degrees_of_freedom));
+        scale * std::sqrt(optimisation::quantile_95(path.mean_square_m2, path.degrees_of_freedom));
     expected.ate_expected_m = scale * std::sqrt(path.mean_square_m2);
 }
 
@@ -61,8 +61,9 @@ std::string percent(double share) {
 // Positions far apart err independently, each by a third of the mean square along a line.
 PathError path_error(const ExpectedAccuracyInput& input) {
     Eigen::AlignedBox3d box;
-    for (const StampedPose& pose : input.trajectory) box.extend(pose.T_world_imu.translation());
-    return {std::numbers::sqrt2 * shared_sigma_m(input.optimise.path),
+    for (const types::StampedPose& pose : input.trajectory)
+        box.extend(pose.T_world_imu.translation());
+    return {std::numbers::sqrt2 * optimisation::shared_sigma_m(input.optimise.path),
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
 }
 
@@ -100,7 +101,7 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
 }
 
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
-    const Recording& recording = input.recording;
+    const types::Recording& recording = input.recording;
     if (input.num_segments > 1) {
         for (const char* metric : {"scale.accelerometer", "scale.pressure"})
             expected.left_out.push_back({metric, "the dive has several segments"});
@@ -146,7 +147,7 @@ void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expe
 void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (input.mesh) expected.surface = expected_surface(*input.mesh);
     if (input.optimise.path.is_known())
-        expected.surface_shared_m = shared_sigma_m(input.optimise.path);
+        expected.surface_shared_m = optimisation::shared_sigma_m(input.optimise.path);
     if (expected.surface) return;
     expected.left_out.push_back(
         {"surface",
@@ -210,4 +211,4 @@ json to_metrics(const ExpectedAccuracy& expected) {
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -8,22 +8,22 @@
 #include "schemas/finding.hpp"
 #include "worker/evaluation/expected_surface.hpp"
 #include "worker/evaluation/scale_check.hpp"
+#include "worker/types/mesh.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/track.hpp"
-#include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct ExpectedAccuracyInput {
-    const Recording& recording;
-    const Trajectory& trajectory;  // final
+    const types::Recording& recording;
+    const types::Trajectory& trajectory;  // final
     std::size_t num_segments = 1;
-    const CovarianceTrack& covariances;  // of the trajectory; empty: not known
-    const TrackStatistics& track;
-    const OptimiseStatistics& optimise;
+    const types::CovarianceTrack& covariances;  // of the trajectory; empty: not known
+    const types::TrackStatistics& track;
+    const types::OptimiseStatistics& optimise;
     const KnownDistanceErrors* known_distances = nullptr;  // none: the dive brings none
-    const Mesh* mesh = nullptr;                            // none: no surface was asked for
+    const types::Mesh* mesh = nullptr;                     // none: no surface was asked for
 };
 
 // What cannot be said, and why not.
@@ -57,4 +57,4 @@ ExpectedAccuracy expected_accuracy(const ExpectedAccuracyInput& input);
 
 nlohmann::json to_metrics(const ExpectedAccuracy& expected);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr double kLevel = 0.95;
@@ -16,7 +16,7 @@ constexpr double kLevel = 0.95;
 constexpr int kFractionBits = 23 - 4;
 constexpr std::size_t kNumBins = std::size_t{1} << (31 - kFractionBits);
 
-std::vector<float> areas_at_vertices(const Mesh& mesh) {
+std::vector<float> areas_at_vertices(const types::Mesh& mesh) {
     std::vector<float> areas(mesh.vertices.size(), 0.0F);
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
@@ -71,7 +71,7 @@ double error_95_m(const SigmaHistogram& sigmas, double largest_m, double whole) 
 
 }  // namespace
 
-std::optional<ExpectedSurface> expected_surface(const Mesh& mesh) {
+std::optional<ExpectedSurface> expected_surface(const types::Mesh& mesh) {
     if (mesh.sigma_m.empty()) return std::nullopt;
     const std::vector<float> areas = areas_at_vertices(mesh);
     SigmaHistogram sigmas, local_sigmas;
@@ -110,4 +110,4 @@ nlohmann::json to_metrics(const ExpectedSurface& surface) {
     return json;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -5,7 +5,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // What a mesh says about itself. Shares are of its area, spread over vertices; a vertex errs along
 // its normal, by a normal number of its own sigma.
@@ -20,8 +20,8 @@ struct ExpectedSurface {
 };
 
 // Nothing for a mesh without area or without sigma.
-std::optional<ExpectedSurface> expected_surface(const Mesh& mesh);
+std::optional<ExpectedSurface> expected_surface(const types::Mesh& mesh);
 
 nlohmann::json to_metrics(const ExpectedSurface& surface);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

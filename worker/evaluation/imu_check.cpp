@@ -4,18 +4,18 @@
 
 #include "worker/evaluation/trajectory_pairs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr double kDegPerRad = 57.29577951308232;
 
 }  // namespace
 
-std::optional<GravityCheck> check_gravity(const std::vector<ImuSample>& imu,
-                                          const Trajectory& trajectory) {
+std::optional<GravityCheck> check_gravity(const std::vector<types::ImuSample>& imu,
+                                          const types::Trajectory& trajectory) {
     Eigen::Vector3d sum_world = Eigen::Vector3d::Zero();
     double count = 0.0;
-    for (const ImuSample& sample : imu) {
+    for (const types::ImuSample& sample : imu) {
         const auto T_world_imu = pose_at(trajectory, sample.timestamp_ns);
         if (!T_world_imu) continue;
         sum_world += T_world_imu->linear() * sample.acceleration_imu;
@@ -27,4 +27,4 @@ std::optional<GravityCheck> check_gravity(const std::vector<ImuSample>& imu,
     return GravityCheck{mean_world.norm(), std::atan2(across, mean_world.z()) * kDegPerRad};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

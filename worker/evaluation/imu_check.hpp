@@ -5,7 +5,7 @@
 
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // What the accelerometer says about the rig as calibrated: turned into the world by the
 // trajectory, its mean over a dive is gravity's reaction, 9.81 m/s^2 straight up. A wrong unit, a
@@ -16,7 +16,7 @@ struct GravityCheck {
 };
 
 // Nothing when there is no IMU or it does not overlap the trajectory in time.
-std::optional<GravityCheck> check_gravity(const std::vector<ImuSample>& imu,
-                                          const Trajectory& trajectory);
+std::optional<GravityCheck> check_gravity(const std::vector<types::ImuSample>& imu,
+                                          const types::Trajectory& trajectory);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -4,29 +4,30 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/optimisation/covariance_between.hpp"
 #include "worker/camera/projection.hpp"
-#include "worker/stats/summary.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
+#include "worker/optimisation/covariance_between.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/summary.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr int kMinKeyframes = 4;
 
 // A pixel with the camera that saw it and where that was.
 struct View {
-    const Camera& camera;
+    const types::Camera& camera;
     Eigen::Isometry3d T_world_cam;
     Eigen::Vector2d pixel;
 };
 
-std::optional<Eigen::Vector2d> project_inside(const Camera& camera, const Eigen::Vector3d& p_cam) {
-    const auto pixel = project(camera, p_cam);
-    if (!pixel || !contains(camera, *pixel)) return std::nullopt;
+std::optional<Eigen::Vector2d> project_inside(const types::Camera& camera,
+                                              const Eigen::Vector3d& p_cam) {
+    const auto pixel = camera::project(camera, p_cam);
+    if (!pixel || !camera::contains(camera, *pixel)) return std::nullopt;
     // Far outside the lens's field the distortion polynomial folds back into the picture.
-    const Eigen::Vector3d ray = unproject(camera, *pixel);
+    const Eigen::Vector3d ray = camera::unproject(camera, *pixel);
     if ((ray.head<2>() - p_cam.head<2>() / p_cam.z()).norm() > 1e-3) return std::nullopt;
     return pixel;
 }
@@ -39,13 +40,13 @@ bool is_hidden(const Eigen::Vector3d& eye,
     return hit && static_cast<double>(*hit) < way.norm() - input.tolerance_m;
 }
 
-std::vector<View> views_of(const std::vector<Mark>& marks,
-                           const Rig& rig,
-                           const Trajectory& trajectory,
+std::vector<View> views_of(const std::vector<dive::Mark>& marks,
+                           const types::Rig& rig,
+                           const types::Trajectory& trajectory,
                            int min_keyframes) {
     std::vector<View> views;
     int num_keyframes = 0;
-    for (const Mark& mark : marks) {
+    for (const dive::Mark& mark : marks) {
         const auto T_world_imu = pose_at(trajectory, mark.timestamp_ns);
         if (!T_world_imu) continue;
         ++num_keyframes;
@@ -63,7 +64,7 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
     for (const View& view : views) {
         const Eigen::Vector3d ray =
-            (view.T_world_cam.linear() * unproject(view.camera, view.pixel)).normalized();
+            (view.T_world_cam.linear() * camera::unproject(view.camera, view.pixel)).normalized();
         const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
         A += across;
         b += across * view.T_world_cam.translation();
@@ -88,14 +89,14 @@ std::optional<Reprojection> reproject(const std::vector<View>& views,
     Reprojection sum;
     for (const View& view : views) {
         const Eigen::Isometry3d T_cam_world = view.T_world_cam.inverse();
-        const auto pixel = project(view.camera, T_cam_world * point);
+        const auto pixel = camera::project(view.camera, T_cam_world * point);
         if (!pixel) return std::nullopt;
         Eigen::Matrix<double, 2, 3> J;
         constexpr double kStep_m = 1e-6;
         for (int axis = 0; axis < 3; ++axis) {
             const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(axis);
-            const auto ahead = project(view.camera, T_cam_world * (point + step));
-            const auto behind = project(view.camera, T_cam_world * (point - step));
+            const auto ahead = camera::project(view.camera, T_cam_world * (point + step));
+            const auto behind = camera::project(view.camera, T_cam_world * (point - step));
             if (!ahead || !behind) return std::nullopt;
             J.col(axis) = (*ahead - *behind) / (2.0 * kStep_m);
         }
@@ -128,7 +129,9 @@ struct End {
     std::int64_t timestamp_ns = 0;                         // mean of the marks
 };
 
-std::optional<End> end_of(const std::vector<Mark>& marks, const Rig& rig, const Trajectory& path) {
+std::optional<End> end_of(const std::vector<dive::Mark>& marks,
+                          const types::Rig& rig,
+                          const types::Trajectory& path) {
     const std::vector<View> views = views_of(marks, rig, path, kMinKeyframes);
     const auto point = views.empty() ? std::nullopt : located(views);
     if (!point) return std::nullopt;
@@ -138,7 +141,7 @@ std::optional<End> end_of(const std::vector<Mark>& marks, const Rig& rig, const 
         end.scatter_m2 = at->squares_px2 / (2.0 * num_views - 3.0) * at->H.inverse();
     for (const View& view : views)
         end.range_m += (view.T_world_cam.translation() - *point).norm() / num_views;
-    for (const Mark& mark : marks)
+    for (const dive::Mark& mark : marks)
         end.timestamp_ns += (mark.timestamp_ns - marks.front().timestamp_ns) / std::ssize(marks);
     end.timestamp_ns += marks.front().timestamp_ns;
     return end;
@@ -152,15 +155,17 @@ double max_eigenvalue(const Eigen::Matrix3d& symmetric) {
 }
 
 // Variances of drift are those of its steps: of two times they differ by what lies between.
-double drift_variance_m2(const End& a, const End& b, const CovarianceTrack& covariances) {
-    const PoseCovariance at_a = covariance_between(covariances, a.timestamp_ns);
-    const PoseCovariance at_b = covariance_between(covariances, b.timestamp_ns);
+double drift_variance_m2(const End& a, const End& b, const types::CovarianceTrack& covariances) {
+    const types::PoseCovariance at_a =
+        optimisation::covariance_between(covariances, a.timestamp_ns);
+    const types::PoseCovariance at_b =
+        optimisation::covariance_between(covariances, b.timestamp_ns);
     const double range_m = std::max(a.range_m, b.range_m);
     return max_eigenvalue(at_b.position_m2 - at_a.position_m2) +
            range_m * range_m * max_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
 }
 
-double sigma_of_length_m(const End& a, const End& b, const CovarianceTrack& covariances) {
+double sigma_of_length_m(const End& a, const End& b, const types::CovarianceTrack& covariances) {
     const Eigen::Vector3d way = b.p_world - a.p_world;
     const Eigen::Vector3d along = way.stableNormalized();
     return std::sqrt(along.dot((a.scatter_m2 + b.scatter_m2) * along) +
@@ -181,15 +186,15 @@ void summarise(KnownDistanceErrors& errors) {
     errors.num_measured = static_cast<std::int64_t>(differences.size());
     if (differences.empty()) return;
     errors.scale_error = products / squares - 1.0;
-    errors.median_abs_error_m = median(differences);
-    errors.rmse_m = root_mean_square(differences);
+    errors.median_abs_error_m = stats::median(differences);
+    errors.rmse_m = stats::root_mean_square(differences);
     errors.max_abs_error_m = *std::max_element(differences.begin(), differences.end());
 }
 
 }  // namespace
 
-std::vector<Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input) {
-    std::vector<Mark> marks;
+std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input) {
+    std::vector<dive::Mark> marks;
     if (static_cast<double>(input.reference.distance_m(p_world.cast<float>())) > input.tolerance_m)
         return marks;
     for (const std::int64_t timestamp_ns : input.keyframe_timestamps_ns) {
@@ -209,26 +214,26 @@ std::vector<Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput&
     return marks;
 }
 
-std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
-                                           const Rig& rig,
-                                           const Trajectory& trajectory,
+std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
+                                           const types::Rig& rig,
+                                           const types::Trajectory& trajectory,
                                            int min_keyframes) {
     const std::vector<View> views = views_of(marks, rig, trajectory, min_keyframes);
     if (views.empty()) return std::nullopt;
     return located(views);
 }
 
-KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
+KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistance>& distances,
                                             const MarkingInput* truth,
-                                            const Rig& rig,
+                                            const types::Rig& rig,
                                             const KnownPath& path) {
     KnownDistanceErrors errors;
-    for (const KnownDistance& known : distances) {
-        std::vector<Mark> marks_a = known.marks_a;
-        std::vector<Mark> marks_b = known.marks_b;
+    for (const dive::KnownDistance& known : distances) {
+        std::vector<dive::Mark> marks_a = known.marks_a;
+        std::vector<dive::Mark> marks_b = known.marks_b;
         if (!known.is_marked()) {
-            marks_a = truth ? mark_point(known.a_world, *truth) : std::vector<Mark>();
-            marks_b = truth ? mark_point(known.b_world, *truth) : std::vector<Mark>();
+            marks_a = truth ? mark_point(known.a_world, *truth) : std::vector<dive::Mark>();
+            marks_b = truth ? mark_point(known.b_world, *truth) : std::vector<dive::Mark>();
         }
         MeasuredDistance measured;
         measured.name = known.name;
@@ -273,4 +278,4 @@ nlohmann::json to_metrics(const KnownDistanceErrors& errors) {
     return json;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "worker/dive/dive.hpp"
-#include "worker/types/pose_covariance.hpp"
-#include "worker/types/rig.hpp"
-#include "worker/types/keyframe.hpp"
 #include "worker/evaluation/surface_index.hpp"
+#include "worker/types/keyframe.hpp"
+#include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // Of all lengths: baseline and focal length of a careful calibration.
 inline constexpr double kCalibrationSigma = 0.001;
@@ -40,13 +40,13 @@ struct KnownDistanceErrors {
 
 // A path, and how well it is known.
 struct KnownPath {
-    const Trajectory& trajectory;        // T_world_imu
-    const CovarianceTrack& covariances;  // of it; empty: not known
+    const types::Trajectory& trajectory;        // T_world_imu
+    const types::CovarianceTrack& covariances;  // of it; empty: not known
 };
 
 struct MarkingInput {
-    const Rig& rig;
-    const Trajectory& ground_truth;  // T_world_imu of the truth's world
+    const types::Rig& rig;
+    const types::Trajectory& ground_truth;  // T_world_imu of the truth's world
     const std::vector<std::int64_t>& keyframe_timestamps_ns;
     const SurfaceIndex& reference;  // what may hide a point; the truth's world
     double max_range_m = 4.0;
@@ -55,13 +55,13 @@ struct MarkingInput {
 
 // The keyframes that show a point, for dives whose truth is known: inside the left image under the
 // true pose, in range, not hidden by the reference mesh, and on it.
-std::vector<Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input);
+std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input);
 
 // Least squares over the rays of both cameras, then Gauss-Newton over reprojection. Nothing when
 // fewer than `min_keyframes` of the marks have a pose, or the rays do not fix a point.
-std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
-                                           const Rig& rig,
-                                           const Trajectory& trajectory,
+std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
+                                           const types::Rig& rig,
+                                           const types::Trajectory& trajectory,
                                            int min_keyframes = 4);
 
 // Each known distance as a photogrammetrist would take it: both ends marked, triangulated with our
@@ -69,11 +69,11 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<Mark>& marks,
 // they count as not measured. The sigma of a length holds the scatter of the marks, what the path
 // drifted between the times at which its two ends were seen (an end turns with the path about where
 // it was seen from), and kCalibrationSigma of the length.
-KnownDistanceErrors measure_known_distances(const std::vector<KnownDistance>& distances,
+KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistance>& distances,
                                             const MarkingInput* truth,
-                                            const Rig& rig,
+                                            const types::Rig& rig,
                                             const KnownPath& path);
 
 nlohmann::json to_metrics(const KnownDistanceErrors& errors);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

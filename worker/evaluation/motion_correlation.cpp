@@ -6,7 +6,7 @@
 
 #include "worker/evaluation/trajectory_pairs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr double kMinCorrelation = 0.3;
@@ -16,13 +16,13 @@ std::int64_t nanoseconds(double seconds) {
     return static_cast<std::int64_t>(std::llround(seconds * 1e9));
 }
 
-double duration_s(const Trajectory& trajectory) {
+double duration_s(const types::Trajectory& trajectory) {
     return static_cast<double>(trajectory.back().timestamp_ns - trajectory.front().timestamp_ns) *
            1e-9;
 }
 
 // Sampled at even steps from the first pose; NaN where it cannot be told.
-std::vector<double> rates(const Trajectory& trajectory, double step_s, bool of_rotation) {
+std::vector<double> rates(const types::Trajectory& trajectory, double step_s, bool of_rotation) {
     const double reach_s =
         std::max(0.05, duration_s(trajectory) / static_cast<double>(trajectory.size() - 1));
     const auto count = static_cast<std::size_t>(duration_s(trajectory) / step_s) + 1;
@@ -91,16 +91,17 @@ std::vector<Candidate> peaks(const std::vector<double>& estimate,
 
 }  // namespace
 
-bool has_rotation(const Trajectory& trajectory) {
+bool has_rotation(const types::Trajectory& trajectory) {
     constexpr double kMinOrientationChange_rad = 0.035;
-    return std::any_of(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
+    return std::any_of(trajectory.begin(), trajectory.end(), [&](const types::StampedPose& pose) {
         const Eigen::Matrix3d R =
             trajectory.front().T_world_imu.linear().transpose() * pose.T_world_imu.linear();
         return Eigen::AngleAxisd(R).angle() > kMinOrientationChange_rad;
     });
 }
 
-std::vector<double> likely_time_offsets_s(const Trajectory& estimate, const Trajectory& truth) {
+std::vector<double> likely_time_offsets_s(const types::Trajectory& estimate,
+                                          const types::Trajectory& truth) {
     constexpr double kMinStep_s = 0.05;
     constexpr double kMaxProducts = 1.5e9;
     if (estimate.size() < 3 || truth.size() < 3) return {};
@@ -116,4 +117,4 @@ std::vector<double> likely_time_offsets_s(const Trajectory& estimate, const Traj
     return offsets_s;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr std::size_t kRun = 32;
@@ -29,4 +29,4 @@ float NearestCamera::distance_m(const Eigen::Vector3f& point) const {
     return std::sqrt(nearest);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // Distance from a point to the nearest of the cameras along a path, exactly. Cameras that follow
 // one another are near one another: boxes around runs of them are asked first.
@@ -20,4 +20,4 @@ private:
     std::vector<Eigen::AlignedBox3f> boxes_;  // of kRun positions each
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

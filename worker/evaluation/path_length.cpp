@@ -1,8 +1,8 @@
 #include "worker/evaluation/path_length.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
-double path_length_m(const Trajectory& trajectory) {
+double path_length_m(const types::Trajectory& trajectory) {
     double length = 0.0;
     for (std::size_t i = 1; i < trajectory.size(); ++i)
         length +=
@@ -13,4 +13,4 @@ double path_length_m(const Trajectory& trajectory) {
 
 // The high-water mark of this program's own memory; getrusage would remember what ran before exec.
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -2,9 +2,9 @@
 
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // Of the straight lines from pose to pose, m.
-double path_length_m(const Trajectory& trajectory);
+double path_length_m(const types::Trajectory& trajectory);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "worker/stats/summary.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/summary.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 using IndexPairs = std::vector<std::pair<std::size_t, std::size_t>>;
@@ -72,11 +72,11 @@ RelativePoseError relative_pose_error(const std::vector<PosePair>& poses,
     result.delta_m = options.delta_m;
     result.num_pairs = static_cast<std::int64_t>(pairs.size());
     if (pairs.empty()) return result;
-    result.translation_rmse_m = root_mean_square(translations_m);
-    result.translation_mean_m = mean(translations_m);
-    result.translation_median_m = median(translations_m);
+    result.translation_rmse_m = stats::root_mean_square(translations_m);
+    result.translation_mean_m = stats::mean(translations_m);
+    result.translation_median_m = stats::median(translations_m);
     result.translation_max_m = *std::max_element(translations_m.begin(), translations_m.end());
-    result.rotation_rmse_deg = root_mean_square(angles_deg);
+    result.rotation_rmse_deg = stats::root_mean_square(angles_deg);
     return result;
 }
 
@@ -91,4 +91,4 @@ nlohmann::json to_metrics(const RelativePoseError& error) {
     return json;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -6,7 +6,7 @@
 
 #include "worker/evaluation/trajectory_pairs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct RelativePoseOptions {
     enum class Pairs {
@@ -36,4 +36,4 @@ RelativePoseError relative_pose_error(const std::vector<PosePair>& poses,
 
 nlohmann::json to_metrics(const RelativePoseError& error);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

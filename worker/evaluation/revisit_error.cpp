@@ -7,7 +7,7 @@
 
 #include "worker/stats/summary.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr std::int64_t kMinRevisitInterval_ns = 10'000'000'000;
@@ -83,9 +83,9 @@ std::optional<RevisitError> revisit_error(const std::vector<PosePair>& pairs) {
     }
     if (translations_m.empty()) return std::nullopt;
     return RevisitError{static_cast<std::int64_t>(translations_m.size()),
-                        root_mean_square(translations_m),
+                        stats::root_mean_square(translations_m),
                         *std::max_element(translations_m.begin(), translations_m.end()),
-                        root_mean_square(rotations_deg)};
+                        stats::root_mean_square(rotations_deg)};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

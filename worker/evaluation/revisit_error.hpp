@@ -6,7 +6,7 @@
 
 #include "worker/evaluation/trajectory_pairs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // How well a path knows that it is back: frames against the nearest, in truth, of those that were
 // taken at least 10 s before them, within half a metre and 45 degrees of view. What the estimate
@@ -21,4 +21,4 @@ struct RevisitError {
 // Nothing when the path never comes back.
 std::optional<RevisitError> revisit_error(const std::vector<PosePair>& pairs);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

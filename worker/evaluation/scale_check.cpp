@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/imu/preintegration.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
+#include "worker/imu/preintegration.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr std::int64_t kWindow_ns = 2'000'000'000;
@@ -75,18 +75,18 @@ Covered<Entry> covered(const std::vector<Entry>& entries, const Window& window) 
     return result;
 }
 
-std::optional<Equation> equation(const std::vector<ImuSample>& imu,
-                                 const Trajectory& trajectory,
+std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
+                                 const types::Trajectory& trajectory,
                                  const Window& window) {
     const auto frames = covered(trajectory, window);
     const auto samples = covered(imu, window);
     if (frames.weights_s.empty() || samples.weights_s.empty()) return std::nullopt;
     Equation result;
-    const StampedPose& from = frames.first[0];
-    const StampedPose& to = frames.first[frames.weights_s.size() - 1];
+    const types::StampedPose& from = frames.first[0];
+    const types::StampedPose& to = frames.first[frames.weights_s.size() - 1];
     const Eigen::Vector3d way = to.T_world_imu.translation() - from.T_world_imu.translation();
     for (std::size_t i = 0; i < frames.weights_s.size(); ++i) {
-        const StampedPose& frame = frames.first[i];
+        const types::StampedPose& frame = frames.first[i];
         // w'' is blind to an even motion; without it the sum has less to be wrong about.
         const double share = static_cast<double>(frame.timestamp_ns - from.timestamp_ns) /
                              static_cast<double>(to.timestamp_ns - from.timestamp_ns);
@@ -95,13 +95,13 @@ std::optional<Equation> equation(const std::vector<ImuSample>& imu,
             (frame.T_world_imu.translation() - from.T_world_imu.translation() - share * way);
     }
     for (std::size_t i = 0; i < samples.weights_s.size(); ++i) {
-        const ImuSample& sample = samples.first[i];
+        const types::ImuSample& sample = samples.first[i];
         const double weight_s = samples.weights_s[i] * window.weight(sample.timestamp_ns);
         if (weight_s == 0.0) continue;
         const auto T_world_imu = pose_at(trajectory, sample.timestamp_ns);
         if (!T_world_imu) return std::nullopt;
         result.accelerated += weight_s * (T_world_imu->linear() * sample.acceleration_imu -
-                                          kGravity_m_s2 * Eigen::Vector3d::UnitZ());
+                                          imu::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
         result.unknowns.leftCols<3>() -= weight_s * Eigen::Matrix3d::Identity();
         result.unknowns.rightCols<3>() += weight_s * T_world_imu->linear();
     }
@@ -143,11 +143,11 @@ struct DepthBin {
     double num = 0.0;
 };
 
-std::vector<DepthBin> depth_bins(const std::vector<PressureSample>& pressure,
-                                 const Trajectory& trajectory) {
+std::vector<DepthBin> depth_bins(const std::vector<types::PressureSample>& pressure,
+                                 const types::Trajectory& trajectory) {
     std::vector<DepthBin> bins;
     std::int64_t bin_ends_ns = 0;
-    for (const PressureSample& sample : pressure) {
+    for (const types::PressureSample& sample : pressure) {
         const auto pose = pose_at(trajectory, sample.timestamp_ns);
         if (!pose) continue;
         if (bins.empty() || sample.timestamp_ns >= bin_ends_ns) {
@@ -182,8 +182,8 @@ double sigma_between_m(double length_m, const PathError& path) {
 
 }  // namespace
 
-std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& imu,
-                                                 const Trajectory& trajectory) {
+std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
+                                                 const types::Trajectory& trajectory) {
     if (imu.empty() || trajectory.empty()) return std::nullopt;
     std::vector<Equation> equations;
     for (Window window{trajectory.front().timestamp_ns};
@@ -207,8 +207,8 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
     return ScaleCheck{weighted / information, 1.0 / std::sqrt(information)};
 }
 
-std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
-                                            const Trajectory& trajectory,
+std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSample>& pressure,
+                                            const types::Trajectory& trajectory,
                                             double sigma_by_poses) {
     const std::vector<DepthBin> bins = depth_bins(pressure, trajectory);
     if (bins.size() < kMinBins) return std::nullopt;
@@ -258,4 +258,4 @@ nlohmann::json to_metrics(const ScaleCheck& check) {
     return {{"scale", check.scale}, {"sigma", check.sigma}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

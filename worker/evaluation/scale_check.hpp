@@ -7,7 +7,7 @@
 #include "worker/evaluation/known_distances.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // A length as another sensor has it over the same length as the cameras have it; 1 when both agree.
 struct ScaleCheck {
@@ -23,8 +23,8 @@ struct ScaleCheck {
 // What gravity g differs by from 9.81 m/s^2 along -z, and bias b are unknown and the same for a
 // minute, the scale s all along; least squares. Nothing without accelerometer, or where less than
 // five windows are covered without a gap.
-std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& imu,
-                                                 const Trajectory& trajectory);
+std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
+                                                 const types::Trajectory& trajectory);
 
 // Depth by pressure against how far up and down the path goes: the slope of depth over -z, half
 // seconds of the dive as the samples; a slope over x and y is free, as the path may be tilted a
@@ -32,8 +32,8 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<ImuSample>& i
 // poses' own errors do to the slope, `sigma_by_poses` (PathUncertainty::vertical_scale_sigma), is
 // added: the slope takes up that part of them, so that the residuals do not show it. Nothing
 // without pressure or with less than ten seconds of it.
-std::optional<ScaleCheck> scale_by_pressure(const std::vector<PressureSample>& pressure,
-                                            const Trajectory& trajectory,
+std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSample>& pressure,
+                                            const types::Trajectory& trajectory,
                                             double sigma_by_poses);
 
 // How far two places far apart on the path err against each other along a line.
@@ -50,4 +50,4 @@ std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distance
 
 nlohmann::json to_metrics(const ScaleCheck& check);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -8,20 +8,20 @@
 #include <tbb/task_arena.h>
 
 #include "schemas/error.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/evaluation/nearest_camera.hpp"
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/evaluation/surface_samples.hpp"
-#include "worker/base/parallel.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr double kThresholds_m[] = {0.005, 0.010, 0.020, 0.050};
 
-Mesh moved(const Mesh& mesh_world, const Eigen::Isometry3d& T_reference_world) {
-    Mesh mesh;
+types::Mesh moved(const types::Mesh& mesh_world, const Eigen::Isometry3d& T_reference_world) {
+    types::Mesh mesh;
     mesh.triangles = mesh_world.triangles;
     mesh.vertices.reserve(mesh_world.vertices.size());
     for (const Eigen::Vector3f& vertex : mesh_world.vertices)
@@ -78,8 +78,8 @@ DistanceSummary summarise(const std::vector<double>& sorted) {
     const auto count = static_cast<double>(sorted.size());
     summary.mean_m = sum / count;
     summary.rms_m = std::sqrt(squares / count);
-    summary.median_m = quantile_of_sorted(sorted, 0.5);
-    summary.p90_m = quantile_of_sorted(sorted, 0.9);
+    summary.median_m = stats::quantile_of_sorted(sorted, 0.5);
+    summary.p90_m = stats::quantile_of_sorted(sorted, 0.9);
     return summary;
 }
 
@@ -88,11 +88,11 @@ RelativeDistance relative_to(const std::vector<double>& ranges_m,
     std::vector<double> ratios(distances_m.size());
     for (std::size_t i = 0; i < ratios.size(); ++i) ratios[i] = distances_m[i] / ranges_m[i];
     std::sort(ratios.begin(), ratios.end());
-    return {quantile_of_sorted(ratios, 0.5), quantile_of_sorted(ratios, 0.8)};
+    return {stats::quantile_of_sorted(ratios, 0.5), stats::quantile_of_sorted(ratios, 0.8)};
 }
 
 // Points of the cloud, evenly over their order, at most as many as samples of a mesh.
-std::vector<Eigen::Vector3f> sample_points(const Mesh& cloud, std::int64_t num_samples) {
+std::vector<Eigen::Vector3f> sample_points(const types::Mesh& cloud, std::int64_t num_samples) {
     const auto step =
         std::max<std::size_t>(1,
                               (cloud.vertices.size() + static_cast<std::size_t>(num_samples) - 1) /
@@ -104,11 +104,11 @@ std::vector<Eigen::Vector3f> sample_points(const Mesh& cloud, std::int64_t num_s
 }
 
 // Against every other point; points at the same place count as one.
-double spacing_m(const Mesh& cloud, int num_threads) {
+double spacing_m(const types::Mesh& cloud, int num_threads) {
     constexpr std::size_t kNumSamples = 256;
     const std::size_t step = std::max<std::size_t>(1, cloud.vertices.size() / kNumSamples);
     std::vector<double> nearest_m((cloud.vertices.size() + step - 1) / step);
-    for_each_index(num_threads, nearest_m.size(), [&](std::size_t i) {
+    base::for_each_index(num_threads, nearest_m.size(), [&](std::size_t i) {
         float nearest = std::numeric_limits<float>::infinity();
         for (const Eigen::Vector3f& other : cloud.vertices) {
             const float squared = (other - cloud.vertices[i * step]).squaredNorm();
@@ -143,14 +143,14 @@ nlohmann::json to_json(const DistanceSummary& summary) {
 
 }  // namespace
 
-SurfaceError surface_error(const Mesh& mesh_world,
-                           const Mesh& reference,
+SurfaceError surface_error(const types::Mesh& mesh_world,
+                           const types::Mesh& reference,
                            const SurfaceErrorInput& input) {
     if (reference.vertices.empty())
         throw Error(ErrorCode::BadData,
                     "the reference has neither triangles nor points: check the file");
     const bool is_cloud = reference.triangles.empty();
-    const Mesh mesh = moved(mesh_world, input.T_reference_world);
+    const types::Mesh mesh = moved(mesh_world, input.T_reference_world);
     const auto reference_samples = is_cloud
                                        ? sample_points(reference, input.num_samples)
                                        : sample_surface(reference, input.num_samples, input.seed);
@@ -211,4 +211,4 @@ nlohmann::json to_metrics(const SurfaceError& error) {
     return json;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -8,7 +8,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct SurfaceErrorInput {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // of the poses
@@ -66,10 +66,10 @@ inline constexpr std::size_t kNumErrorBins = 51;
 // Samples are uniform over area; distances are to the nearest point of the nearest triangle. A
 // reference without triangles is a cloud: distances are to its nearest point, and its points are
 // the samples. Throws Error{BadData} when a mesh has no area, or the reference nothing at all.
-SurfaceError surface_error(const Mesh& mesh_world,
-                           const Mesh& reference,
+SurfaceError surface_error(const types::Mesh& mesh_world,
+                           const types::Mesh& reference,
                            const SurfaceErrorInput& input);
 
 nlohmann::json to_metrics(const SurfaceError& error);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

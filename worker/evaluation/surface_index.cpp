@@ -7,11 +7,11 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 bool find_nearest(RTCPointQueryFunctionArguments* arguments) {
-    const auto& mesh = *static_cast<const Mesh*>(arguments->userPtr);
+    const auto& mesh = *static_cast<const types::Mesh*>(arguments->userPtr);
     const auto& triangle = mesh.triangles[arguments->primID];
     const Eigen::Vector3f point(arguments->query->x, arguments->query->y, arguments->query->z);
     const float distance = std::sqrt(squared_distance_to_triangle(
@@ -25,12 +25,12 @@ bool find_nearest(RTCPointQueryFunctionArguments* arguments) {
 
 // Embree's handles and the mesh they describe.
 struct SurfaceIndex::Implementation {
-    const Mesh& mesh;
+    const types::Mesh& mesh;
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
 };
 
-SurfaceIndex::SurfaceIndex(const Mesh& mesh, bool is_compact)
+SurfaceIndex::SurfaceIndex(const types::Mesh& mesh, bool is_compact)
     : implementation_(std::make_unique<Implementation>(Implementation{mesh})) {
     auto& [source, device, scene] = *implementation_;
     device = rtcNewDevice(nullptr);
@@ -80,7 +80,7 @@ float SurfaceIndex::distance_m(const Eigen::Vector3f& point) const {
                   &query,
                   &context,
                   find_nearest,
-                  const_cast<Mesh*>(&implementation_->mesh));  // read alone
+                  const_cast<types::Mesh*>(&implementation_->mesh));  // read alone
     return query.radius;
 }
 
@@ -105,8 +105,8 @@ std::optional<float> SurfaceIndex::first_hit_m(const Eigen::Vector3f& origin,
 
 namespace {
 
-Mesh as_triangles(const Mesh& cloud) {
-    Mesh points;
+types::Mesh as_triangles(const types::Mesh& cloud) {
+    types::Mesh points;
     points.vertices = cloud.vertices;
     for (std::uint32_t i = 0; i < cloud.vertices.size(); ++i) points.triangles.push_back({i, i, i});
     return points;
@@ -114,7 +114,7 @@ Mesh as_triangles(const Mesh& cloud) {
 
 }  // namespace
 
-PointIndex::PointIndex(const Mesh& cloud) : points_(as_triangles(cloud)), index_(points_) {}
+PointIndex::PointIndex(const types::Mesh& cloud) : points_(as_triangles(cloud)), index_(points_) {}
 
 float squared_distance_to_triangle(const Eigen::Vector3f& point,
                                    const Eigen::Vector3f& a,
@@ -150,4 +150,4 @@ float squared_distance_to_triangle(const Eigen::Vector3f& point,
     return (ap - vb / denominator * ab - vc / denominator * ac).squaredNorm();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -6,14 +6,14 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // Nearest point and first hit on a triangle mesh, by Embree. Keeps the mesh, which may not change
 // while this lives. Thread-safe after construction.
 class SurfaceIndex {
 public:
     // `is_compact`: about half the memory, somewhat slower.
-    explicit SurfaceIndex(const Mesh& mesh, bool is_compact = false);
+    explicit SurfaceIndex(const types::Mesh& mesh, bool is_compact = false);
     ~SurfaceIndex();
     SurfaceIndex(const SurfaceIndex&) = delete;
     SurfaceIndex& operator=(const SurfaceIndex&) = delete;
@@ -33,12 +33,12 @@ private:
 // Nearest point of a cloud: its vertices as triangles without extent.
 class PointIndex {
 public:
-    explicit PointIndex(const Mesh& cloud);
+    explicit PointIndex(const types::Mesh& cloud);
 
     float distance_m(const Eigen::Vector3f& point) const { return index_.distance_m(point); }
 
 private:
-    Mesh points_;
+    types::Mesh points_;
     SurfaceIndex index_;
 };
 
@@ -48,4 +48,4 @@ float squared_distance_to_triangle(const Eigen::Vector3f& point,
                                    const Eigen::Vector3f& b,
                                    const Eigen::Vector3f& c);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -5,10 +5,10 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
-double triangle_area_m2(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+double triangle_area_m2(const types::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
     const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
     const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
     const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
@@ -23,7 +23,7 @@ double uniform(std::uint64_t seed, std::uint64_t index) {
     return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
 }
 
-Eigen::Vector3f point_in_triangle(const Mesh& mesh,
+Eigen::Vector3f point_in_triangle(const types::Mesh& mesh,
                                   const std::array<std::uint32_t, 3>& triangle,
                                   double u,
                                   double v) {
@@ -36,13 +36,13 @@ Eigen::Vector3f point_in_triangle(const Mesh& mesh,
 
 }  // namespace
 
-double surface_area_m2(const Mesh& mesh) {
+double surface_area_m2(const types::Mesh& mesh) {
     double area = 0.0;
     for (const auto& triangle : mesh.triangles) area += triangle_area_m2(mesh, triangle);
     return area;
 }
 
-std::vector<Eigen::Vector3f> sample_surface(const Mesh& mesh,
+std::vector<Eigen::Vector3f> sample_surface(const types::Mesh& mesh,
                                             std::int64_t num_samples,
                                             std::uint64_t seed) {
     const double total = surface_area_m2(mesh);
@@ -64,4 +64,4 @@ std::vector<Eigen::Vector3f> sample_surface(const Mesh& mesh,
     return samples;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -6,7 +6,7 @@
 #include "worker/types/keyframe.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // A part of the dive that hangs together. Where it lies against the others is not known.
 struct TrackingSegment {
@@ -22,10 +22,11 @@ struct TrackingSegment {
 
 // The pieces in the order of their numbers. A frame belongs to the piece of the last keyframe
 // before it, the frames before the first keyframe to that one's.
-std::vector<TrackingSegment> segments_of(const Trajectory& trajectory,
-                                         const std::vector<Keyframe>& keyframes);
+std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
+                                         const std::vector<types::Keyframe>& keyframes);
 
 // The frames of the piece that has most of them.
-Trajectory largest_segment(const Trajectory& trajectory, const std::vector<Keyframe>& keyframes);
+types::Trajectory largest_segment(const types::Trajectory& trajectory,
+                                  const std::vector<types::Keyframe>& keyframes);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

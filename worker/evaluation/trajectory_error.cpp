@@ -6,11 +6,11 @@
 
 #include "schemas/error.hpp"
 #include "worker/evaluation/alignment.hpp"
-#include "worker/stats/summary.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/summary.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr double kSegmentLengths_m[] = {1.0, 2.0, 5.0, 10.0};
@@ -53,10 +53,10 @@ SegmentError segment_error(const std::vector<PosePair>& pairs,
     }
     return {length_m,
             static_cast<std::int64_t>(translation_percent.size()),
-            mean(translation_percent),
-            root_mean_square(translation_percent),
-            mean(rotation_deg_per_m),
-            root_mean_square(rotation_deg_per_m)};
+            stats::mean(translation_percent),
+            stats::root_mean_square(translation_percent),
+            stats::mean(rotation_deg_per_m),
+            stats::root_mean_square(rotation_deg_per_m)};
 }
 
 void add_relative_errors(const std::vector<PosePair>& pairs, TrajectoryError& result) {
@@ -99,18 +99,18 @@ void add_absolute_errors(const std::vector<PosePair>& pairs, TrajectoryError& re
     result.T_reference_estimate = alignment.T_reference_world;
     result.T_reference_surface = align_poses(pairs);
     result.sim3_scale = alignment.sim3_scale;
-    result.sim3_ate_rmse_m = root_mean_square(scaled_errors);
-    result.ate_rmse_m = root_mean_square(errors);
-    result.ate_mean_m = mean(errors);
+    result.sim3_ate_rmse_m = stats::root_mean_square(scaled_errors);
+    result.ate_rmse_m = stats::root_mean_square(errors);
+    result.ate_mean_m = stats::mean(errors);
     result.ate_max_m = *std::max_element(errors.begin(), errors.end());
-    result.ate_median_m = median(errors);
-    result.rotation_rmse_deg = root_mean_square(angles_deg);
+    result.ate_median_m = stats::median(errors);
+    result.rotation_rmse_deg = stats::root_mean_square(angles_deg);
 }
 
 }  // namespace
 
-TrajectoryError trajectory_error(const Trajectory& estimate,
-                                 const Trajectory& reference,
+TrajectoryError trajectory_error(const types::Trajectory& estimate,
+                                 const types::Trajectory& reference,
                                  const TrajectoryErrorOptions& options) {
     if (options.pair_by_index && estimate.size() != reference.size())
         throw Error(ErrorCode::BadData,
@@ -164,4 +164,4 @@ nlohmann::json to_metrics(const TrajectoryError& error) {
     return metrics;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -9,7 +9,7 @@
 #include "worker/evaluation/trajectory_error_options.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // Relative error over all pieces of the path whose true length reaches length_m (Geiger et al.
 // 2012, KITTI odometry, with lengths that fit a dive and every frame as a start).
@@ -50,10 +50,10 @@ struct TrajectoryError {
 // Positions of the truth are interpolated linearly to the estimate's stamps, orientations by slerp.
 // A path that hardly leaves a straight line does not hold its own roll: then orientations share in
 // the alignment. Throws Error{BadData} when fewer than three poses can be paired.
-TrajectoryError trajectory_error(const Trajectory& estimate,
-                                 const Trajectory& reference,
+TrajectoryError trajectory_error(const types::Trajectory& estimate,
+                                 const types::Trajectory& reference,
                                  const TrajectoryErrorOptions& options = {});
 
 nlohmann::json to_metrics(const TrajectoryError& error);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

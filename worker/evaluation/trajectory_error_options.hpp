@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 struct TrajectoryErrorOptions {
     // Where the estimate's body sits in the reference's body; the identity when both follow the
@@ -13,4 +13,4 @@ struct TrajectoryErrorOptions {
     double max_extrapolation_s = 0.01;  // beyond its ends the truth holds still for so long
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

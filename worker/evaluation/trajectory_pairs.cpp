@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
-Eigen::Isometry3d interpolate(const StampedPose& a, const StampedPose& b, std::int64_t time_ns) {
+Eigen::Isometry3d interpolate(const types::StampedPose& a,
+                              const types::StampedPose& b,
+                              std::int64_t time_ns) {
     const double share = static_cast<double>(time_ns - a.timestamp_ns) /
                          static_cast<double>(b.timestamp_ns - a.timestamp_ns);
     const Eigen::Quaterniond q_a(a.T_world_imu.linear());
@@ -19,7 +21,7 @@ Eigen::Isometry3d interpolate(const StampedPose& a, const StampedPose& b, std::i
 
 }  // namespace
 
-std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory,
+std::optional<Eigen::Isometry3d> pose_at(const types::Trajectory& trajectory,
                                          std::int64_t timestamp_ns,
                                          const TrajectoryErrorOptions& options) {
     if (trajectory.empty()) return std::nullopt;
@@ -27,22 +29,22 @@ std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory,
         trajectory.begin(),
         trajectory.end(),
         timestamp_ns,
-        [](const StampedPose& pose, std::int64_t time) { return pose.timestamp_ns < time; });
+        [](const types::StampedPose& pose, std::int64_t time) { return pose.timestamp_ns < time; });
     if (after != trajectory.end() && after->timestamp_ns == timestamp_ns) return after->T_world_imu;
     const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-9; };
     if (after == trajectory.begin() || after == trajectory.end()) {
-        const StampedPose& end = after == trajectory.end() ? trajectory.back() : *after;
+        const types::StampedPose& end = after == trajectory.end() ? trajectory.back() : *after;
         const double beyond = std::abs(seconds(end.timestamp_ns - timestamp_ns));
         if (beyond > options.max_extrapolation_s) return std::nullopt;
         return end.T_world_imu;
     }
-    const StampedPose& before = *std::prev(after);
+    const types::StampedPose& before = *std::prev(after);
     if (seconds(after->timestamp_ns - before.timestamp_ns) > options.max_gap_s) return std::nullopt;
     return interpolate(before, *after, timestamp_ns);
 }
 
-std::vector<PosePair> pair_poses(const Trajectory& estimate,
-                                 const Trajectory& reference,
+std::vector<PosePair> pair_poses(const types::Trajectory& estimate,
+                                 const types::Trajectory& reference,
                                  const TrajectoryErrorOptions& options) {
     const Eigen::Isometry3d T_estimatebody_referencebody =
         options.T_referencebody_estimatebody.inverse();
@@ -60,4 +62,4 @@ std::vector<PosePair> pair_poses(const Trajectory& estimate,
     return pairs;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

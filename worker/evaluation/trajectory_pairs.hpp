@@ -8,7 +8,7 @@
 #include "worker/evaluation/trajectory_error_options.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // An estimated pose with the true pose of the same moment, both of the reference's body.
 struct PosePair {
@@ -17,13 +17,13 @@ struct PosePair {
     Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
 };
 
-std::vector<PosePair> pair_poses(const Trajectory& estimate,
-                                 const Trajectory& reference,
+std::vector<PosePair> pair_poses(const types::Trajectory& estimate,
+                                 const types::Trajectory& reference,
                                  const TrajectoryErrorOptions& options);
 
 // The pose at a moment between two stamps; nothing where the options do not let it be bridged.
-std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory,
+std::optional<Eigen::Isometry3d> pose_at(const types::Trajectory& trajectory,
                                          std::int64_t timestamp_ns,
                                          const TrajectoryErrorOptions& options = {});
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

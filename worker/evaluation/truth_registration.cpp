@@ -13,7 +13,7 @@
 #include "worker/evaluation/motion_correlation.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 using Matrix10d = Eigen::Matrix<double, 10, 10>;
@@ -30,8 +30,8 @@ std::int64_t nanoseconds(double seconds) {
     return static_cast<std::int64_t>(std::llround(seconds * 1e9));
 }
 
-Trajectory shifted(Trajectory trajectory, double offset_s) {
-    for (StampedPose& pose : trajectory) pose.timestamp_ns -= nanoseconds(offset_s);
+types::Trajectory shifted(types::Trajectory trajectory, double offset_s) {
+    for (types::StampedPose& pose : trajectory) pose.timestamp_ns -= nanoseconds(offset_s);
     return trajectory;
 }
 
@@ -51,7 +51,9 @@ struct Row {
 
 class Registration {
 public:
-    Registration(const Trajectory& estimate, const Trajectory& truth, const TruthOptions& options)
+    Registration(const types::Trajectory& estimate,
+                 const types::Trajectory& truth,
+                 const TruthOptions& options)
         : estimate_(estimate), truth_(truth), options_(options) {
         const double duration_s =
             static_cast<double>(estimate.back().timestamp_ns - estimate.front().timestamp_ns) *
@@ -70,7 +72,7 @@ public:
             const Eigen::Vector3d p_world = T_world_body * state.lever_m;
             Row row;
             row.residual = truth->translation() - state.T_reference_world * p_world;
-            row.J.block<3, 3>(0, 0) = R * cross_matrix(p_world);
+            row.J.block<3, 3>(0, 0) = R * base::cross_matrix(p_world);
             row.J.block<3, 3>(0, 3) = -Eigen::Matrix3d::Identity();
             if (options_.solve_lever_arm) row.J.block<3, 3>(0, 6) = -R * T_world_body.linear();
             if (options_.solve_time_offset) row.J.col(9) = R * velocity_world(i, state.lever_m);
@@ -82,7 +84,7 @@ public:
     // Gauss-Newton. Where poses come to lie outside of the truth on the way, nothing.
     std::optional<State> solve(State state) const {
         constexpr int kMaxIterations = 50;
-        const Trajectory here = shifted(truth_, state.offset_s);
+        const types::Trajectory here = shifted(truth_, state.offset_s);
         auto pairs = pair_poses(estimate_, here, {});
         if (pairs.size() < kMinPoses) return std::nullopt;
         for (PosePair& pair : pairs) pair.T_world_body.translate(state.lever_m);
@@ -102,8 +104,8 @@ private:
     // Of the marker, over a time in which it moves more than it errs. The estimate's: a tracker's
     // noise, differentiated, would be taken for motion that tells the offset.
     Eigen::Vector3d velocity_world(std::size_t i, const Eigen::Vector3d& lever_m) const {
-        const StampedPose& before = estimate_[i - std::min(i, reach_)];
-        const StampedPose& after = estimate_[std::min(i + reach_, estimate_.size() - 1)];
+        const types::StampedPose& before = estimate_[i - std::min(i, reach_)];
+        const types::StampedPose& after = estimate_[std::min(i + reach_, estimate_.size() - 1)];
         const double seconds = static_cast<double>(after.timestamp_ns - before.timestamp_ns) * 1e-9;
         return (after.T_world_imu * lever_m - before.T_world_imu * lever_m) / seconds;
     }
@@ -123,14 +125,14 @@ private:
         constexpr double kMaxStep_s = 0.5;
         state.T_reference_world.linear() =
             state.T_reference_world.linear() *
-            rotation_from_vector(step.segment<3>(0)).toRotationMatrix();
+            base::rotation_from_vector(step.segment<3>(0)).toRotationMatrix();
         state.T_reference_world.translation() += step.segment<3>(3);
         state.lever_m += step.segment<3>(6);
         state.offset_s += std::clamp(step[9], -kMaxStep_s, kMaxStep_s);
     }
 
-    const Trajectory& estimate_;
-    const Trajectory& truth_;
+    const types::Trajectory& estimate_;
+    const types::Trajectory& truth_;
     const TruthOptions& options_;
     std::size_t reach_ = 1;  // frames
 };
@@ -239,8 +241,8 @@ void check_observability(const std::vector<Row>& rows,
 
 // The marker's axes on the body: the mean over all poses (chordal), and how far single ones lie
 // from it. Keeps positions alone where the truth's orientations are not those of this body.
-void solve_axes(const Trajectory& estimate,
-                const Trajectory& truth,
+void solve_axes(const types::Trajectory& estimate,
+                const types::Trajectory& truth,
                 const State& state,
                 double samples_together,
                 TruthRegistration& result) {
@@ -292,8 +294,8 @@ TruthRegistration as_given(const TruthOptions& options) {
 
 // The best of the solutions that start at each likely offset.
 State best_state(const Registration& registration,
-                 const Trajectory& estimate,
-                 const Trajectory& truth,
+                 const types::Trajectory& estimate,
+                 const types::Trajectory& truth,
                  const TruthOptions& options) {
     std::vector<double> offsets_s = {options.time_offset_s};
     if (options.solve_time_offset) offsets_s = likely_time_offsets_s(estimate, truth);
@@ -320,8 +322,8 @@ State best_state(const Registration& registration,
 
 }  // namespace
 
-TruthRegistration register_truth(const Trajectory& estimate,
-                                 const Trajectory& truth,
+TruthRegistration register_truth(const types::Trajectory& estimate,
+                                 const types::Trajectory& truth,
                                  const TruthOptions& options) {
     TruthRegistration result = as_given(options);
     result.has_orientation = has_rotation(truth) || !has_rotation(estimate);
@@ -343,8 +345,8 @@ TruthRegistration register_truth(const Trajectory& estimate,
     return result;
 }
 
-RegisteredTruth registered_truth(const Trajectory& estimate,
-                                 Trajectory truth,
+RegisteredTruth registered_truth(const types::Trajectory& estimate,
+                                 types::Trajectory truth,
                                  const TruthOptions& options) {
     RegisteredTruth result;
     result.registration = register_truth(estimate, truth, options);
@@ -400,4 +402,4 @@ nlohmann::json without_rotations(nlohmann::json trajectory) {
     return trajectory;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

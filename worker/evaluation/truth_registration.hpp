@@ -9,7 +9,7 @@
 #include "worker/evaluation/trajectory_error_options.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 
 // How a truth of another body and clock lies to the estimate. Standard deviations are of what was
 // solved: the larger of what residuals say when they are no more independent than their
@@ -31,19 +31,19 @@ struct TruthRegistration {
 // estimate lies in the truth). Throws Error{BadData} where the motion does not fix what is asked
 // for: a lever arm when the rig turned about less than two axes, an offset when its velocity did
 // not change.
-TruthRegistration register_truth(const Trajectory& estimate,
-                                 const Trajectory& truth,
+TruthRegistration register_truth(const types::Trajectory& estimate,
+                                 const types::Trajectory& truth,
                                  const TruthOptions& options);
 
 // A truth on the estimate's clock, with the options that pair both. Where the truth has no
 // orientation it takes the estimate's, laid on the truth's world.
 struct RegisteredTruth {
     TruthRegistration registration;
-    Trajectory poses;
+    types::Trajectory poses;
     TrajectoryErrorOptions options;
 };
-RegisteredTruth registered_truth(const Trajectory& estimate,
-                                 Trajectory truth,
+RegisteredTruth registered_truth(const types::Trajectory& estimate,
+                                 types::Trajectory truth,
                                  const TruthOptions& options);
 
 // "truth" of the report: lever arm and offset with how they came about.
@@ -52,4 +52,4 @@ nlohmann::json to_metrics(const TruthRegistration& registration, const TruthOpti
 // The figures of a trajectory without those that need the truth's orientations.
 nlohmann::json without_rotations(nlohmann::json trajectory);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

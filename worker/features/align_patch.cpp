@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kMaxIterations = 10;
@@ -22,7 +22,7 @@ constexpr double kWeight = 32768.0;
 using Outer = std::array<std::int16_t, kOuterPixels>;
 
 const PatchKernels& kernels() {
-    static const PatchKernels chosen = patch_kernels(best_instructions());
+    static const PatchKernels chosen = patch_kernels(base::best_instructions());
     return chosen;
 }
 
@@ -134,4 +134,4 @@ std::optional<Patch::Alignment> Patch::align(const cv::Mat& image,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -6,7 +6,7 @@
 
 #include "worker/features/patch_kernels.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // A square of picture around a point, read between the pixels, with its gradients: what is looked
 // for in another picture. Its brightness and contrast may differ there.
@@ -49,4 +49,4 @@ private:
     double sum_ = 0.0;           // of the value
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

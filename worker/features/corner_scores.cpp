@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kBlock_px = 5;
@@ -70,8 +70,8 @@ DIVEMESH_INLINE_BODY void score_row(Products sums, int width, float* __restrict 
 }  // namespace
 
 const cv::Mat& CornerScores::of(const cv::Mat& image) {
-    const auto add = compiled_for<add_row>(instructions_);
-    const auto score = compiled_for<score_row>(instructions_);
+    const auto add = base::compiled_for<add_row>(instructions_);
+    const auto score = base::compiled_for<score_row>(instructions_);
     const auto width = static_cast<std::size_t>(image.cols);
     products_.assign((kBlock_px + 1) * 3 * width, 0);
     const Products sums(products_.data() + kBlock_px * 3 * width, width);
@@ -112,4 +112,4 @@ std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
     return corners;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

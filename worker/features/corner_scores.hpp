@@ -7,7 +7,7 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // How well each pixel of a picture can be found again, whichever way it moves: the lesser
 // eigenvalue of the mean of g g^T over the 5 x 5 pixels around it, g the gradient by Sobel's 3 x 3
@@ -17,14 +17,14 @@ public:
     static constexpr int kBorder_px = 3;    // score 0
     static constexpr float kNoise = 0.65F;  // about what noise alone scores
 
-    explicit CornerScores(Instructions instructions = best_instructions())
+    explicit CornerScores(base::Instructions instructions = base::best_instructions())
         : instructions_(instructions) {}
 
     // `image` CV_8UC1. CV_32F, (grey levels / px)^2; good until the next call.
     const cv::Mat& of(const cv::Mat& image);
 
 private:
-    Instructions instructions_;
+    base::Instructions instructions_;
     cv::Mat scores_;
     std::vector<std::int32_t> products_;  // of the last five rows, then summed by column
 };
@@ -36,4 +36,4 @@ std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
                                      int border_px,
                                      int cell_px);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

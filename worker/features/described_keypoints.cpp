@@ -8,7 +8,7 @@
 
 #include "worker/features/corner_scores.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr std::size_t kMaxKeypoints = 500;
@@ -125,4 +125,4 @@ DescribedKeypoints describe_keypoints(const cv::Mat& left) {
     return view;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

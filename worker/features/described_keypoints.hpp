@@ -6,7 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // 256 comparisons of brightness around a corner, taken in the corner's own direction.
 using Descriptor = std::array<std::uint64_t, 4>;
@@ -34,4 +34,4 @@ using DescribedKeypoints = std::vector<DescribedKeypoint>;
 // al. 2010, G II). `left` CV_8UC1. Disparities come out unknown.
 DescribedKeypoints describe_keypoints(const cv::Mat& left);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <limits>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kSide_px = 2 * EpipolarSearch::kRadius_px + 1;
@@ -74,7 +74,7 @@ int EpipolarSearch::find(
                       columns_.data(),
                       offsets_.data(),
                       costs_.data()};
-    compiled_for<compare>(instructions_)(strip);
+    base::compiled_for<compare>(instructions_)(strip);
 
     const int best =
         static_cast<int>(std::min_element(costs_.rbegin(), costs_.rend()) - costs_.rbegin());
@@ -87,4 +87,4 @@ int EpipolarSearch::find(
     return unique ? best : 0;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -6,14 +6,14 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // Looks for a square of the left picture along its row of the right one.
 class EpipolarSearch {
 public:
     static constexpr int kRadius_px = 5;
 
-    explicit EpipolarSearch(Instructions instructions = best_instructions())
+    explicit EpipolarSearch(base::Instructions instructions = base::best_instructions())
         : instructions_(instructions) {}
 
     // The disparity of the best square around (u, v) - (disparity, 0), whole pixels up to
@@ -23,10 +23,10 @@ public:
     int find(const cv::Mat& left, const cv::Mat& right, int u, int v, int num_disparities_px);
 
 private:
-    Instructions instructions_;
+    base::Instructions instructions_;
     std::vector<std::uint16_t> columns_;  // sums of the right picture's
     std::vector<std::int16_t> offsets_;   // left brighter than right
     std::vector<std::uint16_t> costs_;    // of the disparities, the largest first
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

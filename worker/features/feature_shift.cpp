@@ -4,21 +4,21 @@
 
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
-void FeatureShift::start(const Features& features) {
+void FeatureShift::start(const types::Features& features) {
     pixels_.clear();
-    for (const Feature& feature : features) pixels_.emplace(feature.id, feature.pixel);
+    for (const types::Feature& feature : features) pixels_.emplace(feature.id, feature.pixel);
 }
 
-FeatureShift::Shift FeatureShift::since(const Features& features) const {
+FeatureShift::Shift FeatureShift::since(const types::Features& features) const {
     std::vector<double> shifts_px;
-    for (const Feature& feature : features) {
+    for (const types::Feature& feature : features) {
         const auto before = pixels_.find(feature.id);
         if (before != pixels_.end()) shifts_px.push_back((feature.pixel - before->second).norm());
     }
     const std::size_t num_shared = shifts_px.size();
-    return {num_shared, upper_median(std::move(shifts_px))};
+    return {num_shared, stats::upper_median(std::move(shifts_px))};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -7,7 +7,7 @@
 
 #include "worker/types/feature.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // How far a picture has moved on, by the features that it shares with an earlier one.
 class FeatureShift {
@@ -17,11 +17,11 @@ public:
         double median_px = 0.0;
     };
 
-    void start(const Features& features);
-    Shift since(const Features& features) const;
+    void start(const types::Features& features);
+    Shift since(const types::Features& features) const;
 
 private:
     std::unordered_map<std::int64_t, Eigen::Vector2d> pixels_;  // at the start, by id
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kBlock_px = 15;  // about a patch: what is wider is no feature
@@ -30,4 +30,4 @@ void HighPass::apply(const cv::Mat& image, cv::Mat& result) {
                      result.ptr<std::uint8_t>(v));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // A picture without the brightness of its parts, which caustics, strobes and backscatter move about
 // from frame to frame: every pixel against the mean of the 15 x 15 around it, 128 for none. Both
@@ -15,4 +15,4 @@ private:
     cv::Mat mean_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kMaxLostFrames = 5;
@@ -12,8 +12,8 @@ constexpr double kMinDepth_m = 0.05;
 
 }  // namespace
 
-void LostFeatures::lose(const Feature& feature, const ReferencePatch& look) {
-    lost_.push_back({feature.id, point_cam(rig_, feature), 0, look});
+void LostFeatures::lose(const types::Feature& feature, const ReferencePatch& look) {
+    lost_.push_back({feature.id, types::point_cam(rig_, feature), 0, look});
 }
 
 std::vector<LostFeatures::Found> LostFeatures::find(const cv::Mat& image,
@@ -23,7 +23,7 @@ std::vector<LostFeatures::Found> LostFeatures::find(const cv::Mat& image,
         lost.p_cam = T_current_previous * lost.p_cam;
         lost.look.move(T_current_previous);
         if (lost.p_cam.z() < kMinDepth_m || ++lost.num_frames > kMaxLostFrames) return true;
-        const Eigen::Vector3d expected = project_px(rig_, lost.p_cam);
+        const Eigen::Vector3d expected = types::project_px(rig_, lost.p_cam);
         const auto look = lost.look.warp_to_current(rig_, Eigen::Isometry3d::Identity());
         const auto there = look ? look->align(image, expected.head<2>()) : std::nullopt;
         if (!there || there->correlation < kMinCorrelation ||
@@ -38,4 +38,4 @@ std::vector<LostFeatures::Found> LostFeatures::find(const cv::Mat& image,
     return found;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

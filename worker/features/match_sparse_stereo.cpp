@@ -5,7 +5,7 @@
 #include "worker/features/align_patch.hpp"
 #include "worker/features/epipolar_search.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr double kMinCorrelation = 0.8;
@@ -14,7 +14,10 @@ constexpr double kMaxRowOffset_px = 1.0;
 
 // In both directions: a rectification that is a little off must not turn slanted edges into
 // disparity.
-double refine(const Patch& patch, const cv::Mat& right, const Feature& feature, double guess_px) {
+double refine(const Patch& patch,
+              const cv::Mat& right,
+              const types::Feature& feature,
+              double guess_px) {
     const auto found = patch.align(right, {feature.pixel.x() - guess_px, feature.pixel.y()});
     if (!found || found->correlation < kMinCorrelation ||
         std::abs(found->pixel.y() - feature.pixel.y()) > kMaxRowOffset_px)
@@ -30,18 +33,18 @@ double dense_at(const cv::Mat& dense_px, const Eigen::Vector2d& pixel) {
     return dense_px.at<float>(v, u);
 }
 
-double measure(const RectifiedFrame& frame,
+double measure(const types::RectifiedFrame& frame,
                const cv::Mat& dense_px,
                int num_disparities_px,
                EpipolarSearch& row,
-               const Feature& feature) {
+               const types::Feature& feature) {
     const auto patch = Patch::read(frame.left, feature.pixel);
     if (!patch) return 0.0;
     if (!dense_px.empty()) {  // the dense matcher has the say
         const double guess = dense_at(dense_px, feature.pixel);
         return guess > 0.0 ? refine(*patch, frame.right, feature, guess) : 0.0;
     }
-    if (has_depth(feature)) {
+    if (types::has_depth(feature)) {
         const double disparity = refine(*patch, frame.right, feature, feature.disparity_px);
         if (disparity > 0.0) return disparity;
     }
@@ -55,13 +58,13 @@ double measure(const RectifiedFrame& frame,
 
 }  // namespace
 
-void match_sparse_stereo(const RectifiedFrame& frame,
+void match_sparse_stereo(const types::RectifiedFrame& frame,
                          const cv::Mat& dense_px,
                          int num_disparities_px,
-                         Features& features) {
+                         types::Features& features) {
     EpipolarSearch row;
-    for (Feature& feature : features)
+    for (types::Feature& feature : features)
         feature.disparity_px = measure(frame, dense_px, num_disparities_px, row, feature);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

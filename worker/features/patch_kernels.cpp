@@ -1,6 +1,6 @@
 #include "worker/features/patch_kernels.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 using Value = std::int16_t;
@@ -92,10 +92,10 @@ DIVEMESH_INLINE_BODY SeenProducts compare(const PatchColumns& columns, const Squ
 
 }  // namespace
 
-PatchKernels patch_kernels(Instructions instructions) {
-    return {compiled_for<read_square<kOuterSide_px>>(instructions),
-            compiled_for<make_columns>(instructions),
-            compiled_for<compare>(instructions)};
+PatchKernels patch_kernels(base::Instructions instructions) {
+    return {base::compiled_for<read_square<kOuterSide_px>>(instructions),
+            base::compiled_for<make_columns>(instructions),
+            base::compiled_for<compare>(instructions)};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

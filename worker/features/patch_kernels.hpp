@@ -7,7 +7,7 @@
 
 // The inner loops of patch alignment, in integers: grey levels are read between the pixels with 6
 // fractional bits and kept with 4.
-namespace divemesh::worker {
+namespace divemesh::features {
 
 inline constexpr int kPatchSide_px = 16;
 inline constexpr int kPatchPixels = kPatchSide_px * kPatchSide_px;
@@ -52,6 +52,6 @@ struct PatchKernels {
     SeenProducts (*compare)(const PatchColumns& columns, const SquarePlace& place);
 };
 
-PatchKernels patch_kernels(Instructions instructions);
+PatchKernels patch_kernels(base::Instructions instructions);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

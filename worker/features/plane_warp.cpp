@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr double kMinDepth_m = 0.05;
@@ -11,7 +11,7 @@ constexpr double kMaxStretch = 2.5;  // either way
 
 }  // namespace
 
-std::optional<Eigen::Matrix2d> plane_warp(const RectifiedRig& rig,
+std::optional<Eigen::Matrix2d> plane_warp(const types::RectifiedRig& rig,
                                           const Eigen::Vector3d& p_from,
                                           const Plane& plane_from,
                                           const Eigen::Isometry3d& T_to_from) {
@@ -31,4 +31,4 @@ std::optional<Eigen::Matrix2d> plane_warp(const RectifiedRig& rig,
     return warp;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -5,7 +5,7 @@
 
 #include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // A plane, by n . p = 1 for its points, m.
 using Plane = Eigen::Vector3d;
@@ -17,9 +17,9 @@ inline Plane fronto_parallel_plane(const Eigen::Vector3d& p_cam) {
 
 // d pixel(from) / d pixel(to) at a point of a plane, both in the camera `from`. Nothing when it is
 // too near to the camera `to`, or stretched more than 2.5 times either way.
-std::optional<Eigen::Matrix2d> plane_warp(const RectifiedRig& rig,
+std::optional<Eigen::Matrix2d> plane_warp(const types::RectifiedRig& rig,
                                           const Eigen::Vector3d& p_from,
                                           const Plane& plane_from,
                                           const Eigen::Isometry3d& T_to_from);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -1,6 +1,6 @@
 #include "worker/features/reference_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr double kMinFacingCosine =
@@ -9,9 +9,9 @@ constexpr int kRadius_px = 16;  // of the surroundings: the patch turned and hal
 
 }  // namespace
 
-ReferencePatch::ReferencePatch(const RectifiedRig& rig,
+ReferencePatch::ReferencePatch(const types::RectifiedRig& rig,
                                const cv::Mat& image,
-                               const Feature& feature) {
+                               const types::Feature& feature) {
     const cv::Point middle(static_cast<int>(feature.pixel.x()),
                            static_cast<int>(feature.pixel.y()));
     const cv::Rect around =
@@ -20,16 +20,16 @@ ReferencePatch::ReferencePatch(const RectifiedRig& rig,
         cv::Rect(0, 0, image.cols, image.rows);
     surroundings_ = image(around).clone();
     centre_px_ = feature.pixel - Eigen::Vector2d(around.x, around.y);
-    if (!has_depth(feature)) return;
-    p_reference_ = point_cam(rig, feature);
+    if (!types::has_depth(feature)) return;
+    p_reference_ = types::point_cam(rig, feature);
     // 1 / depth is linear in the pixel over a plane, and the disparity proportional to it.
     const Eigen::Vector2d across = feature.disparity_slope / rig.baseline_m;
     plane_reference_ << across, (1.0 - across.dot(p_reference_->head<2>())) / p_reference_->z();
 }
 
-ReferencePatch::ReferencePatch(const RectifiedRig& rig,
+ReferencePatch::ReferencePatch(const types::RectifiedRig& rig,
                                const cv::Mat& image,
-                               const Feature& feature,
+                               const types::Feature& feature,
                                const ReferencePatch& before)
     : ReferencePatch(rig, image, feature) {
     if (!p_reference_ || !before.p_reference_) return;
@@ -40,11 +40,11 @@ ReferencePatch::ReferencePatch(const RectifiedRig& rig,
 }
 
 std::optional<Patch> ReferencePatch::warp_to_current(
-    const RectifiedRig& rig, const Eigen::Isometry3d& T_current_previous) const {
+    const types::RectifiedRig& rig, const Eigen::Isometry3d& T_current_previous) const {
     if (!p_reference_) return Patch::read(surroundings_, centre_px_);
     const auto warp =
         plane_warp(rig, *p_reference_, plane_reference_, T_current_previous * T_current_reference_);
     return warp ? Patch::read(surroundings_, centre_px_, *warp) : std::nullopt;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

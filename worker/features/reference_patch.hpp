@@ -4,23 +4,25 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
-#include "worker/features/plane_warp.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/features/align_patch.hpp"
+#include "worker/features/plane_warp.hpp"
 #include "worker/types/feature.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // How a feature looked when it was first or anew seen, and from where: so that it can be shown as
 // it must look from where the camera is now, its surface taken for a plane.
 class ReferencePatch {
 public:
     // `feature` as `picture`, CV_8UC1, shows it.
-    ReferencePatch(const RectifiedRig& rig, const cv::Mat& image, const Feature& feature);
-    // Seen anew; the surface leans as it did.
-    ReferencePatch(const RectifiedRig& rig,
+    ReferencePatch(const types::RectifiedRig& rig,
                    const cv::Mat& image,
-                   const Feature& feature,
+                   const types::Feature& feature);
+    // Seen anew; the surface leans as it did.
+    ReferencePatch(const types::RectifiedRig& rig,
+                   const cv::Mat& image,
+                   const types::Feature& feature,
                    const ReferencePatch& before);
 
     // The camera has moved.
@@ -29,7 +31,7 @@ public:
     }
     // From where the camera is after a further motion. Nothing when it would be distorted too much,
     // or has no contrast.
-    std::optional<Patch> warp_to_current(const RectifiedRig& rig,
+    std::optional<Patch> warp_to_current(const types::RectifiedRig& rig,
                                          const Eigen::Isometry3d& T_current_previous) const;
 
 private:
@@ -40,4 +42,4 @@ private:
     Eigen::Isometry3d T_current_reference_ = Eigen::Isometry3d::Identity();
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kRadius_px = 8;
@@ -102,7 +102,9 @@ void improve(const LeftPatch& left, const Values& right, float prior, DisparityP
     plane.by_v += step.z();
 }
 
-Eigen::Vector2d slope_of(const RectifiedFrame& frame, const Feature& feature, float prior) {
+Eigen::Vector2d slope_of(const types::RectifiedFrame& frame,
+                         const types::Feature& feature,
+                         float prior) {
     const int u = static_cast<int>(std::lround(feature.pixel.x()));
     const int v = static_cast<int>(std::lround(feature.pixel.y()));
     if (u <= kRadius_px || v < kRadius_px || u + kRadius_px + 1 >= frame.left.cols ||
@@ -123,12 +125,14 @@ Eigen::Vector2d slope_of(const RectifiedFrame& frame, const Feature& feature, fl
 
 }  // namespace
 
-void measure_slopes(const RectifiedRig& rig, const RectifiedFrame& frame, Features& features) {
+void measure_slopes(const types::RectifiedRig& rig,
+                    const types::RectifiedFrame& frame,
+                    types::Features& features) {
     // By 45 degrees: 1 / depth changes by 1 / (depth focal) a pixel, the disparity in proportion.
-    for (Feature& feature : features)
-        if (has_depth(feature))
+    for (types::Feature& feature : features)
+        if (types::has_depth(feature))
             feature.disparity_slope =
                 slope_of(frame, feature, static_cast<float>(feature.disparity_px / rig.focal_px));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

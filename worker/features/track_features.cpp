@@ -7,7 +7,7 @@
 
 #include "worker/features/align_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr double kBackwardError_px = 0.5;
@@ -16,18 +16,18 @@ constexpr double kSameCorrelation = 0.8;  // with how a feature looked at first
 constexpr int kBorder_px = 10;            // a patch and a pixel more
 constexpr float kCornerQuality = 0.01F;   // of the best corner of the picture
 
-Eigen::Vector3d expected(const RectifiedRig& rig,
-                         const Feature& feature,
+Eigen::Vector3d expected(const types::RectifiedRig& rig,
+                         const types::Feature& feature,
                          const Eigen::Isometry3d& T_cam_previous) {
     const Eigen::Vector3d p_previous =
-        has_depth(feature) ? point_cam(rig, feature)
-                           : rig.point_cam(feature.pixel.x(), feature.pixel.y(), 1.0);
-    const Eigen::Vector3d p_cam = has_depth(feature)
+        types::has_depth(feature) ? types::point_cam(rig, feature)
+                                  : rig.point_cam(feature.pixel.x(), feature.pixel.y(), 1.0);
+    const Eigen::Vector3d p_cam = types::has_depth(feature)
                                       ? Eigen::Vector3d(T_cam_previous * p_previous)
                                       : Eigen::Vector3d(T_cam_previous.linear() * p_previous);
-    if (p_cam.z() < 1e-3) return measurement_px(feature);
-    Eigen::Vector3d result = project_px(rig, p_cam);
-    if (!has_depth(feature)) result.z() = 0.0;
+    if (p_cam.z() < 1e-3) return types::measurement_px(feature);
+    Eigen::Vector3d result = types::project_px(rig, p_cam);
+    if (!types::has_depth(feature)) result.z() = 0.0;
     return result;
 }
 
@@ -59,27 +59,27 @@ private:
 
 }  // namespace
 
-FeatureTracker::FeatureTracker(const RectifiedRig& rig, int num_features)
+FeatureTracker::FeatureTracker(const types::RectifiedRig& rig, int num_features)
     : rig_(rig),
       cell_px_(std::max(8,
                         static_cast<int>(std::sqrt(rig.width_px * rig.height_px /
                                                    static_cast<double>(num_features))))),
       lost_(rig) {}
 
-Features FeatureTracker::track(const cv::Mat& left,
-                               const Features& previous,
-                               const Eigen::Isometry3d& T_cam_previous) {
+types::Features FeatureTracker::track(const cv::Mat& left,
+                                      const types::Features& previous,
+                                      const Eigen::Isometry3d& T_cam_previous) {
     std::swap(previous_pyramid_, current_pyramid_);
     high_pass_.apply(left, current_pyramid_[0]);
     for (std::size_t i = 1; i < kNumLevels; ++i)
         cv::pyrDown(current_pyramid_[i - 1], current_pyramid_[i]);
-    Features features;
+    types::Features features;
     if (previous_pyramid_[0].empty()) return features;
     std::unordered_map<std::int64_t, ReferencePatch> reference_patches =
         std::move(reference_patches_);
     reference_patches_.clear();
     Occupancy occupancy(left, min_distance_px());
-    for (const Feature& feature : previous) {
+    for (const types::Feature& feature : previous) {
         const Eigen::Vector3d guess = expected(rig_, feature, T_cam_previous);
         const Eigen::Vector2d near = track_coarse(feature.pixel, guess.head<2>());
         const auto known = reference_patches.find(feature.id);
@@ -88,7 +88,7 @@ Features FeatureTracker::track(const cv::Mat& left,
             reference_patch = known->second.warp_to_current(rig_, T_cam_previous);
         const auto seen =
             track_fine(feature.pixel, near, reference_patch ? &*reference_patch : nullptr);
-        if (!seen && known != reference_patches.end() && has_depth(feature))
+        if (!seen && known != reference_patches.end() && types::has_depth(feature))
             lost_.lose(feature, known->second);
         if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
         features.push_back({feature.id, seen->pixel, guess.z()});
@@ -107,11 +107,12 @@ Features FeatureTracker::track(const cv::Mat& left,
     return features;
 }
 
-Features FeatureTracker::find_lost(const Eigen::Isometry3d& T_cam_previous,
-                                   const Features& present) {
+types::Features FeatureTracker::find_lost(const Eigen::Isometry3d& T_cam_previous,
+                                          const types::Features& present) {
     Occupancy occupancy(current_pyramid_[0], min_distance_px());
-    for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
-    Features features;
+    for (const types::Feature& feature : present)
+        occupancy.take(feature.pixel.x(), feature.pixel.y());
+    types::Features features;
     for (const LostFeatures::Found& found : lost_.find(current_pyramid_[0], T_cam_previous)) {
         const Eigen::Vector2d& pixel = found.feature.pixel;
         if (!inside(current_pyramid_[0], pixel) || !occupancy.take(pixel.x(), pixel.y())) continue;
@@ -156,7 +157,7 @@ std::optional<FeatureTracker::Seen> FeatureTracker::track_fine(const Eigen::Vect
     return seen;
 }
 
-Features FeatureTracker::detect(const Features& present) {
+types::Features FeatureTracker::detect(const types::Features& present) {
     const cv::Mat& left = current_pyramid_[0];
     const cv::Mat& scores = corner_scores_.of(left);
     double best = 0.0;
@@ -164,11 +165,12 @@ Features FeatureTracker::detect(const Features& present) {
     const float threshold =
         std::max(CornerScores::kNoise, kCornerQuality * static_cast<float>(best));
     Occupancy occupancy(left, cell_px_);
-    for (const Feature& feature : present) occupancy.take(feature.pixel.x(), feature.pixel.y());
-    Features features;
+    for (const types::Feature& feature : present)
+        occupancy.take(feature.pixel.x(), feature.pixel.y());
+    types::Features features;
     for (const cv::Point& at : best_of_cells(scores, threshold, kBorder_px, cell_px_))
         if (occupancy.take(at.x, at.y)) features.push_back({next_id_++, {at.x, at.y}, 0.0});
     return features;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

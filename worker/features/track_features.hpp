@@ -7,21 +7,21 @@
 #include <optional>
 #include <unordered_map>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/features/align_patch.hpp"
-#include "worker/types/feature.hpp"
 #include "worker/features/corner_scores.hpp"
 #include "worker/features/high_pass.hpp"
 #include "worker/features/lost_features.hpp"
 #include "worker/features/reference_patch.hpp"
+#include "worker/types/feature.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 
 // Step 2: salient features followed from picture to picture (Kanade-Lucas-Tomasi).
 class FeatureTracker {
 public:
     // About `num_features` features are followed at a time.
-    FeatureTracker(const RectifiedRig& rig, int num_features);
+    FeatureTracker(const types::RectifiedRig& rig, int num_features);
 
     // Finds `previous`, features of the picture before, in `left`; the camera's expected motion
     // says where to look. Each pyramid level aligns the patch around a feature with a gain and a
@@ -32,18 +32,19 @@ public:
     // much, its place is where it looks as it did in the picture before. It stays only
     // when tracking it back ends where it began. Its disparity is what the motion lets expect, to
     // be measured.
-    Features track(const cv::Mat& left,
-                   const Features& previous,
-                   const Eigen::Isometry3d& T_cam_previous);
+    types::Features track(const cv::Mat& left,
+                          const types::Features& previous,
+                          const Eigen::Isometry3d& T_cam_previous);
 
     // Once the motion of the last picture is known: features that were lost some pictures ago and
     // are seen again, under their ids, where `present` has none near; their disparities are to be
     // measured.
-    Features find_lost(const Eigen::Isometry3d& T_cam_previous, const Features& present);
+    types::Features find_lost(const Eigen::Isometry3d& T_cam_previous,
+                              const types::Features& present);
 
     // New features with fresh ids where the last picture has none, spread over a grid, best corner
     // (Shi and Tomasi) of each cell.
-    Features detect(const Features& present);
+    types::Features detect(const types::Features& present);
 
 private:
     static constexpr int kNumLevels = 4;
@@ -61,7 +62,7 @@ private:
                                    const Eigen::Vector2d& near,
                                    const Patch* reference_patch) const;
 
-    RectifiedRig rig_;
+    types::RectifiedRig rig_;
     int cell_px_ = 0;
     std::int64_t next_id_ = 0;
     Pyramid previous_pyramid_;
@@ -72,4 +73,4 @@ private:
     CornerScores corner_scores_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

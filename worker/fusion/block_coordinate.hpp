@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // Space is sampled on a lattice of step `voxel_m` through the world's origin: sample (i, j, k) lies
 // at voxel_m * (i, j, k). Samples are kept in blocks of 8 x 8 x 8.
@@ -49,4 +49,4 @@ inline Eigen::Vector3i first_sample(const BlockCoordinate& block) {
     return Eigen::Vector3i(block.x, block.y, block.z) * kBlockEdge;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

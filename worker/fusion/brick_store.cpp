@@ -9,7 +9,7 @@
 
 #include "worker/base/lanes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 // Leaves: more would lie idle where bricks hold few, fewer cost more handles.
@@ -31,9 +31,9 @@ constexpr std::uint32_t records_per_page(std::size_t num_slots) {
 
 // Among the first `num`, or -1. Looks at eight at once, some of them beyond.
 int find_place(const std::uint16_t* places, int num, int place) {
-    const Shorts wanted = Shorts{} + static_cast<std::uint16_t>(place);
-    for (int i = 0; i < num; i += kLanes) {
-        const auto equal = load_lanes<Shorts>(places + i) == wanted;
+    const base::Shorts wanted = base::Shorts{} + static_cast<std::uint16_t>(place);
+    for (int i = 0; i < num; i += base::kLanes) {
+        const auto equal = base::load_lanes<base::Shorts>(places + i) == wanted;
         std::array<std::uint64_t, 2> halves;  // all 16 bits of a lane that is equal
         std::memcpy(halves.data(), &equal, sizeof halves);
         if ((halves[0] | halves[1]) == 0) continue;
@@ -174,4 +174,4 @@ BrickStore::Handle BrickStore::add_slot(Handle brick) {
     return larger;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -9,7 +9,7 @@
 #include "worker/fusion/block_coordinate.hpp"
 #include "worker/fusion/spill_store.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // All that was seen in one leaf, in 16 bytes: weighted means, not the observations; packed as
 // worker/fusion/packed_values.hpp says.
@@ -78,4 +78,4 @@ private:
     std::int64_t num_leaves_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -7,7 +7,7 @@
 
 #include "worker/fusion/octree_volume.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // The points of an octree that a volume confirms: what one view alone saw, or what others looked
 // through, is none. Streamed: only a bit for each point is held.
@@ -17,8 +17,8 @@ public:
     ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads);
 
     std::int64_t size() const { return num_confirmed_; }
-    void for_each(
-        const std::function<void(const Eigen::Vector3f& p_world, const Color&)>& visit) const;
+    void for_each(const std::function<void(const Eigen::Vector3f& p_world, const types::Color&)>&
+                      visit) const;
 
 private:
     const PointOctree& points_;
@@ -26,4 +26,4 @@ private:
     std::int64_t num_confirmed_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

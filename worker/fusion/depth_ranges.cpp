@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr float kMaxDepthRatio = 3.0F;  // of a pixel's depth: what is seen at a graze has no end
@@ -81,4 +81,4 @@ DepthRange DepthRanges::over(
     return range;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

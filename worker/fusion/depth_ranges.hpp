@@ -7,7 +7,7 @@
 
 #include "worker/fusion/tsdf_view.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // The depths, along the optical axis, between which some pixels may make surface; behind the
 // farthest they change nothing. Of no pixel: nothing lies in it.
@@ -59,4 +59,4 @@ private:
     std::vector<float> farthest_m_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -8,7 +8,7 @@
 #include "worker/base/lanes.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a jump
@@ -37,18 +37,22 @@ DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
 // Slope of the disparity along one axis: differences of pixels on opposite sides, of those pairs
 // that are on one plane with the centre.
 struct SlopeFit {
-    Floats numerator;
-    Floats denominator;
+    base::Floats numerator;
+    base::Floats denominator;
 };
 
-DIVEMESH_INLINE_BODY void add_pair(
-    SlopeFit& fit, Floats center, Floats ahead, Floats behind, int reach_px, float bend_px) {
+DIVEMESH_INLINE_BODY void add_pair(SlopeFit& fit,
+                                   base::Floats center,
+                                   base::Floats ahead,
+                                   base::Floats behind,
+                                   int reach_px,
+                                   float bend_px) {
     const auto reach = static_cast<float>(reach_px);
-    const Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) &
-                           (abs(ahead - behind) <= 2.0F * kMaxSlope * reach) &
-                           (abs(ahead + behind - 2.0F * center) <= bend_px);
-    fit.numerator += select(on_plane, 2.0F * reach * (ahead - behind));
-    fit.denominator += select(on_plane, broadcast(4.0F * reach * reach));
+    const base::Masks on_plane = (ahead > 0.0F) & (behind > 0.0F) &
+                                 (base::abs(ahead - behind) <= 2.0F * kMaxSlope * reach) &
+                                 (base::abs(ahead + behind - 2.0F * center) <= bend_px);
+    fit.numerator += base::select(on_plane, 2.0F * reach * (ahead - behind));
+    fit.denominator += base::select(on_plane, base::broadcast(4.0F * reach * reach));
 }
 
 // One row of a keyframe's depth, and the rows around it.
@@ -70,9 +74,9 @@ struct Optics {
 };
 
 // Red, green and blue from bit 16 down, of eight pixels. Reads one byte more, so not for the last.
-DIVEMESH_INLINE_BODY Masks colors(const std::uint8_t* bgr) {
-    Masks packed;
-    for (int i = 0; i < kLanes; ++i) {
+DIVEMESH_INLINE_BODY base::Masks colors(const std::uint8_t* bgr) {
+    base::Masks packed;
+    for (int i = 0; i < base::kLanes; ++i) {
         std::uint32_t four;
         std::memcpy(&four, bgr + 3 * i, sizeof four);
         packed[i] = static_cast<std::int32_t>(four & 0xffffff);
@@ -87,52 +91,56 @@ DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
                                      SurfacePixel* pixels) {
     const int furthest = kReach_px / optics.step_px;
     const float bend_px = kMaxBend_px / static_cast<float>(optics.step_px);
-    for (int start = furthest; start < row.width - furthest; start += kLanes) {
+    for (int start = furthest; start < row.width - furthest; start += base::kLanes) {
         // The last eight overlap the ones before.
-        const int u = std::min(start, row.width - furthest - kLanes);
-        const Floats inside = static_cast<float>(optics.step_px) * load(row.rim + u);
-        Masks good = inside > kDeadRim_px;
-        if (!any(good)) continue;
+        const int u = std::min(start, row.width - furthest - base::kLanes);
+        const base::Floats inside = static_cast<float>(optics.step_px) * base::load(row.rim + u);
+        base::Masks good = inside > kDeadRim_px;
+        if (!base::any(good)) continue;
         const float* at = row.disparity + u;
-        const Floats d = load(at);
+        const base::Floats d = base::load(at);
         SlopeFit along_u{};
         SlopeFit along_v{};
         for (int reach = furthest / 2; reach <= furthest; reach += furthest / 2)
             for (int side = -furthest; side <= furthest; side += furthest) {
                 const std::ptrdiff_t rows_u = side * row.stride;
                 const std::ptrdiff_t rows_v = reach * row.stride;
-                const Floats right = load(at + rows_u + reach);
-                const Floats left = load(at - rows_u - reach);
-                const Floats below = load(at + rows_v + side);
-                const Floats above = load(at - rows_v - side);
+                const base::Floats right = base::load(at + rows_u + reach);
+                const base::Floats left = base::load(at - rows_u - reach);
+                const base::Floats below = base::load(at + rows_v + side);
+                const base::Floats above = base::load(at - rows_v - side);
                 add_pair(along_u, d, right, left, reach, bend_px);
                 add_pair(along_v, d, below, above, reach, bend_px);
             }
         good &= (along_u.denominator > 0.0F) & (along_v.denominator > 0.0F);
-        const Floats slope_u = along_u.numerator / max(along_u.denominator, broadcast(1.0F));
-        const Floats slope_v = along_v.numerator / max(along_v.denominator, broadcast(1.0F));
-        const Floats du =
-            __builtin_convertvector(kLaneNumbers, Floats) + (static_cast<float>(u) - optics.cx);
-        const Floats plane_x = optics.focal * slope_u;
-        const Floats plane_y = optics.focal * slope_v;
-        const Floats plane_z = d - du * slope_u - row.v * slope_v;
-        const Floats length =
-            square_root(plane_x * plane_x + plane_y * plane_y + plane_z * plane_z);
-        const Floats ray =
-            square_root(du * du + (row.v * row.v + optics.focal * optics.focal)) / optics.focal;
-        const Floats cosine = d / (length * ray);
+        const base::Floats slope_u =
+            along_u.numerator / base::max(along_u.denominator, base::broadcast(1.0F));
+        const base::Floats slope_v =
+            along_v.numerator / base::max(along_v.denominator, base::broadcast(1.0F));
+        const base::Floats du = __builtin_convertvector(base::kLaneNumbers, base::Floats) +
+                                (static_cast<float>(u) - optics.cx);
+        const base::Floats plane_x = optics.focal * slope_u;
+        const base::Floats plane_y = optics.focal * slope_v;
+        const base::Floats plane_z = d - du * slope_u - row.v * slope_v;
+        const base::Floats length =
+            base::square_root(plane_x * plane_x + plane_y * plane_y + plane_z * plane_z);
+        const base::Floats ray =
+            base::square_root(du * du + (row.v * row.v + optics.focal * optics.focal)) /
+            optics.focal;
+        const base::Floats cosine = d / (length * ray);
         good &= cosine >= kMinCosine;
-        const Floats ramp =
-            min(broadcast(1.0F), (inside - kDeadRim_px) / (kFullWeight_px - kDeadRim_px));
-        Floats fields[kLanes] = {select(good, plane_x / length),
-                                 select(good, plane_y / length),
-                                 select(good, plane_z / length),
-                                 select(good, optics.focal_baseline / length),
-                                 select(good, load(row.sigma + u)),
-                                 select(good, optics.focal_baseline / d),
-                                 select(good, cosine * ramp),
-                                 select(good, reinterpret_cast<Floats>(colors(row.image + 3 * u)))};
-        transpose(fields);
+        const base::Floats ramp = base::min(
+            base::broadcast(1.0F), (inside - kDeadRim_px) / (kFullWeight_px - kDeadRim_px));
+        base::Floats fields[base::kLanes] = {
+            base::select(good, plane_x / length),
+            base::select(good, plane_y / length),
+            base::select(good, plane_z / length),
+            base::select(good, optics.focal_baseline / length),
+            base::select(good, base::load(row.sigma + u)),
+            base::select(good, optics.focal_baseline / d),
+            base::select(good, cosine * ramp),
+            base::select(good, reinterpret_cast<base::Floats>(colors(row.image + 3 * u)))};
+        base::transpose(fields);
         std::memcpy(pixels + u, fields, sizeof fields);
     }
 }
@@ -224,7 +232,7 @@ DepthImage halved(const DepthImage& full) {
 }
 
 // The middle of two by two pixels is half a pixel right of and below the first one's.
-RectifiedRig halved(RectifiedRig rig) {
+types::RectifiedRig halved(types::RectifiedRig rig) {
     rig.width_px /= 2;
     rig.height_px /= 2;
     rig.focal_px /= 2.0;
@@ -235,7 +243,9 @@ RectifiedRig halved(RectifiedRig rig) {
 
 }  // namespace
 
-Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double voxel_m) {
+Sampling choose_sampling(const types::RectifiedRig& rig,
+                         const types::DepthMap& depth,
+                         double voxel_m) {
     constexpr int kStep_px = 8;
     constexpr double kPixels = 2.0;
     std::vector<float> disparities;
@@ -244,24 +254,24 @@ Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double 
             const float disparity = depth.disparity_px.at<float>(v, u);
             if (disparity > 0.0F) disparities.push_back(disparity);
         }
-    const float disparity_px = upper_median(std::move(disparities));
+    const float disparity_px = stats::upper_median(std::move(disparities));
     return disparity_px * voxel_m / rig.baseline_m >= kPixels ? Sampling::Half : Sampling::Full;
 }
 
-DepthView::DepthView(const RectifiedRig& rig,
-                     const KeyframeImages& images,
+DepthView::DepthView(const types::RectifiedRig& rig,
+                     const types::KeyframeImages& images,
                      Sampling sampling,
-                     Instructions instructions)
+                     base::Instructions instructions)
     : step_px_(sampling == Sampling::Half ? 2 : 1),
       rig_(sampling == Sampling::Half ? halved(rig) : rig),
       image_(images.left_color),
       pixels_(static_cast<std::size_t>(rig_.width_px) * rig_.height_px) {
     const int reach = kReach_px / step_px_;
-    if (images.depth.disparity_px.empty() || rig_.width_px < 2 * reach + kLanes ||
+    if (images.depth.disparity_px.empty() || rig_.width_px < 2 * reach + base::kLanes ||
         rig_.height_px <= 2 * reach)
         return;
-    const Kernels kernels{compiled_for<mark_inside>(instructions),
-                          compiled_for<fit_planes>(instructions)};
+    const Kernels kernels{base::compiled_for<mark_inside>(instructions),
+                          base::compiled_for<fit_planes>(instructions)};
     DepthImage image{images.depth.disparity_px,
                      images.depth.sigma_disparity_px,
                      distance_from_rim(images.depth.disparity_px, kernels),
@@ -284,4 +294,4 @@ DepthView::DepthView(const RectifiedRig& rig,
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/base/instructions.hpp"
 #include "worker/types/keyframe.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // Eight numbers that are read at once: the surface as one pixel saw it, its tangent plane in the
 // camera frame. A point p_cam lies offset_m - normal . p_cam in front of it (toward the camera;
@@ -26,20 +26,22 @@ enum class Sampling { Full, Half };
 
 // Half where a voxel covers two pixels or more at the median depth of the view: finer pixels would
 // say nothing more about it.
-Sampling choose_sampling(const RectifiedRig& rig, const DepthMap& depth, double voxel_m);
+Sampling choose_sampling(const types::RectifiedRig& rig,
+                         const types::DepthMap& depth,
+                         double voxel_m);
 
 // A keyframe's depth and picture made ready for fusion. A plane is linear in disparity, so the
 // tangent plane comes from the disparity's gradient over a few pixels. Pixels at a jump of the
 // disparity, where matchers let the foreground grow, and at the rim of the unknown weigh nothing.
 class DepthView {
 public:
-    DepthView(const RectifiedRig& rig,
-              const KeyframeImages& images,
+    DepthView(const types::RectifiedRig& rig,
+              const types::KeyframeImages& images,
               Sampling sampling = Sampling::Full,
-              Instructions instructions = best_instructions());
+              base::Instructions instructions = base::best_instructions());
 
     // The camera of these pixels: that of the keyframe, or with half as many either way.
-    const RectifiedRig& rig() const { return rig_; }
+    const types::RectifiedRig& rig() const { return rig_; }
     const SurfacePixel& pixel(int u_px, int v_px) const {
         return pixels_[static_cast<std::size_t>(v_px) * rig_.width_px + u_px];
     }
@@ -49,9 +51,9 @@ public:
 
 private:
     int step_px_;
-    RectifiedRig rig_;
+    types::RectifiedRig rig_;
     cv::Mat image_;
     std::vector<SurfacePixel> pixels_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

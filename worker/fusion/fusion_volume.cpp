@@ -8,35 +8,35 @@
 #include "worker/fusion/tsdf_volume.hpp"
 #include "worker/fusion/volume_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr double kSigmaDisparity_px = 0.15;  // of a textured surface
 constexpr double kPixelsPerVoxel = 2.5;
 constexpr double kMaxSigma_voxels = 6.0;
 
-double sigma_z(const RectifiedRig& rig, double depth_m) {
+double sigma_z(const types::RectifiedRig& rig, double depth_m) {
     return depth_m * depth_m * kSigmaDisparity_px / (rig.focal_px * rig.baseline_m);
 }
 
 }  // namespace
 
-double choose_voxel_m(const RectifiedRig& rig, double median_depth_m) {
+double choose_voxel_m(const types::RectifiedRig& rig, double median_depth_m) {
     const double depth = std::clamp(median_depth_m, 0.2, 50.0);
     const double voxel = std::max(kPixelsPerVoxel * depth / rig.focal_px, sigma_z(rig, depth));
     return std::max(0.001, std::round(voxel * 1000.0) / 1000.0);
 }
 
-double choose_max_depth_m(const RectifiedRig& rig, double voxel_m) {
+double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m) {
     return std::sqrt(kMaxSigma_voxels * voxel_m / sigma_z(rig, 1.0));
 }
 
-void Volume::integrate(const Keyframe& keyframe, const KeyframeImages& images) {
+void Volume::integrate(const types::Keyframe& keyframe, const types::KeyframeImages& images) {
     const Sampling sampling = choose_sampling(settings_.rig, images.depth, settings_.voxel_m);
     add(keyframe, DepthView(settings_.rig, images, sampling));
 }
 
-std::unique_ptr<Volume> make_volume(const RectifiedRig& rig,
+std::unique_ptr<Volume> make_volume(const types::RectifiedRig& rig,
                                     const ReconstructionOptions& options,
                                     double median_depth_m,
                                     const std::filesystem::path& scratch) {
@@ -60,7 +60,7 @@ std::unique_ptr<OctreeVolume> make_cloud(VolumeSettings settings,
 }
 
 std::unique_ptr<Volume> load_volume(const std::filesystem::path& path, const SpillSettings& spill) {
-    BinaryReader file(path);
+    base::BinaryReader file(path);
     const auto magic = file.get<std::uint32_t>();
     std::unique_ptr<Volume> volume;
     if (file.ok() && magic == kTsdfMagic) volume = TsdfVolume::load(file, spill);
@@ -71,4 +71,4 @@ std::unique_ptr<Volume> load_volume(const std::filesystem::path& path, const Spi
     return volume;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

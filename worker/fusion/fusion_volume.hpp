@@ -6,19 +6,19 @@
 #include <span>
 
 #include "schemas/reconstruction_options.hpp"
-#include "worker/types/rectified_rig.hpp"
-#include "worker/types/keyframe.hpp"
 #include "worker/fusion/depth_view.hpp"
-#include "worker/types/mesh.hpp"
 #include "worker/fusion/signed_distance_field.hpp"
 #include "worker/fusion/spill_store.hpp"
+#include "worker/types/keyframe.hpp"
+#include "worker/types/mesh.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 class OctreeVolume;
 
 struct VolumeSettings {
-    RectifiedRig rig;
+    types::RectifiedRig rig;
     double voxel_m = 0.01;
     double max_depth_m = 4.0;
     int num_threads = 0;  // 0: all cores; never changes a byte of the volume
@@ -32,9 +32,9 @@ public:
     explicit Volume(VolumeSettings settings) : settings_(std::move(settings)) {}
     virtual ~Volume() = default;
 
-    virtual void add(const Keyframe& keyframe, const DepthView& depth) = 0;
+    virtual void add(const types::Keyframe& keyframe, const DepthView& depth) = 0;
     // The same from what the keyframe store holds.
-    void integrate(const Keyframe& keyframe, const KeyframeImages& images);
+    void integrate(const types::Keyframe& keyframe, const types::KeyframeImages& images);
     // Whether enough views agree that there is a surface at each of these points: 1 or 0.
     // Neighbours one after the other are found quickly. Safe from several threads.
     virtual void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const = 0;
@@ -52,7 +52,7 @@ protected:
 
 // `options.voxel_m` and `max_depth_m` of 0 are chosen from the rig and `median_depth_m`. What
 // exceeds `options.fusion_memory_bytes` goes to `scratch`; empty: nothing does.
-std::unique_ptr<Volume> make_volume(const RectifiedRig& rig,
+std::unique_ptr<Volume> make_volume(const types::RectifiedRig& rig,
                                     const ReconstructionOptions& options,
                                     double median_depth_m,
                                     const std::filesystem::path& scratch = {});
@@ -65,9 +65,9 @@ std::unique_ptr<Volume> load_volume(const std::filesystem::path& file,
 
 // Two and a half pixels at the median depth, or the depth's own standard deviation there where that
 // is more, to the millimetre: about 1 cm at 2 m for a rig of 500 px and 12 cm.
-double choose_voxel_m(const RectifiedRig& rig, double median_depth_m);
+double choose_voxel_m(const types::RectifiedRig& rig, double median_depth_m);
 // Where the depth's standard deviation reaches six voxels: beyond, a view says too little. With
 // four a sixth of the tank within 10 mm is lost, with nine nothing is won.
-double choose_max_depth_m(const RectifiedRig& rig, double voxel_m);
+double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -6,7 +6,7 @@
 #include "worker/fusion/point_field.hpp"
 #include "worker/fusion/volume_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr int kMinViews = 2;  // of a leaf before it counts: what one view saw may be snow
@@ -18,7 +18,7 @@ OctreeVolume::OctreeVolume(VolumeSettings settings)
 
 // Where the view has one pixel for four of the keyframe's, it is one point if all four would fall
 // into one leaf, else four on its plane: leaves between them would stay empty.
-void OctreeVolume::add(const Keyframe& keyframe, const DepthView& depth) {
+void OctreeVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
     const double sigma_scale = 1.0 / (depth.rig().focal_px * depth.rig().baseline_m);
     // Where a pixel of the keyframe is as wide as a leaf.
     const double pixel_is_leaf_m = settings_.voxel_m * settings_.rig.focal_px;
@@ -77,7 +77,7 @@ std::unique_ptr<SignedDistanceField> OctreeVolume::field(int num_threads) const 
 }
 
 void OctreeVolume::save(const std::filesystem::path& path) const {
-    BinaryWriter file(path);
+    base::BinaryWriter file(path);
     put_volume_header(file, kOctreeMagic, settings_);
     file.put(num_views_);
     file.put(octree_.num_points());
@@ -88,7 +88,7 @@ void OctreeVolume::save(const std::filesystem::path& path) const {
     file.commit();
 }
 
-std::unique_ptr<OctreeVolume> OctreeVolume::load(BinaryReader& file, SpillSettings spill) {
+std::unique_ptr<OctreeVolume> OctreeVolume::load(base::BinaryReader& file, SpillSettings spill) {
     VolumeSettings settings = get_volume_settings(file);
     settings.spill = std::move(spill);
     auto volume = std::make_unique<OctreeVolume>(settings);
@@ -102,4 +102,4 @@ std::unique_ptr<OctreeVolume> OctreeVolume::load(BinaryReader& file, SpillSettin
     return volume;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

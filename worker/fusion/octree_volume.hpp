@@ -6,7 +6,7 @@
 #include "worker/fusion/point_octree.hpp"
 #include "worker/fusion/tsdf_volume.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // The paper's step 7: every point that a keyframe saw goes into an octree, which keeps the weighted
 // mean of each leaf. The surface in it is the zero of the signed distance to the leaves' tangent
@@ -15,7 +15,7 @@ class OctreeVolume : public Volume {
 public:
     explicit OctreeVolume(VolumeSettings settings);
 
-    void add(const Keyframe& keyframe, const DepthView& depth) override;
+    void add(const types::Keyframe& keyframe, const DepthView& depth) override;
     void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
     std::unique_ptr<SignedDistanceField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
@@ -37,4 +37,4 @@ private:
     std::uint32_t num_views_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -4,17 +4,18 @@
 #include "worker/fusion/packed_values.hpp"
 
 // worker/fusion/packed_values.hpp for eight values at once, to the bit.
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
-DIVEMESH_INLINE_BODY Floats unpack_weights(Masks packed) {
-    const Floats weights = reinterpret_cast<Floats>((packed << kWeightShift) + kWeightBase);
-    return select(packed != 0, weights);
+DIVEMESH_INLINE_BODY base::Floats unpack_weights(base::Masks packed) {
+    const base::Floats weights =
+        reinterpret_cast<base::Floats>((packed << kWeightShift) + kWeightBase);
+    return base::select(packed != 0, weights);
 }
-DIVEMESH_INLINE_BODY Masks pack_weights(Floats weights) {
-    const Masks bits = reinterpret_cast<Masks>(weights) - kWeightBase;
-    const Masks rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
-    const Masks least = rounded > 1 ? rounded : Masks{} + 1;
-    return least < 0xffff ? least : Masks{} + 0xffff;
+DIVEMESH_INLINE_BODY base::Masks pack_weights(base::Floats weights) {
+    const base::Masks bits = reinterpret_cast<base::Masks>(weights) - kWeightBase;
+    const base::Masks rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
+    const base::Masks least = rounded > 1 ? rounded : base::Masks{} + 1;
+    return least < 0xffff ? least : base::Masks{} + 0xffff;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

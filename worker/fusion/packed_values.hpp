@@ -5,7 +5,7 @@
 #include <cstdint>
 
 // Running means and sums of the maps in few bits.
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // A weight, 1/m^2, in 16 bits: 6 of exponent (2^-20 to 2^44), 10 of mantissa; 0 is none. A sum
 // stands still when what is added is less than a 4096th of it.
@@ -44,4 +44,4 @@ inline std::uint8_t unpack_grey(std::uint32_t color, int i) {
 // stand still after many views.
 inline constexpr float kMinColorShare = 1.0F / 32.0F;
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -6,7 +6,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/fusion/packed_values.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr float kRadius_voxels = 2.5F;
@@ -73,7 +73,7 @@ PointField::PointField(const PointOctree& octree, int min_views, int num_threads
     collect_points(octree, min_views);
     choose_blocks();
     blocks_.resize(coordinates_.size());
-    for_each_index(num_threads, blocks_.size(), [this](std::size_t i) { fill_block(i); });
+    base::for_each_index(num_threads, blocks_.size(), [this](std::size_t i) { fill_block(i); });
     std::size_t num = 0;
     for (std::size_t i = 0; i < blocks_.size(); ++i)
         if (blocks_[i]) {
@@ -154,4 +154,4 @@ SampleAttributes PointField::attributes(std::size_t block, int sample) const {
     return {values.color[sample], true, values.sigma_m[sample], values.num_views[sample]};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -7,7 +7,7 @@
 #include "worker/fusion/point_octree.hpp"
 #include "worker/fusion/signed_distance_field.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // The signed distance to oriented points (Hoppe et al. 1992): at each sample the mean of the
 // distances to the tangent planes of the leaves within 2.5 leaves, weighted by their certainty and
@@ -27,13 +27,13 @@ private:
         Eigen::Vector3f place;
         Eigen::Vector3f normal;
         float weight;
-        Color color;
+        types::Color color;
         std::uint8_t num_views;
     };
     struct Block {
         std::array<float, kBlockSamples> distance_m;
         std::array<float, kBlockSamples> sigma_m;
-        std::array<Color, kBlockSamples> color;
+        std::array<types::Color, kBlockSamples> color;
         std::array<std::uint8_t, kBlockSamples> num_views;
     };
     struct PointRange {  // of the points of one block
@@ -53,4 +53,4 @@ private:
     std::vector<std::unique_ptr<Block>> blocks_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

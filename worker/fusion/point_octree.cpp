@@ -6,7 +6,7 @@
 
 #include "worker/fusion/packed_values.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr int kLevelsPerTrim = 4;  // above the bricks: what is below such a node is visited at once
@@ -167,8 +167,8 @@ Eigen::Vector3f leaf_normal(const PointLeaf& leaf) {
     return normal;
 }
 
-Color leaf_color(const PointLeaf& leaf) {
+types::Color leaf_color(const PointLeaf& leaf) {
     return {unpack_grey(leaf.color, 0), unpack_grey(leaf.color, 1), unpack_grey(leaf.color, 2)};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -11,13 +11,13 @@
 #include "worker/fusion/brick_store.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // One point as a view saw it.
 struct PointObservation {
     Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, toward the camera
-    Color color = {0, 0, 0};
+    types::Color color = {0, 0, 0};
     float weight = 1.0F;    // 1 / variance of the depth, 1/m^2
     std::uint8_t view = 0;  // number of the view, modulo 256
 };
@@ -98,6 +98,6 @@ private:
 };
 
 Eigen::Vector3f leaf_normal(const PointLeaf& leaf);  // its length tells how much normals agree
-Color leaf_color(const PointLeaf& leaf);
+types::Color leaf_color(const PointLeaf& leaf);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

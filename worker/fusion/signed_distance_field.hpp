@@ -8,13 +8,13 @@
 #include "worker/fusion/block_coordinate.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 inline constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
 
 // What is known at a sample beside its distance.
 struct SampleAttributes {
-    Color color = {0, 0, 0};
+    types::Color color = {0, 0, 0};
     bool has_color = false;
     float sigma_m = 0.0F;  // standard deviation of the distance
     std::uint32_t num_observations = 0;
@@ -38,4 +38,4 @@ public:
     virtual void release_memory() const {}
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

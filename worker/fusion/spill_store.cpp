@@ -13,7 +13,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr std::size_t kUnitBytes = 16;
@@ -188,4 +188,4 @@ std::int64_t SpillStore::size_bytes() const {
     return static_cast<std::int64_t>(chunks_.size() * kChunkBytes);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

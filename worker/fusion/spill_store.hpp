@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 struct SpillSettings {
     std::filesystem::path folder;   // of the scratch file; empty: all stays in memory
@@ -64,4 +64,4 @@ private:
     std::size_t used_bytes_ = kChunkBytes;  // of the last piece
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -5,7 +5,7 @@
 
 #include "worker/fusion/block_coordinate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // Distances are kept to this part of a voxel, up to 16 voxels.
 inline constexpr float kDistanceSteps = 2048.0F;
@@ -20,4 +20,4 @@ struct TsdfBlock {
 };
 static_assert(sizeof(TsdfBlock) == 10 * kBlockSamples);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

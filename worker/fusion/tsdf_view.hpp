@@ -4,7 +4,7 @@
 
 #include "worker/fusion/depth_view.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // One keyframe on its way into a volume of signed distances.
 struct TsdfView {
@@ -33,4 +33,4 @@ inline bool makes_surface(const TsdfView& view, const SurfacePixel& pixel) {
            z * z * (pixel.sigma_disparity_px * view.depth_sigma_scale) <= view.max_sigma_m;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

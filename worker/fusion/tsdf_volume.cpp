@@ -9,7 +9,7 @@
 #include "worker/fusion/packed_values.hpp"
 #include "worker/fusion/volume_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
@@ -59,8 +59,10 @@ private:
         std::vector<BlockCoordinate>(kNumPlaces, {INT32_MAX, 0, 0});
 };
 
-TsdfView view_of(const Keyframe& keyframe, const DepthView& depth, const VolumeSettings& settings) {
-    const RectifiedRig& rig = depth.rig();
+TsdfView view_of(const types::Keyframe& keyframe,
+                 const DepthView& depth,
+                 const VolumeSettings& settings) {
+    const types::RectifiedRig& rig = depth.rig();
     const Eigen::Isometry3f T_cam_world = keyframe.T_world_cam.inverse().cast<float>();
     TsdfView view;
     view.pixels = depth.pixels();
@@ -93,7 +95,7 @@ int allocation_step_px(const TsdfView& view) {
 TsdfVolume::TsdfVolume(VolumeSettings settings)
     : Volume(std::move(settings)), samples_(settings_.spill) {}
 
-void TsdfVolume::add(const Keyframe& keyframe, const DepthView& depth) {
+void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
     const TsdfView view = view_of(keyframe, depth, settings_);
     allocate(view, keyframe, depth);
     const DepthRanges ranges(view);
@@ -101,7 +103,7 @@ void TsdfVolume::add(const Keyframe& keyframe, const DepthView& depth) {
     std::vector<TsdfBlock*> blocks;
     blocks.reserve(visible.size());
     for (const VisibleBlock& seen : visible) blocks.push_back(&block(seen.number));
-    for_each_index(settings_.num_threads, visible.size(), [&](std::size_t i) {
+    base::for_each_index(settings_.num_threads, visible.size(), [&](std::size_t i) {
         if (i + 1 < blocks.size()) prefetch(blocks[i + 1]);
         const VisibleBlock& seen = visible[i];
         update_block(view, ranges, first_sample(coordinates_[seen.number]), seen.place, *blocks[i]);
@@ -111,7 +113,9 @@ void TsdfVolume::add(const Keyframe& keyframe, const DepthView& depth) {
 }
 
 // The blocks within the truncation distance of what the pixels saw.
-void TsdfVolume::allocate(const TsdfView& view, const Keyframe& keyframe, const DepthView& depth) {
+void TsdfVolume::allocate(const TsdfView& view,
+                          const types::Keyframe& keyframe,
+                          const DepthView& depth) {
     const Eigen::Isometry3f T_voxel_cam(
         (Eigen::Scaling(1.0F / view.voxel_m) * keyframe.T_world_cam.cast<float>()).matrix());
     const Eigen::Vector3f eye = T_voxel_cam.translation();
@@ -237,7 +241,7 @@ std::int64_t TsdfVolume::memory_bytes() const {
 }
 
 void TsdfVolume::save(const std::filesystem::path& path) const {
-    BinaryWriter file(path);
+    base::BinaryWriter file(path);
     put_volume_header(file, kTsdfMagic, settings_);
     file.put(num_views_);
     file.put(static_cast<std::uint64_t>(blocks_.size()));
@@ -249,7 +253,7 @@ void TsdfVolume::save(const std::filesystem::path& path) const {
     file.commit();
 }
 
-std::unique_ptr<TsdfVolume> TsdfVolume::load(BinaryReader& file, SpillSettings spill) {
+std::unique_ptr<TsdfVolume> TsdfVolume::load(base::BinaryReader& file, SpillSettings spill) {
     VolumeSettings settings = get_volume_settings(file);
     settings.spill = std::move(spill);
     auto volume = std::make_unique<TsdfVolume>(settings);
@@ -265,4 +269,4 @@ std::unique_ptr<TsdfVolume> TsdfVolume::load(BinaryReader& file, SpillSettings s
     return volume;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -6,14 +6,14 @@
 #include <unordered_map>
 #include <vector>
 
-#include "worker/fusion/fusion_volume.hpp"
 #include "worker/fusion/block_coordinate.hpp"
+#include "worker/fusion/fusion_volume.hpp"
 #include "worker/fusion/spill_store.hpp"
 #include "worker/fusion/tsdf_block.hpp"
 #include "worker/fusion/update_block.hpp"
 #include "worker/fusion/visible_blocks.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // Truncated signed distances (Curless and Levoy 1996) in blocks that exist near the surface alone.
 // A view's distance is to its tangent plane; its weight is one over the variance of the depth that
@@ -27,7 +27,7 @@ class TsdfVolume : public Volume {
 public:
     explicit TsdfVolume(VolumeSettings settings);
 
-    void add(const Keyframe& keyframe, const DepthView& depth) override;
+    void add(const types::Keyframe& keyframe, const DepthView& depth) override;
     void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
     std::unique_ptr<SignedDistanceField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
@@ -39,7 +39,7 @@ public:
 private:
     friend class TsdfField;
 
-    void allocate(const TsdfView& view, const Keyframe& keyframe, const DepthView& depth);
+    void allocate(const TsdfView& view, const types::Keyframe& keyframe, const DepthView& depth);
     void add_block(const BlockCoordinate& block);
     TsdfBlock& block(std::uint32_t number);
     const TsdfBlock& block(std::uint32_t number) const;
@@ -59,4 +59,4 @@ private:
     std::unordered_map<BlockCoordinate, std::uint32_t, BlockCoordinateHash> index_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -3,7 +3,7 @@
 #include "worker/base/lanes.hpp"
 #include "worker/fusion/packed_lanes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr float kColorBand_voxels = 2.0F;
@@ -17,32 +17,32 @@ constexpr float kMaxSteps = kMaxSteps_int;
 
 // What a view says about the eight samples of a row.
 struct Sighting {
-    Masks updated;
-    Masks seen_near;  // the surface, in range
-    Masks colored;
-    Floats share;  // of the new weight in the whole
-    Masks color;   // red, green and blue from bit 16 down
+    base::Masks updated;
+    base::Masks seen_near;  // the surface, in range
+    base::Masks colored;
+    base::Floats share;  // of the new weight in the whole
+    base::Masks color;   // red, green and blue from bit 16 down
 };
 
-DIVEMESH_INLINE_BODY Floats within_range(Floats steps) {
-    return max(min(steps, broadcast(kMaxSteps)), broadcast(-kMaxSteps));
+DIVEMESH_INLINE_BODY base::Floats within_range(base::Floats steps) {
+    return base::max(base::min(steps, base::broadcast(kMaxSteps)), base::broadcast(-kMaxSteps));
 }
 
 DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, TsdfBlock& block) {
-    const Masks before = load_lanes<Masks>(block.color.data() + sample);
-    const Floats share = max(sighting.share, broadcast(kMinColorShare));
-    Masks after{};
+    const base::Masks before = base::load_lanes<base::Masks>(block.color.data() + sample);
+    const base::Floats share = base::max(sighting.share, base::broadcast(kMinColorShare));
+    base::Masks after{};
     for (int channel = 0; channel < 3; ++channel) {
         const int shift = PackedTriple::kShift[channel];
-        const Masks grey = (sighting.color >> (16 - 8 * channel)) & 0xff;
-        const Floats seen =
-            __builtin_convertvector(grey * PackedTriple::steps_per_grey(channel) + 1, Floats);
-        const Masks mean = (before >> shift) & PackedTriple::largest(channel);
-        const Floats mean_before = __builtin_convertvector(mean, Floats);
-        const Floats moved = mean_before + share * (seen - mean_before);
-        after |= to_integers((before == 0 ? seen : moved) + 0.5F) << shift;
+        const base::Masks grey = (sighting.color >> (16 - 8 * channel)) & 0xff;
+        const base::Floats seen =
+            __builtin_convertvector(grey * PackedTriple::steps_per_grey(channel) + 1, base::Floats);
+        const base::Masks mean = (before >> shift) & PackedTriple::largest(channel);
+        const base::Floats mean_before = __builtin_convertvector(mean, base::Floats);
+        const base::Floats moved = mean_before + share * (seen - mean_before);
+        after |= base::to_integers((before == 0 ? seen : moved) + 0.5F) << shift;
     }
-    store(block.color.data() + sample, sighting.colored ? after : before);
+    base::store(block.color.data() + sample, sighting.colored ? after : before);
 }
 
 // The samples on the line x = 0..7 of the block, whose first is at p_cam and the next by step_cam
@@ -53,92 +53,98 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
                                      const Eigen::Vector3f& step_cam,
                                      int sample,
                                      TsdfBlock& block) {
-    const Floats along = __builtin_convertvector(kLaneNumbers, Floats);
-    const Floats x = p_cam.x() + along * step_cam.x();
-    const Floats y = p_cam.y() + along * step_cam.y();
-    const Floats z = p_cam.z() + along * step_cam.z();
-    const Floats scale = view.focal_px / z;
-    const Floats u = scale * x + (view.cx_px + 0.5F);
-    const Floats v = scale * y + (view.cy_px + 0.5F);
-    const Masks in_view = (z >= kMinDepth_m) & (u >= 0.0F) & (v >= 0.0F) &
-                          (u < static_cast<float>(view.width_px)) &
-                          (v < static_cast<float>(view.height_px));
-    if (!any(in_view)) return;
-    const Masks pixel =
-        to_integers(select(in_view, v)) * view.width_px + to_integers(select(in_view, u));
-    Floats farthest{};
-    for (int lane = 0; lane < kLanes; ++lane) farthest[lane] = ranges.farthest_m()[pixel[lane]];
-    if (!any(in_view & (z <= farthest))) return;
-    Floats fields[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) fields[lane] = load(view.pixels[pixel[lane]].normal);
-    transpose(fields);
-    const Floats offset = fields[3];
-    const Floats sigma_disparity = fields[4];
-    const Floats depth = fields[5];
-    const Floats certainty = fields[6];
+    const base::Floats along = __builtin_convertvector(base::kLaneNumbers, base::Floats);
+    const base::Floats x = p_cam.x() + along * step_cam.x();
+    const base::Floats y = p_cam.y() + along * step_cam.y();
+    const base::Floats z = p_cam.z() + along * step_cam.z();
+    const base::Floats scale = view.focal_px / z;
+    const base::Floats u = scale * x + (view.cx_px + 0.5F);
+    const base::Floats v = scale * y + (view.cy_px + 0.5F);
+    const base::Masks in_view = (z >= kMinDepth_m) & (u >= 0.0F) & (v >= 0.0F) &
+                                (u < static_cast<float>(view.width_px)) &
+                                (v < static_cast<float>(view.height_px));
+    if (!base::any(in_view)) return;
+    const base::Masks pixel = base::to_integers(base::select(in_view, v)) * view.width_px +
+                              base::to_integers(base::select(in_view, u));
+    base::Floats farthest{};
+    for (int lane = 0; lane < base::kLanes; ++lane)
+        farthest[lane] = ranges.farthest_m()[pixel[lane]];
+    if (!base::any(in_view & (z <= farthest))) return;
+    base::Floats fields[base::kLanes];
+    for (int lane = 0; lane < base::kLanes; ++lane)
+        fields[lane] = base::load(view.pixels[pixel[lane]].normal);
+    base::transpose(fields);
+    const base::Floats offset = fields[3];
+    const base::Floats sigma_disparity = fields[4];
+    const base::Floats depth = fields[5];
+    const base::Floats certainty = fields[6];
     Sighting sighting;
-    sighting.color = reinterpret_cast<Masks>(fields[7]);
+    sighting.color = reinterpret_cast<base::Masks>(fields[7]);
 
-    const Floats distance = offset - (fields[0] * x + fields[1] * y + fields[2] * z);
-    const Floats sigma_scale = sigma_disparity * view.depth_sigma_scale;
-    const Floats sigma = z * z * sigma_scale;
-    const Floats truncation =
-        max(broadcast(kTruncation_voxels * view.voxel_m), kTruncation_sigmas * sigma);
-    const Masks known = in_view & (certainty > 0.0F) & (distance >= -truncation);
-    if (!any(known)) return;
-    const Masks packed_before =
-        __builtin_convertvector(load_lanes<Shorts>(block.weight.data() + sample), Masks);
-    const Floats weight_before = unpack_weights(packed_before);
-    const Masks passed_through = distance > truncation;
-    const Masks is_free = distance > max(truncation, kClear_sigmas * sigma);
-    const Masks in_range =
+    const base::Floats distance = offset - (fields[0] * x + fields[1] * y + fields[2] * z);
+    const base::Floats sigma_scale = sigma_disparity * view.depth_sigma_scale;
+    const base::Floats sigma = z * z * sigma_scale;
+    const base::Floats truncation =
+        base::max(base::broadcast(kTruncation_voxels * view.voxel_m), kTruncation_sigmas * sigma);
+    const base::Masks known = in_view & (certainty > 0.0F) & (distance >= -truncation);
+    if (!base::any(known)) return;
+    const base::Masks packed_before = __builtin_convertvector(
+        base::load_lanes<base::Shorts>(block.weight.data() + sample), base::Masks);
+    const base::Floats weight_before = unpack_weights(packed_before);
+    const base::Masks passed_through = distance > truncation;
+    const base::Masks is_free = distance > base::max(truncation, kClear_sigmas * sigma);
+    const base::Masks in_range =
         (depth <= view.max_depth_m) & (depth * depth * sigma_scale <= view.max_sigma_m);
     sighting.seen_near = known & ~passed_through & in_range;
     // What is in front of the surface, and what lies behind too far a surface, changes what is
     // there but makes nothing new.
     sighting.updated = sighting.seen_near | (known & (weight_before > 0.0F) & is_free);
-    if (!any(sighting.updated)) return;
+    if (!base::any(sighting.updated)) return;
 
     // Behind the surface the weight falls, but not within the noise: the zero would move back.
-    const Floats certain = max(broadcast(view.voxel_m), 2.0F * sigma);
-    const Floats full = certainty / (sigma * sigma);
-    const Floats weight =
+    const base::Floats certain = base::max(base::broadcast(view.voxel_m), 2.0F * sigma);
+    const base::Floats full = certainty / (sigma * sigma);
+    const base::Floats weight =
         distance < -certain ? full * ((truncation + distance) / (truncation - certain)) : full;
-    const Floats weight_after = weight_before + weight;
+    const base::Floats weight_after = weight_before + weight;
     sighting.share = weight / weight_after;
     const float steps = kDistanceSteps / view.voxel_m;
-    const SignedShorts steps_before = load_lanes<SignedShorts>(block.distance.data() + sample);
-    const Floats distance_before = __builtin_convertvector(steps_before, Floats);
-    const Floats seen = within_range(steps * min(distance, truncation));
-    const Floats distance_after = distance_before + sighting.share * (seen - distance_before);
+    const base::SignedShorts steps_before =
+        base::load_lanes<base::SignedShorts>(block.distance.data() + sample);
+    const base::Floats distance_before = __builtin_convertvector(steps_before, base::Floats);
+    const base::Floats seen = within_range(steps * base::min(distance, truncation));
+    const base::Floats distance_after = distance_before + sighting.share * (seen - distance_before);
     // Rounded where all are positive: whole() cuts toward zero.
-    const Masks steps_after =
-        to_integers(select(sighting.updated, distance_after) + (kMaxSteps + 0.5F)) - kMaxSteps_int;
-    store(block.weight.data() + sample,
-          __builtin_convertvector(sighting.updated ? pack_weights(weight_after) : packed_before,
-                                  Shorts));
-    store(block.distance.data() + sample,
-          __builtin_convertvector(
-              sighting.updated ? steps_after : __builtin_convertvector(steps_before, Masks),
-              SignedShorts));
+    const base::Masks steps_after =
+        base::to_integers(base::select(sighting.updated, distance_after) + (kMaxSteps + 0.5F)) -
+        kMaxSteps_int;
+    base::store(block.weight.data() + sample,
+                __builtin_convertvector(
+                    sighting.updated ? pack_weights(weight_after) : packed_before, base::Shorts));
+    base::store(
+        block.distance.data() + sample,
+        __builtin_convertvector(
+            sighting.updated ? steps_after : __builtin_convertvector(steps_before, base::Masks),
+            base::SignedShorts));
 
-    if (any(sighting.seen_near)) {
+    if (base::any(sighting.seen_near)) {
         std::uint16_t* views = block.num_views.data() + sample;
-        const Masks views_before = __builtin_convertvector(load_lanes<Shorts>(views), Masks);
-        const Masks one_more = sighting.seen_near & (views_before < 0xffff) & 1;
-        store(views, __builtin_convertvector(views_before + one_more, Shorts));
+        const base::Masks views_before =
+            __builtin_convertvector(base::load_lanes<base::Shorts>(views), base::Masks);
+        const base::Masks one_more = sighting.seen_near & (views_before < 0xffff) & 1;
+        base::store(views, __builtin_convertvector(views_before + one_more, base::Shorts));
     }
-    sighting.colored = sighting.updated & (abs(distance) <= kColorBand_voxels * view.voxel_m);
-    if (any(sighting.colored)) update_color(sighting, sample, block);
+    sighting.colored = sighting.updated & (base::abs(distance) <= kColorBand_voxels * view.voxel_m);
+    if (base::any(sighting.colored)) update_color(sighting, sample, block);
 }
 
 // Whether some of eight samples is known and not well before every surface.
 DIVEMESH_INLINE_BODY bool can_be_carved(const TsdfBlock& block, int sample) {
-    const Masks weights =
-        __builtin_convertvector(load_lanes<Shorts>(block.weight.data() + sample), Masks);
-    const Masks steps =
-        __builtin_convertvector(load_lanes<SignedShorts>(block.distance.data() + sample), Masks);
-    return any((weights != 0) & (steps < kFreeSteps));
+    const base::Masks weights = __builtin_convertvector(
+        base::load_lanes<base::Shorts>(block.weight.data() + sample), base::Masks);
+    const base::Masks steps = __builtin_convertvector(
+        base::load_lanes<base::SignedShorts>(block.distance.data() + sample), base::Masks);
+    return base::any((weights != 0) & (steps < kFreeSteps));
 }
 
 // Where the eight rows of samples of a layer lie: a bit for each that may be changed, and for each
@@ -149,10 +155,10 @@ struct RowPlaces {
 };
 
 // Of pixels; of what is beside the picture the nearest tile in it.
-DIVEMESH_INLINE_BODY Masks tile_of(Floats at_px, int tile_px, int num_tiles) {
-    const Floats tile = (at_px + 0.5F) / static_cast<float>(tile_px);
-    return to_integers(
-        min(max(tile, broadcast(0.0F)), broadcast(static_cast<float>(num_tiles - 1))));
+DIVEMESH_INLINE_BODY base::Masks tile_of(base::Floats at_px, int tile_px, int num_tiles) {
+    const base::Floats tile = (at_px + 0.5F) / static_cast<float>(tile_px);
+    return base::to_integers(base::min(base::max(tile, base::broadcast(0.0F)),
+                                       base::broadcast(static_cast<float>(num_tiles - 1))));
 }
 
 // A row is a line in the picture too, no longer than from its first to its last sample.
@@ -162,34 +168,35 @@ DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
                                               const Eigen::Vector3f& step_x,
                                               const Eigen::Vector3f& step_y) {
     constexpr float kLast = kBlockEdge - 1;
-    const Floats along = __builtin_convertvector(kLaneNumbers, Floats);
-    const Floats z0 = p_cam.z() + along * step_y.z();
-    const Floats z1 = z0 + kLast * step_x.z();
-    const Floats nearest = min(z0, z1);
-    if (any(nearest < kMinDepth_m)) return {};
-    const Floats farthest = max(z0, z1);
-    const Floats scale0 = view.focal_px / z0;
-    const Floats scale1 = view.focal_px / z1;
-    const Floats x0 = p_cam.x() + along * step_y.x();
-    const Floats y0 = p_cam.y() + along * step_y.y();
-    const Floats u0 = x0 * scale0, v0 = y0 * scale0;
-    const Floats u1 = (x0 + kLast * step_x.x()) * scale1;
-    const Floats v1 = (y0 + kLast * step_x.y()) * scale1;
-    const Floats half_length = 0.5F * max(abs(u1 - u0), abs(v1 - v0));
+    const base::Floats along = __builtin_convertvector(base::kLaneNumbers, base::Floats);
+    const base::Floats z0 = p_cam.z() + along * step_y.z();
+    const base::Floats z1 = z0 + kLast * step_x.z();
+    const base::Floats nearest = base::min(z0, z1);
+    if (base::any(nearest < kMinDepth_m)) return {};
+    const base::Floats farthest = base::max(z0, z1);
+    const base::Floats scale0 = view.focal_px / z0;
+    const base::Floats scale1 = view.focal_px / z1;
+    const base::Floats x0 = p_cam.x() + along * step_y.x();
+    const base::Floats y0 = p_cam.y() + along * step_y.y();
+    const base::Floats u0 = x0 * scale0, v0 = y0 * scale0;
+    const base::Floats u1 = (x0 + kLast * step_x.x()) * scale1;
+    const base::Floats v1 = (y0 + kLast * step_x.y()) * scale1;
+    const base::Floats half_length = 0.5F * base::max(base::abs(u1 - u0), base::abs(v1 - v0));
     int level = 0;
-    while (any(half_length > static_cast<float>(DepthRanges::tile_px(level))))
+    while (base::any(half_length > static_cast<float>(DepthRanges::tile_px(level))))
         if (++level == DepthRanges::kNumLevels) return {};
     const int tile_px = DepthRanges::tile_px(level);
-    const Masks column = tile_of(0.5F * (u0 + u1) + view.cx_px, tile_px, ranges.num_columns(level));
-    const Masks row = tile_of(0.5F * (v0 + v1) + view.cy_px, tile_px, ranges.num_rows(level));
-    float nearest_m[kLanes], farthest_m[kLanes];
-    std::int32_t columns[kLanes], rows[kLanes];
-    store(nearest_m, nearest);
-    store(farthest_m, farthest);
-    store(columns, column);
-    store(rows, row);
+    const base::Masks column =
+        tile_of(0.5F * (u0 + u1) + view.cx_px, tile_px, ranges.num_columns(level));
+    const base::Masks row = tile_of(0.5F * (v0 + v1) + view.cy_px, tile_px, ranges.num_rows(level));
+    float nearest_m[base::kLanes], farthest_m[base::kLanes];
+    std::int32_t columns[base::kLanes], rows[base::kLanes];
+    base::store(nearest_m, nearest);
+    base::store(farthest_m, farthest);
+    base::store(columns, column);
+    base::store(rows, row);
     RowPlaces places{0, 0};
-    for (unsigned i = 0; i < kLanes; ++i) {
+    for (unsigned i = 0; i < base::kLanes; ++i) {
         const DepthRange& range = ranges.around(level, columns[i], rows[i]);
         if (nearest_m[i] <= range.farthest_m) places.reached |= 1U << i;
         if (farthest_m[i] < range.nearest_m) places.before |= 1U << i;
@@ -232,8 +239,8 @@ void update_block(const TsdfView& view,
                   const Eigen::Vector3i& first,
                   BlockPlace place,
                   TsdfBlock& block,
-                  Instructions instructions) {
-    compiled_for<update_samples>(instructions)(view, ranges, first, place, block);
+                  base::Instructions instructions) {
+    base::compiled_for<update_samples>(instructions)(view, ranges, first, place, block);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

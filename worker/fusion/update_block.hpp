@@ -7,7 +7,7 @@
 #include "worker/fusion/tsdf_block.hpp"
 #include "worker/fusion/tsdf_view.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // Where a block is: where the view saw a surface, or all of it before what the view saw.
 enum class BlockPlace { Near, Before };
@@ -20,6 +20,6 @@ void update_block(const TsdfView& view,
                   const Eigen::Vector3i& first,
                   BlockPlace place,
                   TsdfBlock& block,
-                  Instructions instructions = best_instructions());
+                  base::Instructions instructions = base::best_instructions());
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

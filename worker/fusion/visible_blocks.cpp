@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr float kBlockSize_samples = kBlockEdge;
@@ -136,4 +136,4 @@ void BlockRegions::find_in(const Region& region,
             found.push_back({region.numbers[i], *place});
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

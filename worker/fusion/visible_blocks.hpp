@@ -10,7 +10,7 @@
 #include "worker/fusion/block_coordinate.hpp"
 #include "worker/fusion/update_block.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // What of space a view may change: in its picture, and no farther behind the surface there than
 // samples are truncated.
@@ -60,4 +60,4 @@ private:
     std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

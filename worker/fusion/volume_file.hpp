@@ -5,16 +5,16 @@
 #include "worker/base/binary_file.hpp"
 #include "worker/fusion/tsdf_volume.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 // The first bytes of a saved volume: its kind and version, then its settings.
 inline constexpr std::uint32_t kTsdfMagic = 0x32545344;    // "DST2"
 inline constexpr std::uint32_t kOctreeMagic = 0x32434f44;  // "DOC2"
 
-inline void put_volume_header(BinaryWriter& file,
+inline void put_volume_header(base::BinaryWriter& file,
                               std::uint32_t magic,
                               const VolumeSettings& settings) {
-    const RectifiedRig& rig = settings.rig;
+    const types::RectifiedRig& rig = settings.rig;
     file.put(magic);
     file.put(rig.width_px);
     file.put(rig.height_px);
@@ -29,9 +29,9 @@ inline void put_volume_header(BinaryWriter& file,
 }
 
 // What follows the magic number.
-inline VolumeSettings get_volume_settings(BinaryReader& file) {
+inline VolumeSettings get_volume_settings(base::BinaryReader& file) {
     VolumeSettings settings;
-    RectifiedRig& rig = settings.rig;
+    types::RectifiedRig& rig = settings.rig;
     rig.width_px = file.get<int>();
     rig.height_px = file.get<int>();
     for (double* value : {&rig.focal_px,
@@ -45,4 +45,4 @@ inline VolumeSettings get_volume_settings(BinaryReader& file) {
     return settings;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

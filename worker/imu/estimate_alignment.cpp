@@ -7,7 +7,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;  // time offset, rotation, bias
@@ -33,8 +33,10 @@ std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 // quotient.
 class GyroscopePath {
 public:
-    GyroscopePath(const std::vector<ImuSample>& samples, std::int64_t from_ns, std::int64_t to_ns) {
-        for (const ImuSample& sample : samples) {
+    GyroscopePath(const std::vector<types::ImuSample>& samples,
+                  std::int64_t from_ns,
+                  std::int64_t to_ns) {
+        for (const types::ImuSample& sample : samples) {
             if (sample.timestamp_ns < from_ns - 2 * kReach_ns) continue;
             if (sample.timestamp_ns > to_ns + 2 * kReach_ns) break;
             q_.push_back(samples_.empty() ? Eigen::Quaterniond::Identity()
@@ -49,34 +51,35 @@ public:
     }
     // Rotation vector from one time to another, in the frame at `from`.
     Eigen::Vector3d rotation(std::int64_t from_ns, std::int64_t to_ns) const {
-        return vector_from_rotation(at(from_ns).conjugate() * at(to_ns));
+        return base::vector_from_rotation(at(from_ns).conjugate() * at(to_ns));
     }
 
 private:
-    Eigen::Quaterniond turned(const ImuSample& before, const ImuSample& after) const {
+    Eigen::Quaterniond turned(const types::ImuSample& before, const types::ImuSample& after) const {
         const double dt = 1e-9 * static_cast<double>(after.timestamp_ns - before.timestamp_ns);
         return (q_.back() *
-                rotation_from_vector(0.5 * dt *
-                                     (before.angular_velocity_imu + after.angular_velocity_imu)))
+                base::rotation_from_vector(
+                    0.5 * dt * (before.angular_velocity_imu + after.angular_velocity_imu)))
             .normalized();
     }
     Eigen::Quaterniond at(std::int64_t time_ns) const {
-        const auto after = std::upper_bound(
-            samples_.begin() + 1,
-            samples_.end() - 1,
-            time_ns,
-            [](std::int64_t time, const ImuSample& sample) { return time < sample.timestamp_ns; });
+        const auto after = std::upper_bound(samples_.begin() + 1,
+                                            samples_.end() - 1,
+                                            time_ns,
+                                            [](std::int64_t time, const types::ImuSample& sample) {
+                                                return time < sample.timestamp_ns;
+                                            });
         const auto i = static_cast<std::size_t>(after - samples_.begin());
-        const ImuSample& before = samples_[i - 1];
+        const types::ImuSample& before = samples_[i - 1];
         const double since = 1e-9 * static_cast<double>(time_ns - before.timestamp_ns);
         const double whole = 1e-9 * static_cast<double>(after->timestamp_ns - before.timestamp_ns);
         const Eigen::Vector3d rate =
             before.angular_velocity_imu +
             0.5 * since / whole * (after->angular_velocity_imu - before.angular_velocity_imu);
-        return q_[i - 1] * rotation_from_vector(rate * since);
+        return q_[i - 1] * base::rotation_from_vector(rate * since);
     }
 
-    std::vector<ImuSample> samples_;
+    std::vector<types::ImuSample> samples_;
     std::vector<Eigen::Quaterniond> q_;
 };
 
@@ -92,7 +95,7 @@ public:
         for (const VisionRotation& rotation : rotations)
             if (path_.covers(rotation.from_ns - kReach_ns, rotation.to_ns + kReach_ns))
                 turns_.push_back({rotation,
-                                  vector_from_rotation(rotation.q_from_to),
+                                  base::vector_from_rotation(rotation.q_from_to),
                                   1e-9 * static_cast<double>(rotation.to_ns - rotation.from_ns)});
     }
 
@@ -116,7 +119,7 @@ public:
             Eigen::Vector3d::Constant(std::pow(kPriorRotation_rad, -2)),
             Eigen::Vector3d::Constant(std::pow(kPriorBias, -2));
         Vector7 prior_error;
-        prior_error << state.offset_s, vector_from_rotation(state.q_body_imu), state.bias;
+        prior_error << state.offset_s, base::vector_from_rotation(state.q_body_imu), state.bias;
         H.diagonal() += weight;
         g += weight.cwiseProduct(prior_error);
         if (!free_offset) {
@@ -130,7 +133,7 @@ public:
         const double reach_s = 1e-9 * static_cast<double>(kReach_ns);
         state.offset_s = std::clamp(state.offset_s + change(0), -reach_s, reach_s);
         state.q_body_imu =
-            (rotation_from_vector(change.segment<3>(1)) * state.q_body_imu).normalized();
+            (base::rotation_from_vector(change.segment<3>(1)) * state.q_body_imu).normalized();
         state.bias += change.tail<3>();
         return covariance;
     }
@@ -154,7 +157,7 @@ private:
     double scale(const State& state) const {
         std::vector<double> norms;
         for (const Turn& rotation : turns_) norms.push_back(residual(state, rotation).norm());
-        return std::max(upper_median(std::move(norms)) / kMedianOfNorm, kMinSigma_rad);
+        return std::max(stats::upper_median(std::move(norms)) / kMedianOfNorm, kMinSigma_rad);
     }
     void add(const State& state, const Turn& rotation, double sigma, Matrix7& H, Vector7& g) const {
         const Eigen::Vector3d r = residual(state, rotation);
@@ -162,7 +165,8 @@ private:
         J.col(0) = -(state.q_body_imu * (gyroscope(rotation, state.offset_s + kDerivativeStep_s) -
                                          gyroscope(rotation, state.offset_s - kDerivativeStep_s))) /
                    (2.0 * kDerivativeStep_s);
-        J.middleCols<3>(1) = cross_matrix(state.q_body_imu * gyroscope(rotation, state.offset_s));
+        J.middleCols<3>(1) =
+            base::cross_matrix(state.q_body_imu * gyroscope(rotation, state.offset_s));
         J.rightCols<3>() = rotation.duration_s * Eigen::Matrix3d::Identity();
         const double weight =
             std::min(1.0, kHuber * sigma / std::max(r.norm(), 1e-12)) / (sigma * sigma);
@@ -192,10 +196,10 @@ State coarse(const Fit& fit) {
 
 }  // namespace
 
-std::vector<ImuSample> aligned(const std::vector<ImuSample>& samples,
-                               const ImuAlignment& alignment) {
-    std::vector<ImuSample> result = samples;
-    for (ImuSample& sample : result) {
+std::vector<types::ImuSample> aligned(const std::vector<types::ImuSample>& samples,
+                                      const types::ImuAlignment& alignment) {
+    std::vector<types::ImuSample> result = samples;
+    for (types::ImuSample& sample : result) {
         sample.timestamp_ns -= nanoseconds(alignment.time_offset_s);
         sample.angular_velocity_imu = alignment.q_body_imu * sample.angular_velocity_imu;
         sample.acceleration_imu = alignment.q_body_imu * sample.acceleration_imu;
@@ -203,10 +207,10 @@ std::vector<ImuSample> aligned(const std::vector<ImuSample>& samples,
     return result;
 }
 
-std::vector<OrientationSample> aligned(const std::vector<OrientationSample>& samples,
-                                       const ImuAlignment& alignment) {
-    std::vector<OrientationSample> result = samples;
-    for (OrientationSample& sample : result) {
+std::vector<types::OrientationSample> aligned(const std::vector<types::OrientationSample>& samples,
+                                              const types::ImuAlignment& alignment) {
+    std::vector<types::OrientationSample> result = samples;
+    for (types::OrientationSample& sample : result) {
         sample.timestamp_ns -= nanoseconds(alignment.time_offset_s);
         sample.q_world_imu = sample.q_world_imu * alignment.q_body_imu.conjugate();
     }
@@ -219,12 +223,12 @@ bool AlignmentEstimate::time_offset_is_significant() const {
 }
 
 bool AlignmentEstimate::rotation_is_significant() const {
-    const Eigen::Vector3d w = vector_from_rotation(alignment.q_body_imu);
+    const Eigen::Vector3d w = base::vector_from_rotation(alignment.q_body_imu);
     return w.norm() > kMinRotation_rad &&
            w.dot(rotation_covariance.ldlt().solve(w)) > kSignificant * kSignificant;
 }
 
-std::optional<AlignmentEstimate> estimate_alignment(const std::vector<ImuSample>& samples,
+std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::ImuSample>& samples,
                                                     const std::vector<VisionRotation>& rotations) {
     if (rotations.size() < kMinRotations) return std::nullopt;
     const GyroscopePath path(samples, rotations.front().from_ns, rotations.back().to_ns);
@@ -241,4 +245,4 @@ std::optional<AlignmentEstimate> estimate_alignment(const std::vector<ImuSample>
     return estimate;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "worker/types/rig.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 
 // The turn of the body between two times by its gyroscope, with what it needs to follow a change
 // of the bias without integrating again (Forster et al., "On-manifold preintegration", 2017, for
@@ -25,10 +25,10 @@ struct GyroscopeIntegral {
 
 // Trapezoids over the samples' own intervals, ends interpolated. Nothing when the samples do not
 // cover the interval or leave a gap of more than 0.1 s in it.
-std::optional<GyroscopeIntegral> integrate_gyroscope(const std::vector<ImuSample>& samples,
+std::optional<GyroscopeIntegral> integrate_gyroscope(const std::vector<types::ImuSample>& samples,
                                                      std::int64_t from_ns,
                                                      std::int64_t to_ns,
                                                      const Eigen::Vector3d& bias,
-                                                     const ImuNoise& noise);
+                                                     const types::ImuNoise& noise);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

@@ -7,7 +7,7 @@
 
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 
 enum class ImuFailure {
     NotCovered,  // the interval is empty, or samples do not reach over all of it
@@ -16,12 +16,12 @@ enum class ImuFailure {
 
 constexpr std::int64_t kMaxImuGap_ns = 100'000'000;
 
-inline ImuSample interpolate(const ImuSample& before,
-                             const ImuSample& after,
-                             std::int64_t time_ns) {
+inline types::ImuSample interpolate(const types::ImuSample& before,
+                                    const types::ImuSample& after,
+                                    std::int64_t time_ns) {
     const double share = static_cast<double>(time_ns - before.timestamp_ns) /
                          static_cast<double>(after.timestamp_ns - before.timestamp_ns);
-    ImuSample sample;
+    types::ImuSample sample;
     sample.timestamp_ns = time_ns;
     sample.angular_velocity_imu =
         before.angular_velocity_imu +
@@ -35,19 +35,21 @@ inline ImuSample interpolate(const ImuSample& before,
 // `from_ns` to `to_ns`, samples at the two ends interpolated. The rate plays no part: stamps alone
 // count.
 template <typename Visit>
-std::optional<ImuFailure> for_each_step(const std::vector<ImuSample>& samples,
+std::optional<ImuFailure> for_each_step(const std::vector<types::ImuSample>& samples,
                                         std::int64_t from_ns,
                                         std::int64_t to_ns,
                                         const Visit& visit) {
     if (to_ns <= from_ns || samples.size() < 2 || samples.front().timestamp_ns > from_ns ||
         samples.back().timestamp_ns < to_ns)
         return ImuFailure::NotCovered;
-    auto after = std::upper_bound(
-        samples.begin(), samples.end(), from_ns, [](std::int64_t time_ns, const ImuSample& sample) {
-            return time_ns < sample.timestamp_ns;
-        });
+    auto after = std::upper_bound(samples.begin(),
+                                  samples.end(),
+                                  from_ns,
+                                  [](std::int64_t time_ns, const types::ImuSample& sample) {
+                                      return time_ns < sample.timestamp_ns;
+                                  });
     for (std::int64_t time_ns = from_ns; time_ns < to_ns; ++after) {
-        const ImuSample& before = *(after - 1);
+        const types::ImuSample& before = *(after - 1);
         if (after->timestamp_ns - before.timestamp_ns > kMaxImuGap_ns) return ImuFailure::Gap;
         const std::int64_t end_ns = std::min(after->timestamp_ns, to_ns);
         visit(interpolate(before, *after, time_ns),
@@ -58,4 +60,4 @@ std::optional<ImuFailure> for_each_step(const std::vector<ImuSample>& samples,
     return std::nullopt;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

@@ -6,7 +6,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 constexpr std::int64_t kMaxAhrsGap_ns = 200'000'000;
@@ -20,7 +20,7 @@ constexpr double kGyroscopeInflation = 1.5;
 constexpr double kAccelerometerInflation = 5.0;
 constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation by vision
 
-ImuNoise inflated(ImuNoise noise) {
+types::ImuNoise inflated(types::ImuNoise noise) {
     noise.gyroscope_noise_density *= kGyroscopeInflation;
     noise.accelerometer_noise_density *= kAccelerometerInflation;
     return noise;
@@ -56,17 +56,18 @@ std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
 }
 
 // A diver's specific force is gravity's reaction, most of the time.
-bool measures_gravity(const std::vector<ImuSample>& samples) {
+bool measures_gravity(const std::vector<types::ImuSample>& samples) {
     if (samples.empty()) return false;
     std::vector<double> forces;
     forces.reserve(samples.size());
-    for (const ImuSample& sample : samples) forces.push_back(sample.acceleration_imu.norm());
-    return std::abs(upper_median(std::move(forces)) - kGravity_m_s2) < kWrongGravity_m_s2;
+    for (const types::ImuSample& sample : samples) forces.push_back(sample.acceleration_imu.norm());
+    return std::abs(stats::upper_median(std::move(forces)) - kGravity_m_s2) < kWrongGravity_m_s2;
 }
 
 }  // namespace
 
-InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOptions& options)
+InertialPrior::InertialPrior(const types::Recording& recording,
+                             const ReconstructionOptions& options)
     : recording_(recording),
       imu_(recording.imu()),
       orientations_(recording.ahrs()),
@@ -75,9 +76,9 @@ InertialPrior::InertialPrior(const Recording& recording, const ReconstructionOpt
       ahrs_(options.use_ahrs && !recording.ahrs().empty()),
       ahrs_leads_(options.estimator == "pairwise"),
       pressure_(options.use_pressure && !recording.pressure().empty()),
-      noise_(inflated(recording.rig().imu_noise.value_or(ImuNoise{}))) {}
+      noise_(inflated(recording.rig().imu_noise.value_or(types::ImuNoise{}))) {}
 
-void InertialPrior::align(const ImuAlignment& alignment) {
+void InertialPrior::align(const types::ImuAlignment& alignment) {
     imu_ = aligned(recording_.imu(), alignment);
     orientations_ = aligned(recording_.ahrs(), alignment);
 }
@@ -96,26 +97,28 @@ std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
     return motion ? std::optional(*motion) : std::nullopt;
 }
 
-std::optional<KnownRotation> InertialPrior::rotation_from(const Eigen::Quaterniond& q_world_imu,
-                                                          std::int64_t from_ns,
-                                                          std::int64_t to_ns) const {
+std::optional<types::KnownRotation> InertialPrior::rotation_from(
+    const Eigen::Quaterniond& q_world_imu, std::int64_t from_ns, std::int64_t to_ns) const {
     if (ahrs_leads_)
         if (const auto q_world_next = absolute(to_ns))
-            return KnownRotation{q_world_imu.conjugate() * *q_world_next, kAhrsRotationSigma_rad};
+            return types::KnownRotation{q_world_imu.conjugate() * *q_world_next,
+                                        kAhrsRotationSigma_rad};
     return rotation(from_ns, to_ns);
 }
 
-std::optional<KnownRotation> InertialPrior::rotation(std::int64_t from_ns,
-                                                     std::int64_t to_ns) const {
+std::optional<types::KnownRotation> InertialPrior::rotation(std::int64_t from_ns,
+                                                            std::int64_t to_ns) const {
     if (const auto gyroscope = integral(from_ns, to_ns))
-        return KnownRotation{gyroscope->q_from_to,
-                             std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
+        return types::KnownRotation{
+            gyroscope->q_from_to,
+            std::hypot(gyroscope->sigma_rad, bias_sigma_ * gyroscope->duration_s)};
     const auto from = absolute(from_ns);
     const auto to = absolute(to_ns);
     if (!from || !to) return std::nullopt;
     const double duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
-    return KnownRotation{from->conjugate() * *to,
-                         std::hypot(kAhrsRotationSigma_rad, kAhrsDrift_rad_per_s * duration_s)};
+    return types::KnownRotation{
+        from->conjugate() * *to,
+        std::hypot(kAhrsRotationSigma_rad, kAhrsDrift_rad_per_s * duration_s)};
 }
 
 std::optional<Eigen::Quaterniond> InertialPrior::absolute(std::int64_t time_ns) const {
@@ -149,7 +152,7 @@ Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
     Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // no inertial sensor: the camera is held level
     if (gyroscope_) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (const ImuSample& sample : imu_) {
+        for (const types::ImuSample& sample : imu_) {
             if (sample.timestamp_ns < time_ns) continue;
             if (sample.timestamp_ns > time_ns + kGravityAlignment_ns) break;
             const auto turned = rotation(time_ns, sample.timestamp_ns);
@@ -174,7 +177,7 @@ void InertialPrior::learn_bias(std::int64_t from_ns,
     const auto gyroscope = integral(from_ns, to_ns);
     if (!gyroscope) return;
     const Eigen::Vector3d error =
-        vector_from_rotation(seen.conjugate() * gyroscope->q_from_to) / gyroscope->duration_s;
+        base::vector_from_rotation(seen.conjugate() * gyroscope->q_from_to) / gyroscope->duration_s;
     // A scalar Kalman filter per axis; the bias walks.
     const double walked = noise_.gyroscope_random_walk * std::sqrt(gyroscope->duration_s);
     const double variance = bias_sigma_ * bias_sigma_ + walked * walked;
@@ -192,4 +195,4 @@ void InertialPrior::set_bias(const ImuBias& bias, double gyroscope_sigma) {
     bias_sigma_ = gyroscope_sigma;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

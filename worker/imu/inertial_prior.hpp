@@ -9,10 +9,10 @@
 #include "worker/imu/estimate_alignment.hpp"
 #include "worker/imu/gyroscope_integral.hpp"
 #include "worker/imu/preintegration.hpp"
-#include "worker/types/recording.hpp"
 #include "worker/types/known_rotation.hpp"
+#include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 
 constexpr double kInitialGyroscopeBiasSigma = 0.02;     // rad/s, of a cheap sensor
 constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
@@ -31,10 +31,10 @@ struct SensorReadings {
 // gyroscope and accelerometer. Biases are learnt from vision as the dive goes on.
 class InertialPrior {
 public:
-    InertialPrior(const Recording& recording, const ReconstructionOptions& options);
+    InertialPrior(const types::Recording& recording, const ReconstructionOptions& options);
 
     // From now on the samples are taken for what a unit that sits as calibrated would have said.
-    void align(const ImuAlignment& alignment);
+    void align(const types::ImuAlignment& alignment);
 
     bool has_gyroscope() const { return gyroscope_; }
     bool has_accelerometer() const { return accelerometer_; }
@@ -42,12 +42,12 @@ public:
     bool has_pressure() const { return pressure_; }
 
     // q_from_to of the body. Nothing when no sensor covers the interval.
-    std::optional<KnownRotation> rotation(std::int64_t from_ns, std::int64_t to_ns) const;
+    std::optional<types::KnownRotation> rotation(std::int64_t from_ns, std::int64_t to_ns) const;
     // The same; where the AHRS leads, it is the turn from where the body is thought to be to where
     // the AHRS sees it then, so that no drift of the orientation lasts.
-    std::optional<KnownRotation> rotation_from(const Eigen::Quaterniond& q_world_imu,
-                                               std::int64_t from_ns,
-                                               std::int64_t to_ns) const;
+    std::optional<types::KnownRotation> rotation_from(const Eigen::Quaterniond& q_world_imu,
+                                                      std::int64_t from_ns,
+                                                      std::int64_t to_ns) const;
     std::optional<GyroscopeIntegral> integral(std::int64_t from_ns, std::int64_t to_ns) const;
     // Nothing without an accelerometer that feels gravity.
     std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
@@ -67,20 +67,20 @@ public:
     void set_bias(const ImuBias& bias, double gyroscope_sigma);
     const ImuBias& bias() const { return bias_; }
     // As it is on a diver: white noise larger than the data sheet's.
-    const ImuNoise& noise() const { return noise_; }
+    const types::ImuNoise& noise() const { return noise_; }
 
 private:
-    const Recording& recording_;
-    std::vector<ImuSample> imu_;
-    std::vector<OrientationSample> orientations_;
+    const types::Recording& recording_;
+    std::vector<types::ImuSample> imu_;
+    std::vector<types::OrientationSample> orientations_;
     bool gyroscope_ = false;
     bool accelerometer_ = false;
     bool ahrs_ = false;
     bool ahrs_leads_ = false;  // over the gyroscope, as in the paper
     bool pressure_ = false;
-    ImuNoise noise_;
+    types::ImuNoise noise_;
     ImuBias bias_;
     double bias_sigma_ = kInitialGyroscopeBiasSigma;  // rad/s
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

@@ -4,7 +4,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 using Matrix9 = PreintegratedImu::Covariance;
@@ -31,11 +31,11 @@ struct StepDerivatives {
 StepDerivatives derivatives(const Step& step,
                             const Eigen::Matrix3d& R_begin,
                             const Eigen::Matrix3d& R_end) {
-    const Eigen::Matrix3d force_begin = -R_begin * cross_matrix(step.acceleration_begin);
-    const Eigen::Matrix3d force_end = -R_end * cross_matrix(step.acceleration_end);
+    const Eigen::Matrix3d force_begin = -R_begin * base::cross_matrix(step.acceleration_begin);
+    const Eigen::Matrix3d force_end = -R_end * base::cross_matrix(step.acceleration_end);
     StepDerivatives d;
     d.rotation_rotation = R_end.transpose() * R_begin;
-    d.angular_velocity = right_jacobian(step.rate * step.dt_s) * step.dt_s;
+    d.angular_velocity = base::right_jacobian(step.rate * step.dt_s) * step.dt_s;
     d.force_rotation = 0.5 * (force_begin + force_end * d.rotation_rotation);
     d.force_rate = 0.5 * force_end * d.angular_velocity;
     d.force_acceleration = 0.5 * (R_begin + R_end);
@@ -44,7 +44,7 @@ StepDerivatives derivatives(const Step& step,
 
 void propagate_covariance(const StepDerivatives& d,
                           double dt_s,
-                          const ImuNoise& noise,
+                          const types::ImuNoise& noise,
                           Matrix9& covariance) {
     const double half_squared = 0.5 * dt_s * dt_s;
     Matrix9 transition = Matrix9::Identity();
@@ -66,11 +66,12 @@ void propagate_covariance(const StepDerivatives& d,
                  acceleration_variance * by_acceleration * by_acceleration.transpose();
 }
 
-void add_step(const Step& step, const ImuNoise& noise, PreintegratedImu& sum) {
+void add_step(const Step& step, const types::ImuNoise& noise, PreintegratedImu& sum) {
     const double dt = step.dt_s;
     GyroscopeIntegral& rotation = sum.rotation;
     const Eigen::Matrix3d R_begin = rotation.q_from_to.toRotationMatrix();
-    rotation.q_from_to = (rotation.q_from_to * rotation_from_vector(step.rate * dt)).normalized();
+    rotation.q_from_to =
+        (rotation.q_from_to * base::rotation_from_vector(step.rate * dt)).normalized();
     const Eigen::Matrix3d R_end = rotation.q_from_to.toRotationMatrix();
     const StepDerivatives d = derivatives(step, R_begin, R_end);
 
@@ -93,16 +94,20 @@ void add_step(const Step& step, const ImuNoise& noise, PreintegratedImu& sum) {
 
 }  // namespace
 
-std::variant<PreintegratedImu, ImuFailure> preintegrate(const std::vector<ImuSample>& samples,
-                                                        std::int64_t from_ns,
-                                                        std::int64_t to_ns,
-                                                        const ImuBias& bias,
-                                                        const ImuNoise& noise) {
+std::variant<PreintegratedImu, ImuFailure> preintegrate(
+    const std::vector<types::ImuSample>& samples,
+    std::int64_t from_ns,
+    std::int64_t to_ns,
+    const ImuBias& bias,
+    const types::ImuNoise& noise) {
     PreintegratedImu sum;
     sum.rotation.bias = bias.gyroscope;
     sum.accelerometer_bias = bias.accelerometer;
     const auto failure = for_each_step(
-        samples, from_ns, to_ns, [&](const ImuSample& begin, const ImuSample& end, double dt_s) {
+        samples,
+        from_ns,
+        to_ns,
+        [&](const types::ImuSample& begin, const types::ImuSample& end, double dt_s) {
             const Eigen::Vector3d rate =
                 0.5 * (begin.angular_velocity_imu + end.angular_velocity_imu) - bias.gyroscope;
             add_step({dt_s,
@@ -118,4 +123,4 @@ std::variant<PreintegratedImu, ImuFailure> preintegrate(const std::vector<ImuSam
     return sum;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

@@ -7,10 +7,10 @@
 
 #include "worker/imu/gyroscope_integral.hpp"
 #include "worker/imu/imu_steps.hpp"
-#include "worker/types/rig.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 
 constexpr double kGravity_m_s2 = 9.81;
 
@@ -46,10 +46,11 @@ struct PreintegratedImu {
 
 // Trapezoids over the samples' own intervals, ends interpolated. The covariance takes `noise` as it
 // is. Fails where the samples do not cover the interval or leave a gap in it.
-std::variant<PreintegratedImu, ImuFailure> preintegrate(const std::vector<ImuSample>& samples,
-                                                        std::int64_t from_ns,
-                                                        std::int64_t to_ns,
-                                                        const ImuBias& bias,
-                                                        const ImuNoise& noise);
+std::variant<PreintegratedImu, ImuFailure> preintegrate(
+    const std::vector<types::ImuSample>& samples,
+    std::int64_t from_ns,
+    std::int64_t to_ns,
+    const ImuBias& bias,
+    const types::ImuNoise& noise);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

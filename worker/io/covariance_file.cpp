@@ -11,7 +11,7 @@
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 void append(std::string& text, const Eigen::Matrix3d& covariance) {
@@ -32,8 +32,8 @@ Eigen::Matrix3d symmetric(const double* entries) {
     return covariance;
 }
 
-std::optional<PoseCovariance> parse_row(const std::string& line) {
-    PoseCovariance pose;
+std::optional<types::PoseCovariance> parse_row(const std::string& line) {
+    types::PoseCovariance pose;
     std::array<double, 12> entries{};
     const char* const end = line.data() + line.size();
     std::from_chars_result read = std::from_chars(line.data(), end, pose.timestamp_ns);
@@ -49,11 +49,12 @@ std::optional<PoseCovariance> parse_row(const std::string& line) {
 
 }  // namespace
 
-void write_covariances(const std::filesystem::path& file, const CovarianceTrack& covariances) {
+void write_covariances(const std::filesystem::path& file,
+                       const types::CovarianceTrack& covariances) {
     std::string text =
         "#timestamp [ns],p_xx [m^2],p_xy,p_xz,p_yy,p_yz,p_zz,"
         "r_xx [rad^2],r_xy,r_xz,r_yy,r_yz,r_zz\n";
-    for (const PoseCovariance& pose : covariances) {
+    for (const types::PoseCovariance& pose : covariances) {
         char stamp[32];
         std::snprintf(stamp, sizeof stamp, "%" PRId64, pose.timestamp_ns);
         text += stamp;
@@ -61,14 +62,14 @@ void write_covariances(const std::filesystem::path& file, const CovarianceTrack&
         append(text, pose.rotation_rad2);
         text += "\n";
     }
-    write_file(file, text);
+    base::write_file(file, text);
 }
 
-CovarianceTrack read_covariances(const std::filesystem::path& file) {
+types::CovarianceTrack read_covariances(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
         throw Error(ErrorCode::NotFound, "there is no file " + file.string() + ": check the path");
-    CovarianceTrack covariances;
+    types::CovarianceTrack covariances;
     std::string line;
     std::getline(stream, line);  // the heading
     for (int number = 2; std::getline(stream, line); ++number) {
@@ -84,4 +85,4 @@ CovarianceTrack read_covariances(const std::filesystem::path& file) {
     return covariances;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

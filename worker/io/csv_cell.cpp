@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::io {
 
 std::string csv_cell(std::string text) {
     if (!text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos)
@@ -13,4 +13,4 @@ std::string csv_cell(std::string text) {
     return cell + '"';
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -12,7 +12,7 @@
 #include "worker/io/obj_writer.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 constexpr EnumText<ExportFormat> kTexts[] = {
@@ -62,7 +62,7 @@ StoredMosaic read_mosaic(const ReconstructionFolder& reconstruction) try {
                 (reconstruction.path() / "mosaic.json").string() + ": " + error.what());
 }
 
-std::string citation(const GeographicPosition& position) {
+std::string citation(const types::GeographicPosition& position) {
     std::ostringstream text;
     text.precision(9);
     text << "WGS 84 / UTM; origin at latitude " << position.latitude_deg << ", longitude "
@@ -75,7 +75,7 @@ std::string citation(const GeographicPosition& position) {
 }
 
 std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstruction,
-                                        const std::optional<GeographicPosition>& position,
+                                        const std::optional<types::GeographicPosition>& position,
                                         const std::filesystem::path& out) {
     if (!position)
         throw Error(ErrorCode::InvalidArgument,
@@ -92,7 +92,7 @@ std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstructi
 
 std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                     ExportFormat format,
-                                    const std::optional<GeographicPosition>& position,
+                                    const std::optional<types::GeographicPosition>& position,
                                     const std::filesystem::path& out) {
     switch (format) {
         case ExportFormat::Kitti:
@@ -122,14 +122,14 @@ std::vector<ExportFormat> export_formats(std::string_view list) {
     return formats;
 }
 
-std::optional<GeographicPosition> position_of(const ReconstructionFolder& reconstruction) {
+std::optional<types::GeographicPosition> position_of(const ReconstructionFolder& reconstruction) {
     const nlohmann::json::json_pointer pointer("/dive/position");
     if (!reconstruction.metrics().contains(pointer)) return std::nullopt;
     try {
         const nlohmann::json& json = reconstruction.metrics().at(pointer);
-        GeographicPosition position{json.at("latitude_deg").get<double>(),
-                                    json.at("longitude_deg").get<double>(),
-                                    std::nullopt};
+        types::GeographicPosition position{json.at("latitude_deg").get<double>(),
+                                           json.at("longitude_deg").get<double>(),
+                                           std::nullopt};
         if (json.contains("x_azimuth_deg"))
             position.x_azimuth_deg = json.at("x_azimuth_deg").get<double>();
         return position;
@@ -139,10 +139,11 @@ std::optional<GeographicPosition> position_of(const ReconstructionFolder& recons
     }
 }
 
-std::vector<std::string> export_reconstruction(const ReconstructionFolder& reconstruction,
-                                               const std::vector<ExportFormat>& formats,
-                                               const std::optional<GeographicPosition>& position,
-                                               const std::filesystem::path& out) {
+std::vector<std::string> export_reconstruction(
+    const ReconstructionFolder& reconstruction,
+    const std::vector<ExportFormat>& formats,
+    const std::optional<types::GeographicPosition>& position,
+    const std::filesystem::path& out) {
     std::filesystem::create_directories(out);
     std::vector<std::string> names;
     for (const ExportFormat format : formats)
@@ -151,4 +152,4 @@ std::vector<std::string> export_reconstruction(const ReconstructionFolder& recon
     return names;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -9,7 +9,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
@@ -26,7 +26,7 @@ int zone_of(double longitude_deg) {
 
 }  // namespace
 
-UtmFrame utm_frame(const GeographicPosition& position) {
+UtmFrame utm_frame(const types::GeographicPosition& position) {
     if (!position.is_valid())
         throw Error(ErrorCode::InvalidArgument,
                     "the position is outside of UTM: give a latitude from -80 to 84 and a "
@@ -53,4 +53,4 @@ UtmFrame utm_frame(const GeographicPosition& position) {
     return frame;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

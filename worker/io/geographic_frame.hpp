@@ -4,7 +4,7 @@
 
 #include "worker/types/geographic_position.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 
 // The world's horizontal plane in Universal Transverse Mercator: (easting, northing) [m] =
 // A * (x, y, 1). Turned by the meridian's convergence and stretched by the projection's scale at
@@ -16,6 +16,6 @@ struct UtmFrame {
 
 // A world whose azimuth is not known is taken to have its y axis to the north. Throws
 // Error{InvalidArgument} for a position that is not valid.
-UtmFrame utm_frame(const GeographicPosition& position);
+UtmFrame utm_frame(const types::GeographicPosition& position);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -13,7 +13,7 @@
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 constexpr int kTile_px = 256;
@@ -149,7 +149,7 @@ void write_geotiff(const std::filesystem::path& file,
         }
     if (TIFFFlush(tiff.get()) == 0)
         throw Error(ErrorCode::OutOfMemory, "cannot pack " + file.string());
-    write_file(file, memory.bytes);
+    base::write_file(file, memory.bytes);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::io {
 
 // Where a raster lies: (easting, northing) [m] of the coordinate system `epsg` =
 // A * (column, row, 1), pixel (0, 0) with its outer corner at (0, 0).
@@ -21,4 +21,4 @@ void write_geotiff(const std::filesystem::path& file,
                    const cv::Mat& raster,
                    const RasterFrame& frame);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -15,7 +15,7 @@
 #include "worker/io/mesh_reader.hpp"
 #include "worker/io/ply.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
@@ -48,7 +48,7 @@ class GlbReader {
 public:
     explicit GlbReader(const std::string& name) : name_(name) {}
 
-    Mesh read(std::string_view bytes) try {
+    types::Mesh read(std::string_view bytes) try {
         split(bytes);
         const auto& scenes = member("scenes");
         const json& scene = entry(scenes, document_.value("scene", 0), "scene");
@@ -211,16 +211,16 @@ private:
     json document_;
     std::string_view buffer_;
     std::vector<bool> visited_;  // nodes
-    Mesh mesh_;
+    types::Mesh mesh_;
 };
 
 }  // namespace
 
-Mesh parse_glb(std::string_view bytes, const std::string& name) {
+types::Mesh parse_glb(std::string_view bytes, const std::string& name) {
     return GlbReader(name).read(bytes);
 }
 
-Mesh read_mesh(const std::filesystem::path& file) {
+types::Mesh read_mesh(const std::filesystem::path& file) {
     constexpr std::uintmax_t kMax_bytes = std::uintmax_t{4} << 30;
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
@@ -234,4 +234,4 @@ Mesh read_mesh(const std::filesystem::path& file) {
     return parse_obj(bytes, name);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

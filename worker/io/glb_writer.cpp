@@ -12,7 +12,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/mesh_check.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
@@ -39,13 +39,13 @@ std::uint16_t linear_from_srgb(std::uint8_t srgb) {
     return static_cast<std::uint16_t>(std::lround(linear * 65535.0));
 }
 
-std::vector<LinearColor> linear_colors(const std::vector<Color>& colors) {
+std::vector<LinearColor> linear_colors(const std::vector<types::Color>& colors) {
     std::array<std::uint16_t, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i)
         table[i] = linear_from_srgb(static_cast<std::uint8_t>(i));
     std::vector<LinearColor> linear;
     linear.reserve(colors.size());
-    for (const Color& color : colors)
+    for (const types::Color& color : colors)
         linear.push_back({table[color[0]], table[color[1]], table[color[2]], 65535});
     return linear;
 }
@@ -129,7 +129,7 @@ void write_chunks(const std::filesystem::path& file, std::string text, const Doc
         throw Error(
             ErrorCode::TooLarge,
             file.string() + " would exceed the 4 GiB limit of glTF binary: choose a larger voxel");
-    AtomicFile output(file);
+    base::AtomicFile output(file);
     output.write("glTF" + little_endian(2) + little_endian(static_cast<std::uint32_t>(total)));
     output.write(little_endian(static_cast<std::uint32_t>(text.size())) + "JSON" + text);
     if (has_buffer) {
@@ -142,7 +142,7 @@ void write_chunks(const std::filesystem::path& file, std::string text, const Doc
 
 }  // namespace
 
-void write_glb(const std::filesystem::path& file, const Mesh& mesh) {
+void write_glb(const std::filesystem::path& file, const types::Mesh& mesh) {
     check_mesh(mesh);
     const std::size_t count = mesh.vertices.size();
     const std::vector<Eigen::Vector3f> normals = unit_normals(mesh);
@@ -173,4 +173,4 @@ void write_glb(const std::filesystem::path& file, const Mesh& mesh) {
     write_chunks(file, document.finish(primitive).dump(), document);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

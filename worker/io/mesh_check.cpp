@@ -5,7 +5,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 void check_length(const char* what, std::size_t length, std::size_t num_vertices) {
@@ -15,7 +15,7 @@ void check_length(const char* what, std::size_t length, std::size_t num_vertices
                         std::to_string(num_vertices) + " vertices");
 }
 
-std::vector<Eigen::Vector3f> normals_from_triangles(const Mesh& mesh) {
+std::vector<Eigen::Vector3f> normals_from_triangles(const types::Mesh& mesh) {
     std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
     for (const auto& triangle : mesh.triangles) {
         const Eigen::Vector3f& a = mesh.vertices[triangle[0]];
@@ -36,7 +36,7 @@ bool normalise(Eigen::Vector3f& normal) {
 
 }  // namespace
 
-void check_mesh(const Mesh& mesh) {
+void check_mesh(const types::Mesh& mesh) {
     const std::size_t num_vertices = mesh.vertices.size();
     check_length("normals", mesh.normals.size(), num_vertices);
     check_length("colors", mesh.colors.size(), num_vertices);
@@ -52,7 +52,7 @@ void check_mesh(const Mesh& mesh) {
                         "the mesh has a triangle with a vertex that does not exist");
 }
 
-std::vector<Eigen::Vector3f> unit_normals(const Mesh& mesh) {
+std::vector<Eigen::Vector3f> unit_normals(const types::Mesh& mesh) {
     std::vector<Eigen::Vector3f> from_triangles;
     std::vector<Eigen::Vector3f> normals = mesh.normals;
     normals.resize(mesh.vertices.size(), Eigen::Vector3f::Zero());
@@ -65,4 +65,4 @@ std::vector<Eigen::Vector3f> unit_normals(const Mesh& mesh) {
     return normals;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

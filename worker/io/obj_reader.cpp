@@ -7,7 +7,7 @@
 #include "schemas/error.hpp"
 #include "worker/io/mesh_reader.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r";
@@ -36,7 +36,7 @@ public:
 
     // A mesh never takes more memory than some multiple of its text: a vertex is six bytes of it
     // at least, a corner of a face two.
-    Mesh read(std::string_view bytes) {
+    types::Mesh read(std::string_view bytes) {
         while (!bytes.empty()) {
             const auto end = bytes.find('\n');
             ++line_number_;
@@ -78,7 +78,7 @@ private:
             vertex[axis] = *value;
         }
         mesh_.vertices.push_back(vertex);
-        Color color{};
+        types::Color color{};
         for (auto& channel : color) {
             const auto value = number(words);
             if (!value) return;  // without colours, or with w
@@ -114,13 +114,13 @@ private:
 
     const std::string& name_;
     int line_number_ = 0;
-    Mesh mesh_;
+    types::Mesh mesh_;
 };
 
 }  // namespace
 
-Mesh parse_obj(std::string_view bytes, const std::string& name) {
+types::Mesh parse_obj(std::string_view bytes, const std::string& name) {
     return ObjReader(name).read(bytes);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

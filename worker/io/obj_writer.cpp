@@ -12,7 +12,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/mesh_check.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
@@ -72,7 +72,7 @@ private:
                 std::string("cannot write the zip: ") + archive_error_string(archive_.get()));
     }
 
-    AtomicFile output_;
+    base::AtomicFile output_;
     std::exception_ptr error_;
     std::unique_ptr<archive, Free> archive_;
 };
@@ -111,11 +111,11 @@ private:
     std::string text_;
 };
 
-void write_vertices(ObjText& text, const Mesh& mesh) {
+void write_vertices(ObjText& text, const types::Mesh& mesh) {
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
         text.add_row("v", mesh.vertices[i]);
         if (!mesh.colors.empty()) {
-            const Color& color = mesh.colors[i];
+            const types::Color& color = mesh.colors[i];
             text.add_row("", Eigen::Vector3f(color[0], color[1], color[2]) / 255.0F);
         }
         text.add("\n");
@@ -126,7 +126,7 @@ void write_vertices(ObjText& text, const Mesh& mesh) {
     }
 }
 
-void write_triangles(ObjText& text, const Mesh& mesh) {
+void write_triangles(ObjText& text, const types::Mesh& mesh) {
     for (const auto& triangle : mesh.triangles) {
         text.add("f");
         for (const std::uint32_t vertex : triangle) {
@@ -142,7 +142,7 @@ void write_triangles(ObjText& text, const Mesh& mesh) {
 
 }  // namespace
 
-void write_obj_zip(const std::filesystem::path& file, const Mesh& mesh) {
+void write_obj_zip(const std::filesystem::path& file, const types::Mesh& mesh) {
     check_mesh(mesh);
     ZipWriter zip(file);
     zip.begin("mesh.obj");
@@ -157,4 +157,4 @@ void write_obj_zip(const std::filesystem::path& file, const Mesh& mesh) {
     zip.commit();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -11,7 +11,7 @@
 #include "schemas/error.hpp"
 #include "worker/io/ply.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 enum class Format { Ascii, LittleEndian, BigEndian };
@@ -233,7 +233,7 @@ Target target_of(std::string_view name) {
     return static_cast<Target>(found - std::begin(kNames));
 }
 
-void read_vertices(const Element& element, Body& body, const std::string& name, Mesh& mesh) {
+void read_vertices(const Element& element, Body& body, const std::string& name, types::Mesh& mesh) {
     std::vector<Target> targets;
     for (const Property& property : element.properties)
         targets.push_back(property.count_type ? Target::None : target_of(property.name));
@@ -279,14 +279,17 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
     }
 }
 
-std::uint32_t vertex_index(double value, const Mesh& mesh, const std::string& name) {
+std::uint32_t vertex_index(double value, const types::Mesh& mesh, const std::string& name) {
     if (!(value >= 0.0 && value < static_cast<double>(mesh.vertices.size())))
         fail(name, "PLY face refers to a vertex that does not exist");
     return static_cast<std::uint32_t>(value);
 }
 
 // A polygon becomes a fan around its first corner.
-void read_polygon(const Property& property, Body& body, const std::string& name, Mesh& mesh) {
+void read_polygon(const Property& property,
+                  Body& body,
+                  const std::string& name,
+                  types::Mesh& mesh) {
     std::uint32_t first = 0;
     std::uint32_t previous = 0;
     const std::uint64_t num_corners = list_length(property, body, name);
@@ -298,7 +301,7 @@ void read_polygon(const Property& property, Body& body, const std::string& name,
     }
 }
 
-void read_other(const Element& element, Body& body, const std::string& name, Mesh& mesh) {
+void read_other(const Element& element, Body& body, const std::string& name, types::Mesh& mesh) {
     if (element.name == "face") mesh.triangles.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i)
         for (const Property& property : element.properties) {
@@ -317,10 +320,10 @@ void read_other(const Element& element, Body& body, const std::string& name, Mes
 
 }  // namespace
 
-Mesh parse_ply(std::string_view bytes, const std::string& name) {
+types::Mesh parse_ply(std::string_view bytes, const std::string& name) {
     const Header header = parse_header(bytes, name);
     Body body(bytes.substr(header.size_bytes), header.format, name);
-    Mesh mesh;
+    types::Mesh mesh;
     for (const Element& element : header.elements) {
         if (element.count > body.remaining_bytes() / min_bytes(element, header.format))
             fail(name,
@@ -334,7 +337,7 @@ Mesh parse_ply(std::string_view bytes, const std::string& name) {
     return mesh;
 }
 
-Mesh read_ply(const std::filesystem::path& file) {
+types::Mesh read_ply(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
         throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
@@ -348,4 +351,4 @@ Mesh read_ply(const std::filesystem::path& file) {
     return parse_ply(bytes, file.filename().string());
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -5,7 +5,7 @@
 #include "worker/io/mesh_check.hpp"
 #include "worker/io/ply.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -22,10 +22,10 @@ public:
     void put(const Eigen::Vector3f& vector) {
         for (int i = 0; i < 3; ++i) put(vector[i]);
     }
-    void put(const Color& color) {
+    void put(const types::Color& color) {
         for (const std::uint8_t channel : color) put(channel);
     }
-    void flush_to(AtomicFile& file) {
+    void flush_to(base::AtomicFile& file) {
         file.write({bytes_, size_});
         size_ = 0;
     }
@@ -44,7 +44,7 @@ std::string header_start(std::size_t num_vertices) {
            "\nproperty float x\nproperty float y\nproperty float z\n";
 }
 
-std::string mesh_header(const Mesh& mesh) {
+std::string mesh_header(const types::Mesh& mesh) {
     return header_start(mesh.vertices.size()) +
            "property float nx\nproperty float ny\nproperty float nz\n" +
            (mesh.colors.empty() ? "" : kColorHeader) +
@@ -56,10 +56,10 @@ std::string mesh_header(const Mesh& mesh) {
 
 }  // namespace
 
-void write_ply(const std::filesystem::path& file, const Mesh& mesh) {
+void write_ply(const std::filesystem::path& file, const types::Mesh& mesh) {
     check_mesh(mesh);
     const std::vector<Eigen::Vector3f> normals = unit_normals(mesh);
-    AtomicFile output(file);
+    base::AtomicFile output(file);
     output.write(mesh_header(mesh));
     Record record;
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -85,11 +85,11 @@ CloudPlyWriter::CloudPlyWriter(const std::filesystem::path& file, std::int64_t n
                   "end_header\n");
 }
 
-void CloudPlyWriter::add(const Eigen::Vector3f& p_world, const Color& color) {
+void CloudPlyWriter::add(const Eigen::Vector3f& p_world, const types::Color& color) {
     Record record;
     record.put(p_world);
     record.put(color);
     record.flush_to(output_);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -11,7 +11,7 @@
 #include "worker/io/ply.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
@@ -62,20 +62,20 @@ bool ReconstructionFolder::has_surface() const {
     return std::filesystem::exists(folder_ / "mesh.ply");
 }
 
-Trajectory ReconstructionFolder::trajectory() const {
+types::Trajectory ReconstructionFolder::trajectory() const {
     return read_trajectory(folder_ / "trajectory.tum").poses;
 }
 
-Trajectory ReconstructionFolder::causal_trajectory() const {
+types::Trajectory ReconstructionFolder::causal_trajectory() const {
     return read_trajectory(folder_ / "trajectory_causal.tum").poses;
 }
 
-CovarianceTrack ReconstructionFolder::covariances() const {
+types::CovarianceTrack ReconstructionFolder::covariances() const {
     const auto file = folder_ / "trajectory_covariance.csv";
-    return std::filesystem::exists(file) ? read_covariances(file) : CovarianceTrack();
+    return std::filesystem::exists(file) ? read_covariances(file) : types::CovarianceTrack();
 }
 
-Mesh ReconstructionFolder::mesh() const { return read_ply(folder_ / "mesh.ply"); }
+types::Mesh ReconstructionFolder::mesh() const { return read_ply(folder_ / "mesh.ply"); }
 
 json ReconstructionFolder::mosaic() const { return read_json(folder_ / "mosaic.json"); }
 
@@ -98,4 +98,4 @@ std::optional<Eigen::Isometry3d> ReconstructionFolder::T_imu_cam0() const {
     return of_file(folder_ / "metrics.json", [&] { return pose_of(metrics_.at(pointer)); });
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "worker/types/mesh.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
-#include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 
 // Of keyframes.json: the rectified left camera, z forward, x right.
 struct KeyframePose {
@@ -31,10 +31,10 @@ public:
     const std::filesystem::path& path() const { return folder_; }
     const nlohmann::json& metrics() const { return metrics_; }  // metrics.json
     bool has_surface() const;                                   // else --set surface=false
-    Trajectory trajectory() const;                              // T_world_imu, final
-    Trajectory causal_trajectory() const;
-    CovarianceTrack covariances() const;  // of trajectory(); empty: not known
-    Mesh mesh() const;                    // mesh.ply, with normals, sigma and observation counts
+    types::Trajectory trajectory() const;                       // T_world_imu, final
+    types::Trajectory causal_trajectory() const;
+    types::CovarianceTrack covariances() const;  // of trajectory(); empty: not known
+    types::Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
     std::vector<KeyframePose> keyframes() const;
     nlohmann::json mosaic() const;  // mosaic.json
     // Where the left camera sits on the body; nothing in what older versions wrote.
@@ -45,4 +45,4 @@ private:
     nlohmann::json metrics_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

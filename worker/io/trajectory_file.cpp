@@ -12,7 +12,7 @@
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
@@ -103,10 +103,10 @@ TrajectoryFormat detect(const std::string& text, std::size_t num_words, const Li
               " columns: expected TUM (8), EuRoC (8 or more, with commas) or KITTI (12)");
 }
 
-StampedPose parse_pose(const std::vector<std::string>& words,
-                       TrajectoryFormat format,
-                       std::size_t num_poses,
-                       const Line& line) {
+types::StampedPose parse_pose(const std::vector<std::string>& words,
+                              TrajectoryFormat format,
+                              std::size_t num_poses,
+                              const Line& line) {
     const bool is_kitti = format == TrajectoryFormat::Kitti;
     if (is_kitti ? words.size() != 12 : words.size() < 8)
         line.fail((is_kitti ? "expected 12 columns, found " : "expected 8 columns, found ") +
@@ -169,8 +169,8 @@ std::string_view to_string(TrajectoryFormat format) {
     return "";
 }
 
-void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
-    AtomicFile output(file);
+void write_tum(const std::filesystem::path& file, const types::Trajectory& trajectory) {
+    base::AtomicFile output(file);
     output.write("# timestamp_s x_m y_m z_m qx qy qz qw\n");
     for (const auto& [timestamp_ns, pose] : trajectory) {
         const Eigen::Vector3d p = pose.translation();
@@ -181,8 +181,8 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
     output.commit();
 }
 
-void write_euroc(const std::filesystem::path& file, const Trajectory& trajectory) {
-    AtomicFile output(file);
+void write_euroc(const std::filesystem::path& file, const types::Trajectory& trajectory) {
+    base::AtomicFile output(file);
     output.write(
         "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
         "q_RS_z []\n");
@@ -195,9 +195,9 @@ void write_euroc(const std::filesystem::path& file, const Trajectory& trajectory
     output.commit();
 }
 
-void write_kitti(const std::filesystem::path& file, const Trajectory& trajectory) {
-    AtomicFile output(file);
-    for (const StampedPose& stamped : trajectory) {
+void write_kitti(const std::filesystem::path& file, const types::Trajectory& trajectory) {
+    base::AtomicFile output(file);
+    for (const types::StampedPose& stamped : trajectory) {
         std::vector<double> values;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 4; ++j) values.push_back(stamped.T_world_imu(i, j));
@@ -217,7 +217,7 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file) {
         if (holds_no_pose(text, line.number)) continue;
         const std::vector<std::string> words = split(text);
         if (result.poses.empty()) result.format = detect(text, words.size(), line);
-        const StampedPose pose = parse_pose(words, result.format, result.poses.size(), line);
+        const types::StampedPose pose = parse_pose(words, result.format, result.poses.size(), line);
         if (!result.poses.empty() && pose.timestamp_ns <= result.poses.back().timestamp_ns)
             line.fail(
                 "timestamp " + words[0] +
@@ -228,4 +228,4 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file) {
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

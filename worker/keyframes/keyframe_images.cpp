@@ -10,7 +10,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/base/parallel.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 namespace {
 
 constexpr int kWidth_px = 320;
@@ -28,11 +28,12 @@ void write_image(const std::filesystem::path& file, const cv::Mat& image) {
     cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
     std::vector<std::uint8_t> jpeg;
     cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
-    write_file(
-        file, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}, Durability::Unsynced);
+    base::write_file(file,
+                     {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()},
+                     base::Durability::Unsynced);
 }
 
-nlohmann::json entry_of(const Keyframe& keyframe) {
+nlohmann::json entry_of(const types::Keyframe& keyframe) {
     const Eigen::Vector3d p = keyframe.T_world_cam.translation();
     const Eigen::Quaterniond q(keyframe.T_world_cam.linear());
     return {{"frame_index", keyframe.frame_index},
@@ -45,24 +46,25 @@ nlohmann::json entry_of(const Keyframe& keyframe) {
 }  // namespace
 
 void write_keyframe_images(const std::filesystem::path& folder,
-                           const RectifiedRig& rig,
-                           const std::vector<Keyframe>& keyframes,
+                           const types::RectifiedRig& rig,
+                           const std::vector<types::Keyframe>& keyframes,
                            const KeyframeStore& store,
                            int num_threads,
-                           const ProgressCallback& progress) {
+                           const base::ProgressCallback& progress) {
     std::filesystem::create_directories(folder / "keyframes");
     for (std::size_t begin = 0; begin < keyframes.size(); begin += kSlice) {
         Progress done;
         done.stage = "texture";
         done.fraction = static_cast<double>(begin) / static_cast<double>(keyframes.size());
         progress(done);
-        for_each_index(num_threads, std::min(kSlice, keyframes.size() - begin), [&](std::size_t i) {
-            const int frame_index = keyframes[begin + i].frame_index;
-            write_image(folder / image_name(frame_index), store.left_in_color(frame_index));
-        });
+        base::for_each_index(
+            num_threads, std::min(kSlice, keyframes.size() - begin), [&](std::size_t i) {
+                const int frame_index = keyframes[begin + i].frame_index;
+                write_image(folder / image_name(frame_index), store.left_in_color(frame_index));
+            });
     }
     nlohmann::json list = nlohmann::json::array();
-    for (const Keyframe& keyframe : keyframes) list.push_back(entry_of(keyframe));
+    for (const types::Keyframe& keyframe : keyframes) list.push_back(entry_of(keyframe));
     const nlohmann::json document = {
         {"frame", "world (m, z up); the camera is the rectified left one, z forward, x right"},
         {"image_size_px", {rig.width_px, rig.height_px}},
@@ -70,7 +72,7 @@ void write_keyframe_images(const std::filesystem::path& folder,
         {"principal_point_px", {rig.cx_px, rig.cy_px}},
         {"baseline_m", rig.baseline_m},
         {"keyframes", list}};
-    write_file(folder / "keyframes.json", document.dump(1) + "\n");
+    base::write_file(folder / "keyframes.json", document.dump(1) + "\n");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

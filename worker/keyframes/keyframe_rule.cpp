@@ -1,6 +1,6 @@
 #include "worker/keyframes/keyframe_rule.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 namespace {
 
 constexpr double kMinShare = 0.65;  // of the last keyframe's features still in sight
@@ -11,7 +11,7 @@ constexpr std::int64_t kMaxKeyframeInterval_ns = 1'000'000'000;
 
 }  // namespace
 
-bool KeyframeRule::due(const Features& features, std::int64_t timestamp_ns) {
+bool KeyframeRule::due(const types::Features& features, std::int64_t timestamp_ns) {
     if (!any_) return true;
     const auto [num_shared, median_px] = shift_.since(features);
     // Fresh features that do not live are no measure of how far the view has moved.
@@ -24,11 +24,11 @@ bool KeyframeRule::due(const Features& features, std::int64_t timestamp_ns) {
            (shift > kMinShift && timestamp_ns - timestamp_ns_ > kMaxKeyframeInterval_ns);
 }
 
-void KeyframeRule::taken(const Features& features, std::int64_t timestamp_ns) {
+void KeyframeRule::taken(const types::Features& features, std::int64_t timestamp_ns) {
     any_ = true;
     timestamp_ns_ = timestamp_ns;
     num_reference_ = 0;
     shift_.start(features);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

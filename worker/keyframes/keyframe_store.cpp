@@ -13,7 +13,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 namespace {
 
 constexpr float kDisparityStep_px = 1.0F / 128.0F;
@@ -120,7 +120,7 @@ void KeyframeStore::clear() const {
 }
 
 KeyframeStore KeyframeStore::rerectified(
-    std::shared_ptr<const KeyframeRerectifier> rerectifier) const {
+    std::shared_ptr<const camera::KeyframeRerectifier> rerectifier) const {
     KeyframeStore store = *this;
     store.rerectifier_ = std::move(rerectifier);
     return store;
@@ -132,7 +132,7 @@ std::filesystem::path KeyframeStore::file_of(int frame_index, const char* extens
     return folder_ / name;
 }
 
-void KeyframeStore::write(int frame_index, const DepthMap& depth) const {
+void KeyframeStore::write(int frame_index, const types::DepthMap& depth) const {
     const cv::Mat& disparity = depth.disparity_px;
     std::vector<std::uint16_t> disparities;
     std::vector<std::uint8_t> sigmas;
@@ -163,29 +163,30 @@ cv::Mat KeyframeStore::read_left(int frame_index) const {
     return left;
 }
 
-void KeyframeStore::write_keypoints(int frame_index, const DescribedKeypoints& view) const {
+void KeyframeStore::write_keypoints(int frame_index,
+                                    const features::DescribedKeypoints& view) const {
     write_file(file_of(frame_index, "view"),
                {{kViewMagic, sizeof kViewMagic}, {view.data(), view.size() * sizeof view[0]}});
 }
 
-DescribedKeypoints KeyframeStore::read_keypoints(int frame_index) const {
+features::DescribedKeypoints KeyframeStore::read_keypoints(int frame_index) const {
     const std::vector<std::uint8_t> bytes = read_file(file_of(frame_index, "view"));
     const std::size_t num_bytes = bytes.size() - std::min(bytes.size(), sizeof kViewMagic);
     if (bytes.size() < sizeof kViewMagic ||
         std::memcmp(bytes.data(), kViewMagic, sizeof kViewMagic) != 0 ||
-        num_bytes % sizeof(DescribedKeypoint) != 0)
+        num_bytes % sizeof(features::DescribedKeypoint) != 0)
         throw Error(ErrorCode::BadData,
                     "keyframe description is damaged: " + file_of(frame_index, "view").string());
-    DescribedKeypoints view(num_bytes / sizeof(DescribedKeypoint));
+    features::DescribedKeypoints view(num_bytes / sizeof(features::DescribedKeypoint));
     std::copy(bytes.begin() + sizeof kViewMagic,
               bytes.end(),
               reinterpret_cast<std::uint8_t*>(view.data()));
     return view;
 }
 
-KeyframeImages KeyframeStore::read(int frame_index) const {
+types::KeyframeImages KeyframeStore::read(int frame_index) const {
     const KeyframeFile file = read_keyframe(file_of(frame_index, "keyframe"));
-    KeyframeImages images;
+    types::KeyframeImages images;
     images.depth.disparity_px =
         restored(file.disparities(), file.header, CV_16U, kDisparityStep_px);
     images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
@@ -199,4 +200,4 @@ cv::Mat KeyframeStore::left_in_color(int frame_index) const {
     return rerectifier_ ? rerectifier_->moved(color) : color;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

@@ -4,24 +4,26 @@
 
 #include "worker/odometry/dynamic_features.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 
-KeyframeWriter::KeyframeWriter(const RectifiedRig& rig,
+KeyframeWriter::KeyframeWriter(const types::RectifiedRig& rig,
                                const ReconstructionOptions& options,
                                const KeyframeStore& store,
-                               TaskPool& task_pool)
+                               base::TaskPool& task_pool)
     : surface_(options.surface), store_(store) {
     for (auto& lane : lanes_) lane.emplace(rig, options, task_pool);
 }
 
-void KeyframeWriter::write(const RectifiedFrame& frame, const DepthMap& depth, const Seen& seen) {
+void KeyframeWriter::write(const types::RectifiedFrame& frame,
+                           const types::DepthMap& depth,
+                           const Seen& seen) {
     go_on({});
     waiting_ = Waiting{frame, depth, seen};
 }
 
-void KeyframeWriter::go_on(const Features& dynamic) {
+void KeyframeWriter::go_on(const types::Features& dynamic) {
     if (!waiting_) return;
-    Features& all = waiting_->seen.dynamic;
+    types::Features& all = waiting_->seen.dynamic;
     all.insert(all.end(), dynamic.begin(), dynamic.end());
     // The oldest lane; while somebody is at that, the one behind, whose frame is then stored here.
     if (lanes_[next_lane_]->task.is_running()) next_lane_ = (next_lane_ + 1) % kNumLanes;
@@ -37,14 +39,14 @@ void KeyframeWriter::finish() {
     for (auto& lane : lanes_) lane->task.wait();
 }
 
-SearchStatistics KeyframeWriter::statistics() const {
-    SearchStatistics all;
+types::SearchStatistics KeyframeWriter::statistics() const {
+    types::SearchStatistics all;
     for (const auto& lane : lanes_) all.add(lane->matched);
     return all;
 }
 
 void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
-    const RectifiedFrame& frame = waiting.frame;
+    const types::RectifiedFrame& frame = waiting.frame;
     if (waiting.seen.view) {
         store_.write_left(frame.index, frame.left);
         store_.write_keypoints(frame.index, *waiting.seen.view);
@@ -54,8 +56,8 @@ void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
         waiting.depth = waiting.seen.range ? lane.stereo.match(frame, *waiting.seen.range)
                                            : lane.stereo.match(frame);
     lane.matched.add(waiting.depth.search);
-    mask_dynamic_features(waiting.seen.dynamic, waiting.seen.scene, waiting.depth);
+    odometry::mask_dynamic_features(waiting.seen.dynamic, waiting.seen.scene, waiting.depth);
     store_.write(frame.index, waiting.depth);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

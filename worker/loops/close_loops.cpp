@@ -10,7 +10,7 @@
 #include "worker/loops/strongest_loops.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 // Further off than this, the adjustment of the whole dive may not find back by itself.
@@ -21,10 +21,10 @@ constexpr double kBasin_px = 10.0;
 constexpr std::size_t kMaxFused = 128;
 
 // How far off the landmarks seen again are, median over the worst loop.
-double worst_error_px(const RectifiedRig& rig,
+double worst_error_px(const types::RectifiedRig& rig,
                       const std::vector<Loop>& loops,
-                      const std::vector<Keyframe>& keyframes,
-                      const std::vector<Landmark>& landmarks) {
+                      const std::vector<types::Keyframe>& keyframes,
+                      const std::vector<types::Landmark>& landmarks) {
     double worst = 0.0;
     for (const Loop& loop : loops) {
         std::vector<double> errors_px;
@@ -38,7 +38,7 @@ double worst_error_px(const RectifiedRig& rig,
                     : (rig.pixel(p_cam) - Eigen::Vector2d(again.seen.u_px, again.seen.v_px))
                           .norm());
         }
-        worst = std::max(worst, upper_median(std::move(errors_px)));
+        worst = std::max(worst, stats::upper_median(std::move(errors_px)));
     }
     return worst;
 }
@@ -46,7 +46,7 @@ double worst_error_px(const RectifiedRig& rig,
 // Every landmark once in every keyframe.
 void fuse_landmarks(const std::vector<Loop>& loops,
                     const DriftModel& drift,
-                    std::vector<Landmark>& landmarks) {
+                    std::vector<types::Landmark>& landmarks) {
     std::set<std::pair<std::size_t, std::int32_t>> added;
     for (const std::size_t i : strongest_loops(loops, drift, kMaxFused))
         for (const Reobservation& again : loops[i].reobservations)
@@ -56,11 +56,11 @@ void fuse_landmarks(const std::vector<Loop>& loops,
 
 }  // namespace
 
-void close_loops(const RectifiedRig& rig,
+void close_loops(const types::RectifiedRig& rig,
                  const std::vector<Loop>& loops,
                  const DriftModel& drift,
-                 std::vector<Keyframe>& keyframes,
-                 std::vector<Landmark>& landmarks) {
+                 std::vector<types::Keyframe>& keyframes,
+                 std::vector<types::Landmark>& landmarks) {
     number_segments(drift, loops, keyframes);
     if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
         optimise_pose_graph(loops, drift, keyframes, landmarks);
@@ -68,8 +68,8 @@ void close_loops(const RectifiedRig& rig,
 }
 
 void add_residuals(const std::vector<Loop>& loops,
-                   const std::vector<Keyframe>& keyframes,
-                   LoopStatistics& statistics) {
+                   const std::vector<types::Keyframe>& keyframes,
+                   types::LoopStatistics& statistics) {
     if (loops.empty()) return;
     double squares_m2 = 0.0;
     double squares_sigmas = 0.0;
@@ -86,4 +86,4 @@ void add_residuals(const std::vector<Loop>& loops,
     statistics.residual_sigmas = std::sqrt(squares_sigmas / num);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

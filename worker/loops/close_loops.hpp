@@ -4,25 +4,25 @@
 
 #include "worker/loops/drift_model.hpp"
 #include "worker/loops/loop.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
 #include "worker/types/loop_statistics.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 // Landmarks of each visit get what the other saw of them as observations, for the adjustment of the
 // whole dive to use; where the track has run too far off for it to find back, a pose graph brings
 // the keyframes near first. Keyframes learn which piece they belong to.
-void close_loops(const RectifiedRig& rig,
+void close_loops(const types::RectifiedRig& rig,
                  const std::vector<Loop>& loops,
                  const DriftModel& drift,
-                 std::vector<Keyframe>& keyframes,
-                 std::vector<Landmark>& landmarks);
+                 std::vector<types::Keyframe>& keyframes,
+                 std::vector<types::Landmark>& landmarks);
 
 // What the final keyframes leave of what the loops measured.
 void add_residuals(const std::vector<Loop>& loops,
-                   const std::vector<Keyframe>& keyframes,
-                   LoopStatistics& statistics);
+                   const std::vector<types::Keyframe>& keyframes,
+                   types::LoopStatistics& statistics);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

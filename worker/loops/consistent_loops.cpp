@@ -8,7 +8,7 @@
 #include "worker/loops/max_clique.hpp"
 #include "worker/loops/strongest_loops.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr std::size_t kMaxInClique = 400;  // searched exactly; the others have to fit it
@@ -18,7 +18,7 @@ constexpr std::size_t kMinLoopsAcrossGap = 3;
 class Consistency {
 public:
     Consistency(const std::vector<Loop>& loops,
-                const std::vector<Keyframe>& keyframes,
+                const std::vector<types::Keyframe>& keyframes,
                 const DriftModel& drift)
         : loops_(loops), keyframes_(keyframes), drift_(drift) {}
 
@@ -49,7 +49,7 @@ private:
     }
 
     const std::vector<Loop>& loops_;
-    const std::vector<Keyframe>& keyframes_;
+    const std::vector<types::Keyframe>& keyframes_;
     const DriftModel& drift_;
 };
 
@@ -72,7 +72,7 @@ void drop_weak_joints(const std::vector<Loop>& loops,
 }  // namespace
 
 std::vector<std::size_t> consistent_loops(const std::vector<Loop>& loops,
-                                          const std::vector<Keyframe>& keyframes,
+                                          const std::vector<types::Keyframe>& keyframes,
                                           const DriftModel& drift) {
     if (loops.empty()) return {};
     const Consistency consistency(loops, keyframes, drift);
@@ -95,4 +95,4 @@ std::vector<std::size_t> consistent_loops(const std::vector<Loop>& loops,
     return chosen;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr double kShareOfPath = 0.01;
@@ -26,15 +26,15 @@ constexpr int kMinSharedLandmarks = 6;  // landmarks that tie a keyframe to thos
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
-double distance_m(const Keyframe& a, const Keyframe& b) {
+double distance_m(const types::Keyframe& a, const types::Keyframe& b) {
     return (a.T_world_cam.translation() - b.T_world_cam.translation()).norm();
 }
 
 }  // namespace
 
-DriftModel::DriftModel(const std::vector<Keyframe>& keyframes,
-                       const std::vector<Landmark>& landmarks,
-                       const InertialPrior* inertial)
+DriftModel::DriftModel(const std::vector<types::Keyframe>& keyframes,
+                       const std::vector<types::Landmark>& landmarks,
+                       const imu::InertialPrior* inertial)
     : path_m_(keyframes.size(), 0.0),
       tracking_gaps_(keyframes.size()),
       segment_(keyframes.size(), 0),
@@ -42,7 +42,7 @@ DriftModel::DriftModel(const std::vector<Keyframe>& keyframes,
       first_covisible_(keyframes.size()) {
     std::iota(first_covisible_.begin(), first_covisible_.end(), std::size_t{0});
     std::vector<int> num_passing(keyframes.size() + 1, 0);  // landmarks known before and after
-    for (const Landmark& landmark : landmarks) {
+    for (const types::Landmark& landmark : landmarks) {
         const auto [first, last] = std::minmax_element(
             landmark.observations.begin(),
             landmark.observations.end(),
@@ -50,7 +50,7 @@ DriftModel::DriftModel(const std::vector<Keyframe>& keyframes,
         const auto from = static_cast<std::size_t>(first->keyframe);
         ++num_passing[from + 1];
         --num_passing[static_cast<std::size_t>(last->keyframe) + 1];
-        for (const LandmarkObservation& seen : landmark.observations) {
+        for (const types::LandmarkObservation& seen : landmark.observations) {
             std::size_t& tied = first_covisible_[static_cast<std::size_t>(seen.keyframe)];
             tied = std::min(tied, from);
         }
@@ -73,7 +73,7 @@ DriftModel::DriftModel(const std::vector<Keyframe>& keyframes,
         first_covisible_[k] = first_covisible_[first_covisible_[k]];
 }
 
-DriftModel::TrackingGap DriftModel::tracking_gap(const InertialPrior* inertial,
+DriftModel::TrackingGap DriftModel::tracking_gap(const imu::InertialPrior* inertial,
                                                  std::int64_t from_ns,
                                                  std::int64_t to_ns) {
     const double t_s = seconds(to_ns - from_ns);
@@ -112,4 +112,4 @@ bool DriftModel::allows(std::size_t a,
            turned_rad < kNumSigmas * orientation_sigma_rad(a, b);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -8,7 +8,7 @@
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 // How far the track may have run off between two keyframes: a share of the way swum, and while the
 // scene was out of sight what the inertial sensors may have erred by, or without them what a diver
@@ -17,9 +17,9 @@ namespace divemesh::worker {
 class DriftModel {
 public:
     // `inertial`: nullptr without sensors.
-    DriftModel(const std::vector<Keyframe>& keyframes,
-               const std::vector<Landmark>& landmarks,
-               const InertialPrior* inertial);
+    DriftModel(const std::vector<types::Keyframe>& keyframes,
+               const std::vector<types::Landmark>& landmarks,
+               const imu::InertialPrior* inertial);
 
     // One standard deviation of the pose of one keyframe seen from the other.
     double position_sigma_m(std::size_t a, std::size_t b) const;
@@ -46,7 +46,7 @@ private:
         double position_m = 0.0;
         double rotation_rad = 0.0;
     };
-    static TrackingGap tracking_gap(const InertialPrior* inertial,
+    static TrackingGap tracking_gap(const imu::InertialPrior* inertial,
                                     std::int64_t from_ns,
                                     std::int64_t to_ns);
 
@@ -57,4 +57,4 @@ private:
     std::vector<std::size_t> first_covisible_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

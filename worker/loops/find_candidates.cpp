@@ -6,7 +6,7 @@
 #include "worker/loops/inverted_index.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr std::size_t kMaxLoopCandidates = 3;  // of one keyframe
@@ -22,13 +22,15 @@ struct Sight {
     double radius_m = 0.0;  // 0: nothing with a depth
 };
 
-Sight sight_of(const RectifiedRig& rig, const Keyframe& keyframe, const DescribedKeypoints& view) {
+Sight sight_of(const types::RectifiedRig& rig,
+               const types::Keyframe& keyframe,
+               const features::DescribedKeypoints& view) {
     std::vector<float> disparities_px;
-    for (const DescribedKeypoint& point : view)
+    for (const features::DescribedKeypoint& point : view)
         if (point.disparity_px > 0.0F) disparities_px.push_back(point.disparity_px);
     Sight sight;
     if (disparities_px.empty()) return sight;
-    const double depth_m = rig.depth_m(upper_median(std::move(disparities_px)));
+    const double depth_m = rig.depth_m(stats::upper_median(std::move(disparities_px)));
     sight.centre_world = keyframe.T_world_cam * Eigen::Vector3d(0.0, 0.0, depth_m);
     sight.axis_world = keyframe.T_world_cam.linear().col(2);
     sight.radius_m = depth_m * rig.width_px / (2.0 * rig.focal_px);
@@ -37,8 +39,8 @@ Sight sight_of(const RectifiedRig& rig, const Keyframe& keyframe, const Describe
 
 class Gate {
 public:
-    Gate(const RectifiedRig& rig,
-         const std::vector<Keyframe>& keyframes,
+    Gate(const types::RectifiedRig& rig,
+         const std::vector<types::Keyframe>& keyframes,
          const StoredKeypoints& views,
          const DriftModel& drift)
         : drift_(drift) {
@@ -66,8 +68,8 @@ private:
 
 }  // namespace
 
-std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
-                                           const std::vector<Keyframe>& keyframes,
+std::vector<LoopCandidate> find_candidates(const types::RectifiedRig& rig,
+                                           const std::vector<types::Keyframe>& keyframes,
                                            const StoredKeypoints& views,
                                            const DriftModel& drift,
                                            const std::vector<bool>& wanted) {
@@ -96,4 +98,4 @@ std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
     return candidates;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

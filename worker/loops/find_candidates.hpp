@@ -7,7 +7,7 @@
 #include "worker/loops/stored_keypoints.hpp"
 #include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 struct LoopCandidate {
     std::size_t from = 0;  // the earlier keyframe
@@ -17,10 +17,10 @@ struct LoopCandidate {
 // For every keyframe that is `wanted` the few earlier ones that look most like it, among those that
 // the track does not tie to it anyway and that, as far as the track may have drifted, may show the
 // same place. None without views.
-std::vector<LoopCandidate> find_candidates(const RectifiedRig& rig,
-                                           const std::vector<Keyframe>& keyframes,
+std::vector<LoopCandidate> find_candidates(const types::RectifiedRig& rig,
+                                           const std::vector<types::Keyframe>& keyframes,
                                            const StoredKeypoints& views,
                                            const DriftModel& drift,
                                            const std::vector<bool>& wanted);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

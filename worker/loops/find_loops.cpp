@@ -8,7 +8,7 @@
 #include "worker/loops/find_candidates.hpp"
 #include "worker/loops/loop_verifier.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr std::size_t kReach = 8;         // keyframes about the one before that a loop grows to
@@ -24,7 +24,9 @@ constexpr std::size_t kMaxLoops = 400;
 // neighbours'.
 class LoopSearch {
 public:
-    LoopSearch(const Track& track, const KeyframeStore& store, const DriftModel& drift)
+    LoopSearch(const types::Track& track,
+               const keyframes::KeyframeStore& store,
+               const DriftModel& drift)
         : track_(track),
           drift_(drift),
           verifier_(track.rig, track.keyframes, track.landmarks, store),
@@ -132,19 +134,21 @@ private:
         return track_.keyframes[a].T_world_cam.inverse() * track_.keyframes[b].T_world_cam;
     }
 
-    const Track& track_;
+    const types::Track& track_;
     const DriftModel& drift_;
     LoopVerifier verifier_;
     std::size_t spacing_;                       // of the keyframes that loops are looked for at
     std::vector<std::optional<Loop>> loop_of_;  // by the later keyframe
 };
 
-Eigen::Isometry3d by_track(const Track& track, const Loop& loop) {
+Eigen::Isometry3d by_track(const types::Track& track, const Loop& loop) {
     return track.keyframes[loop.from].T_world_cam.inverse() * track.keyframes[loop.to].T_world_cam;
 }
 
 // What the track's drift does not forbid.
-std::vector<Loop> possible(const Track& track, const DriftModel& drift, std::vector<Loop> loops) {
+std::vector<Loop> possible(const types::Track& track,
+                           const DriftModel& drift,
+                           std::vector<Loop> loops) {
     std::erase_if(loops, [&](const Loop& loop) {
         return !drift.allows(
             loop.from, loop.to, loop.T_from_to, by_track(track, loop), loop.sigma_m);
@@ -154,11 +158,11 @@ std::vector<Loop> possible(const Track& track, const DriftModel& drift, std::vec
 
 }  // namespace
 
-FoundLoops find_loops(const Track& track,
+FoundLoops find_loops(const types::Track& track,
                       const DriftModel& drift,
-                      const KeyframeStore& store,
+                      const keyframes::KeyframeStore& store,
                       std::uint64_t seed,
-                      const ProgressCallback& progress) {
+                      const base::ProgressCallback& progress) {
     FoundLoops found;
     LoopSearch search(track, store, drift);
     Progress at;
@@ -191,4 +195,4 @@ FoundLoops find_loops(const Track& track,
     return found;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 InvertedIndex::InvertedIndex(const StoredKeypoints& views) {
     const Vocabulary vocabulary = Vocabulary::learn(views);
@@ -11,7 +11,7 @@ InvertedIndex::InvertedIndex(const StoredKeypoints& views) {
     words_of_view_.resize(views.size());
     for (std::size_t i = 0; i < views.size(); ++i) {
         std::vector<std::int32_t> words;
-        for (const DescribedKeypoint& point : views[i])
+        for (const features::DescribedKeypoint& point : views[i])
             words.push_back(vocabulary.word_of(point.descriptor));
         std::sort(words.begin(), words.end());
         for (const std::int32_t word : words) {
@@ -48,4 +48,4 @@ std::vector<float> InvertedIndex::similarity(std::size_t view) const {
     return shared;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -6,7 +6,7 @@
 #include "worker/features/described_keypoints.hpp"
 #include "worker/loops/vocabulary.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 // Which views look alike: an inverted file from visual words to the views that show them (Sivic
 // and Zisserman 2003), words weighted by how rare they are.
@@ -27,4 +27,4 @@ private:
     std::vector<std::vector<Entry>> views_of_word_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

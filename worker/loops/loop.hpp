@@ -6,12 +6,12 @@
 
 #include "worker/types/landmark.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 // A landmark of one visit, found again in a keyframe of another.
 struct Reobservation {
     std::size_t landmark = 0;  // index into Track::landmarks
-    LandmarkObservation seen;
+    types::LandmarkObservation seen;
 };
 
 // Two keyframes that show the same place, with the motion between them as their pictures say.
@@ -23,4 +23,4 @@ struct Loop {
     std::vector<Reobservation> reobservations;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

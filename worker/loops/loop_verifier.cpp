@@ -3,7 +3,7 @@
 #include "worker/loops/match_keypoints.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr double kSigmaShare = 0.01;  // of the depth: what a loop's translation is good for
@@ -13,7 +13,7 @@ constexpr std::size_t kMaxImages = 16;
 double median_depth_m(const std::vector<KnownPoint>& points) {
     std::vector<double> depths_m;
     for (const KnownPoint& point : points) depths_m.push_back(point.p_cam.z());
-    return upper_median(std::move(depths_m));
+    return stats::upper_median(std::move(depths_m));
 }
 
 // The same motion, measured by the points of either.
@@ -25,10 +25,10 @@ bool same(const Eigen::Isometry3d& T_to_from, const Eigen::Isometry3d& T_from_to
 
 }  // namespace
 
-LoopVerifier::LoopVerifier(const RectifiedRig& rig,
-                           const std::vector<Keyframe>& keyframes,
-                           const std::vector<Landmark>& landmarks,
-                           const KeyframeStore& store)
+LoopVerifier::LoopVerifier(const types::RectifiedRig& rig,
+                           const std::vector<types::Keyframe>& keyframes,
+                           const std::vector<types::Landmark>& landmarks,
+                           const keyframes::KeyframeStore& store)
     : rig_(rig),
       keyframes_(keyframes),
       landmarks_(landmarks),
@@ -36,7 +36,7 @@ LoopVerifier::LoopVerifier(const RectifiedRig& rig,
       views_(store, keyframes),
       seen_(keyframes.size()) {
     for (std::size_t i = 0; i < landmarks.size(); ++i)
-        for (const LandmarkObservation& observation : landmarks[i].observations)
+        for (const types::LandmarkObservation& observation : landmarks[i].observations)
             seen_[static_cast<std::size_t>(observation.keyframe)].push_back({i, observation});
 }
 
@@ -92,11 +92,11 @@ std::vector<KnownPoint> LoopVerifier::known_points(std::size_t keyframe) const {
     return points;
 }
 
-std::vector<Reobservation> LoopVerifier::reobservations(const Features& found,
+std::vector<Reobservation> LoopVerifier::reobservations(const types::Features& found,
                                                         std::size_t of,
                                                         std::size_t in) const {
     std::vector<Reobservation> result;
-    for (const Feature& feature : found)
+    for (const types::Feature& feature : found)
         result.push_back({seen_[of][static_cast<std::size_t>(feature.id)].landmark,
                           {static_cast<std::int32_t>(in),
                            static_cast<float>(feature.pixel.x()),
@@ -105,4 +105,4 @@ std::vector<Reobservation> LoopVerifier::reobservations(const Features& found,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

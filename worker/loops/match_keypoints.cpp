@@ -5,7 +5,7 @@
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_points.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr int kMaxHammingDistance = 72;
@@ -35,50 +35,50 @@ bool distinct(const Nearest& nearest) {
            nearest.distance < kRatio * nearest.second_distance;
 }
 
-Feature feature(const DescribedKeypoint& point) {
+types::Feature feature(const features::DescribedKeypoint& point) {
     return {0, {point.u_px, point.v_px}, point.disparity_px};
 }
 
 }  // namespace
 
-PointPairs match_keypoints(const RectifiedRig& rig,
-                           const DescribedKeypoints& a,
-                           const DescribedKeypoints& b) {
+odometry::PointPairs match_keypoints(const types::RectifiedRig& rig,
+                                     const features::DescribedKeypoints& a,
+                                     const features::DescribedKeypoints& b) {
     std::vector<Nearest> of_a(a.size());
     std::vector<Nearest> of_b(b.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
         for (std::size_t j = 0; j < b.size(); ++j) {
-            const int distance = hamming_distance(a[i].descriptor, b[j].descriptor);
+            const int distance = features::hamming_distance(a[i].descriptor, b[j].descriptor);
             offer(of_a[i], static_cast<int>(j), distance);
             offer(of_b[j], static_cast<int>(i), distance);
         }
     }
-    PointPairs pairs;
+    odometry::PointPairs pairs;
     for (std::size_t i = 0; i < a.size(); ++i) {
         if (!distinct(of_a[i])) continue;
         const auto j = static_cast<std::size_t>(of_a[i].index);
         if (of_b[j].index != static_cast<int>(i)) continue;
         if (a[i].disparity_px <= 0.0F || b[j].disparity_px <= 0.0F) continue;
-        PointPair pair;
+        odometry::PointPair pair;
         pair.id = static_cast<std::int64_t>(i);
-        pair.previous_px = measurement_px(feature(a[i]));
-        pair.current_px = measurement_px(feature(b[j]));
+        pair.previous_px = types::measurement_px(feature(a[i]));
+        pair.current_px = types::measurement_px(feature(b[j]));
         pair.previous_sigma_px.setConstant(kSigma_px * a[i].scale);
-        pair.p_previous = point_cam(rig, feature(a[i]));
-        pair.p_current = point_cam(rig, feature(b[j]));
+        pair.p_previous = types::point_cam(rig, feature(a[i]));
+        pair.p_current = types::point_cam(rig, feature(b[j]));
         pairs.push_back(pair);
     }
     return pairs;
 }
 
-std::optional<Eigen::Isometry3d> register_keypoints(const RectifiedRig& rig,
-                                                    const DescribedKeypoints& a,
-                                                    const DescribedKeypoints& b,
+std::optional<Eigen::Isometry3d> register_keypoints(const types::RectifiedRig& rig,
+                                                    const features::DescribedKeypoints& a,
+                                                    const features::DescribedKeypoints& b,
                                                     std::uint64_t seed) {
-    const Registration found =
-        register_points(rig, match_keypoints(rig, a, b), kTolerance_px, seed);
+    const odometry::Registration found =
+        odometry::register_points(rig, match_keypoints(rig, a, b), kTolerance_px, seed);
     if (!found.found || found.inliers.size() < kMinAgreeing) return std::nullopt;
-    return refine_pose(rig, found.inliers, {found.T_current_previous, std::nullopt, 0.0});
+    return odometry::refine_pose(rig, found.inliers, {found.T_current_previous, std::nullopt, 0.0});
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

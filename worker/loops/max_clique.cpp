@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <numeric>
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr std::int64_t kMaxBranches = 250'000;
@@ -81,4 +81,4 @@ std::vector<std::size_t> max_clique(const std::vector<std::vector<bool>>& joined
     return Search(joined).run();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

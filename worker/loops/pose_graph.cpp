@@ -6,7 +6,7 @@
 
 #include "worker/optimisation/residuals/relative_pose.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr double kLoopSigma_rad = 0.003;
@@ -23,10 +23,10 @@ struct Pose {
 
 void optimise_pose_graph(const std::vector<Loop>& loops,
                          const DriftModel& drift,
-                         std::vector<Keyframe>& keyframes,
-                         std::vector<Landmark>& landmarks) {
+                         std::vector<types::Keyframe>& keyframes,
+                         std::vector<types::Landmark>& landmarks) {
     std::vector<Pose> poses;
-    for (const Keyframe& keyframe : keyframes)
+    for (const types::Keyframe& keyframe : keyframes)
         poses.push_back({Eigen::Quaterniond(keyframe.T_world_cam.linear()).normalized(),
                          keyframe.T_world_cam.translation()});
     ceres::EigenQuaternionManifold rotation;
@@ -44,7 +44,7 @@ void optimise_pose_graph(const std::vector<Loop>& loops,
                          const Eigen::Isometry3d& T_a_b,
                          double sigma_m,
                          double sigma_rad) {
-        problem.AddResidualBlock(RelativePose::create(T_a_b, sigma_m, sigma_rad),
+        problem.AddResidualBlock(optimisation::RelativePose::create(T_a_b, sigma_m, sigma_rad),
                                  nullptr,
                                  poses[a].q_world_cam.coeffs().data(),
                                  poses[a].p_world_cam.data(),
@@ -76,10 +76,10 @@ void optimise_pose_graph(const std::vector<Loop>& loops,
         T_new_old[k] = T_world_cam * keyframes[k].T_world_cam.inverse();
         keyframes[k].T_world_cam = T_world_cam;
     }
-    for (Landmark& landmark : landmarks) {
+    for (types::Landmark& landmark : landmarks) {
         const auto anchor = static_cast<std::size_t>(landmark.observations.front().keyframe);
         landmark.p_world = T_new_old[anchor] * landmark.p_world;
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

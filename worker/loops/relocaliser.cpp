@@ -3,27 +3,27 @@
 #include <algorithm>
 #include <utility>
 
-#include "worker/loops/match_keypoints.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
+#include "worker/loops/match_keypoints.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 // Of the corners of a view, looked for along the rows of the right picture.
-void measure_disparities(const RectifiedFrame& frame,
+void measure_disparities(const types::RectifiedFrame& frame,
                          int num_disparities_px,
-                         DescribedKeypoints& view) {
-    Features corners;
-    for (const DescribedKeypoint& point : view)
+                         features::DescribedKeypoints& view) {
+    types::Features corners;
+    for (const features::DescribedKeypoint& point : view)
         corners.push_back({0, {point.u_px, point.v_px}, 0.0});
-    match_sparse_stereo(frame, {}, num_disparities_px, corners);
+    features::match_sparse_stereo(frame, {}, num_disparities_px, corners);
     for (std::size_t i = 0; i < view.size(); ++i)
         view[i].disparity_px = static_cast<float>(corners[i].disparity_px);
 }
 
-void join(const Features& known, Features& features) {
-    const auto by_id = [](const Feature& a, const Feature& b) { return a.id < b.id; };
-    Features all;
+void join(const types::Features& known, types::Features& features) {
+    const auto by_id = [](const types::Feature& a, const types::Feature& b) { return a.id < b.id; };
+    types::Features all;
     std::set_union(features.begin(),
                    features.end(),
                    known.begin(),
@@ -35,15 +35,15 @@ void join(const Features& known, Features& features) {
 
 }  // namespace
 
-Relocaliser::Relocaliser(const RectifiedRig& rig, bool used, int num_disparities_px)
+Relocaliser::Relocaliser(const types::RectifiedRig& rig, bool used, int num_disparities_px)
     : rig_(rig), used_(used), num_disparities_px_(num_disparities_px) {}
 
-void Relocaliser::relocalise(const RectifiedFrame& frame,
+void Relocaliser::relocalise(const types::RectifiedFrame& frame,
                              std::uint64_t seed,
-                             Features& features,
-                             MotionModel& motion) {
+                             types::Features& features,
+                             odometry::MotionModel& motion) {
     if (!used_) return;
-    view_ = describe_keypoints(frame.left);
+    view_ = features::describe_keypoints(frame.left);
     measure_disparities(frame, num_disparities_px_, view_);
     if (!std::exchange(lost_, false) || last_left_.empty()) return;
     const auto known = match_last_keyframe(frame, seed);
@@ -52,39 +52,40 @@ void Relocaliser::relocalise(const RectifiedFrame& frame,
     join(known->features, features);
 }
 
-std::optional<DescribedKeypoints> Relocaliser::keep(const RectifiedFrame& frame,
-                                                    const Features& features,
-                                                    const Eigen::Isometry3d& T_world_cam) {
+std::optional<features::DescribedKeypoints> Relocaliser::keep(
+    const types::RectifiedFrame& frame,
+    const types::Features& features,
+    const Eigen::Isometry3d& T_world_cam) {
     if (!used_) return std::nullopt;
     last_view_ = std::move(view_);
     last_left_ = frame.left;
     last_features_.clear();
-    for (const Feature& feature : features)
-        if (has_depth(feature)) last_features_.push_back(feature);
+    for (const types::Feature& feature : features)
+        if (types::has_depth(feature)) last_features_.push_back(feature);
     T_world_last_ = T_world_cam;
     return last_view_;
 }
 
-std::optional<Relocaliser::Known> Relocaliser::match_last_keyframe(const RectifiedFrame& frame,
-                                                                   std::uint64_t seed) const {
+std::optional<Relocaliser::Known> Relocaliser::match_last_keyframe(
+    const types::RectifiedFrame& frame, std::uint64_t seed) const {
     const auto rough = register_keypoints(rig_, last_view_, view_, seed);
     if (!rough) return std::nullopt;
     Known known;
     known.T_current_reference = *rough;
     std::vector<KnownPoint> points;
-    for (const Feature& feature : last_features_)
-        points.push_back({feature.pixel, point_cam(rig_, feature)});
+    for (const types::Feature& feature : last_features_)
+        points.push_back({feature.pixel, types::point_cam(rig_, feature)});
     const auto found =
         search_by_projection(rig_, last_left_, points, frame.left, known.T_current_reference);
     if (!found) return std::nullopt;
-    for (Feature feature : *found) {
+    for (types::Feature feature : *found) {
         const auto i = static_cast<std::size_t>(feature.id);
         feature.id = last_features_[i].id;
         feature.disparity_px = rig_.disparity_px((known.T_current_reference * points[i].p_cam).z());
         known.features.push_back(feature);
     }
-    match_sparse_stereo(frame, {}, num_disparities_px_, known.features);
+    features::match_sparse_stereo(frame, {}, num_disparities_px_, known.features);
     return known;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -4,11 +4,11 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "worker/features/plane_warp.hpp"
 #include "worker/features/align_patch.hpp"
+#include "worker/features/plane_warp.hpp"
 #include "worker/odometry/refine_pose.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr double kMinCorrelation = 0.8;
@@ -21,16 +21,17 @@ constexpr std::size_t kMinCells = 8;  // of the picture that hold one
 // The left picture alone says nothing of disparity.
 const Eigen::Vector3d kLeftSigma_px(kFeatureSigma_px.x(), kFeatureSigma_px.y(), 1e4);
 
-Features look_for(const RectifiedRig& rig,
-                  const cv::Mat& from,
-                  const std::vector<KnownPoint>& points,
-                  const cv::Mat& to,
-                  const Eigen::Isometry3d& T_to_from) {
-    Features found;
+types::Features look_for(const types::RectifiedRig& rig,
+                         const cv::Mat& from,
+                         const std::vector<KnownPoint>& points,
+                         const cv::Mat& to,
+                         const Eigen::Isometry3d& T_to_from) {
+    types::Features found;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto warp =
-            plane_warp(rig, points[i].p_cam, fronto_parallel_plane(points[i].p_cam), T_to_from);
-        const auto patch = warp ? Patch::read(from, points[i].pixel, *warp) : std::nullopt;
+        const auto warp = features::plane_warp(
+            rig, points[i].p_cam, features::fronto_parallel_plane(points[i].p_cam), T_to_from);
+        const auto patch =
+            warp ? features::Patch::read(from, points[i].pixel, *warp) : std::nullopt;
         if (!patch) continue;
         const auto there = patch->align(to, rig.pixel(T_to_from * points[i].p_cam));
         if (!there || there->correlation < kMinCorrelation) continue;
@@ -39,28 +40,28 @@ Features look_for(const RectifiedRig& rig,
     return found;
 }
 
-Eigen::Isometry3d refined(const RectifiedRig& rig,
+Eigen::Isometry3d refined(const types::RectifiedRig& rig,
                           const std::vector<KnownPoint>& points,
-                          const Features& found,
+                          const types::Features& found,
                           const Eigen::Isometry3d& T_to_from) {
-    PointPairs pairs;
-    for (const Feature& feature : found) {
-        PointPair pair;
+    odometry::PointPairs pairs;
+    for (const types::Feature& feature : found) {
+        odometry::PointPair pair;
         pair.p_previous = points[static_cast<std::size_t>(feature.id)].p_cam;
-        pair.previous_px = project_px(rig, pair.p_previous);
+        pair.previous_px = types::project_px(rig, pair.p_previous);
         pair.current_px << feature.pixel, rig.disparity_px((T_to_from * pair.p_previous).z());
         pair.current_sigma_px = kLeftSigma_px;
         pairs.push_back(pair);
     }
-    return refine_pose(rig, pairs, {T_to_from, std::nullopt, 0.0});
+    return odometry::refine_pose(rig, pairs, {T_to_from, std::nullopt, 0.0});
 }
 
-Features find_inliers(const RectifiedRig& rig,
-                      const std::vector<KnownPoint>& points,
-                      const Features& found,
-                      const Eigen::Isometry3d& T_to_from) {
-    Features result;
-    for (const Feature& feature : found) {
+types::Features find_inliers(const types::RectifiedRig& rig,
+                             const std::vector<KnownPoint>& points,
+                             const types::Features& found,
+                             const Eigen::Isometry3d& T_to_from) {
+    types::Features result;
+    for (const types::Feature& feature : found) {
         const Eigen::Vector3d p_to = T_to_from * points[static_cast<std::size_t>(feature.id)].p_cam;
         if (p_to.z() > kMinDepth_m && (rig.pixel(p_to) - feature.pixel).norm() < kTolerance_px)
             result.push_back(feature);
@@ -68,9 +69,9 @@ Features find_inliers(const RectifiedRig& rig,
     return result;
 }
 
-std::size_t num_cells(const RectifiedRig& rig, const Features& features) {
+std::size_t num_cells(const types::RectifiedRig& rig, const types::Features& features) {
     std::set<int> cells;
-    for (const Feature& feature : features)
+    for (const types::Feature& feature : features)
         cells.insert(static_cast<int>(feature.pixel.y() * kCellRows / rig.height_px) *
                          kCellColumns +
                      static_cast<int>(feature.pixel.x() * kCellColumns / rig.width_px));
@@ -79,14 +80,14 @@ std::size_t num_cells(const RectifiedRig& rig, const Features& features) {
 
 }  // namespace
 
-void refine_coarse_to_fine(const RectifiedRig& rig,
+void refine_coarse_to_fine(const types::RectifiedRig& rig,
                            const cv::Mat& from,
                            const std::vector<KnownPoint>& points,
                            const cv::Mat& to,
                            int num_halvings,
                            Eigen::Isometry3d& T_to_from) {
     if (num_halvings == 0) return;
-    RectifiedRig half = rig;
+    types::RectifiedRig half = rig;
     half.width_px = (rig.width_px + 1) / 2;
     half.height_px = (rig.height_px + 1) / 2;
     half.focal_px = 0.5 * rig.focal_px;
@@ -100,19 +101,19 @@ void refine_coarse_to_fine(const RectifiedRig& rig,
     for (KnownPoint& point : half_points) point.pixel *= 0.5;
     refine_coarse_to_fine(half, half_from, half_points, half_to, num_halvings - 1, T_to_from);
 
-    const Features found = look_for(half, half_from, half_points, half_to, T_to_from);
+    const types::Features found = look_for(half, half_from, half_points, half_to, T_to_from);
     if (found.size() < kMinFound) return;
     const Eigen::Isometry3d nearer = refined(half, half_points, found, T_to_from);
     if (2 * find_inliers(half, half_points, found, nearer).size() > found.size())
         T_to_from = nearer;
 }
 
-std::optional<Features> search_by_projection(const RectifiedRig& rig,
-                                             const cv::Mat& from,
-                                             const std::vector<KnownPoint>& points,
-                                             const cv::Mat& to,
-                                             Eigen::Isometry3d& T_to_from) {
-    Features found;
+std::optional<types::Features> search_by_projection(const types::RectifiedRig& rig,
+                                                    const cv::Mat& from,
+                                                    const std::vector<KnownPoint>& points,
+                                                    const cv::Mat& to,
+                                                    Eigen::Isometry3d& T_to_from) {
+    types::Features found;
     for (int sweep = 0; sweep < 2; ++sweep) {
         found = look_for(rig, from, points, to, T_to_from);
         for (int pass = 0; pass < 2; ++pass) {
@@ -125,4 +126,4 @@ std::optional<Features> search_by_projection(const RectifiedRig& rig,
     return found;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/types/feature.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 // A point that a keyframe has seen: where, and how far.
 struct KnownPoint {
@@ -21,19 +21,19 @@ struct KnownPoint {
 // of them agreeing on that motion. `T_to_from` is the guess, to some pixels, and comes out refined.
 // Pictures CV_8UC1. A feature's id is the index of its point, its disparity unknown. Nothing when
 // less than twenty are found, or all in one corner.
-std::optional<Features> search_by_projection(const RectifiedRig& rig,
-                                             const cv::Mat& from,
-                                             const std::vector<KnownPoint>& points,
-                                             const cv::Mat& to,
-                                             Eigen::Isometry3d& T_to_from);
+std::optional<types::Features> search_by_projection(const types::RectifiedRig& rig,
+                                                    const cv::Mat& from,
+                                                    const std::vector<KnownPoint>& points,
+                                                    const cv::Mat& to,
+                                                    Eigen::Isometry3d& T_to_from);
 
 // Brings a guess that is some pixels off in pictures halved `num_halvings` times to some pixels off
 // in the pictures themselves. Where the pictures do not agree on a motion it stays as it is.
-void refine_coarse_to_fine(const RectifiedRig& rig,
+void refine_coarse_to_fine(const types::RectifiedRig& rig,
                            const cv::Mat& from,
                            const std::vector<KnownPoint>& points,
                            const cv::Mat& to,
                            int num_halvings,
                            Eigen::Isometry3d& T_to_from);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -5,7 +5,7 @@
 
 #include "worker/base/disjoint_sets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 struct Extent {
@@ -17,8 +17,8 @@ struct Extent {
 
 void number_segments(const DriftModel& drift,
                      const std::vector<Loop>& loops,
-                     std::vector<Keyframe>& keyframes) {
-    DisjointSets tied(keyframes.size());
+                     std::vector<types::Keyframe>& keyframes) {
+    base::DisjointSets tied(keyframes.size());
     for (std::size_t k = 1; k < keyframes.size(); ++k)
         if (drift.follows(k)) tied.join(k - 1, k);
     for (const Loop& loop : loops) tied.join(loop.from, loop.to);
@@ -29,9 +29,9 @@ void number_segments(const DriftModel& drift,
                 .first->second;
 }
 
-void separate_segments(double reach_m, std::vector<Keyframe>& keyframes) {
+void separate_segments(double reach_m, std::vector<types::Keyframe>& keyframes) {
     std::map<std::int32_t, Extent> extents;
-    for (const Keyframe& keyframe : keyframes) {
+    for (const types::Keyframe& keyframe : keyframes) {
         Extent& extent = extents[keyframe.segment];
         extent.low_m = std::min(extent.low_m, keyframe.T_world_cam.translation().x() - reach_m);
         extent.high_m = std::max(extent.high_m, keyframe.T_world_cam.translation().x() + reach_m);
@@ -42,8 +42,8 @@ void separate_segments(double reach_m, std::vector<Keyframe>& keyframes) {
         shift_m[segment] = std::max(0.0, taken_m - extent.low_m);
         taken_m = std::max(taken_m, extent.high_m + shift_m[segment]);
     }
-    for (Keyframe& keyframe : keyframes)
+    for (types::Keyframe& keyframe : keyframes)
         keyframe.T_world_cam.translation().x() += shift_m[keyframe.segment];
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -1,6 +1,6 @@
 #include "worker/loops/strongest_loops.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 std::vector<std::size_t> strongest_loops(const std::vector<Loop>& loops,
                                          const DriftModel& drift,
@@ -23,4 +23,4 @@ std::vector<std::size_t> strongest_loops(const std::vector<Loop>& loops,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

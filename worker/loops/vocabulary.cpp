@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr std::size_t kBranches = 10;
@@ -11,22 +11,23 @@ constexpr std::size_t kMaxSamples = 25'000;  // some 20 for a word of the third 
 // From so many descriptors on a fourth level keeps the words short.
 constexpr std::size_t kManyDescriptors = 500'000;
 
-Descriptor majority(const std::vector<Descriptor>& members) {
+features::Descriptor majority(const std::vector<features::Descriptor>& members) {
     std::array<std::size_t, 256> votes{};
-    for (const Descriptor& member : members)
+    for (const features::Descriptor& member : members)
         for (std::size_t bit = 0; bit < votes.size(); ++bit)
             votes[bit] += (member[bit / 64] >> (bit % 64)) & 1U;
-    Descriptor centre{};
+    features::Descriptor centre{};
     for (std::size_t bit = 0; bit < votes.size(); ++bit)
         if (2 * votes[bit] > members.size()) centre[bit / 64] |= std::uint64_t{1} << (bit % 64);
     return centre;
 }
 
-std::size_t nearest(const std::vector<Descriptor>& centres, const Descriptor& descriptor) {
+std::size_t nearest(const std::vector<features::Descriptor>& centres,
+                    const features::Descriptor& descriptor) {
     std::size_t best = 0;
     int least = 257;
     for (std::size_t i = 0; i < centres.size(); ++i) {
-        const int distance = hamming_distance(centres[i], descriptor);
+        const int distance = features::hamming_distance(centres[i], descriptor);
         if (distance >= least) continue;
         least = distance;
         best = i;
@@ -34,14 +35,15 @@ std::size_t nearest(const std::vector<Descriptor>& centres, const Descriptor& de
     return best;
 }
 
-using Clusters = std::vector<std::vector<Descriptor>>;
+using Clusters = std::vector<std::vector<features::Descriptor>>;
 
 // k-majority: as k-means, in Hamming space. `centres` come out as the clusters' own.
-Clusters cluster(const std::vector<Descriptor>& descriptors, std::vector<Descriptor>& centres) {
+Clusters cluster(const std::vector<features::Descriptor>& descriptors,
+                 std::vector<features::Descriptor>& centres) {
     Clusters clusters;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         clusters.assign(centres.size(), {});
-        for (const Descriptor& descriptor : descriptors)
+        for (const features::Descriptor& descriptor : descriptors)
             clusters[nearest(centres, descriptor)].push_back(descriptor);
         for (std::size_t i = 0; i < centres.size(); ++i)
             if (!clusters[i].empty()) centres[i] = majority(clusters[i]);
@@ -55,10 +57,10 @@ Vocabulary Vocabulary::learn(const StoredKeypoints& views) {
     std::size_t num_descriptors = 0;
     for (std::size_t k = 0; k < views.size(); ++k) num_descriptors += views[k].size();
     const std::size_t stride = 1 + num_descriptors / kMaxSamples;
-    std::vector<Descriptor> samples;
+    std::vector<features::Descriptor> samples;
     std::size_t i = 0;
     for (std::size_t k = 0; k < views.size(); ++k)
-        for (const DescribedKeypoint& point : views[k])
+        for (const features::DescribedKeypoint& point : views[k])
             if (i++ % stride == 0) samples.push_back(point.descriptor);
     Vocabulary vocabulary;
     vocabulary.nodes_.emplace_back();
@@ -66,12 +68,14 @@ Vocabulary Vocabulary::learn(const StoredKeypoints& views) {
     return vocabulary;
 }
 
-void Vocabulary::grow(std::int32_t node, std::vector<Descriptor>& descriptors, int depth) {
+void Vocabulary::grow(std::int32_t node,
+                      std::vector<features::Descriptor>& descriptors,
+                      int depth) {
     if (depth == 0 || descriptors.size() <= kBranches) {
         nodes_[static_cast<std::size_t>(node)].word = num_words_++;
         return;
     }
-    std::vector<Descriptor> centres;
+    std::vector<features::Descriptor> centres;
     for (std::size_t i = 0; i < kBranches; ++i)
         centres.push_back(descriptors[i * descriptors.size() / kBranches]);
     Clusters clusters = cluster(descriptors, centres);
@@ -85,12 +89,13 @@ void Vocabulary::grow(std::int32_t node, std::vector<Descriptor>& descriptors, i
     }
 }
 
-std::int32_t Vocabulary::nearest_child(const Node& node, const Descriptor& descriptor) const {
+std::int32_t Vocabulary::nearest_child(const Node& node,
+                                       const features::Descriptor& descriptor) const {
     std::int32_t best = node.children.front();
     int least = 257;
     for (const std::int32_t child : node.children) {
         const int distance =
-            hamming_distance(nodes_[static_cast<std::size_t>(child)].centre, descriptor);
+            features::hamming_distance(nodes_[static_cast<std::size_t>(child)].centre, descriptor);
         if (distance >= least) continue;
         least = distance;
         best = child;
@@ -98,11 +103,11 @@ std::int32_t Vocabulary::nearest_child(const Node& node, const Descriptor& descr
     return best;
 }
 
-std::int32_t Vocabulary::word_of(const Descriptor& descriptor) const {
+std::int32_t Vocabulary::word_of(const features::Descriptor& descriptor) const {
     const Node* node = &nodes_.front();
     while (!node->children.empty())
         node = &nodes_[static_cast<std::size_t>(nearest_child(*node, descriptor))];
     return node->word;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

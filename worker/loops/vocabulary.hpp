@@ -6,7 +6,7 @@
 #include "worker/features/described_keypoints.hpp"
 #include "worker/loops/stored_keypoints.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 
 // Descriptors sorted into visual words by a tree of cluster centres, learnt from the dive itself
 // (Nister and Stewenius 2006; binary centres by majority vote as in Galvez-Lopez and Tardos 2012).
@@ -15,20 +15,20 @@ class Vocabulary {
 public:
     static Vocabulary learn(const StoredKeypoints& views);
 
-    std::int32_t word_of(const Descriptor& descriptor) const;
+    std::int32_t word_of(const features::Descriptor& descriptor) const;
     std::int32_t num_words() const { return num_words_; }
 
 private:
     struct Node {
-        Descriptor centre{};
+        features::Descriptor centre{};
         std::vector<std::int32_t> children;  // indices into nodes_; none: a word
         std::int32_t word = -1;
     };
-    void grow(std::int32_t node, std::vector<Descriptor>& descriptors, int depth);
-    std::int32_t nearest_child(const Node& node, const Descriptor& descriptor) const;
+    void grow(std::int32_t node, std::vector<features::Descriptor>& descriptors, int depth);
+    std::int32_t nearest_child(const Node& node, const features::Descriptor& descriptor) const;
 
     std::vector<Node> nodes_;  // 0: the root
     std::int32_t num_words_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -5,10 +5,10 @@
 
 #include "worker/dive/marker_family.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
 // A family as the library knows it, with the function that frees it.
 using AprilTagFamily = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
-AprilTagFamily make_april_tag_family(MarkerFamily family);
+AprilTagFamily make_april_tag_family(dive::MarkerFamily family);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

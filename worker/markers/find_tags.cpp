@@ -5,13 +5,13 @@
 #include "worker/markers/april_tag.hpp"
 #include "worker/markers/tag_layout.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 // The library lets go of a family's tables only when it is taken out of its detector.
 class Detector {
 public:
-    explicit Detector(MarkerFamily family)
+    explicit Detector(dive::MarkerFamily family)
         : family_(make_april_tag_family(family)), detector_(apriltag_detector_create()) {
         detector_->nthreads = 1;
         detector_->quad_decimate = 1.0F;
@@ -45,7 +45,7 @@ private:
         Tag tag;
         tag.id = detection.id;
         constexpr double kCenter_px = 0.5;  // of the first pixel, for the library
-        for (std::size_t i = 0; i < kNumTagCorners; ++i)
+        for (std::size_t i = 0; i < dive::kNumTagCorners; ++i)
             tag.corners_px[i] = {detection.p[i][0] - kCenter_px, detection.p[i][1] - kCenter_px};
         return tag;
     }
@@ -64,7 +64,7 @@ bool comes_before(const Tag& a, const Tag& b) {
 
 }  // namespace
 
-std::vector<Tag> find_tags(const cv::Mat& grey, MarkerFamily family) {
+std::vector<Tag> find_tags(const cv::Mat& grey, dive::MarkerFamily family) {
     std::vector<Tag> tags = Detector(family).detect(grey);
     const TagLayout layout = tag_layout(family);
     for (Tag& tag : tags) refine_corners(grey, layout, tag);
@@ -72,4 +72,4 @@ std::vector<Tag> find_tags(const cv::Mat& grey, MarkerFamily family) {
     return tags;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -11,7 +11,7 @@
 #include "worker/markers/triangulate_corners.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 constexpr double kSamePlace_px = 6.0;  // how far views of one tag may disagree at first
@@ -19,7 +19,7 @@ constexpr double kMinGate_px = 0.75;   // rms of a view over its corners that is
 constexpr double kGate = 3.0;          // medians
 constexpr std::size_t kMaxHypotheses = 40;
 
-std::vector<double> path_lengths(const std::vector<Keyframe>& keyframes) {
+std::vector<double> path_lengths(const std::vector<types::Keyframe>& keyframes) {
     std::vector<double> lengths(keyframes.size(), 0.0);
     for (std::size_t i = 1; i < keyframes.size(); ++i) {
         const bool joined = keyframes[i].segment == keyframes[i - 1].segment;
@@ -63,7 +63,7 @@ std::optional<Corners> settle(std::vector<CornerView>& views) {
         if (!corners) return std::nullopt;
         std::vector<double> errors_px;
         for (const CornerView& view : views) errors_px.push_back(view.rms_px(*corners));
-        const double most = std::max(kMinGate_px, kGate * upper_median(errors_px));
+        const double most = std::max(kMinGate_px, kGate * stats::upper_median(errors_px));
         const auto num_out = std::erase_if(
             views, [&](const CornerView& view) { return view.rms_px(*corners) > most; });
         if (num_out == 0) return corners;
@@ -87,11 +87,14 @@ Eigen::Isometry3d pose_of(const Corners& corners) {
     return T_world_marker;
 }
 
-const PoseCovariance& covariance_at(const CovarianceTrack& track, std::int64_t timestamp_ns) {
-    const auto at = std::lower_bound(
-        track.begin(), track.end(), timestamp_ns, [](const PoseCovariance& one, std::int64_t time) {
-            return one.timestamp_ns < time;
-        });
+const types::PoseCovariance& covariance_at(const types::CovarianceTrack& track,
+                                           std::int64_t timestamp_ns) {
+    const auto at = std::lower_bound(track.begin(),
+                                     track.end(),
+                                     timestamp_ns,
+                                     [](const types::PoseCovariance& one, std::int64_t time) {
+                                         return one.timestamp_ns < time;
+                                     });
     return at == track.end() ? track.back() : *at;
 }
 
@@ -103,10 +106,10 @@ Eigen::Matrix3d drift_at(const std::vector<CornerView>& views,
     if (world.covariances.empty() || world.trajectory.empty()) return sum;
     const Eigen::Matrix3d R_world_first = world.trajectory.front().T_world_imu.linear();
     for (const CornerView& view : views) {
-        const Keyframe& keyframe = world.keyframes[view.keyframe];
+        const types::Keyframe& keyframe = world.keyframes[view.keyframe];
         const auto& covariance = covariance_at(world.covariances, keyframe.timestamp_ns);
-        const Eigen::Matrix3d arm = cross_matrix(R_world_first.transpose() *
-                                                 (p_world - keyframe.T_world_cam.translation()));
+        const Eigen::Matrix3d arm = base::cross_matrix(
+            R_world_first.transpose() * (p_world - keyframe.T_world_cam.translation()));
         sum += covariance.position_m2 + arm * covariance.rotation_rad2 * arm.transpose();
     }
     return R_world_first * (sum / static_cast<double>(views.size())) * R_world_first.transpose();
@@ -160,7 +163,7 @@ private:
             ranges_m.push_back((view.T_cam_world * marker.T_world_marker.translation()).norm());
             path_m += path_m_[view.keyframe];
         }
-        marker.range_m = upper_median(std::move(ranges_m));
+        marker.range_m = stats::upper_median(std::move(ranges_m));
         marker.pixel_m = marker.range_m / world_.rig.focal_px;
         marker.path_m = path_m / static_cast<double>(views.size());
     }
@@ -199,4 +202,4 @@ double drift_rate(const MarkerWorld& world) {
     return rate;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

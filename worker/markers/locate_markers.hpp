@@ -4,27 +4,27 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/markers/marker_metrics.hpp"
+#include "worker/types/keyframe.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/rectified_rig.hpp"
-#include "worker/types/keyframe.hpp"
-#include "worker/markers/marker_metrics.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
 // A tag in one rectified picture of a keyframe.
 struct TagView {
     int id = 0;
     std::size_t keyframe = 0;  // index
     bool is_right = false;
-    std::array<Eigen::Vector2d, kNumTagCorners> corners_px;
+    std::array<Eigen::Vector2d, dive::kNumTagCorners> corners_px;
 };
 
 // The reconstruction that the views are laid into.
 struct MarkerWorld {
-    const RectifiedRig& rig;
-    const std::vector<Keyframe>& keyframes;
-    const Trajectory& trajectory;        // T_world_imu, final
-    const CovarianceTrack& covariances;  // of the same; empty: not known
+    const types::RectifiedRig& rig;
+    const std::vector<types::Keyframe>& keyframes;
+    const Trajectory& trajectory;               // T_world_imu, final
+    const types::CovarianceTrack& covariances;  // of the same; empty: not known
 };
 
 inline constexpr int kMinMarkerKeyframes = 3;
@@ -39,4 +39,4 @@ std::vector<Marker> locate_markers(std::vector<TagView> views, const MarkerWorld
 // Growth of the variance of the position per metre swum, at its fastest; m^2/m.
 double drift_rate(const MarkerWorld& world);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

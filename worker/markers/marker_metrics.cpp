@@ -2,16 +2,16 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 using nlohmann::json;
 
 json to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-json to_json(const MarkerPoint& point) {
+json to_json(const dive::MarkerPoint& point) {
     if (!point.corner) return point.id;
-    return {{"id", point.id}, {"corner", to_string(*point.corner)}};
+    return {{"id", point.id}, {"corner", dive::to_string(*point.corner)}};
 }
 
 json to_json(const Marker& marker, const MarkerMetrics& metrics) {
@@ -21,7 +21,7 @@ json to_json(const Marker& marker, const MarkerMetrics& metrics) {
     for (const Eigen::Vector3d& corner : marker.corners_world) corners.push_back(to_array(corner));
     json result = {
         {"id", marker.id},
-        {"family", to_string(metrics.family)},
+        {"family", dive::to_string(metrics.family)},
         {"piece", marker.segment},
         {"num_views", marker.num_views},
         {"num_keyframes", marker.num_keyframes},
@@ -70,15 +70,15 @@ json to_json(const MarkerScale& scale) {
 
 }  // namespace
 
-Eigen::Vector3d Marker::point(const std::optional<TagCorner>& corner) const {
+Eigen::Vector3d Marker::point(const std::optional<dive::TagCorner>& corner) const {
     if (corner) return corners_world[static_cast<std::size_t>(*corner)];
     return 0.25 * (corners_world[0] + corners_world[1] + corners_world[2] + corners_world[3]);
 }
 
-std::array<double, kNumTagCorners> Marker::edges_m() const {
-    std::array<double, kNumTagCorners> edges{};
-    for (std::size_t i = 0; i < kNumTagCorners; ++i)
-        edges[i] = (corners_world[(i + 1) % kNumTagCorners] - corners_world[i]).norm();
+std::array<double, dive::kNumTagCorners> Marker::edges_m() const {
+    std::array<double, dive::kNumTagCorners> edges{};
+    for (std::size_t i = 0; i < dive::kNumTagCorners; ++i)
+        edges[i] = (corners_world[(i + 1) % dive::kNumTagCorners] - corners_world[i]).norm();
     return edges;
 }
 
@@ -86,7 +86,7 @@ Eigen::Matrix3d Marker::covariance_m2() const {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (Eigen::Index i = 0; i < 12; i += 3)
         for (Eigen::Index j = 0; j < 12; j += 3) sum += corner_covariance_m2.block<3, 3>(i, j);
-    return sum / (kNumTagCorners * kNumTagCorners) + drift_covariance_m2;
+    return sum / (dive::kNumTagCorners * dive::kNumTagCorners) + drift_covariance_m2;
 }
 
 double BarMetrics::leave_one_out_sigmas() const {
@@ -102,7 +102,7 @@ json to_metrics(const MarkerMetrics& metrics) {
         bars.push_back(to_json(bar));
         if (bar.measured_m) ++num_measured;
     }
-    json result = {{"family", to_string(metrics.family)},
+    json result = {{"family", dive::to_string(metrics.family)},
                    {"num_markers", metrics.markers.size()},
                    {"markers", markers},
                    {"bars", bars},
@@ -117,4 +117,4 @@ json to_metrics(const MarkerMetrics& metrics) {
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

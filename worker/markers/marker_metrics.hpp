@@ -11,7 +11,7 @@
 #include "schemas/finding.hpp"
 #include "worker/dive/marker_plan.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
 // Covariance of the corners of a marker against each other, x y z of each in the order of
 // TagCorner, m^2.
@@ -25,7 +25,7 @@ struct Marker {
     int num_views = 0;           // pictures, left and right, that it was measured in
     int num_keyframes = 0;       // of these
     int num_rejected_views = 0;  // where the id was read, but not in this place
-    std::array<Eigen::Vector3d, kNumTagCorners> corners_world;
+    std::array<Eigen::Vector3d, dive::kNumTagCorners> corners_world;
     Eigen::Isometry3d T_world_marker = Eigen::Isometry3d::Identity();
     double reprojection_rms_px = 0.0;                                  // of both axes
     double range_m = 0.0;                                              // median, from the camera
@@ -35,17 +35,17 @@ struct Marker {
     Eigen::Matrix3d drift_covariance_m2 = Eigen::Matrix3d::Zero();
     double path_m = 0.0;  // how far the rig had swum, mean over the views
 
-    Eigen::Vector3d point(const std::optional<TagCorner>& corner) const;  // else the middle
-    std::array<double, kNumTagCorners> edges_m() const;  // bottom, right, top, left
-    Eigen::Matrix3d covariance_m2() const;               // of the middle, all in all
+    Eigen::Vector3d point(const std::optional<dive::TagCorner>& corner) const;  // else the middle
+    std::array<double, dive::kNumTagCorners> edges_m() const;  // bottom, right, top, left
+    Eigen::Matrix3d covariance_m2() const;                     // of the middle, all in all
 };
 
 // A known distance and what became of it. Errors are measured minus known.
 struct BarMetrics {
     std::string name;
     bool is_printed_size = false;  // of one tag, mean of its edges
-    MarkerPoint from;
-    MarkerPoint to;
+    dive::MarkerPoint from;
+    dive::MarkerPoint to;
     double known_m = 0.0;
     double known_sigma_m = 0.0;
     std::optional<double> measured_m;  // nothing: an end was not found
@@ -79,7 +79,7 @@ struct ScaleCorrection {
 };
 
 struct MarkerMetrics {
-    MarkerFamily family = MarkerFamily::Tag36h11;
+    dive::MarkerFamily family = dive::MarkerFamily::Tag36h11;
     std::vector<Marker> markers;  // by piece, then id
     std::vector<BarMetrics> bars;
     std::optional<MarkerScale> scale;  // nothing: no bar was measured
@@ -90,4 +90,4 @@ struct MarkerMetrics {
 
 nlohmann::json to_metrics(const MarkerMetrics& metrics);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

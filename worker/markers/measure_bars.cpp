@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 constexpr double kMinSigma_m = 1e-5;
@@ -16,15 +16,15 @@ constexpr double kTolerated_sigmas = 3.0;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 // d(point)/d(corners): the share of each corner in an end.
-double share_of(const MarkerPoint& point, std::size_t corner) {
-    if (!point.corner) return 1.0 / kNumTagCorners;
+double share_of(const dive::MarkerPoint& point, std::size_t corner) {
+    if (!point.corner) return 1.0 / dive::kNumTagCorners;
     return static_cast<std::size_t>(*point.corner) == corner ? 1.0 : 0.0;
 }
 
 // How a length along `direction` changes with the corners, for `sign` times this end.
-Vector12 gradient(const MarkerPoint& point, const Eigen::Vector3d& direction, double sign) {
+Vector12 gradient(const dive::MarkerPoint& point, const Eigen::Vector3d& direction, double sign) {
     Vector12 result;
-    for (std::size_t corner = 0; corner < kNumTagCorners; ++corner)
+    for (std::size_t corner = 0; corner < dive::kNumTagCorners; ++corner)
         result.segment<3>(3 * static_cast<Eigen::Index>(corner)) =
             sign * share_of(point, corner) * direction;
     return result;
@@ -57,7 +57,7 @@ std::vector<std::vector<const Marker*>> by_segment(const std::vector<Marker>& ma
     return segments;
 }
 
-BarMetrics measure(const ScaleBar& known,
+BarMetrics measure(const dive::ScaleBar& known,
                    const std::vector<std::vector<const Marker*>>& segments,
                    const BarErrors& errors) {
     BarMetrics bar;
@@ -89,7 +89,7 @@ BarMetrics measure(const ScaleBar& known,
     return bar;
 }
 
-BarMetrics measure_size(const Marker& marker, double size_m, const MarkerPlan& plan) {
+BarMetrics measure_size(const Marker& marker, double size_m, const dive::MarkerPlan& plan) {
     BarMetrics bar;
     bar.name = "size of " + std::to_string(marker.id);
     bar.is_printed_size = true;
@@ -98,8 +98,8 @@ BarMetrics measure_size(const Marker& marker, double size_m, const MarkerPlan& p
     bar.known_sigma_m = plan.size_sigma_m;
     Vector12 change = Vector12::Zero();
     double sum = 0.0;
-    for (std::size_t i = 0; i < kNumTagCorners; ++i) {
-        const std::size_t next = (i + 1) % kNumTagCorners;
+    for (std::size_t i = 0; i < dive::kNumTagCorners; ++i) {
+        const std::size_t next = (i + 1) % dive::kNumTagCorners;
         const Eigen::Vector3d edge = marker.corners_world[next] - marker.corners_world[i];
         sum += edge.norm();
         change.segment<3>(3 * static_cast<Eigen::Index>(next)) += 0.25 * edge.normalized();
@@ -167,11 +167,12 @@ void leave_each_out(std::vector<BarMetrics>& bars) {
 }
 
 std::vector<BarMetrics> measure_bars(const std::vector<Marker>& markers,
-                                     const MarkerPlan& plan,
+                                     const dive::MarkerPlan& plan,
                                      const BarErrors& errors) {
     const auto segments = by_segment(markers);
     std::vector<BarMetrics> bars;
-    for (const ScaleBar& known : plan.scale_bars) bars.push_back(measure(known, segments, errors));
+    for (const dive::ScaleBar& known : plan.scale_bars)
+        bars.push_back(measure(known, segments, errors));
     for (const Marker& marker : markers)
         if (const auto size_m = plan.size_of(marker.id))
             bars.push_back(measure_size(marker, *size_m, plan));
@@ -227,4 +228,4 @@ std::optional<Finding> reason_against(const std::optional<MarkerScale>& scale) {
         "state size_m or scale_bars in m (docs/markers.md), and swim slowly over the tags"};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

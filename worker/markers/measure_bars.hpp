@@ -4,7 +4,7 @@
 
 #include "worker/markers/marker_metrics.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
 // Sigmas that all bars of a reconstruction share.
 struct BarErrors {
@@ -17,7 +17,7 @@ struct BarErrors {
 // leave-one-out takes that of all other consistent bars. Consistent: of three and more the worst is
 // taken out as long as it misses the others' scale by more than three of its sigmas.
 std::vector<BarMetrics> measure_bars(const std::vector<Marker>& markers,
-                                     const MarkerPlan& plan,
+                                     const dive::MarkerPlan& plan,
                                      const BarErrors& errors);
 
 // Sets the leave-one-out error of every bar: measured with the scale of the consistent others.
@@ -30,4 +30,4 @@ std::optional<MarkerScale> scale_of(const std::vector<BarMetrics>& bars);
 // Why a result is not to be scaled by this; nothing: it may be.
 std::optional<Finding> reason_against(const std::optional<MarkerScale>& scale);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

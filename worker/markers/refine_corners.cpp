@@ -6,7 +6,7 @@
 #include "worker/markers/find_tags.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 constexpr double kMinEdge_px = 12.0;
@@ -86,7 +86,7 @@ std::optional<Line> robust_line(std::vector<Eigen::Vector2d> points, std::size_t
         const Line line = line_through(points);
         std::vector<double> distances;
         for (const auto& point : points) distances.push_back(distance_px(line, point));
-        const double most = std::max(0.2, 3.0 * upper_median(std::move(distances)));
+        const double most = std::max(0.2, 3.0 * stats::upper_median(std::move(distances)));
         std::erase_if(points, [&](const auto& point) { return distance_px(line, point) > most; });
         if (points.size() < num_needed) return std::nullopt;
     }
@@ -125,22 +125,23 @@ std::optional<Eigen::Vector2d> crossing(const Line& a, const Line& b) {
 }  // namespace
 
 void refine_corners(const cv::Mat& image, const TagLayout& layout, Tag& tag) {
-    std::array<Eigen::Vector2d, kNumTagCorners> corners = tag.corners_px;
+    std::array<Eigen::Vector2d, dive::kNumTagCorners> corners = tag.corners_px;
     double shortest = (corners[3] - corners[0]).norm();
-    for (std::size_t i = 0; i + 1 < kNumTagCorners; ++i)
+    for (std::size_t i = 0; i + 1 < dive::kNumTagCorners; ++i)
         shortest = std::min(shortest, (corners[i + 1] - corners[i]).norm());
     if (shortest < kMinEdge_px) return;
     const double reach_px = std::min(kMaxDistance_px, 0.6 * shortest / layout.size_cells);
     for (int round = 0; round < kRounds; ++round) {
-        std::array<std::optional<Line>, kNumTagCorners> edges;  // from each corner to the next
-        for (std::size_t i = 0; i < kNumTagCorners; ++i)
+        std::array<std::optional<Line>, dive::kNumTagCorners>
+            edges;  // from each corner to the next
+        for (std::size_t i = 0; i < dive::kNumTagCorners; ++i)
             edges[i] = fit_edge(image,
                                 corners[i],
-                                corners[(i + 1) % kNumTagCorners],
+                                corners[(i + 1) % dive::kNumTagCorners],
                                 reach_px,
                                 !layout.white_within);
-        for (std::size_t i = 0; i < kNumTagCorners; ++i) {
-            const auto& before = edges[(i + kNumTagCorners - 1) % kNumTagCorners];
+        for (std::size_t i = 0; i < dive::kNumTagCorners; ++i) {
+            const auto& before = edges[(i + dive::kNumTagCorners - 1) % dive::kNumTagCorners];
             if (!before || !edges[i]) return;
             const auto corner = crossing(*before, *edges[i]);
             if (!corner || (*corner - tag.corners_px[i]).norm() > reach_px) return;
@@ -150,4 +151,4 @@ void refine_corners(const cv::Mat& image, const TagLayout& layout, Tag& tag) {
     tag.corners_px = corners;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -13,7 +13,7 @@
 #include "worker/markers/measure_bars.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 // What the edges of a tag may be apart, left against right, beyond their noise: rectification and
@@ -23,15 +23,15 @@ constexpr std::size_t kPairsAtOnce = 16;
 
 struct KeyframePair {
     std::size_t keyframe = 0;
-    StereoFrame frame;
+    types::StereoFrame frame;
     std::vector<TagView> views;
 };
 
-void look_at(const Rectifier& rectifier,
-             MarkerFamily family,
-             const Rerectifier* refined,
+void look_at(const camera::Rectifier& rectifier,
+             dive::MarkerFamily family,
+             const camera::Rerectifier* refined,
              KeyframePair& pair) {
-    const RectifiedFrame rectified = rectifier.rectify(pair.frame);
+    const types::RectifiedFrame rectified = rectifier.rectify(pair.frame);
     pair.frame = {};
     for (const bool is_right : {false, true}) {
         for (const Tag& tag : find_tags(is_right ? rectified.right : rectified.left, family)) {
@@ -47,7 +47,7 @@ void look_at(const Rectifier& rectifier,
 class FindingWriter {
 public:
     FindingWriter(const std::vector<TagView>& views,
-                  const MarkerPlan& plan,
+                  const dive::MarkerPlan& plan,
                   const MarkerWorld& world,
                   MarkerMetrics& metrics)
         : plan_(plan), metrics_(metrics) {
@@ -80,7 +80,7 @@ private:
         for (const auto& [id, keyframes] : keyframes_of_)
             if (keyframes.size() > 1) ids.insert(id);
         for (const auto& [id, size_m] : plan_.sizes_m) ids.insert(id);
-        for (const ScaleBar& bar : plan_.scale_bars) ids.insert({bar.from.id, bar.to.id});
+        for (const dive::ScaleBar& bar : plan_.scale_bars) ids.insert({bar.from.id, bar.to.id});
         for (const int id : ids) {
             if (is_located(id)) continue;
             const auto seen = keyframes_of_.find(id);
@@ -150,24 +150,24 @@ private:
              "correct_scale=true to scale the result by the known distances");
     }
 
-    const MarkerPlan& plan_;
+    const dive::MarkerPlan& plan_;
     MarkerMetrics& metrics_;
     std::map<int, std::set<std::pair<std::int32_t, std::size_t>>> keyframes_of_;
 };
 
 }  // namespace
 
-std::vector<TagView> find_tags_in(Recording& recording,
-                                  const std::vector<Keyframe>& keyframes,
-                                  MarkerFamily family,
-                                  const Rerectifier* refined,
-                                  const ProgressShare& progress,
+std::vector<TagView> find_tags_in(types::Recording& recording,
+                                  const std::vector<types::Keyframe>& keyframes,
+                                  dive::MarkerFamily family,
+                                  const camera::Rerectifier* refined,
+                                  const base::ProgressShare& progress,
                                   int num_threads) {
-    const Rectifier rectifier(recording.rig());
+    const camera::Rectifier rectifier(recording.rig());
     std::vector<TagView> views;
     std::vector<KeyframePair> pairs;
     const auto look = [&] {
-        for_each_index(num_threads, pairs.size(), [&](std::size_t i) {
+        base::for_each_index(num_threads, pairs.size(), [&](std::size_t i) {
             look_at(rectifier, family, refined, pairs[i]);
         });
         for (const KeyframePair& pair : pairs)
@@ -190,7 +190,7 @@ std::vector<TagView> find_tags_in(Recording& recording,
 }
 
 MarkerMetrics measure_markers(const std::vector<TagView>& views,
-                              const MarkerPlan& plan,
+                              const dive::MarkerPlan& plan,
                               const MarkerWorld& world) {
     MarkerMetrics metrics;
     metrics.family = plan.family;
@@ -199,7 +199,7 @@ MarkerMetrics measure_markers(const std::vector<TagView>& views,
     for (const Marker& marker : metrics.markers) ranges_m.push_back(marker.range_m);
     if (!ranges_m.empty())
         metrics.systematic_scale_sigma =
-            kDisparityBias_px / world.rig.disparity_px(upper_median(std::move(ranges_m)));
+            kDisparityBias_px / world.rig.disparity_px(stats::upper_median(std::move(ranges_m)));
     metrics.bars =
         measure_bars(metrics.markers, plan, {drift_rate(world), metrics.systematic_scale_sigma});
     metrics.scale = scale_of(metrics.bars);
@@ -207,4 +207,4 @@ MarkerMetrics measure_markers(const std::vector<TagView>& views,
     return metrics;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -10,34 +10,34 @@
 #include "schemas/error.hpp"
 #include "worker/markers/april_tag.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
-AprilTagFamily make_april_tag_family(MarkerFamily family) {
+AprilTagFamily make_april_tag_family(dive::MarkerFamily family) {
     switch (family) {
-        case MarkerFamily::Tag36h11: return {tag36h11_create(), tag36h11_destroy};
-        case MarkerFamily::Tag25h9: return {tag25h9_create(), tag25h9_destroy};
-        case MarkerFamily::TagStandard41h12:
+        case dive::MarkerFamily::Tag36h11: return {tag36h11_create(), tag36h11_destroy};
+        case dive::MarkerFamily::Tag25h9: return {tag25h9_create(), tag25h9_destroy};
+        case dive::MarkerFamily::TagStandard41h12:
             return {tagStandard41h12_create(), tagStandard41h12_destroy};
     }
     throw Error(ErrorCode::InvalidArgument, "unknown marker family");
 }
 
-TagLayout tag_layout(MarkerFamily family) {
+TagLayout tag_layout(dive::MarkerFamily family) {
     const AprilTagFamily tags = make_april_tag_family(family);
     return {.total_cells = tags->total_width,
             .size_cells = tags->width_at_border,
             .white_within = tags->reversed_border};
 }
 
-cv::Mat tag_image(MarkerFamily family, int id) {
+cv::Mat tag_image(dive::MarkerFamily family, int id) {
     const AprilTagFamily tags = make_april_tag_family(family);
     if (id < 0 || id >= static_cast<int>(tags->ncodes))
         throw Error(ErrorCode::InvalidArgument,
-                    std::string(to_string(family)) + " has no tag " + std::to_string(id) +
+                    std::string(dive::to_string(family)) + " has no tag " + std::to_string(id) +
                         ": its ids are 0 to " + std::to_string(tags->ncodes - 1));
     const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> drawn(
         apriltag_to_image(tags.get(), static_cast<std::uint32_t>(id)), image_u8_destroy);
     return cv::Mat(drawn->height, drawn->width, CV_8UC1, drawn->buf, drawn->stride).clone();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
@@ -62,7 +62,7 @@ Pulls pulls_of(const std::vector<CornerView>& views, const Corners& corners) {
     for (std::size_t i = 0; i < views.size(); ++i) {
         if (i == 0 || views[i].keyframe != views[i - 1].keyframe)
             pulls.of_keyframe.push_back(Vector12::Zero());
-        for (std::size_t corner = 0; corner < kNumTagCorners; ++corner) {
+        for (std::size_t corner = 0; corner < dive::kNumTagCorners; ++corner) {
             const auto at = 3 * static_cast<Eigen::Index>(corner);
             const Eigen::Vector2d residual =
                 views[i].residual_px(corner, corners[corner]).value_or(Eigen::Vector2d::Zero());
@@ -110,17 +110,17 @@ Eigen::Matrix<double, 2, 3> CornerView::jacobian_px_per_m(const Eigen::Vector3d&
 
 double CornerView::rms_px(const Corners& corners_world) const {
     double squares = 0.0;
-    for (std::size_t corner = 0; corner < kNumTagCorners; ++corner) {
+    for (std::size_t corner = 0; corner < dive::kNumTagCorners; ++corner) {
         const auto residual = residual_px(corner, corners_world[corner]);
         if (!residual) return kFar_px;
         squares += residual->squaredNorm();
     }
-    return std::sqrt(squares / (2.0 * kNumTagCorners));
+    return std::sqrt(squares / (2.0 * dive::kNumTagCorners));
 }
 
 std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views) {
     Corners corners;
-    for (std::size_t corner = 0; corner < kNumTagCorners; ++corner) {
+    for (std::size_t corner = 0; corner < dive::kNumTagCorners; ++corner) {
         const auto start = nearest_to_rays(views, corner);
         if (!start) return std::nullopt;
         corners[corner] = *start;
@@ -136,7 +136,7 @@ std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views)
 
 CornerFit corner_covariance(const std::vector<CornerView>& views, const Corners& corners_world) {
     const Pulls pulls = pulls_of(views, corners_world);
-    const auto num_readings = 2.0 * kNumTagCorners * static_cast<double>(views.size());
+    const auto num_readings = 2.0 * dive::kNumTagCorners * static_cast<double>(views.size());
     CornerFit fit;
     fit.rms_px = std::sqrt(pulls.squares_px2 / std::max(1.0, num_readings - 12.0));
     const double reading_px = std::max(kReading_px, fit.rms_px);
@@ -147,4 +147,4 @@ CornerFit corner_covariance(const std::vector<CornerView>& views, const Corners&
     return fit;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -7,9 +7,9 @@
 
 #include "worker/markers/marker_metrics.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
-using Corners = std::array<Eigen::Vector3d, kNumTagCorners>;
+using Corners = std::array<Eigen::Vector3d, dive::kNumTagCorners>;
 
 // The corners of a tag in one picture of an ideal camera, whose pose is taken as it is.
 struct CornerView {
@@ -17,7 +17,7 @@ struct CornerView {
     double focal_px = 0.0;
     Eigen::Vector2d principal_px = Eigen::Vector2d::Zero();
     Eigen::Isometry3d T_cam_world = Eigen::Isometry3d::Identity();
-    std::array<Eigen::Vector2d, kNumTagCorners> corners_px;
+    std::array<Eigen::Vector2d, dive::kNumTagCorners> corners_px;
 
     // Where it appears less where it should; nothing when it lies behind the camera.
     std::optional<Eigen::Vector2d> residual_px(std::size_t corner,
@@ -38,4 +38,4 @@ struct CornerFit {
 // The views in the order of their keyframes.
 CornerFit corner_covariance(const std::vector<CornerView>& views, const Corners& corners_world);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "worker/types/pose_covariance.hpp"
-#include "worker/types/rig.hpp"
 #include "worker/types/keyframe.hpp"
+#include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
 // A world made larger by a factor, about its first camera: what cameras see of it stays the same
 // with their baseline larger by it. Where the cameras sit on the body does not change, so that the
@@ -19,17 +19,17 @@ public:
     WorldScale(double factor, const Eigen::Isometry3d& T_imu_cam)
         : factor_(factor), T_imu_cam_(T_imu_cam) {}
 
-    Trajectory applied(const Trajectory& trajectory) const;
+    types::Trajectory applied(const types::Trajectory& trajectory) const;
     // Of the trajectory's world: with its first camera in the place that it has there.
-    std::vector<Keyframe> applied(const std::vector<Keyframe>& keyframes,
-                                  const Trajectory& trajectory) const;
-    CovarianceTrack applied(const CovarianceTrack& covariances) const;
-    Rig applied(const Rig& rig) const;  // the right camera farther from the left one
+    std::vector<types::Keyframe> applied(const std::vector<types::Keyframe>& keyframes,
+                                         const types::Trajectory& trajectory) const;
+    types::CovarianceTrack applied(const types::CovarianceTrack& covariances) const;
+    types::Rig applied(const types::Rig& rig) const;  // the right camera farther from the left one
 
 private:
     Eigen::Isometry3d scaled(const Eigen::Isometry3d& T_world_cam,
                              const Eigen::Vector3d& center_world) const;
-    Eigen::Vector3d center_of(const Trajectory& trajectory) const;
+    Eigen::Vector3d center_of(const types::Trajectory& trajectory) const;
 
     double factor_;
     Eigen::Isometry3d T_imu_cam_;
@@ -37,6 +37,6 @@ private:
 
 // The rig that the poses of a reconstruction belong to: as stated, or as correct_scale made it.
 // `metrics` is metrics.json.
-Rig rig_as_scaled(const Rig& stated, const nlohmann::json& metrics);
+types::Rig rig_as_scaled(const types::Rig& stated, const nlohmann::json& metrics);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr int kNumFaces = 6;
@@ -125,4 +125,4 @@ CellEdge cell_edge(int edge) {
     return {static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(from | (1 << axis))};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

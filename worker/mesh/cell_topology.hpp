@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // How the surface passes a cell, by the signs at its corners. Corner c lies at (c & 1, c >> 1 & 1,
 // c >> 2 & 1). Edge 4 a + b + 2 c runs along axis a from the corner with coordinate b on axis
@@ -37,4 +37,4 @@ struct CellEdge {
 };
 CellEdge cell_edge(int edge);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

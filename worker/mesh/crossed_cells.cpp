@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr int kEdge = BlockNeighbourhood::kEdge;
@@ -32,7 +32,7 @@ unsigned crossed(const std::array<RowBits, 4>& rows) {
         unknown |= row.unknown;
     }
     return (some | (some >> 1)) & ~(all & (all >> 1)) & ~(unknown | (unknown >> 1)) &
-           ((1U << kBlockEdge) - 1);
+           ((1U << fusion::kBlockEdge) - 1);
 }
 
 }  // namespace
@@ -42,8 +42,8 @@ std::vector<CrossedCell> find_crossed_cells(const BlockNeighbourhood& samples) {
     for (int row = 0; row < kEdge * kEdge; ++row)
         rows[row] = bits_of(samples.distances_m.data() + row * kEdge);
     std::vector<CrossedCell> cells;
-    for (int z = 0; z < kBlockEdge; ++z)
-        for (int y = 0; y < kBlockEdge; ++y) {
+    for (int z = 0; z < fusion::kBlockEdge; ++z)
+        for (int y = 0; y < fusion::kBlockEdge; ++y) {
             const int row = z * kEdge + y;
             unsigned here =
                 crossed({rows[row], rows[row + 1], rows[row + kEdge], rows[row + kEdge + 1]});
@@ -58,4 +58,4 @@ std::vector<CrossedCell> find_crossed_cells(const BlockNeighbourhood& samples) {
     return cells;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

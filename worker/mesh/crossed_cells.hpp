@@ -5,7 +5,7 @@
 
 #include "worker/mesh/field_reader.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // A cell of a block that the surface passes.
 struct CrossedCell {
@@ -16,4 +16,4 @@ struct CrossedCell {
 // Those of a block, x running fastest.
 std::vector<CrossedCell> find_crossed_cells(const BlockNeighbourhood& samples);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

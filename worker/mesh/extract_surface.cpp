@@ -7,28 +7,28 @@
 #include "worker/mesh/smooth_membrane.hpp"
 #include "worker/mesh/surface_nets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr double kMinComponent_voxels = 100.0;  // faces of a voxel
 
 }  // namespace
 
-Mesh extract_surface(const Volume& volume,
-                     const ReconstructionOptions& options,
-                     const ProgressCallback& progress) {
-    ProgressShare share{"mesh", 0.0, 1.0, progress};
+types::Mesh extract_surface(const fusion::Volume& volume,
+                            const ReconstructionOptions& options,
+                            const base::ProgressCallback& progress) {
+    base::ProgressShare share{"mesh", 0.0, 1.0, progress};
     share.at(0.0);
     const auto field = volume.field(options.num_threads);
     share.begin = 0.2;
     share.end = 0.95;
     const MeshingSettings settings{.num_threads = options.num_threads, .progress = share};
-    Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
-                                                    : surface_nets(*field, settings);
-    Mesh surface = keep_large_components(
+    types::Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
+                                                           : surface_nets(*field, settings);
+    types::Mesh surface = keep_large_components(
         std::move(whole), kMinComponent_voxels * volume.voxel_m() * volume.voxel_m());
     smooth_membrane(surface, volume.voxel_m(), options.num_threads);
     return surface;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

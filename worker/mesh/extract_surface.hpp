@@ -5,13 +5,13 @@
 #include "worker/fusion/fusion_volume.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // Step 8: the surface in the volume as one welded, outward oriented mesh: constrained elastic
 // surface nets (Gibson 1998; the paper) or marching cubes, by `options.mesher`. Components of less
 // than 100 voxel faces are left out: no more than noise, snow or a fish.
-Mesh extract_surface(const Volume& volume,
-                     const ReconstructionOptions& options,
-                     const ProgressCallback& progress = ignore_progress);
+types::Mesh extract_surface(const fusion::Volume& volume,
+                            const ReconstructionOptions& options,
+                            const base::ProgressCallback& progress = base::ignore_progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 float corner_weight(int corner, const Eigen::Vector3f& place) {
@@ -21,51 +21,53 @@ float between(float from, float to, float share) { return from + share * (to - f
 
 }  // namespace
 
-FieldReader::FieldReader(const SignedDistanceField& field) : field_(field) {
+FieldReader::FieldReader(const fusion::SignedDistanceField& field) : field_(field) {
     index_.reserve(field.blocks().size());
     for (std::size_t i = 0; i < field.blocks().size(); ++i) index_.emplace(field.blocks()[i], i);
 }
 
-std::size_t FieldReader::find(const BlockCoordinate& block) const {
+std::size_t FieldReader::find(const fusion::BlockCoordinate& block) const {
     const auto found = index_.find(block);
     return found == index_.end() ? kNone : found->second;
 }
 
 void FieldReader::read(std::size_t block, BlockNeighbourhood& out) const {
-    std::array<float, kBlockSamples> distances;
+    std::array<float, fusion::kBlockSamples> distances;
     field_.read_distances(block, distances.data());
-    for (int z = 0; z < kBlockEdge; ++z)
-        for (int y = 0; y < kBlockEdge; ++y)
-            std::copy_n(distances.begin() + sample_index(0, y, z),
-                        kBlockEdge,
+    for (int z = 0; z < fusion::kBlockEdge; ++z)
+        for (int y = 0; y < fusion::kBlockEdge; ++y)
+            std::copy_n(distances.begin() + fusion::sample_index(0, y, z),
+                        fusion::kBlockEdge,
                         out.distances_m.begin() + BlockNeighbourhood::index(0, y, z));
-    const BlockCoordinate& here = field_.blocks()[block];
+    const fusion::BlockCoordinate& here = field_.blocks()[block];
     for (int n = 1; n < 8; ++n) {
-        const BlockCoordinate offset{n & 1, (n >> 1) & 1, (n >> 2) & 1};
+        const fusion::BlockCoordinate offset{n & 1, (n >> 1) & 1, (n >> 2) & 1};
         const std::size_t neighbour = find(here + offset);
-        const int num_x = offset.x != 0 ? 1 : kBlockEdge;
-        const int num_y = offset.y != 0 ? 1 : kBlockEdge;
-        const int num_z = offset.z != 0 ? 1 : kBlockEdge;
+        const int num_x = offset.x != 0 ? 1 : fusion::kBlockEdge;
+        const int num_y = offset.y != 0 ? 1 : fusion::kBlockEdge;
+        const int num_z = offset.z != 0 ? 1 : fusion::kBlockEdge;
         for (int z = 0; z < num_z; ++z)
             for (int y = 0; y < num_y; ++y)
                 for (int x = 0; x < num_x; ++x)
-                    out.distances_m[BlockNeighbourhood::index(x + kBlockEdge * offset.x,
-                                                              y + kBlockEdge * offset.y,
-                                                              z + kBlockEdge * offset.z)] =
-                        neighbour == kNone ? kUnknownDistance
-                                           : field_.distance_m(neighbour, sample_index(x, y, z));
+                    out.distances_m[BlockNeighbourhood::index(x + fusion::kBlockEdge * offset.x,
+                                                              y + fusion::kBlockEdge * offset.y,
+                                                              z + fusion::kBlockEdge * offset.z)] =
+                        neighbour == kNone
+                            ? fusion::kUnknownDistance
+                            : field_.distance_m(neighbour, fusion::sample_index(x, y, z));
     }
 }
 
 std::array<std::size_t, 8> FieldReader::blocks_around(const Eigen::Vector3i& cell) const {
     std::array<std::size_t, 8> blocks;
-    blocks[0] = find(block_of(cell));
+    blocks[0] = find(fusion::block_of(cell));
     for (int corner = 1; corner < 8; ++corner) {
         const Eigen::Vector3i sample = cell + corner_offset(corner);
         // The corner on the near side along one axis.
         const int before = corner & (corner - 1);
-        const bool same = block_of(sample) == block_of(cell + corner_offset(before));
-        blocks[corner] = same ? blocks[before] : find(block_of(sample));
+        const bool same =
+            fusion::block_of(sample) == fusion::block_of(cell + corner_offset(before));
+        blocks[corner] = same ? blocks[before] : find(fusion::block_of(sample));
     }
     return blocks;
 }
@@ -76,15 +78,15 @@ bool FieldReader::read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& c
         const Eigen::Vector3i sample = cell + corner_offset(corner);
         const std::size_t block = blocks[corner];
         if (block == kNone) return false;
-        corners_m[corner] = field_.distance_m(block, index_in_block(sample));
+        corners_m[corner] = field_.distance_m(block, fusion::index_in_block(sample));
         if (std::isnan(corners_m[corner])) return false;
     }
     return true;
 }
 
-SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
-                                         const Eigen::Vector3f& place) const {
-    SampleAttributes mean;
+fusion::SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
+                                                 const Eigen::Vector3f& place) const {
+    fusion::SampleAttributes mean;
     Eigen::Vector3f color = Eigen::Vector3f::Zero();
     float color_weight = 0.0F;
     float count = 0.0F;
@@ -94,7 +96,8 @@ SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
         const Eigen::Vector3i sample = cell + corner_offset(corner);
         const std::size_t block = blocks[corner];
         if (block == kNone) continue;
-        const SampleAttributes here = field_.attributes(block, index_in_block(sample));
+        const fusion::SampleAttributes here =
+            field_.attributes(block, fusion::index_in_block(sample));
         const float weight = corner_weight(corner, place) + 1e-3F;
         weights += weight;
         mean.sigma_m += weight * here.sigma_m;
@@ -157,4 +160,4 @@ CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& 
     return point;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

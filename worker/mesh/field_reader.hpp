@@ -7,12 +7,12 @@
 
 #include "worker/fusion/signed_distance_field.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // Distances of a block and of the first layer of its neighbours: the corners of its cells. A cell
 // is the cube between eight samples and belongs to the block of its least corner.
 struct BlockNeighbourhood {
-    static constexpr int kEdge = kBlockEdge + 1;
+    static constexpr int kEdge = fusion::kBlockEdge + 1;
     std::array<float, kEdge * kEdge * kEdge> distances_m;
 
     static int index(int x, int y, int z) { return (z * kEdge + y) * kEdge + x; }
@@ -21,28 +21,29 @@ struct BlockNeighbourhood {
 // Looks a field up by coordinates, across blocks.
 class FieldReader {
 public:
-    explicit FieldReader(const SignedDistanceField& field);
+    explicit FieldReader(const fusion::SignedDistanceField& field);
 
     static constexpr std::size_t kNone = ~std::size_t{0};
-    std::size_t find(const BlockCoordinate& block) const;
+    std::size_t find(const fusion::BlockCoordinate& block) const;
     void read(std::size_t block, BlockNeighbourhood& out) const;
     // The distances at the eight corners of a cell, x running fastest. False when one is unknown.
     bool read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& corners_m) const;
     // Mean over the cell's corners near `place` (in the cell, 0 to 1): colour, sigma and count.
-    SampleAttributes attributes(const Eigen::Vector3i& cell, const Eigen::Vector3f& place) const;
+    fusion::SampleAttributes attributes(const Eigen::Vector3i& cell,
+                                        const Eigen::Vector3f& place) const;
 
     // Unit vector away from the surface at a lattice edge's crossing: the mean gradient of the four
     // cells around the edge, those that are known.
     Eigen::Vector3f edge_normal(const Eigen::Vector3i& sample, int axis, float fraction) const;
 
-    const SignedDistanceField& field() const { return field_; }
+    const fusion::SignedDistanceField& field() const { return field_; }
 
 private:
     // Of each corner of a cell, or kNone.
     std::array<std::size_t, 8> blocks_around(const Eigen::Vector3i& cell) const;
 
-    const SignedDistanceField& field_;
-    std::unordered_map<BlockCoordinate, std::size_t, BlockCoordinateHash> index_;
+    const fusion::SignedDistanceField& field_;
+    std::unordered_map<fusion::BlockCoordinate, std::size_t, fusion::BlockCoordinateHash> index_;
 };
 
 // Bit c: corner c is behind the surface.
@@ -56,4 +57,4 @@ struct CellPoint {
 };
 CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

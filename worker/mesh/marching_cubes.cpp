@@ -9,7 +9,7 @@
 #include "worker/mesh/crossed_cells.hpp"
 #include "worker/mesh/field_reader.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr float kMinFraction = 0.001F;  // of an edge: no two vertices coincide in a sample
@@ -32,10 +32,10 @@ constexpr std::uint16_t kNotCrossed = 0xffff;
 
 class MarchingCubes {
 public:
-    MarchingCubes(const SignedDistanceField& field, const MeshingSettings& settings)
+    MarchingCubes(const fusion::SignedDistanceField& field, const MeshingSettings& settings)
         : field_(field), settings_(settings), reader_(field), blocks_(field.blocks().size()) {}
 
-    Mesh run() {
+    types::Mesh run() {
         phase(0.0, 0.3, [this](std::size_t block) { find_vertices(block); });
         std::uint32_t num = 0;
         for (BlockEdges& edges : blocks_) {
@@ -49,7 +49,7 @@ public:
 private:
     template <typename Work>
     void phase(double begin, double end, const Work& work) const {
-        ProgressShare share = settings_.progress;
+        base::ProgressShare share = settings_.progress;
         share.report = [this](const Progress& progress) {
             field_.release_memory();
             settings_.progress.report(progress);
@@ -57,15 +57,15 @@ private:
         const double whole = share.end - share.begin;
         share.end = share.begin + whole * end;
         share.begin += whole * begin;
-        for_each_index(settings_.num_threads, blocks_.size(), share, work);
+        base::for_each_index(settings_.num_threads, blocks_.size(), share, work);
     }
 
     void find_vertices(std::size_t block);
     void find_triangles(std::size_t block);
     std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge) const;
-    Mesh make_mesh(std::uint32_t num_vertices) const;
+    types::Mesh make_mesh(std::uint32_t num_vertices) const;
 
-    const SignedDistanceField& field_;
+    const fusion::SignedDistanceField& field_;
     const MeshingSettings& settings_;
     FieldReader reader_;
     std::vector<BlockEdges> blocks_;
@@ -75,18 +75,18 @@ void MarchingCubes::find_vertices(std::size_t block) {
     BlockNeighbourhood samples;
     reader_.read(block, samples);
     BlockEdges& edges = blocks_[block];
-    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    const Eigen::Vector3i first = fusion::first_sample(field_.blocks()[block]);
     const auto at = [&](const Eigen::Vector3i& s) {
         return samples.distances_m[BlockNeighbourhood::index(s.x(), s.y(), s.z())];
     };
-    for (int i = 0; i < kBlockSamples; ++i) {
+    for (int i = 0; i < fusion::kBlockSamples; ++i) {
         const Eigen::Vector3i sample(i & 7, (i >> 3) & 7, i >> 6);
         const float from = at(sample);
         if (std::isnan(from)) continue;
         for (int axis = 0; axis < 3; ++axis) {
             const float to = at(sample + Eigen::Vector3i::Unit(axis));
             if (std::isnan(to) || (from < 0.0F) == (to < 0.0F)) continue;
-            if (edges.index.empty()) edges.index.assign(3 * kBlockSamples, kNotCrossed);
+            if (edges.index.empty()) edges.index.assign(3 * fusion::kBlockSamples, kNotCrossed);
             edges.index[3 * i + axis] = static_cast<std::uint16_t>(edges.vertices.size());
             const float fraction =
                 std::clamp(from / (from - to), kMinFraction, 1.0F - kMinFraction);
@@ -98,7 +98,7 @@ void MarchingCubes::find_vertices(std::size_t block) {
 void MarchingCubes::find_triangles(std::size_t block) {
     BlockNeighbourhood samples;
     reader_.read(block, samples);
-    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    const Eigen::Vector3i first = fusion::first_sample(field_.blocks()[block]);
     for (const CrossedCell& cell : find_crossed_cells(samples)) {
         for (const auto& triangle : cell_topology(sign_mask(cell.corners_m)).triangles) {
             std::array<std::uint32_t, 3> vertices;
@@ -112,12 +112,12 @@ std::uint32_t MarchingCubes::vertex_of(const Eigen::Vector3i& cell, int edge) co
     const int from = cell_edge(edge).from;
     const Eigen::Vector3i sample =
         cell + Eigen::Vector3i(from & 1, (from >> 1) & 1, (from >> 2) & 1);
-    const BlockEdges& edges = blocks_[reader_.find(block_of(sample))];
-    return edges.first_vertex + edges.index[3 * index_in_block(sample) + edge / 4];
+    const BlockEdges& edges = blocks_[reader_.find(fusion::block_of(sample))];
+    return edges.first_vertex + edges.index[3 * fusion::index_in_block(sample) + edge / 4];
 }
 
-Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
-    Mesh mesh;
+types::Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
+    types::Mesh mesh;
     mesh.vertices.resize(num_vertices);
     mesh.normals.resize(num_vertices);
     mesh.colors.resize(num_vertices);
@@ -129,7 +129,7 @@ Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
             const EdgeVertex& edge = blocks_[block].vertices[i];
             const std::size_t vertex = blocks_[block].first_vertex + i;
             const Eigen::Vector3f place = edge.fraction * Eigen::Vector3f::Unit(edge.axis);
-            const SampleAttributes attributes = reader_.attributes(edge.cell, place);
+            const fusion::SampleAttributes attributes = reader_.attributes(edge.cell, place);
             mesh.vertices[vertex] = voxel * (edge.cell.cast<float>() + place);
             mesh.normals[vertex] = reader_.edge_normal(edge.cell, edge.axis, edge.fraction);
             mesh.colors[vertex] = attributes.color;
@@ -144,8 +144,9 @@ Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
 
 }  // namespace
 
-Mesh marching_cubes(const SignedDistanceField& field, const MeshingSettings& settings) {
+types::Mesh marching_cubes(const fusion::SignedDistanceField& field,
+                           const MeshingSettings& settings) {
     return MarchingCubes(field, settings).run();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

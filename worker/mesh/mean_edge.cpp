@@ -1,8 +1,8 @@
 #include "worker/mesh/mean_edge.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
-double mean_edge_m(const Mesh& mesh) {
+double mean_edge_m(const types::Mesh& mesh) {
     double sum = 0.0;
     for (const auto& triangle : mesh.triangles)
         sum +=
@@ -10,4 +10,4 @@ double mean_edge_m(const Mesh& mesh) {
     return mesh.triangles.empty() ? 0.0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -8,7 +8,7 @@
 
 #include "worker/mesh/mesh_components.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 // A border edge as its triangle runs through it.
@@ -23,14 +23,14 @@ struct BorderEdge {
 };
 
 template <typename Visit>
-void for_each_edge(const Mesh& mesh, Visit&& visit) {
+void for_each_edge(const types::Mesh& mesh, Visit&& visit) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
         for (int k = 0; k < 3; ++k) visit(i, mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3]);
 }
 
 // Sorted by where they start. Edges are counted in buckets of their lesser vertex: a sort of all of
 // them would take ten times as long.
-std::vector<BorderEdge> border_edges(const Mesh& mesh) {
+std::vector<BorderEdge> border_edges(const types::Mesh& mesh) {
     std::vector<std::uint32_t> bucket_end(mesh.vertices.size() + 1, 0);
     for_each_edge(mesh, [&](std::size_t, std::uint32_t from, std::uint32_t to) {
         ++bucket_end[std::min(from, to) + 1];
@@ -58,7 +58,7 @@ struct Loop {
     double area_m2 = 0.0;
 };
 
-std::vector<Loop> trace_loops(const Mesh& mesh, const std::vector<BorderEdge>& edges) {
+std::vector<Loop> trace_loops(const types::Mesh& mesh, const std::vector<BorderEdge>& edges) {
     std::vector<bool> used(edges.size(), false);
     // Where loops touch in a vertex, any way on closes some loop: the first unused is taken.
     const auto next_from = [&](std::uint32_t vertex) {
@@ -88,7 +88,7 @@ std::vector<Loop> trace_loops(const Mesh& mesh, const std::vector<BorderEdge>& e
 
 }  // namespace
 
-MeshBorders find_borders(const Mesh& mesh) {
+MeshBorders find_borders(const types::Mesh& mesh) {
     std::vector<Loop> loops = trace_loops(mesh, border_edges(mesh));
     std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) {
         return std::pair(a.component, -a.length_m) < std::pair(b.component, -b.length_m);
@@ -106,4 +106,4 @@ MeshBorders find_borders(const Mesh& mesh) {
     return borders;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -4,7 +4,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // Where a surface ends. Border edges (of one triangle alone) form closed loops; the longest loop of
 // a connected component is its outer edge, the others are holes in it: places that were not seen
@@ -15,6 +15,6 @@ struct MeshBorders {
     double largest_hole_m2 = 0.0;
     double outer_edge_m = 0.0;  // length of all outer edges
 };
-MeshBorders find_borders(const Mesh& mesh);
+MeshBorders find_borders(const types::Mesh& mesh);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -5,10 +5,10 @@
 #include <numeric>
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
-double area_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+double area_of(const types::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
     const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
     const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
     const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
@@ -30,7 +30,7 @@ void keep_entries(std::vector<T>& values, const std::vector<std::uint32_t>& kept
 
 }  // namespace
 
-MeshComponents find_components(const Mesh& mesh) {
+MeshComponents find_components(const types::Mesh& mesh) {
     std::vector<std::uint32_t> parent(mesh.vertices.size());
     std::iota(parent.begin(), parent.end(), 0U);
     for (const auto& triangle : mesh.triangles)
@@ -55,7 +55,7 @@ MeshComponents find_components(const Mesh& mesh) {
     return components;
 }
 
-void remove_unreferenced_vertices(Mesh& mesh) {
+void remove_unreferenced_vertices(types::Mesh& mesh) {
     std::vector<std::uint32_t> renumbered(mesh.vertices.size(), 0);
     for (const auto& triangle : mesh.triangles)
         for (const std::uint32_t vertex : triangle) renumbered[vertex] = 1;
@@ -75,7 +75,7 @@ void remove_unreferenced_vertices(Mesh& mesh) {
     keep_entries(mesh.num_observations, kept);
 }
 
-Mesh keep_large_components(Mesh mesh, double min_area_m2) {
+types::Mesh keep_large_components(types::Mesh mesh, double min_area_m2) {
     const MeshComponents components = find_components(mesh);
     std::size_t num_kept = 0;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -86,7 +86,7 @@ Mesh keep_large_components(Mesh mesh, double min_area_m2) {
     return mesh;
 }
 
-MeshTopology check_topology(const Mesh& mesh) {
+MeshTopology check_topology(const types::Mesh& mesh) {
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
     std::vector<std::pair<Edge, bool>> sides;  // ends in order; whether run through that way
     std::vector<bool> used(mesh.vertices.size(), false);
@@ -121,4 +121,4 @@ MeshTopology check_topology(const Mesh& mesh) {
     return topology;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

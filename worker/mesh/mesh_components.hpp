@@ -5,7 +5,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // For each triangle the number of its connected component (triangles that share a vertex), in the
 // order in which components first appear.
@@ -13,14 +13,14 @@ struct MeshComponents {
     std::vector<std::uint32_t> of_triangle;
     std::vector<double> area_m2;  // of each component
 };
-MeshComponents find_components(const Mesh& mesh);
+MeshComponents find_components(const types::Mesh& mesh);
 
 // Takes out the vertices that no triangle names. Order is kept.
-void remove_unreferenced_vertices(Mesh& mesh);
+void remove_unreferenced_vertices(types::Mesh& mesh);
 
 // The mesh without components of less than `min_area_m2` and without unused vertices. Order is
 // kept.
-Mesh keep_large_components(Mesh mesh, double min_area_m2);
+types::Mesh keep_large_components(types::Mesh mesh, double min_area_m2);
 
 // What a surface has to be before it can be measured, textured or simplified.
 struct MeshTopology {
@@ -31,6 +31,6 @@ struct MeshTopology {
     double area_m2 = 0.0;
     double volume_m3 = 0.0;  // signed; of a closed surface, positive when it faces outward
 };
-MeshTopology check_topology(const Mesh& mesh);
+MeshTopology check_topology(const types::Mesh& mesh);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

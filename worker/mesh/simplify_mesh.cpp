@@ -6,9 +6,9 @@
 
 #include "worker/mesh/mesh_components.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
-Mesh simplify_mesh(const Mesh& mesh, const SimplifyLimits& limits) {
+types::Mesh simplify_mesh(const types::Mesh& mesh, const SimplifyLimits& limits) {
     if (mesh.triangles.empty()) return mesh;
     const float* positions = mesh.vertices.front().data();
     constexpr std::size_t kStride = sizeof(Eigen::Vector3f);
@@ -21,7 +21,7 @@ Mesh simplify_mesh(const Mesh& mesh, const SimplifyLimits& limits) {
     const float extent_m = meshopt_simplifyScale(positions, mesh.vertices.size(), kStride);
     const float max_error =
         limits.max_error_m > 0.0 ? static_cast<float>(limits.max_error_m) / extent_m : 1.0F;
-    Mesh simplified = mesh;
+    types::Mesh simplified = mesh;
     const std::size_t num_left = meshopt_simplify(simplified.triangles.front().data(),
                                                   indices,
                                                   num_indices,
@@ -37,4 +37,4 @@ Mesh simplify_mesh(const Mesh& mesh, const SimplifyLimits& limits) {
     return simplified;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -4,7 +4,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 struct SimplifyLimits {
     double share = 1.0;        // of the triangles that are to stay
@@ -21,6 +21,6 @@ struct SimplificationError {
 // The mesh with edges collapsed in the order of their quadric error (Garland and Heckbert 1997, by
 // meshoptimizer). Vertices that stay keep place, normal, colour, sigma and observations; borders
 // stay borders. It may stop short of `share` where a collapse would change the topology.
-Mesh simplify_mesh(const Mesh& mesh, const SimplifyLimits& limits);
+types::Mesh simplify_mesh(const types::Mesh& mesh, const SimplifyLimits& limits);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -7,7 +7,7 @@
 
 #include "worker/base/parallel.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr float kMinSigma_voxels = 0.5F;
@@ -24,7 +24,7 @@ using Points = std::vector<Eigen::Vector4f>;
 
 class Membrane {
 public:
-    Membrane(const Mesh& mesh, float voxel_m, int num_threads)
+    Membrane(const types::Mesh& mesh, float voxel_m, int num_threads)
         : mesh_(mesh), voxel_m_(voxel_m), num_threads_(num_threads) {
         choose();
         link();
@@ -45,7 +45,7 @@ private:
     template <typename Work>
     void for_each_moving(const Work& work) const;  // work(index in vertices())
 
-    const Mesh& mesh_;
+    const types::Mesh& mesh_;
     float voxel_m_;
     int num_threads_;
     std::vector<std::uint32_t> vertices_;
@@ -131,7 +131,7 @@ void Membrane::keep_single(std::size_t i) {
 template <typename Work>
 void Membrane::for_each_moving(const Work& work) const {
     const std::size_t num_slices = (num_moving() + kSlice - 1) / kSlice;
-    for_each_index(num_threads_, num_slices, [&](std::size_t slice) {
+    base::for_each_index(num_threads_, num_slices, [&](std::size_t slice) {
         const std::size_t end = std::min(num_moving(), (slice + 1) * kSlice);
         for (std::size_t i = slice * kSlice; i < end; ++i) work(i);
     });
@@ -160,7 +160,7 @@ Points Membrane::smoothed(const Points& values) const {
 }
 
 // Of each vertex, as the triangles around it have it; not of unit length.
-std::vector<Eigen::Vector3f> normals_by_area(const Mesh& mesh) {
+std::vector<Eigen::Vector3f> normals_by_area(const types::Mesh& mesh) {
     std::vector<Eigen::Vector3f> sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
@@ -181,7 +181,7 @@ Points smoothed_twice(const Membrane& membrane, const Points& measured) {
 
 }  // namespace
 
-void smooth_membrane(Mesh& mesh, double voxel_m, int num_threads) {
+void smooth_membrane(types::Mesh& mesh, double voxel_m, int num_threads) {
     if (mesh.sigma_m.empty()) return;
     const Membrane membrane(mesh, static_cast<float>(voxel_m), num_threads);
     const auto& vertices = membrane.vertices();
@@ -205,4 +205,4 @@ void smooth_membrane(Mesh& mesh, double voxel_m, int num_threads) {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -2,7 +2,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // Evens out noise that is wider than a cell, which surface nets cannot: vertices whose standard
 // deviation sigma is more than half a voxel move to the minimum of
@@ -14,6 +14,6 @@ namespace divemesh::worker {
 // themselves and keep their outline: they move along their normal alone. Normals of what moved are
 // those of its triangles. Solved by Jacobi with Chebyshev's acceleration (Golub and Varga 1961);
 // the number of threads changes no byte.
-void smooth_membrane(Mesh& mesh, double voxel_m, int num_threads);
+void smooth_membrane(types::Mesh& mesh, double voxel_m, int num_threads);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

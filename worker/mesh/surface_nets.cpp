@@ -13,7 +13,7 @@
 #include "worker/mesh/crossed_cells.hpp"
 #include "worker/mesh/field_reader.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr std::uint16_t kNoVertex = 0xffff;
@@ -43,10 +43,10 @@ using Quad = std::array<std::uint32_t, 4>;
 
 class SurfaceNets {
 public:
-    SurfaceNets(const SignedDistanceField& field, const MeshingSettings& settings)
+    SurfaceNets(const fusion::SignedDistanceField& field, const MeshingSettings& settings)
         : field_(field), settings_(settings), reader_(field), nets_(field.blocks().size()) {}
 
-    Mesh run() {
+    types::Mesh run() {
         phase(0.0, 0.4, nets_.size(), [this](std::size_t block) { find_vertices(block); });
         number_vertices();
         quads_.resize(nets_.size());
@@ -74,19 +74,19 @@ private:
     void read_attributes();
     void relax();
     Eigen::Vector3f relaxed(std::size_t vertex) const;
-    Mesh make_mesh();
-    void set_vertex(std::size_t vertex, Mesh& mesh) const;
-    void set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const;
+    types::Mesh make_mesh();
+    void set_vertex(std::size_t vertex, types::Mesh& mesh) const;
+    void set_triangles(std::size_t block, std::size_t first, types::Mesh& mesh) const;
 
-    const SignedDistanceField& field_;
+    const fusion::SignedDistanceField& field_;
     const MeshingSettings& settings_;
     FieldReader reader_;
     std::vector<BlockNet> nets_;
     std::vector<std::vector<Quad>> quads_;
-    UninitialisedVector<NetVertex> vertices_;
+    base::UninitialisedVector<NetVertex> vertices_;
     std::vector<Eigen::Vector3f> places_;  // of the vertices in their cells, 0 to 1
-    std::vector<SampleAttributes> attributes_;
-    UninitialisedVector<std::uint32_t>
+    std::vector<fusion::SampleAttributes> attributes_;
+    base::UninitialisedVector<std::uint32_t>
         links_;                              // to neighbours, of all vertices one after the other
     std::vector<std::uint32_t> first_link_;  // of each vertex, and one behind
     std::vector<std::uint8_t> num_neighbours_;
@@ -95,7 +95,7 @@ private:
 
 template <typename Work>
 void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& work) const {
-    ProgressShare share = settings_.progress;
+    base::ProgressShare share = settings_.progress;
     share.report = [this](const Progress& progress) {
         field_.release_memory();
         settings_.progress.report(progress);
@@ -103,7 +103,7 @@ void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& w
     const double whole = share.end - share.begin;
     share.end = share.begin + whole * end;
     share.begin += whole * begin;
-    for_each_index(settings_.num_threads, num, share, work);
+    base::for_each_index(settings_.num_threads, num, share, work);
 }
 
 void SurfaceNets::find_vertices(std::size_t block) {
@@ -111,12 +111,12 @@ void SurfaceNets::find_vertices(std::size_t block) {
     reader_.read(block, samples);
     const auto crossed = find_crossed_cells(samples);
     if (crossed.empty()) return;
-    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
+    const Eigen::Vector3i first = fusion::first_sample(field_.blocks()[block]);
     BlockNet& net = nets_[block];
-    net.cells.resize(kBlockSamples);
+    net.cells.resize(fusion::kBlockSamples);
     for (const CrossedCell& cell : crossed) {
         const int mask = sign_mask(cell.corners_m);
-        ActiveCell& active = net.cells[index_in_block(cell.place)];
+        ActiveCell& active = net.cells[fusion::index_in_block(cell.place)];
         active.mask = static_cast<std::uint8_t>(mask);
         active.joined_face = static_cast<std::uint8_t>(face_to_join(mask, first + cell.place));
         active.first_vertex = static_cast<std::uint16_t>(net.vertices.size());
@@ -141,7 +141,7 @@ int SurfaceNets::face_to_join(int mask, const Eigen::Vector3i& cell) const {
 void SurfaceNets::add_vertices(BlockNet& net,
                                const Eigen::Vector3i& cell,
                                const std::array<float, 8>& at) {
-    const ActiveCell& active = net.cells[index_in_block(cell)];
+    const ActiveCell& active = net.cells[fusion::index_in_block(cell)];
     const CellTopology& topology = cell_topology(active.mask, active.joined_face);
     for (const auto& loop : topology.loops) {
         NetVertex vertex{cell, Eigen::Vector3f::Zero(), at, topology.loops.size() == 1};
@@ -167,7 +167,7 @@ void SurfaceNets::number_vertices() {
     }
     vertices_.resize(num);
     places_.resize(num);
-    for_each_index(settings_.num_threads, nets_.size(), [this](std::size_t block) {
+    base::for_each_index(settings_.num_threads, nets_.size(), [this](std::size_t block) {
         BlockNet& net = nets_[block];
         for (std::size_t i = 0; i < net.vertices.size(); ++i) {
             vertices_[net.first_vertex + i] = net.vertices[i];
@@ -182,8 +182,8 @@ void SurfaceNets::number_vertices() {
 void SurfaceNets::find_quads(std::size_t block) {
     const BlockNet& net = nets_[block];
     if (net.cells.empty()) return;
-    const Eigen::Vector3i first = first_sample(field_.blocks()[block]);
-    for (int i = 0; i < kBlockSamples; ++i) {
+    const Eigen::Vector3i first = fusion::first_sample(field_.blocks()[block]);
+    for (int i = 0; i < fusion::kBlockSamples; ++i) {
         const ActiveCell& cell = net.cells[i];
         if (cell.first_vertex == kNoVertex) continue;
         const bool behind = (cell.mask & 1) != 0;
@@ -216,10 +216,10 @@ void SurfaceNets::add_quad(std::size_t block,
 std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell,
                                      int edge,
                                      std::size_t expected) const {
-    const BlockCoordinate place = block_of(cell);
+    const fusion::BlockCoordinate place = fusion::block_of(cell);
     const std::size_t block = place == field_.blocks()[expected] ? expected : reader_.find(place);
     if (block == FieldReader::kNone || nets_[block].cells.empty()) return kNoIndex;
-    const ActiveCell& active = nets_[block].cells[index_in_block(cell)];
+    const ActiveCell& active = nets_[block].cells[fusion::index_in_block(cell)];
     if (active.first_vertex == kNoVertex) return kNoIndex;
     const int loop = cell_topology(active.mask, active.joined_face).loop_of_edge[edge];
     return nets_[block].first_vertex + active.first_vertex + static_cast<std::uint32_t>(loop);
@@ -242,14 +242,14 @@ void SurfaceNets::collect_links() {
     const auto advanced = [this](std::uint32_t vertex, std::size_t ahead) {
         return std::atomic_ref(first_link_[vertex + ahead]).fetch_add(2, std::memory_order_relaxed);
     };
-    for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
+    base::for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
         for (const Quad& quad : quads_[block])
             for (const std::uint32_t vertex : quad) advanced(vertex, 2);
     });
     std::inclusive_scan(first_link_.begin(), first_link_.end(), first_link_.begin());
     links_.resize(first_link_.back());
     // first_link_[v + 1] runs from where v's links begin to where they end.
-    for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
+    base::for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
         for (const Quad& quad : quads_[block])
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t place = advanced(quad[i], 1);
@@ -318,10 +318,10 @@ Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
     return place;
 }
 
-Mesh SurfaceNets::make_mesh() {
+types::Mesh SurfaceNets::make_mesh() {
     links_ = {};
     first_link_ = {};
-    Mesh mesh;
+    types::Mesh mesh;
     const std::size_t num_vertices = vertices_.size();
     mesh.vertices.resize(num_vertices);
     mesh.normals.resize(num_vertices);
@@ -344,11 +344,11 @@ Mesh SurfaceNets::make_mesh() {
     return mesh;
 }
 
-void SurfaceNets::set_vertex(std::size_t vertex, Mesh& mesh) const {
+void SurfaceNets::set_vertex(std::size_t vertex, types::Mesh& mesh) const {
     const NetVertex& net = vertices_[vertex];
     const Eigen::Vector3f& place = places_[vertex];
     const Eigen::Vector3f gradient = cell_at(net.corners_m, place).gradient_m;
-    const SampleAttributes& attributes = attributes_[vertex];
+    const fusion::SampleAttributes& attributes = attributes_[vertex];
     mesh.vertices[vertex] = static_cast<float>(field_.voxel_m()) * (net.cell.cast<float>() + place);
     mesh.normals[vertex] =
         gradient.norm() > 0.0F ? Eigen::Vector3f(gradient.normalized()) : Eigen::Vector3f::UnitZ();
@@ -358,7 +358,7 @@ void SurfaceNets::set_vertex(std::size_t vertex, Mesh& mesh) const {
 }
 
 // Each quad is cut along its shorter diagonal.
-void SurfaceNets::set_triangles(std::size_t block, std::size_t first, Mesh& mesh) const {
+void SurfaceNets::set_triangles(std::size_t block, std::size_t first, types::Mesh& mesh) const {
     for (const Quad& q : quads_[block]) {
         const auto diagonal = [&](int a, int b) {
             return (mesh.vertices[q[a]] - mesh.vertices[q[b]]).squaredNorm();
@@ -371,8 +371,9 @@ void SurfaceNets::set_triangles(std::size_t block, std::size_t first, Mesh& mesh
 
 }  // namespace
 
-Mesh surface_nets(const SignedDistanceField& field, const MeshingSettings& settings) {
+types::Mesh surface_nets(const fusion::SignedDistanceField& field,
+                         const MeshingSettings& settings) {
     return SurfaceNets(field, settings).run();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -1,14 +1,14 @@
 #pragma once
 
 #include "worker/base/parallel.hpp"
-#include "worker/types/mesh.hpp"
 #include "worker/fusion/signed_distance_field.hpp"
+#include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 struct MeshingSettings {
     int num_threads = 0;  // 0: all cores; never changes a byte of the mesh
-    ProgressShare progress;
+    base::ProgressShare progress;
     int num_relaxations = 6;  // surface nets
 };
 
@@ -18,6 +18,6 @@ struct MeshingSettings {
 // cell and within one standard deviation of the zero: what the net evens out is noise, not shape.
 // A vertex per sheet and rejoined folds (Wenger 2013, section 5.3) keep it a manifold. Vertices
 // are shared across blocks. Cells with an unknown corner have no surface: holes stay holes.
-Mesh surface_nets(const SignedDistanceField& field, const MeshingSettings& settings);
+types::Mesh surface_nets(const fusion::SignedDistanceField& field, const MeshingSettings& settings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // A triangle seen from above: its corners in pixels (x to the right, y down, pixel centres at
 // halves) with the height of each as z.
@@ -39,4 +39,4 @@ void for_each_pixel(const PixelTriangle& corners, int rows, int columns, const V
         }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

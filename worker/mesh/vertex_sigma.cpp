@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr float kAlike = 0.05F;     // r
@@ -13,7 +13,7 @@ constexpr float kFlattened = 3.5F;  // c
 // Of every vertex the mean over the triangles around it of their corners' values; with a fourth
 // number, how many corners there were.
 using Values = std::vector<Eigen::Vector4f>;
-Values means_around(const Mesh& mesh, const Values& values) {
+Values means_around(const types::Mesh& mesh, const Values& values) {
     Values sums(values.size(), Eigen::Vector4f::Zero());
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector4f sum = values[t[0]] + values[t[1]] + values[t[2]];
@@ -26,7 +26,7 @@ Values means_around(const Mesh& mesh, const Values& values) {
 
 }  // namespace
 
-void finish_sigma(Mesh& mesh, double voxel_m, double sigma_poses_m) {
+void finish_sigma(types::Mesh& mesh, double voxel_m, double sigma_poses_m) {
     if (mesh.sigma_m.empty()) return;
     mesh.sigma_local_m.resize(mesh.sigma_m.size());
     Values normals;
@@ -47,4 +47,4 @@ void finish_sigma(Mesh& mesh, double voxel_m, double sigma_poses_m) {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -2,7 +2,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // Turns the standard deviations that fusion gives, as if the views erred independently, into those
 // of the finished surface, along the normal. With W = 1 / sigma^2 the sum of the views' weights, n
@@ -24,6 +24,6 @@ namespace divemesh::worker {
 // sigma_local_m keeps term 1 alone: noise, which raises what is rough; term 2 lowers it, term 3
 // moves all alike. The geometry stays. What is not covered: fish and snow taken for surface, and
 // calibration beyond its stated figures.
-void finish_sigma(Mesh& mesh, double voxel_m, double sigma_poses_m);
+void finish_sigma(types::Mesh& mesh, double voxel_m, double sigma_poses_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

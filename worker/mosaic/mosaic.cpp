@@ -10,7 +10,7 @@
 #include "worker/mesh/mean_edge.hpp"
 #include "worker/mesh/triangle_pixels.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mosaic {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
@@ -22,7 +22,7 @@ struct Bounds {
     Eigen::Vector2f size() const { return high - low; }
 };
 
-Bounds bounds_of(const Mesh& mesh) {
+Bounds bounds_of(const types::Mesh& mesh) {
     Bounds bounds;
     for (const auto& triangle : mesh.triangles)
         for (const std::uint32_t vertex : triangle) {
@@ -32,10 +32,10 @@ Bounds bounds_of(const Mesh& mesh) {
     return bounds;
 }
 
-double choose_pixel_m(const Mesh& mesh, const Bounds& bounds, const MosaicOptions& options) {
+double choose_pixel_m(const types::Mesh& mesh, const Bounds& bounds, const MosaicOptions& options) {
     constexpr double kMinPixel_m = 1e-4;
     const Eigen::Vector2d size = bounds.size().cast<double>();
-    double pixel_m = options.pixel_m > 0.0 ? options.pixel_m : 0.5 * mean_edge_m(mesh);
+    double pixel_m = options.pixel_m > 0.0 ? options.pixel_m : 0.5 * mesh::mean_edge_m(mesh);
     pixel_m = std::max({pixel_m,
                         kMinPixel_m,
                         size.maxCoeff() / (options.max_side_px - 1),
@@ -44,13 +44,13 @@ double choose_pixel_m(const Mesh& mesh, const Bounds& bounds, const MosaicOption
 }
 
 struct ScreenTriangle {
-    PixelTriangle corners;
+    mesh::PixelTriangle corners;
     std::array<Eigen::Vector3f, 3> colors;  // b g r
 };
 
-Eigen::Vector3f color_of(const Mesh& mesh, std::uint32_t vertex) {
+Eigen::Vector3f color_of(const types::Mesh& mesh, std::uint32_t vertex) {
     if (!mesh.colors.empty()) {
-        const Color& color = mesh.colors[vertex];
+        const types::Color& color = mesh.colors[vertex];
         return {static_cast<float>(color[2]),
                 static_cast<float>(color[1]),
                 static_cast<float>(color[0])};
@@ -73,12 +73,12 @@ void draw(const ScreenTriangle& triangle, Mosaic& mosaic) {
             pixel[channel] = cv::saturate_cast<std::uint8_t>(color[channel]);
         pixel[3] = 255;
     };
-    for_each_pixel(triangle.corners, mosaic.color.rows, mosaic.color.cols, paint);
+    mesh::for_each_pixel(triangle.corners, mosaic.color.rows, mosaic.color.cols, paint);
 }
 
 }  // namespace
 
-Mosaic render_mosaic(const Mesh& mesh, const MosaicOptions& options) {
+Mosaic render_mosaic(const types::Mesh& mesh, const MosaicOptions& options) {
     Mosaic mosaic;
     int width_px = 1;
     int height_px = 1;
@@ -123,4 +123,4 @@ std::string thumbnail_png(const Mosaic& mosaic, int max_side_px) {
     return {png.begin(), png.end()};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mosaic

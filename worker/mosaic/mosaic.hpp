@@ -8,7 +8,7 @@
 
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mosaic {
 
 // An orthographic picture of the mesh from above (along gravity). Row 0 is north (largest y),
 // column 0 west (smallest x); pixel (0, 0) has its outer corner at `corner_x_m`, `corner_y_m`.
@@ -27,7 +27,7 @@ struct MosaicOptions {
 };
 
 // Colours by the vertices, highest surface wins. An empty mesh gives one transparent pixel.
-Mosaic render_mosaic(const Mesh& mesh, const MosaicOptions& options = {});
+Mosaic render_mosaic(const types::Mesh& mesh, const MosaicOptions& options = {});
 
 // mosaic.png, mosaic_height.png (16 bit; 0: nothing there) and mosaic.json with the scales of
 // both, and a world file for each picture (.pgw, the world in m), in `folder`.
@@ -36,4 +36,4 @@ void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic);
 // The picture scaled down to `max_side_px` on white, for the report.
 std::string thumbnail_png(const Mosaic& mosaic, int max_side_px = 480);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mosaic

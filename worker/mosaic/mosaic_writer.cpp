@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "worker/mosaic/mosaic.hpp"
 #include "worker/base/atomic_file.hpp"
+#include "worker/mosaic/mosaic.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mosaic {
 namespace {
 
 // Heights as steps above the lowest, from 1; 0 where there is no surface.
@@ -41,7 +41,7 @@ HeightImage height_image(const cv::Mat& height_m) {
 void write_png(const std::filesystem::path& file, const cv::Mat& image) {
     std::vector<std::uint8_t> png;
     cv::imencode(".png", image, png);
-    write_file(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+    base::write_file(file, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 // The six lines of an ESRI world file: the world's (x, y) of a pixel's centre is
@@ -80,9 +80,9 @@ void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic) {
           {"step_m", heights.step_m}}}};
     write_png(folder / "mosaic.png", mosaic.color);
     write_png(folder / "mosaic_height.png", heights.steps);
-    write_file(folder / "mosaic.pgw", world_file(mosaic));
-    write_file(folder / "mosaic_height.pgw", world_file(mosaic));
-    write_file(folder / "mosaic.json", description.dump(2) + "\n");
+    base::write_file(folder / "mosaic.pgw", world_file(mosaic));
+    base::write_file(folder / "mosaic_height.pgw", world_file(mosaic));
+    base::write_file(folder / "mosaic.json", description.dump(2) + "\n");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mosaic

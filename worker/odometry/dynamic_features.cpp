@@ -8,7 +8,7 @@
 #include <unordered_set>
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 constexpr double kStill_px = 1.0;          // half of what makes an outlier
@@ -17,9 +17,9 @@ constexpr double kSameComponent_px = 2.0;  // of its disparity from the feature'
 constexpr double kMaxShare = 0.25;         // of the picture that a fish fills
 constexpr int kRim_px = 3;                 // where disparities of both sides mix
 
-bool by_id(const Feature& a, const Feature& b) { return a.id < b.id; }
+bool by_id(const types::Feature& a, const types::Feature& b) { return a.id < b.id; }
 
-cv::Point pixel_of(const Feature& feature) {
+cv::Point pixel_of(const types::Feature& feature) {
     return {static_cast<int>(std::lround(feature.pixel.x())),
             static_cast<int>(std::lround(feature.pixel.y()))};
 }
@@ -36,7 +36,7 @@ public:
         cv::Mat mask;  // of `where`
     };
     // The one under a feature; none where nothing has its depth or it was asked for before.
-    std::optional<DepthComponent> take_component_at(const Feature& feature);
+    std::optional<DepthComponent> take_component_at(const types::Feature& feature);
 
 private:
     cv::Mat disparity_px_;
@@ -44,7 +44,7 @@ private:
 };
 
 std::optional<DepthComponents::DepthComponent> DepthComponents::take_component_at(
-    const Feature& feature) {
+    const types::Feature& feature) {
     constexpr int kThis = 2;
     constexpr int kBefore = 255;
     const cv::Point seed = pixel_of(feature);
@@ -69,8 +69,8 @@ std::optional<DepthComponents::DepthComponent> DepthComponents::take_component_a
     return component;
 }
 
-bool holds_any(const DepthComponents::DepthComponent& component, const Features& features) {
-    return std::any_of(features.begin(), features.end(), [&](const Feature& feature) {
+bool holds_any(const DepthComponents::DepthComponent& component, const types::Features& features) {
+    return std::any_of(features.begin(), features.end(), [&](const types::Feature& feature) {
         const cv::Point pixel = pixel_of(feature);
         return component.where.contains(pixel) &&
                component.mask.at<std::uint8_t>(pixel - component.where.tl()) != 0;
@@ -79,8 +79,8 @@ bool holds_any(const DepthComponents::DepthComponent& component, const Features&
 
 }  // namespace
 
-Features DynamicFeatures::with_dynamic(const Features& scene) const {
-    Features all;
+types::Features DynamicFeatures::with_dynamic(const types::Features& scene) const {
+    types::Features all;
     std::merge(scene.begin(),
                scene.end(),
                features_.begin(),
@@ -90,7 +90,7 @@ Features DynamicFeatures::with_dynamic(const Features& scene) const {
     return all;
 }
 
-void DynamicFeatures::take_dynamic(Features& tracks) {
+void DynamicFeatures::take_dynamic(types::Features& tracks) {
     previous_ = std::exchange(features_, {});
     std::set_intersection(tracks.begin(),
                           tracks.end(),
@@ -98,7 +98,7 @@ void DynamicFeatures::take_dynamic(Features& tracks) {
                           previous_.end(),
                           std::back_inserter(features_),
                           by_id);
-    std::erase_if(tracks, [&](const Feature& feature) {
+    std::erase_if(tracks, [&](const types::Feature& feature) {
         return std::binary_search(features_.begin(), features_.end(), feature, by_id);
     });
 }
@@ -106,12 +106,12 @@ void DynamicFeatures::take_dynamic(Features& tracks) {
 void DynamicFeatures::classify(const PointPairs& pairs, const Registration& motion) {
     started_.clear();
     if (!motion.found) return;
-    std::erase_if(features_, [&](const Feature& feature) {
+    std::erase_if(features_, [&](const types::Feature& feature) {
         return moves_with_scene(motion.T_current_previous, feature);
     });
     std::unordered_set<std::int64_t> inliers;
     for (const PointPair& pair : motion.inliers) inliers.insert(pair.id);
-    Features fresh;
+    types::Features fresh;
     for (const PointPair& pair : pairs) {
         if (inliers.contains(pair.id)) continue;
         fresh.push_back({pair.id, pair.current_px.head<2>(), pair.current_px.z()});
@@ -121,25 +121,28 @@ void DynamicFeatures::classify(const PointPairs& pairs, const Registration& moti
 }
 
 bool DynamicFeatures::moves_with_scene(const Eigen::Isometry3d& T_current_previous,
-                                       const Feature& feature) const {
+                                       const types::Feature& feature) const {
     const auto before = std::lower_bound(previous_.begin(), previous_.end(), feature, by_id);
-    if (before == previous_.end() || before->id != feature.id || !has_depth(*before) ||
-        !has_depth(feature))
+    if (before == previous_.end() || before->id != feature.id || !types::has_depth(*before) ||
+        !types::has_depth(feature))
         return false;
-    const Eigen::Vector3d p_cam = T_current_previous * point_cam(rig_, *before);
+    const Eigen::Vector3d p_cam = T_current_previous * types::point_cam(rig_, *before);
     return p_cam.z() > 0.0 &&
-           (project_px(rig_, p_cam) - measurement_px(feature)).norm() < kStill_px;
+           (types::project_px(rig_, p_cam) - types::measurement_px(feature)).norm() < kStill_px;
 }
 
-void mask_dynamic_features(const Features& dynamic, const Features& scene, DepthMap& depth) {
+void mask_dynamic_features(const types::Features& dynamic,
+                           const types::Features& scene,
+                           types::DepthMap& depth) {
     std::unordered_set<std::int64_t> moving_ids;
-    for (const Feature& feature : dynamic) moving_ids.insert(feature.id);
-    Features still = scene;
-    std::erase_if(still, [&](const Feature& feature) { return moving_ids.contains(feature.id); });
+    for (const types::Feature& feature : dynamic) moving_ids.insert(feature.id);
+    types::Features still = scene;
+    std::erase_if(still,
+                  [&](const types::Feature& feature) { return moving_ids.contains(feature.id); });
     cv::Mat out = cv::Mat::zeros(depth.disparity_px.size(), CV_8U);
     DepthComponents components(depth.disparity_px);
-    for (const Feature& feature : dynamic) {
-        if (!has_depth(feature)) continue;
+    for (const types::Feature& feature : dynamic) {
+        if (!types::has_depth(feature)) continue;
         const auto component = components.take_component_at(feature);
         if (component && !holds_any(*component, still))
             out(component->where).setTo(255, component->mask);
@@ -148,4 +151,4 @@ void mask_dynamic_features(const Features& dynamic, const Features& scene, Depth
     depth.disparity_px.setTo(0.0F, out);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

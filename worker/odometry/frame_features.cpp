@@ -6,17 +6,17 @@
 #include <utility>
 
 #include "worker/features/match_sparse_stereo.hpp"
-#include "worker/odometry/refine_pose.hpp"
 #include "worker/features/surface_slope.hpp"
+#include "worker/odometry/refine_pose.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 
-std::uint64_t seed_of(std::int64_t seed, const RectifiedFrame& frame) {
+std::uint64_t seed_of(std::int64_t seed, const types::RectifiedFrame& frame) {
     return static_cast<std::uint64_t>(seed) * 1'000'003U + static_cast<std::uint64_t>(frame.index);
 }
 
-Eigen::Isometry3d first_pose(const InertialPrior& inertial,
-                             const RectifiedRig& rig,
+Eigen::Isometry3d first_pose(const imu::InertialPrior& inertial,
+                             const types::RectifiedRig& rig,
                              std::int64_t timestamp_ns) {
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
     T_world_imu.linear() =
@@ -24,58 +24,58 @@ Eigen::Isometry3d first_pose(const InertialPrior& inertial,
     return T_world_imu * rig.T_imu_cam;
 }
 
-Features without_dynamic_features(const Features& tracks,
-                                  const PointPairs& pairs,
-                                  const Registration& motion) {
+types::Features without_dynamic_features(const types::Features& tracks,
+                                         const PointPairs& pairs,
+                                         const Registration& motion) {
     std::unordered_set<std::int64_t> outliers;
     if (motion.found)
         for (const PointPair& pair : pairs) outliers.insert(pair.id);
     for (const PointPair& pair : motion.inliers) outliers.erase(pair.id);
-    Features features;
-    for (const Feature& feature : tracks)
+    types::Features features;
+    for (const types::Feature& feature : tracks)
         if (!outliers.contains(feature.id)) features.push_back(feature);
     return features;
 }
 
-Features static_features(const Registration& motion) {
-    Features features;
+types::Features static_features(const Registration& motion) {
+    types::Features features;
     if (!motion.found) return features;
     for (const PointPair& pair : motion.inliers)
         features.push_back({pair.id, pair.current_px.head<2>(), pair.current_px.z()});
     return features;
 }
 
-void add_lost_features(const RectifiedFrame& frame,
+void add_lost_features(const types::RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,
                        int num_disparities_px,
-                       FeatureTracker& tracker,
-                       Features& features) {
-    Features found = tracker.find_lost(T_current_previous, features);
-    match_sparse_stereo(frame, {}, num_disparities_px, found);
-    Features all;
+                       features::FeatureTracker& tracker,
+                       types::Features& features) {
+    types::Features found = tracker.find_lost(T_current_previous, features);
+    features::match_sparse_stereo(frame, {}, num_disparities_px, found);
+    types::Features all;
     std::set_union(features.begin(),
                    features.end(),
                    found.begin(),
                    found.end(),
                    std::back_inserter(all),
-                   [](const Feature& a, const Feature& b) { return a.id < b.id; });
+                   [](const types::Feature& a, const types::Feature& b) { return a.id < b.id; });
     features = std::move(all);
 }
 
-void add_new_features(const RectifiedRig& rig,
-                      const RectifiedFrame& frame,
-                      const DepthMap& depth,
+void add_new_features(const types::RectifiedRig& rig,
+                      const types::RectifiedFrame& frame,
+                      const types::DepthMap& depth,
                       int num_disparities_px,
-                      FeatureTracker& tracker,
-                      Features& features) {
-    Features fresh = tracker.detect(features);
-    match_sparse_stereo(frame, depth.disparity_px, num_disparities_px, fresh);
-    measure_slopes(rig, frame, fresh);
+                      features::FeatureTracker& tracker,
+                      types::Features& features) {
+    types::Features fresh = tracker.detect(features);
+    features::match_sparse_stereo(frame, depth.disparity_px, num_disparities_px, fresh);
+    features::measure_slopes(rig, frame, fresh);
     features.insert(features.end(), fresh.begin(), fresh.end());
 }
 
-void learn_bias(InertialPrior& inertial,
-                const RectifiedRig& rig,
+void learn_bias(imu::InertialPrior& inertial,
+                const types::RectifiedRig& rig,
                 const Registration& vision,
                 std::int64_t before_ns,
                 std::int64_t now_ns) {
@@ -87,4 +87,4 @@ void learn_bias(InertialPrior& inertial,
     inertial.learn_bias(before_ns, now_ns, q_imu_cam * q_previous_current * q_imu_cam.conjugate());
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

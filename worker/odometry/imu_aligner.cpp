@@ -5,7 +5,7 @@
 
 #include "worker/odometry/refine_pose.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 constexpr std::int64_t kMinInterval_ns = 2'000'000'000;
@@ -26,12 +26,12 @@ PointPairs inliers_of(const PointPairs& measured, const Registration& vision) {
 
 }  // namespace
 
-void ImuAligner::watch(const RectifiedRig& rig,
+void ImuAligner::watch(const types::RectifiedRig& rig,
                        const PointPairs& measured,
                        const Registration& vision,
                        std::int64_t before_ns,
                        std::int64_t now_ns,
-                       InertialPrior& inertial) {
+                       imu::InertialPrior& inertial) {
     if (!inertial.has_gyroscope() || rotations_.size() >= kMaxRotations) return;
     if (!vision.found || vision.inliers.size() < kMinNumPairs) return;
     const Eigen::Isometry3d T_current_previous = refine_pose(
@@ -43,9 +43,9 @@ void ImuAligner::watch(const RectifiedRig& rig,
     if (rotations_.size() < next_size_ || now_ns - rotations_.front().from_ns < kMinInterval_ns)
         return;
     next_size_ = rotations_.size() + rotations_.size() / 2;
-    const auto estimate = estimate_alignment(samples_, rotations_);
+    const auto estimate = imu::estimate_alignment(samples_, rotations_);
     if (!estimate) return;
-    ImuAlignment alignment;
+    types::ImuAlignment alignment;
     if (estimate->time_offset_is_significant())
         alignment.time_offset_s = estimate->alignment.time_offset_s;
     if (estimate->rotation_is_significant()) alignment.q_body_imu = estimate->alignment.q_body_imu;
@@ -53,4 +53,4 @@ void ImuAligner::watch(const RectifiedRig& rig,
     inertial.align(alignment);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

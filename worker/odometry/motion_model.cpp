@@ -4,7 +4,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 // Longer than this nobody swims on as before.
@@ -20,7 +20,7 @@ void MotionModel::start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_wo
     T_world_cam_ = T_world_cam;
 }
 
-std::optional<KnownRotation> MotionModel::rotation(std::int64_t timestamp_ns) const {
+std::optional<types::KnownRotation> MotionModel::rotation(std::int64_t timestamp_ns) const {
     const Eigen::Quaterniond q_imu_cam(rig_.T_imu_cam.linear());
     const Eigen::Quaterniond q_world_cam(T_world_cam_.linear());
     const auto rotation_imu =
@@ -28,10 +28,10 @@ std::optional<KnownRotation> MotionModel::rotation(std::int64_t timestamp_ns) co
     if (!rotation_imu) return std::nullopt;
     const Eigen::Quaterniond q_previous_current =
         q_imu_cam.conjugate() * rotation_imu->q * q_imu_cam;
-    return KnownRotation{q_previous_current.conjugate(), rotation_imu->sigma_rad};
+    return types::KnownRotation{q_previous_current.conjugate(), rotation_imu->sigma_rad};
 }
 
-Eigen::Isometry3d MotionModel::predict(const std::optional<KnownRotation>& rotation,
+Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>& rotation,
                                        std::int64_t timestamp_ns) const {
     if (inertial_state_)
         if (const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns))
@@ -40,13 +40,13 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<KnownRotation>& rotat
     Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
     T_previous_current.linear() =
         (rotation ? rotation->q.conjugate()
-                  : rotation_from_vector(angular_velocity_cam_ * interval_s))
+                  : base::rotation_from_vector(angular_velocity_cam_ * interval_s))
             .toRotationMatrix();
     T_previous_current.translation() = velocity_cam_ * interval_s;
     return T_previous_current.inverse();
 }
 
-Eigen::Isometry3d MotionModel::predict_by_imu(const PreintegratedImu& motion) const {
+Eigen::Isometry3d MotionModel::predict_by_imu(const imu::PreintegratedImu& motion) const {
     const double dt_s = motion.rotation.duration_s;
     const Eigen::Isometry3d T_world_imu = T_world_cam_ * rig_.T_imu_cam.inverse();
     Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
@@ -54,7 +54,7 @@ Eigen::Isometry3d MotionModel::predict_by_imu(const PreintegratedImu& motion) co
     T_from_to.translation() =
         T_world_imu.linear().transpose() *
             (inertial_state_->velocity_world * dt_s +
-             0.5 * kGravity_m_s2 * dt_s * dt_s * inertial_state_->gravity_direction_world) +
+             0.5 * imu::kGravity_m_s2 * dt_s * dt_s * inertial_state_->gravity_direction_world) +
         motion.delta_position;
     return rig_.T_imu_cam.inverse() * T_from_to * rig_.T_imu_cam;
 }
@@ -65,7 +65,7 @@ void MotionModel::advance(const Eigen::Isometry3d& T_current_previous, std::int6
     if (inertial_state_) {
         const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns);
         if (motion)
-            inertial_state_->velocity_world += kGravity_m_s2 * motion->rotation.duration_s *
+            inertial_state_->velocity_world += imu::kGravity_m_s2 * motion->rotation.duration_s *
                                                    inertial_state_->gravity_direction_world +
                                                T_world_cam_.linear() *
                                                    rig_.T_imu_cam.linear().transpose() *
@@ -76,11 +76,11 @@ void MotionModel::advance(const Eigen::Isometry3d& T_current_previous, std::int6
     const Eigen::Quaterniond turned(T_previous_current.linear());
     // In the frame of the new camera, from where the next step is reckoned.
     velocity_cam_ = T_current_previous.linear() * T_previous_current.translation() / interval_s;
-    angular_velocity_cam_ = vector_from_rotation(turned) / interval_s;
+    angular_velocity_cam_ = base::vector_from_rotation(turned) / interval_s;
     T_world_cam_ = T_world_cam_ * T_previous_current;
     T_world_cam_.linear() =
         Eigen::Quaterniond(T_world_cam_.linear()).normalized().toRotationMatrix();
     timestamp_ns_ = timestamp_ns;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

@@ -5,24 +5,24 @@
 #include <optional>
 
 #include "worker/imu/inertial_prior.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/odometry/predict_orientation.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 
 // Where the camera is and how it moves: what lets a frame be expected before it is looked at, and
 // carries on when vision fails.
 class MotionModel {
 public:
-    MotionModel(const RectifiedRig& rig, const InertialPrior& inertial)
+    MotionModel(const types::RectifiedRig& rig, const imu::InertialPrior& inertial)
         : rig_(rig), inertial_(inertial) {}
 
     void start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_cam);
     // The camera's turn by the inertial sensors since the last frame.
-    std::optional<KnownRotation> rotation(std::int64_t timestamp_ns) const;
+    std::optional<types::KnownRotation> rotation(std::int64_t timestamp_ns) const;
     // T_current_previous by the inertial unit once velocity and vertical are known; else at
     // constant velocity, turned as the inertial sensors say, where they do.
-    Eigen::Isometry3d predict(const std::optional<KnownRotation>& rotation,
+    Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
     // The last pose is known better now; with an inertial unit so are velocity and vertical.
@@ -38,7 +38,7 @@ public:
 
 private:
     // T_previous_current.
-    Eigen::Isometry3d predict_by_imu(const PreintegratedImu& motion) const;
+    Eigen::Isometry3d predict_by_imu(const imu::PreintegratedImu& motion) const;
 
     // What the inertial unit has to be told to say how the body moves.
     struct InertialState {
@@ -46,8 +46,8 @@ private:
         Eigen::Vector3d gravity_direction_world;
     };
 
-    RectifiedRig rig_;
-    const InertialPrior& inertial_;
+    types::RectifiedRig rig_;
+    const imu::InertialPrior& inertial_;
     std::optional<InertialState> inertial_state_;
     bool started_ = false;
     std::int64_t timestamp_ns_ = 0;
@@ -56,4 +56,4 @@ private:
     Eigen::Vector3d angular_velocity_cam_ = Eigen::Vector3d::Zero();  // rad/s
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

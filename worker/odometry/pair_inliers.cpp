@@ -2,20 +2,20 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
-double squared_error_px(const RectifiedRig& rig,
+double squared_error_px(const types::RectifiedRig& rig,
                         const PointPair& pair,
                         const Eigen::Isometry3d& T_current_previous) {
     const Eigen::Vector3d p_current = T_current_previous * pair.p_previous;
     if (p_current.z() < 1e-3) return 1e9;
-    return (project_px(rig, p_current) - pair.current_px).squaredNorm();
+    return (types::project_px(rig, p_current) - pair.current_px).squaredNorm();
 }
 
 }  // namespace
 
-PointPairs find_inliers(const RectifiedRig& rig,
+PointPairs find_inliers(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const Eigen::Isometry3d& T_current_previous,
                         double tolerance_px) {
@@ -26,7 +26,7 @@ PointPairs find_inliers(const RectifiedRig& rig,
     return result;
 }
 
-double msac_cost(const RectifiedRig& rig,
+double msac_cost(const types::RectifiedRig& rig,
                  const PointPairs& pairs,
                  const Eigen::Isometry3d& T_current_previous,
                  double tolerance_px) {
@@ -37,4 +37,4 @@ double msac_cost(const RectifiedRig& rig,
     return sum;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

@@ -1,6 +1,6 @@
 #include "worker/odometry/predict_orientation.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 // The translation that the inliers ask for once the rotation is given. Near points know it best:
@@ -18,7 +18,7 @@ Eigen::Vector3d translation_for(const Eigen::Matrix3d& R, const PointPairs& inli
 
 }  // namespace
 
-MotionGuess predict_orientation(const std::optional<KnownRotation>& q_current_previous,
+MotionGuess predict_orientation(const std::optional<types::KnownRotation>& q_current_previous,
                                 const Registration& motion) {
     MotionGuess guess;
     guess.T_current_previous = motion.T_current_previous;
@@ -33,4 +33,4 @@ MotionGuess predict_orientation(const std::optional<KnownRotation>& q_current_pr
     return guess;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

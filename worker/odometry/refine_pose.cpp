@@ -11,7 +11,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -34,7 +34,7 @@ struct NormalEquations {
 };
 
 // d h / d p.
-Eigen::Matrix3d projection_jacobian(const RectifiedRig& rig, const Eigen::Vector3d& p) {
+Eigen::Matrix3d projection_jacobian(const types::RectifiedRig& rig, const Eigen::Vector3d& p) {
     const double scale = rig.focal_px / p.z();
     Eigen::Matrix3d by_point;
     by_point << scale, 0.0, -scale * p.x() / p.z(),  //
@@ -44,7 +44,7 @@ Eigen::Matrix3d projection_jacobian(const RectifiedRig& rig, const Eigen::Vector
 }
 
 // d p / d m of a triangulated point.
-Eigen::Matrix3d point_by_measurement(const RectifiedRig& rig,
+Eigen::Matrix3d point_by_measurement(const types::RectifiedRig& rig,
                                      const Eigen::Vector3d& p,
                                      double disparity_px) {
     const double scale = p.z() / rig.focal_px;
@@ -56,14 +56,14 @@ Eigen::Matrix3d point_by_measurement(const RectifiedRig& rig,
 }
 
 // False when the point would lie behind the camera.
-bool add_pair(const RectifiedRig& rig,
+bool add_pair(const types::RectifiedRig& rig,
               const PointPair& pair,
               const Eigen::Isometry3d& T_current_previous,
               NormalEquations& equations) {
     const Eigen::Vector3d turned = T_current_previous.linear() * pair.p_previous;
     const Eigen::Vector3d moved = turned + T_current_previous.translation();
     if (moved.z() < kMinDepth_m) return false;
-    const Eigen::Vector3d error = project_px(rig, moved) - pair.current_px;
+    const Eigen::Vector3d error = types::project_px(rig, moved) - pair.current_px;
     const Eigen::Matrix3d by_point = projection_jacobian(rig, moved);
     const Eigen::Matrix3d J = by_point * T_current_previous.linear() *
                               point_by_measurement(rig, pair.p_previous, pair.previous_px.z()) *
@@ -76,18 +76,18 @@ bool add_pair(const RectifiedRig& rig,
     const double weight = size <= kHuber ? 1.0 : kHuber / size;
     equations.cost += size <= kHuber ? squared : 2.0 * kHuber * size - kHuber * kHuber;
     Matrix36d by_motion;
-    by_motion << -by_point * cross_matrix(turned), by_point;
+    by_motion << -by_point * base::cross_matrix(turned), by_point;
     const Eigen::Matrix<double, 6, 3> weighted = weight * by_motion.transpose() * information;
     equations.H.noalias() += weighted * by_motion;
     equations.g.noalias() += weighted * error;
     return true;
 }
 
-void add_known_rotation(const KnownRotation& known,
+void add_known_rotation(const types::KnownRotation& known,
                         const Eigen::Isometry3d& T_current_previous,
                         NormalEquations& equations) {
-    const Eigen::Vector3d error =
-        vector_from_rotation(Eigen::Quaterniond(T_current_previous.linear()) * known.q.conjugate());
+    const Eigen::Vector3d error = base::vector_from_rotation(
+        Eigen::Quaterniond(T_current_previous.linear()) * known.q.conjugate());
     const double information = 1.0 / (known.sigma_rad * known.sigma_rad);
     equations.cost += information * error.squaredNorm();
     equations.H.topLeftCorner<3, 3>().diagonal().array() += information;
@@ -95,9 +95,9 @@ void add_known_rotation(const KnownRotation& known,
 }
 
 // Cost infinite where a point lies behind the camera.
-NormalEquations linearise(const RectifiedRig& rig,
+NormalEquations linearise(const types::RectifiedRig& rig,
                           const PointPairs& pairs,
-                          const std::optional<KnownRotation>& known,
+                          const std::optional<types::KnownRotation>& known,
                           const Eigen::Isometry3d& T_current_previous) {
     NormalEquations equations;
     for (const PointPair& pair : pairs) {
@@ -111,7 +111,7 @@ NormalEquations linearise(const RectifiedRig& rig,
 
 Eigen::Isometry3d moved_by(const Vector6d& step, const Eigen::Isometry3d& T) {
     Eigen::Isometry3d result = T;
-    result.linear() = (rotation_from_vector(step.head<3>()) * Eigen::Quaterniond(T.linear()))
+    result.linear() = (base::rotation_from_vector(step.head<3>()) * Eigen::Quaterniond(T.linear()))
                           .normalized()
                           .toRotationMatrix();
     result.translation() += step.tail<3>();
@@ -120,7 +120,7 @@ Eigen::Isometry3d moved_by(const Vector6d& step, const Eigen::Isometry3d& T) {
 
 }  // namespace
 
-Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
+Eigen::Isometry3d refine_pose(const types::RectifiedRig& rig,
                               const PointPairs& pairs,
                               const MotionGuess& guess) {
     Eigen::Isometry3d best = guess.T_current_previous;
@@ -146,7 +146,7 @@ Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
     return best;
 }
 
-Matrix6d motion_covariance(const RectifiedRig& rig,
+Matrix6d motion_covariance(const types::RectifiedRig& rig,
                            const PointPairs& pairs,
                            const Eigen::Isometry3d& T_current_previous) {
     return linearise(rig, pairs, std::nullopt, T_current_previous)
@@ -154,13 +154,15 @@ Matrix6d motion_covariance(const RectifiedRig& rig,
         .solve(Matrix6d::Identity());
 }
 
-double max_sigma_rad(const RectifiedRig& rig, const PointPairs& pairs, const MotionGuess& motion) {
+double max_sigma_rad(const types::RectifiedRig& rig,
+                     const PointPairs& pairs,
+                     const MotionGuess& motion) {
     constexpr double kUnknown_rad = std::numeric_limits<double>::infinity();
     if (pairs.empty()) return kUnknown_rad;
     std::vector<double> depths_m;
     for (const PointPair& pair : pairs) depths_m.push_back(pair.p_previous.z());
     Vector6d scale = Vector6d::Ones();
-    scale.tail<3>().setConstant(upper_median(std::move(depths_m)));
+    scale.tail<3>().setConstant(stats::upper_median(std::move(depths_m)));
     const NormalEquations equations =
         linearise(rig, pairs, motion.rotation, motion.T_current_previous);
     const Matrix6d information = scale.asDiagonal() * equations.H * scale.asDiagonal();
@@ -170,4 +172,4 @@ double max_sigma_rad(const RectifiedRig& rig, const PointPairs& pairs, const Mot
     return least > 0.0 ? 1.0 / std::sqrt(least) : kUnknown_rad;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

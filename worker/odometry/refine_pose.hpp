@@ -2,11 +2,11 @@
 
 #include <Eigen/Geometry>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 
 // Step 6: rotation and translation refined by Levenberg-Marquardt from the guess, over the pairs
 // and the inertial unit's word. With m = (u, v, disparity), p the point triangulated from m_a, h
@@ -18,19 +18,21 @@ namespace divemesh::worker {
 // C is taken anew where each step begins and held while it is made: differentiating it without the
 // likelihood's log det C would pay for large covariances. Scale stays 1. Returns
 // T_current_previous.
-Eigen::Isometry3d refine_pose(const RectifiedRig& rig,
+Eigen::Isometry3d refine_pose(const types::RectifiedRig& rig,
                               const PointPairs& pairs,
                               const MotionGuess& guess);
 
 // Of a motion that refine_pose has found, the inverse of its normal equations: rotation vector
 // (rad), then translation (m), of R <- exp(w) R, T <- T + t.
-Eigen::Matrix<double, 6, 6> motion_covariance(const RectifiedRig& rig,
+Eigen::Matrix<double, 6, 6> motion_covariance(const types::RectifiedRig& rig,
                                               const PointPairs& pairs,
                                               const Eigen::Isometry3d& T_current_previous);
 
 // Standard deviation of a motion that refine_pose has found, along what the pairs and the known
 // rotation say least about; in rad, translations as angles at the pairs' median depth. Large where
 // the pairs are too few, too far or nearly on one line.
-double max_sigma_rad(const RectifiedRig& rig, const PointPairs& pairs, const MotionGuess& motion);
+double max_sigma_rad(const types::RectifiedRig& rig,
+                     const PointPairs& pairs,
+                     const MotionGuess& motion);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

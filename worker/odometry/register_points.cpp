@@ -8,20 +8,20 @@
 #include "worker/base/horn.hpp"
 #include "worker/odometry/pair_inliers.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 constexpr int kMaxRansacIterations = 400;
 constexpr double kConfidence = 0.9999;
 
-std::optional<AbsoluteOrientation> align(const PointPairs& pairs) {
+std::optional<base::AbsoluteOrientation> align(const PointPairs& pairs) {
     std::vector<Eigen::Vector3d> previous;
     std::vector<Eigen::Vector3d> current;
     for (const PointPair& pair : pairs) {
         previous.push_back(pair.p_previous);
         current.push_back(pair.p_current);
     }
-    return absolute_orientation(previous, current);
+    return base::absolute_orientation(previous, current);
 }
 
 PointPairs sample_three(const PointPairs& pairs, std::mt19937_64& random) {
@@ -46,7 +46,7 @@ int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
 
 }  // namespace
 
-Registration register_points(const RectifiedRig& rig,
+Registration register_points(const types::RectifiedRig& rig,
                              const PointPairs& pairs,
                              double tolerance_px,
                              std::uint64_t seed) {
@@ -80,4 +80,4 @@ Registration register_points(const RectifiedRig& rig,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 
 struct Registration {
     bool found = false;       // enough pairs agree, and they determine it
@@ -25,9 +25,9 @@ inline constexpr double kInlierTolerance_px = 2.0;
 // moves by itself (fish, snow) left out. A pair agrees when the moved point projects to within
 // `tolerance_px` of where it was seen, disparity included: metres would favour what is near. The
 // same pairs and seed give the same result.
-Registration register_points(const RectifiedRig& rig,
+Registration register_points(const types::RectifiedRig& rig,
                              const PointPairs& pairs,
                              double tolerance_px,
                              std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

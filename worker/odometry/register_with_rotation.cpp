@@ -9,7 +9,7 @@
 #include "worker/odometry/pair_inliers.hpp"
 #include "worker/odometry/refine_pose.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 constexpr int kMaxRansacIterations = 60;
@@ -27,7 +27,7 @@ int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
 }
 
 // The best motion among the expected one and those that turn with the gyroscope.
-Eigen::Isometry3d best_translation(const RectifiedRig& rig,
+Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
                                    const PointPairs& pairs,
                                    const Eigen::Matrix3d& R_current_previous,
                                    const Eigen::Isometry3d& expected,
@@ -54,7 +54,7 @@ Eigen::Isometry3d best_translation(const RectifiedRig& rig,
 }
 
 // Refined over its inliers, and once more over those that agree with that.
-Registration settled(const RectifiedRig& rig,
+Registration settled(const types::RectifiedRig& rig,
                      const PointPairs& pairs,
                      const Eigen::Isometry3d& T_current_previous,
                      double tolerance_px) {
@@ -78,15 +78,15 @@ double horn_scale(const PointPairs& pairs) {
         previous.push_back(pair.p_previous);
         current.push_back(pair.p_current);
     }
-    const auto aligned = absolute_orientation(previous, current);
+    const auto aligned = base::absolute_orientation(previous, current);
     return aligned ? aligned->scale : 1.0;
 }
 
 }  // namespace
 
-Registration register_with_rotation(const RectifiedRig& rig,
+Registration register_with_rotation(const types::RectifiedRig& rig,
                                     const PointPairs& pairs,
-                                    const std::optional<KnownRotation>& rotation,
+                                    const std::optional<types::KnownRotation>& rotation,
                                     const Eigen::Isometry3d& expected,
                                     double tolerance_px,
                                     std::uint64_t seed) {
@@ -114,4 +114,4 @@ Registration register_with_rotation(const RectifiedRig& rig,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

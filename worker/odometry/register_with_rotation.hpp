@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/register_points.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 
 // Step 4 with the turn known by the gyroscope: one pair gives the translation, so that few tries
 // find the motion among many outliers, on planes too. `expected` (T_current_previous) is tried
@@ -16,11 +16,11 @@ namespace divemesh::worker {
 // asked as well and the better of the two taken. The motion given back is refined over the
 // inliers by vision alone. Inliers that, with the turn where it is known, leave some part of the
 // motion open are degenerate: nothing is found.
-Registration register_with_rotation(const RectifiedRig& rig,
+Registration register_with_rotation(const types::RectifiedRig& rig,
                                     const PointPairs& pairs,
-                                    const std::optional<KnownRotation>& rotation,
+                                    const std::optional<types::KnownRotation>& rotation,
                                     const Eigen::Isometry3d& expected,
                                     double tolerance_px,
                                     std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

@@ -6,7 +6,7 @@
 
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 double share(double part, std::int64_t whole) {
@@ -15,7 +15,7 @@ double share(double part, std::int64_t whole) {
 
 }  // namespace
 
-void TrackSummary::add_frame(const Features& features,
+void TrackSummary::add_frame(const types::Features& features,
                              const Registration& motion,
                              const MotionGuess& guess) {
     ++num_frames_;
@@ -29,15 +29,15 @@ void TrackSummary::add_frame(const Features& features,
     scales_.push_back(motion.scale);
     std::vector<double> depths;
     for (const PointPair& pair : motion.inliers) depths.push_back(pair.p_current.z());
-    depths_m_.push_back(upper_median(std::move(depths)));
+    depths_m_.push_back(stats::upper_median(std::move(depths)));
     if (!guess.rotation) return;
     squared_disagreement_ += guess.disagreement_rad * guess.disagreement_rad;
     ++num_disagreements_;
 }
 
-void TrackSummary::follow(const Features& features) {
+void TrackSummary::follow(const types::Features& features) {
     std::unordered_map<std::int64_t, int> alive;
-    for (const Feature& feature : features) {
+    for (const types::Feature& feature : features) {
         const auto before = age_.find(feature.id);
         alive[feature.id] = before == age_.end() ? 1 : before->second + 1;
         if (before != age_.end()) age_.erase(before);
@@ -46,8 +46,8 @@ void TrackSummary::follow(const Features& features) {
     age_ = std::move(alive);
 }
 
-TrackStatistics TrackSummary::statistics() const {
-    TrackStatistics result;
+types::TrackStatistics TrackSummary::statistics() const {
+    types::TrackStatistics result;
     result.num_frames = num_frames_;
     result.num_frames_tracked = num_tracked_;
     result.num_degenerate_frames = num_degenerate_;
@@ -56,12 +56,12 @@ TrackStatistics TrackSummary::statistics() const {
     result.inlier_share = share(static_cast<double>(num_inliers_), num_pairs_);
     result.imu_vision_disagreement_deg =
         std::sqrt(share(squared_disagreement_, num_disagreements_)) * 180.0 / std::numbers::pi;
-    result.horn_scale_median = scales_.empty() ? 1.0 : upper_median(scales_);
-    result.median_depth_m = upper_median(depths_m_);
+    result.horn_scale_median = scales_.empty() ? 1.0 : stats::upper_median(scales_);
+    result.median_depth_m = stats::upper_median(depths_m_);
     std::vector<double> lives = lives_frames_;
     for (const auto& [id, frames] : age_) lives.push_back(frames);
-    result.median_track_life_frames = upper_median(std::move(lives));
+    result.median_track_life_frames = stats::upper_median(std::move(lives));
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

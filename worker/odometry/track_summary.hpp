@@ -8,12 +8,14 @@
 #include "worker/odometry/register_points.hpp"
 #include "worker/types/track.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 
 // Adds up what the frames say about how well the tracking went.
 class TrackSummary {
 public:
-    void add_frame(const Features& features, const Registration& motion, const MotionGuess& guess);
+    void add_frame(const types::Features& features,
+                   const Registration& motion,
+                   const MotionGuess& guess);
     // The first frame: nothing to compare it with.
     void add_first_frame() {
         ++num_frames_;
@@ -21,10 +23,10 @@ public:
     }
 
     // Without skipped frames and the dense search, which are counted elsewhere.
-    TrackStatistics statistics() const;
+    types::TrackStatistics statistics() const;
 
 private:
-    void follow(const Features& features);
+    void follow(const types::Features& features);
 
     std::int64_t num_frames_ = 0;
     std::int64_t num_tracked_ = 0;
@@ -40,4 +42,4 @@ private:
     std::unordered_map<std::int64_t, int> age_;  // of the tracks that go on
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

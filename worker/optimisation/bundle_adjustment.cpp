@@ -11,7 +11,6 @@
 
 #include "worker/optimisation/levenberg_marquardt.hpp"
 #include "worker/optimisation/reduced_information.hpp"
-#include "worker/optimisation/solver_progress.hpp"
 #include "worker/optimisation/residuals/gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/imu_preintegration_cost.hpp"
 #include "worker/optimisation/residuals/orientation_prior.hpp"
@@ -19,8 +18,9 @@
 #include "worker/optimisation/residuals/random_walk.hpp"
 #include "worker/optimisation/residuals/stereo_reprojection.hpp"
 #include "worker/optimisation/residuals/vector_prior.hpp"
+#include "worker/optimisation/solver_progress.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr double kHuberReprojection = 1.5;  // in sigmas
@@ -32,7 +32,7 @@ constexpr double kDiveTolerance = 1e-5;
 
 }  // namespace
 
-BodyState BodyState::at(const Eigen::Isometry3d& T_world_imu, const ImuBias& bias) {
+BodyState BodyState::at(const Eigen::Isometry3d& T_world_imu, const imu::ImuBias& bias) {
     return {Eigen::Quaterniond(T_world_imu.linear()).normalized(),
             T_world_imu.translation(),
             Eigen::Vector3d::Zero(),
@@ -47,7 +47,7 @@ Eigen::Isometry3d BodyState::T_world_imu() const {
 }
 
 struct BundleAdjustment::Implementation {
-    explicit Implementation(const RectifiedRig& rectified) : rig(rectified) {}
+    explicit Implementation(const types::RectifiedRig& rectified) : rig(rectified) {}
 
     double* q(BodyState& state) { return state.q_world_imu.coeffs().data(); }
     void add(ceres::CostFunction* cost,
@@ -63,7 +63,7 @@ struct BundleAdjustment::Implementation {
         add(VectorPrior::create({known, sigma}), nullptr, {vector.data()});
     }
 
-    RectifiedRig rig;
+    types::RectifiedRig rig;
     ceres::EigenQuaternionManifold rotation;
     ceres::SphereManifold<3> direction;
     ceres::HuberLoss orientation_loss{kHuberOrientation};
@@ -72,7 +72,7 @@ struct BundleAdjustment::Implementation {
     std::unique_ptr<ceres::Problem> problem;  // of solve_sparse
 };
 
-BundleAdjustment::BundleAdjustment(const RectifiedRig& rig)
+BundleAdjustment::BundleAdjustment(const types::RectifiedRig& rig)
     : implementation_(std::make_unique<Implementation>(rig)) {}
 BundleAdjustment::~BundleAdjustment() = default;
 
@@ -96,7 +96,7 @@ void BundleAdjustment::add_observation(BodyState& state,
 
 void BundleAdjustment::add_gyro_rotation(BodyState& from,
                                          BodyState& to,
-                                         const GyroscopeIntegral& rotation,
+                                         const imu::GyroscopeIntegral& rotation,
                                          double random_walk) {
     auto& own = *implementation_;
     double* bias = from.bias.gyroscope.data();
@@ -106,8 +106,8 @@ void BundleAdjustment::add_gyro_rotation(BodyState& from,
 
 void BundleAdjustment::add_imu_preintegration(BodyState& from,
                                               BodyState& to,
-                                              const PreintegratedImu& motion,
-                                              const ImuNoise& noise,
+                                              const imu::PreintegratedImu& motion,
+                                              const types::ImuNoise& noise,
                                               Eigen::Vector3d& gravity_direction_world) {
     auto& own = *implementation_;
     double* gyroscope = from.bias.gyroscope.data();
@@ -183,11 +183,11 @@ void BundleAdjustment::add_prior(const LinearPrior& prior) {
         if (size == 3 && block.tangent_size == 2) manifold = &own.direction;
         own.graph.add_block(block.values, size, manifold);
     }
-    divemesh::worker::add_prior(own.graph, prior);
+    optimisation::add_prior(own.graph, prior);
 }
 
 LinearPrior BundleAdjustment::marginalise(const std::vector<double*>& leaving) {
-    return divemesh::worker::marginalise(implementation_->graph, leaving);
+    return optimisation::marginalise(implementation_->graph, leaving);
 }
 
 void BundleAdjustment::solve_dense(int max_iterations) {
@@ -195,7 +195,7 @@ void BundleAdjustment::solve_dense(int max_iterations) {
 }
 
 void BundleAdjustment::solve_sparse(int max_iterations,
-                                    const ProgressCallback& progress,
+                                    const base::ProgressCallback& progress,
                                     const Progress& at) {
     auto& own = *implementation_;
     own.graph.drop_unseen();
@@ -258,4 +258,4 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

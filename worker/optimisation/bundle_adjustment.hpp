@@ -5,22 +5,22 @@
 #include <optional>
 #include <vector>
 
-#include "worker/imu/gyroscope_integral.hpp"
-#include "worker/optimisation/marginalisation.hpp"
-#include "worker/imu/preintegration.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/base/observer.hpp"
+#include "worker/imu/gyroscope_integral.hpp"
+#include "worker/imu/preintegration.hpp"
+#include "worker/optimisation/marginalisation.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The body at a keyframe, as the adjustments estimate it.
 struct BodyState {
     Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_world_imu = Eigen::Vector3d::Zero();
     Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  // m/s
-    ImuBias bias;
+    imu::ImuBias bias;
 
-    static BodyState at(const Eigen::Isometry3d& T_world_imu, const ImuBias& bias);
+    static BodyState at(const Eigen::Isometry3d& T_world_imu, const imu::ImuBias& bias);
     Eigen::Isometry3d T_world_imu() const;
 };
 
@@ -40,7 +40,7 @@ struct JointCovariance {
 // has changed them. One thread: the same input gives the same bits.
 class BundleAdjustment {
 public:
-    explicit BundleAdjustment(const RectifiedRig& rig);
+    explicit BundleAdjustment(const types::RectifiedRig& rig);
     ~BundleAdjustment();
     BundleAdjustment(const BundleAdjustment&) = delete;
     BundleAdjustment& operator=(const BundleAdjustment&) = delete;
@@ -54,15 +54,15 @@ public:
     // The gyroscope between two states; `random_walk` of its bias in rad/s^2/sqrt(Hz).
     void add_gyro_rotation(BodyState& from,
                            BodyState& to,
-                           const GyroscopeIntegral& rotation,
+                           const imu::GyroscopeIntegral& rotation,
                            double random_walk);
     // Gyroscope and accelerometer between two states, and their biases, which walk as `noise` says.
     // `gravity_direction_world`, a unit vector, is where gravity points: unknown, and the same all
     // along.
     void add_imu_preintegration(BodyState& from,
                                 BodyState& to,
-                                const PreintegratedImu& motion,
-                                const ImuNoise& noise,
+                                const imu::PreintegratedImu& motion,
+                                const types::ImuNoise& noise,
                                 Eigen::Vector3d& gravity_direction_world);
     void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
@@ -90,7 +90,9 @@ public:
     void solve_dense(int max_iterations);
     // Any number of states, sparse, by Ceres. Reports `at` to `progress` every iteration. Throws
     // what the callback throws.
-    void solve_sparse(int max_iterations, const ProgressCallback& progress, const Progress& at);
+    void solve_sparse(int max_iterations,
+                      const base::ProgressCallback& progress,
+                      const Progress& at);
     // Of states that solve_sparse has solved for, everything else marginalised; the cameras' noise
     // as their residuals show it. Nothing when the states are not determined.
     JointCovariance covariances(const std::vector<BodyState*>& states);
@@ -100,4 +102,4 @@ private:
     std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

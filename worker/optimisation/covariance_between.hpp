@@ -4,9 +4,10 @@
 
 #include "worker/types/pose_covariance.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // Linearly between those of the keyframes, beyond their ends as at the end.
-PoseCovariance covariance_between(const CovarianceTrack& keyframes, std::int64_t timestamp_ns);
+types::PoseCovariance covariance_between(const types::CovarianceTrack& keyframes,
+                                         std::int64_t timestamp_ns);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -7,7 +7,7 @@
 #include "worker/optimisation/covariance_between.hpp"
 #include "worker/stats/distributions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr double kMinRotation = 1e-3;  // of the largest column: below, a straight path
@@ -28,8 +28,8 @@ Eigen::MatrixXd rigid_motions(const std::vector<Eigen::Vector3d>& positions) {
 
 }  // namespace
 
-PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
-                                const Eigen::MatrixXd& covariance_m2) {
+types::PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
+                                       const Eigen::MatrixXd& covariance_m2) {
     const Eigen::MatrixXd motions = rigid_motions(positions);
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(motions);
     qr.setThreshold(kMinRotation);
@@ -62,11 +62,11 @@ double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
     return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) / squares;
 }
 
-PathUncertainty with_frames_between(PathUncertainty keyframes,
-                                    const CovarianceTrack& of_keyframes,
-                                    const CovarianceTrack& of_frames) {
+types::PathUncertainty with_frames_between(types::PathUncertainty keyframes,
+                                           const types::CovarianceTrack& of_keyframes,
+                                           const types::CovarianceTrack& of_frames) {
     if (!keyframes.is_known()) return keyframes;
-    for (const PoseCovariance& frame : of_frames)
+    for (const types::PoseCovariance& frame : of_frames)
         keyframes.mean_square_m2 +=
             (frame.position_m2 - covariance_between(of_keyframes, frame.timestamp_ns).position_m2)
                 .trace() /
@@ -74,10 +74,12 @@ PathUncertainty with_frames_between(PathUncertainty keyframes,
     return keyframes;
 }
 
-double shared_sigma_m(const PathUncertainty& path) { return std::sqrt(path.mean_square_m2 / 3.0); }
+double shared_sigma_m(const types::PathUncertainty& path) {
+    return std::sqrt(path.mean_square_m2 / 3.0);
+}
 
 double quantile_95(double mean_square, double degrees_of_freedom) {
-    return mean_square * chi_square_quantile(0.95, degrees_of_freedom) / degrees_of_freedom;
+    return mean_square * stats::chi_square_quantile(0.95, degrees_of_freedom) / degrees_of_freedom;
 }
 
 double squared_length_95(const Eigen::Matrix3d& covariance) {
@@ -86,4 +88,4 @@ double squared_length_95(const Eigen::Matrix3d& covariance) {
     return quantile_95(trace, trace * trace / covariance.squaredNorm());
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

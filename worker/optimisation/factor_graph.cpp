@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 int FactorGraph::add_block(double* values, int size, ceres::Manifold* manifold) {
     const auto [known, fresh] = index_.try_emplace(values, static_cast<int>(blocks_.size()));
@@ -76,4 +76,4 @@ std::unique_ptr<ceres::Problem> FactorGraph::problem() {
     return problem;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -12,7 +12,7 @@
 
 #include "worker/optimisation/residuals/stereo_reprojection.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // Unknown numbers. They lie where the caller has them, and are known by that.
 struct Block {
@@ -85,4 +85,4 @@ private:
     ceres::HuberLoss reprojection_loss_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 Eigen::Isometry3d blend(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
@@ -18,18 +18,19 @@ Eigen::Isometry3d blend(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, 
 
 }  // namespace
 
-std::size_t frame_at(const Trajectory& frames, std::int64_t timestamp_ns) {
+std::size_t frame_at(const types::Trajectory& frames, std::int64_t timestamp_ns) {
     const auto found = std::lower_bound(
-        frames.begin(), frames.end(), timestamp_ns, [](const StampedPose& pose, std::int64_t time) {
-            return pose.timestamp_ns < time;
-        });
+        frames.begin(),
+        frames.end(),
+        timestamp_ns,
+        [](const types::StampedPose& pose, std::int64_t time) { return pose.timestamp_ns < time; });
     return static_cast<std::size_t>(found - frames.begin());
 }
 
-Trajectory follow_keyframes(const Trajectory& odometry,
-                            const std::vector<Keyframe>& keyframes,
-                            const Eigen::Isometry3d& T_imu_cam) {
-    Trajectory result = odometry;
+types::Trajectory follow_keyframes(const types::Trajectory& odometry,
+                                   const std::vector<types::Keyframe>& keyframes,
+                                   const Eigen::Isometry3d& T_imu_cam) {
+    types::Trajectory result = odometry;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
         const bool last = k + 1 == keyframes.size();
         const bool ends = last || keyframes[k + 1].segment != keyframes[k].segment;
@@ -54,12 +55,12 @@ Trajectory follow_keyframes(const Trajectory& odometry,
     return result;
 }
 
-std::vector<Keyframe> posed_by(const Trajectory& trajectory,
-                               const std::vector<Keyframe>& keyframes,
-                               const Eigen::Isometry3d& T_imu_cam,
-                               std::vector<Keyframe> frames) {
+std::vector<types::Keyframe> posed_by(const types::Trajectory& trajectory,
+                                      const std::vector<types::Keyframe>& keyframes,
+                                      const Eigen::Isometry3d& T_imu_cam,
+                                      std::vector<types::Keyframe> frames) {
     auto after = keyframes.begin();
-    for (Keyframe& frame : frames) {
+    for (types::Keyframe& frame : frames) {
         while (after != keyframes.end() && after->timestamp_ns <= frame.timestamp_ns) ++after;
         if (after != keyframes.begin()) frame.segment = std::prev(after)->segment;
         frame.T_world_cam =
@@ -68,4 +69,4 @@ std::vector<Keyframe> posed_by(const Trajectory& trajectory,
     return frames;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -7,7 +7,7 @@
 #include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of freedom
@@ -27,8 +27,8 @@ struct Interval {
     double num_steps() const { return static_cast<double>(to - from); }
 };
 
-std::vector<Interval> intervals(const Trajectory& odometry,
-                                const std::vector<Keyframe>& keyframes,
+std::vector<Interval> intervals(const types::Trajectory& odometry,
+                                const std::vector<types::Keyframe>& keyframes,
                                 const Eigen::Isometry3d& T_imu_cam) {
     std::vector<Interval> result;
     for (std::size_t k = 1; k < keyframes.size(); ++k) {
@@ -55,20 +55,20 @@ Variance step_variance(const std::vector<Interval>& intervals) {
         std::vector<double> values;
         for (const Interval& interval : intervals)
             values.push_back(interval.missed.*part / interval.num_steps());
-        return upper_median(std::move(values)) * 3.0 / kMedianOfThree;
+        return stats::upper_median(std::move(values)) * 3.0 / kMedianOfThree;
     };
     return {typical(&Variance::position_m2), typical(&Variance::rotation_rad2)};
 }
 
 }  // namespace
 
-CovarianceTrack covariances_at(const CovarianceTrack& covariances,
-                               const Trajectory& odometry,
-                               const std::vector<Keyframe>& keyframes,
-                               const Eigen::Isometry3d& T_imu_cam) {
-    CovarianceTrack result;
+types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
+                                      const types::Trajectory& odometry,
+                                      const std::vector<types::Keyframe>& keyframes,
+                                      const Eigen::Isometry3d& T_imu_cam) {
+    types::CovarianceTrack result;
     if (covariances.empty()) return result;
-    for (const StampedPose& frame : odometry)
+    for (const types::StampedPose& frame : odometry)
         result.push_back(covariance_between(covariances, frame.timestamp_ns));
     const auto add = [&](std::size_t frame, const Variance& variance, double times) {
         result[frame].position_m2.diagonal().array() += times * variance.position_m2;
@@ -91,4 +91,4 @@ CovarianceTrack covariances_at(const CovarianceTrack& covariances,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -8,7 +8,7 @@
 #include "worker/optimisation/inertial_factors.hpp"
 #include "worker/types/feature.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr int kMaxIterations = 15;
@@ -18,27 +18,28 @@ constexpr std::size_t kMaxObservations = 400'000;
 constexpr double kScaleSigma = 0.001;
 constexpr std::size_t kMaxCovariances = 64;  // keyframes; they change slowly between
 
-Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
+Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
 }
 
 // Every n-th landmark, so that no more than kMaxObservations remain.
-std::size_t stride_for(const std::vector<Landmark>& landmarks) {
+std::size_t stride_for(const std::vector<types::Landmark>& landmarks) {
     std::size_t num_observations = 0;
-    for (const Landmark& landmark : landmarks) num_observations += landmark.observations.size();
+    for (const types::Landmark& landmark : landmarks)
+        num_observations += landmark.observations.size();
     return 1 + num_observations / kMaxObservations;
 }
 
 // Of every `stride`-th landmark: those that were adjusted.
-double reprojection_rms_px(const RectifiedRig& rig,
-                           const std::vector<Keyframe>& keyframes,
-                           const std::vector<Landmark>& landmarks,
+double reprojection_rms_px(const types::RectifiedRig& rig,
+                           const std::vector<types::Keyframe>& keyframes,
+                           const std::vector<types::Landmark>& landmarks,
                            std::size_t stride) {
     double squares = 0.0;
     std::int64_t num = 0;
     for (std::size_t i = 0; i < landmarks.size(); i += stride) {
-        const Landmark& landmark = landmarks[i];
-        for (const LandmarkObservation& seen : landmark.observations) {
+        const types::Landmark& landmark = landmarks[i];
+        for (const types::LandmarkObservation& seen : landmark.observations) {
             const auto& keyframe = keyframes[static_cast<std::size_t>(seen.keyframe)];
             const Eigen::Vector3d p_cam = keyframe.T_world_cam.inverse() * landmark.p_world;
             if (p_cam.z() < 0.02) continue;
@@ -50,12 +51,12 @@ double reprojection_rms_px(const RectifiedRig& rig,
 }
 
 struct Uncertainty {
-    CovarianceTrack covariances;
-    PathUncertainty path;
+    types::CovarianceTrack covariances;
+    types::PathUncertainty path;
 };
 
 Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
-                              const std::vector<Keyframe>& keyframes,
+                              const std::vector<types::Keyframe>& keyframes,
                               std::vector<BodyState>& states) {
     const std::size_t stride = 1 + (states.size() - 1) / kMaxCovariances;
     std::vector<std::size_t> chosen;
@@ -93,26 +94,26 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
 
 }  // namespace
 
-GlobalBundleAdjustment adjust_globally(const RectifiedRig& rig,
-                                       const InertialPrior& inertial,
-                                       std::vector<Keyframe>& keyframes,
-                                       std::vector<Landmark>& landmarks,
-                                       const ProgressCallback& progress,
+GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
+                                       const imu::InertialPrior& inertial,
+                                       std::vector<types::Keyframe>& keyframes,
+                                       std::vector<types::Landmark>& landmarks,
+                                       const base::ProgressCallback& progress,
                                        const Progress& at) {
     std::vector<BodyState> states;
     states.reserve(keyframes.size());
-    for (const Keyframe& keyframe : keyframes)
+    for (const types::Keyframe& keyframe : keyframes)
         states.push_back(
             BodyState::at(keyframe.T_world_cam * rig.T_imu_cam.inverse(), inertial.bias()));
     BundleAdjustment bundle_adjustment(rig);
     for (std::size_t k = 0; k < states.size(); ++k) bundle_adjustment.add_state(states[k], k == 0);
     const std::size_t stride = stride_for(landmarks);
     for (std::size_t i = 0; i < landmarks.size(); i += stride)
-        for (const LandmarkObservation& seen : landmarks[i].observations)
+        for (const types::LandmarkObservation& seen : landmarks[i].observations)
             bundle_adjustment.add_observation(states[static_cast<std::size_t>(seen.keyframe)],
                                               landmarks[i].p_world,
                                               measurement_px(seen),
-                                              kFeatureSigma_px);
+                                              types::kFeatureSigma_px);
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
     bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
@@ -120,10 +121,10 @@ GlobalBundleAdjustment adjust_globally(const RectifiedRig& rig,
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
-    for (Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
+    for (types::Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
     return {reprojection_rms_px(rig, keyframes, landmarks, stride),
             std::move(uncertainty.covariances),
             uncertainty.path};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

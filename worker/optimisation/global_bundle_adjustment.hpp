@@ -2,29 +2,30 @@
 
 #include <vector>
 
+#include "worker/base/observer.hpp"
 #include "worker/imu/inertial_prior.hpp"
-#include "worker/types/path_uncertainty.hpp"
-#include "worker/types/pose_covariance.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
-#include "worker/base/observer.hpp"
+#include "worker/types/path_uncertainty.hpp"
+#include "worker/types/pose_covariance.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 struct GlobalBundleAdjustment {
     double reprojection_rms_px = 0.0;
-    CovarianceTrack covariances;  // of keyframes all along; empty when they are not determined
-    PathUncertainty path;         // of the keyframes' positions
+    types::CovarianceTrack
+        covariances;              // of keyframes all along; empty when they are not determined
+    types::PathUncertainty path;  // of the keyframes' positions
 };
 
 // All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays where it is. Landmarks are
 // thinned evenly so that an hour's dive stays solvable.
 GlobalBundleAdjustment adjust_globally(const RectifiedRig& rig,
-                                       const InertialPrior& inertial,
-                                       std::vector<Keyframe>& keyframes,
-                                       std::vector<Landmark>& landmarks,
-                                       const ProgressCallback& progress,
+                                       const imu::InertialPrior& inertial,
+                                       std::vector<types::Keyframe>& keyframes,
+                                       std::vector<types::Landmark>& landmarks,
+                                       const base::ProgressCallback& progress,
                                        const Progress& at);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

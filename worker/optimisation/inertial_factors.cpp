@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 // The AHRS errs by half a degree, slowly: neighbours in time say the same thing again. White noise
@@ -18,7 +18,7 @@ constexpr double kInitialGravitySigma =
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
 // Central differences of the positions.
-void set_velocities(const std::vector<Keyframe>& keyframes, std::vector<BodyState>& states) {
+void set_velocities(const std::vector<types::Keyframe>& keyframes, std::vector<BodyState>& states) {
     for (std::size_t k = 0; k < states.size(); ++k) {
         const std::size_t before = k > 0 ? k - 1 : k;
         const std::size_t after = std::min(k + 1, states.size() - 1);
@@ -32,8 +32,8 @@ void set_velocities(const std::vector<Keyframe>& keyframes, std::vector<BodyStat
 }  // namespace
 
 void add_relative_factors(BundleAdjustment& bundle_adjustment,
-                          const SensorReadings& readings,
-                          const ImuNoise& noise,
+                          const imu::SensorReadings& readings,
+                          const types::ImuNoise& noise,
                           BodyState& from,
                           BodyState& to,
                           WorldReference& reference) {
@@ -46,7 +46,7 @@ void add_relative_factors(BundleAdjustment& bundle_adjustment,
 }
 
 void add_absolute_factors(BundleAdjustment& bundle_adjustment,
-                          const SensorReadings& readings,
+                          const imu::SensorReadings& readings,
                           BodyState& state,
                           WorldReference& reference) {
     if (readings.q_ahrs_imu) {
@@ -65,18 +65,18 @@ void add_absolute_factors(BundleAdjustment& bundle_adjustment,
 }
 
 void add_bias_priors(BundleAdjustment& bundle_adjustment,
-                     const SensorReadings& readings,
+                     const imu::SensorReadings& readings,
                      BodyState& from) {
     if (readings.motion || readings.rotation)
         bundle_adjustment.add_gyroscope_bias(
-            from, Eigen::Vector3d::Zero(), kInitialGyroscopeBiasSigma);
+            from, Eigen::Vector3d::Zero(), imu::kInitialGyroscopeBiasSigma);
     if (readings.motion)
         bundle_adjustment.add_accelerometer_bias(
-            from, Eigen::Vector3d::Zero(), kInitialAccelerometerBiasSigma);
+            from, Eigen::Vector3d::Zero(), imu::kInitialAccelerometerBiasSigma);
 }
 
 void add_gravity_prior(BundleAdjustment& bundle_adjustment,
-                       const SensorReadings& readings,
+                       const imu::SensorReadings& readings,
                        WorldReference& reference) {
     if (readings.depth_m && !readings.motion)
         bundle_adjustment.add_gravity_direction(reference.gravity_direction_world,
@@ -85,15 +85,15 @@ void add_gravity_prior(BundleAdjustment& bundle_adjustment,
 }
 
 void add_inertial_factors(BundleAdjustment& bundle_adjustment,
-                          const InertialPrior& inertial,
-                          const std::vector<Keyframe>& keyframes,
+                          const imu::InertialPrior& inertial,
+                          const std::vector<types::Keyframe>& keyframes,
                           std::vector<BodyState>& states,
                           WorldReference& reference) {
     set_velocities(keyframes, states);
     bool chained = false;  // the readings from the keyframe before
     for (std::size_t k = 0; k < states.size(); ++k) {
         const std::int64_t now_ns = keyframes[k].timestamp_ns;
-        const SensorReadings readings =
+        const imu::SensorReadings readings =
             inertial.readings(k > 0 ? keyframes[k - 1].timestamp_ns : now_ns, now_ns);
         add_absolute_factors(bundle_adjustment, readings, states[k], reference);
         if (k == 0) {
@@ -108,7 +108,7 @@ void add_inertial_factors(BundleAdjustment& bundle_adjustment,
     }
 }
 
-Eigen::Quaterniond gravity_alignment(const InertialPrior& inertial,
+Eigen::Quaterniond gravity_alignment(const imu::InertialPrior& inertial,
                                      const WorldReference& reference) {
     if (inertial.has_accelerometer() || inertial.has_pressure())
         return Eigen::Quaterniond::FromTwoVectors(reference.gravity_direction_world,
@@ -116,4 +116,4 @@ Eigen::Quaterniond gravity_alignment(const InertialPrior& inertial,
     return reference.q_world_ahrs.conjugate();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

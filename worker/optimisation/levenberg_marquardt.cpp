@@ -5,7 +5,7 @@
 
 #include "worker/optimisation/normal_equations.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr double kFirstDamping = 1e-4;
@@ -86,4 +86,4 @@ void levenberg_marquardt(FactorGraph& graph, int max_iterations, double toleranc
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

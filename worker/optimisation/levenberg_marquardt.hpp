@@ -2,7 +2,7 @@
 
 #include "worker/optimisation/factor_graph.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // Moves the unknowns of a graph to where its cost is least near by (Levenberg and Marquardt, the
 // damping as in Nielsen, "Damping parameter in Marquardt's method", 1999), landmarks eliminated,
@@ -10,4 +10,4 @@ namespace divemesh::worker {
 // same input gives the same bits.
 void levenberg_marquardt(FactorGraph& graph, int max_iterations, double tolerance);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

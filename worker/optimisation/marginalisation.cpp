@@ -7,7 +7,7 @@
 
 #include "worker/optimisation/normal_equations.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 // Directions that the leaving measurements said nothing about, relative to the strongest.
@@ -153,4 +153,4 @@ void add_prior(FactorGraph& graph, const LinearPrior& prior) {
     graph.add_factor(std::make_unique<PriorCost>(prior, std::move(manifolds)), nullptr, blocks);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

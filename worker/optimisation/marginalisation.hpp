@@ -5,7 +5,7 @@
 
 #include "worker/optimisation/factor_graph.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // What measurements that are kept no longer said about the parameters that are: a Gaussian in
 // square-root form,
@@ -37,4 +37,4 @@ LinearPrior marginalise(FactorGraph& graph, const std::vector<double*>& leaving)
 // be known to the graph already.
 void add_prior(FactorGraph& graph, const LinearPrior& prior);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

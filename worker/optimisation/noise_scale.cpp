@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr double kMinScale = 1.0;
@@ -40,4 +40,4 @@ double NoiseScale::repetition() const {
     return (1.0 + correlation) / (1.0 - correlation);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

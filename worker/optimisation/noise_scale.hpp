@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 constexpr double kOutlierSigmas = 5.0;  // per row: what is further off counts for nothing
 
@@ -37,4 +37,4 @@ private:
     double num_landmarks_ = 0.0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -8,7 +8,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -140,7 +140,8 @@ void NormalEquations::add(const StereoFactor& seen, LandmarkTerm& landmark) {
     const Eigen::Vector3d from_imu = Eigen::Map<const Eigen::Vector3d>(point) -
                                      Eigen::Map<const Eigen::Vector3d>(position.linearised_at());
     const std::array<int, 2> starts = {start(seen.rotation), start(seen.position)};
-    const std::array<Eigen::Matrix3d, 2> J = {2.0 * by_point * cross_matrix(from_imu), -by_point};
+    const std::array<Eigen::Matrix3d, 2> J = {2.0 * by_point * base::cross_matrix(from_imu),
+                                              -by_point};
     for (std::size_t i = 0; i < 2; ++i) {
         if (starts[i] < 0) continue;
         couplings_.push_back({starts[i], J[i].transpose() * weighted});
@@ -225,4 +226,4 @@ std::optional<double> cost_of(const FactorGraph& graph) {
     return sum;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -8,7 +8,7 @@
 
 #include "worker/optimisation/factor_graph.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // Where the free blocks of a graph that something was measured of have their columns, in tangent
 // coordinates.
@@ -81,4 +81,4 @@ private:
 // in front of a camera that sees it.
 std::optional<double> cost_of(const FactorGraph& graph);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -8,7 +8,7 @@
 
 #include "worker/optimisation/noise_scale.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr int kLandmarkSize = 3;
@@ -267,4 +267,4 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     return {cameras.sum() + others.sum(), few * scores.sum() + others.sum(), all.start};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

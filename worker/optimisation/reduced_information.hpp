@@ -4,7 +4,7 @@
 #include <ceres/problem.h>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // What an adjustment knows of everything but the landmarks, which are eliminated (Schur
 // complement): the inverse is the covariance of the rest.
@@ -46,4 +46,4 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
                                            const std::vector<double*>& landmarks,
                                            double huber);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

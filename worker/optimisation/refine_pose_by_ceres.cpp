@@ -7,16 +7,16 @@
 #include "worker/optimisation/residuals/point_transfer.hpp"
 #include "worker/optimisation/residuals/rotation_prior.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
-Eigen::Isometry3d refine_pose_by_ceres(const RectifiedRig& rig,
-                                       const PointPairs& pairs,
-                                       const MotionGuess& guess) {
+Eigen::Isometry3d refine_pose_by_ceres(const types::RectifiedRig& rig,
+                                       const odometry::PointPairs& pairs,
+                                       const odometry::MotionGuess& guess) {
     const Eigen::AngleAxisd start(guess.T_current_previous.linear());
     Eigen::Vector3d rodrigues = start.angle() * start.axis();
     Eigen::Vector3d translation = guess.T_current_previous.translation();
     ceres::Problem problem;
-    for (const PointPair& pair : pairs)
+    for (const odometry::PointPair& pair : pairs)
         problem.AddResidualBlock(PointTransfer::create({rig,
                                                         pair.previous_px,
                                                         pair.current_px,
@@ -47,4 +47,4 @@ Eigen::Isometry3d refine_pose_by_ceres(const RectifiedRig& rig,
     return T_current_previous;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -6,7 +6,7 @@
 
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr std::size_t kNumApart = 7;             // keyframes apart from each other
@@ -16,37 +16,37 @@ constexpr double kOutlier = 5.0;     // in sigmas, per measurement
 constexpr double kMinShift = 0.002;  // of the picture's width, median: less is standing still
 const Eigen::Vector3d kLandmarkSigma_px = 0.5 * kFeatureSigma_px;  // of an adjusted landmark
 
-Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
+Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
 }
 
-bool seen_at(const LandmarkObservation& seen, std::size_t keyframe) {
+bool seen_at(const types::LandmarkObservation& seen, std::size_t keyframe) {
     return static_cast<std::size_t>(seen.keyframe) == keyframe;
 }
 
-bool fits(const RectifiedRig& rig,
+bool fits(const types::RectifiedRig& rig,
           const Eigen::Isometry3d& T_cam_world,
-          const Landmark& landmark,
-          const LandmarkObservation& seen) {
+          const types::Landmark& landmark,
+          const types::LandmarkObservation& seen) {
     const Eigen::Vector3d p_cam = T_cam_world * landmark.p_world;
     if (p_cam.z() < 0.02) return false;
-    Eigen::Vector3d error = project_px(rig, p_cam) - measurement_px(seen);
+    Eigen::Vector3d error = types::project_px(rig, p_cam) - measurement_px(seen);
     if (seen.disparity_px <= 0.0F) error.z() = 0.0;
-    return error.cwiseQuotient(kFeatureSigma_px).cwiseAbs().maxCoeff() < kOutlier;
+    return error.cwiseQuotient(types::kFeatureSigma_px).cwiseAbs().maxCoeff() < kOutlier;
 }
 
 }  // namespace
 
-void SlidingWindow::add_keyframe(const Keyframe& keyframe,
-                                 const Features& features,
-                                 const SensorReadings& readings) {
+void SlidingWindow::add_keyframe(const types::Keyframe& keyframe,
+                                 const types::Features& features,
+                                 const imu::SensorReadings& readings) {
     const auto index = static_cast<std::int32_t>(keyframes_.size());
     if (entries_.empty()) reference_->depth_offset_m = readings.depth_m.value_or(0.0);
     Entry entry;
     entry.state = first_state(keyframe, readings);
     entry.readings = readings;
-    for (const Feature& feature : features) {
-        if (!has_depth(feature) && !landmark_of_feature_.contains(feature.id)) continue;
+    for (const types::Feature& feature : features) {
+        if (!types::has_depth(feature) && !landmark_of_feature_.contains(feature.id)) continue;
         const std::size_t landmark = landmark_of(feature, keyframe);
         landmarks_[landmark].whole.observations.push_back(
             {index,
@@ -62,8 +62,8 @@ void SlidingWindow::add_keyframe(const Keyframe& keyframe,
     if (index == 1) entries_[0].state.velocity_world = entries_[1].state.velocity_world;
 }
 
-BodyState SlidingWindow::first_state(const Keyframe& keyframe,
-                                     const SensorReadings& readings) const {
+BodyState SlidingWindow::first_state(const types::Keyframe& keyframe,
+                                     const imu::SensorReadings& readings) const {
     BodyState state = BodyState::at(keyframe.T_world_cam * rig_.T_imu_cam.inverse(), {});
     if (entries_.empty()) return state;
     const BodyState& before = entries_.back().state;
@@ -71,7 +71,7 @@ BodyState SlidingWindow::first_state(const Keyframe& keyframe,
     if (readings.motion && chained(entries_.size() - 1))
         state.velocity_world =
             before.velocity_world +
-            kGravity_m_s2 * readings.interval_s * reference_->gravity_direction_world +
+            imu::kGravity_m_s2 * readings.interval_s * reference_->gravity_direction_world +
             before.q_world_imu * readings.motion->delta_velocity;
     else if (readings.interval_s > 0.0)
         state.velocity_world = (state.p_world_imu - before.p_world_imu) / readings.interval_s;
@@ -87,12 +87,14 @@ bool SlidingWindow::has_moved(const Entry& entry) const {
                                     seen.back().v_px - seen[seen.size() - 2].v_px));
     }
     if (shifts.empty()) return true;
-    return upper_median(std::move(shifts)) > kMinShift * rig_.width_px;
+    return stats::upper_median(std::move(shifts)) > kMinShift * rig_.width_px;
 }
 
-std::size_t SlidingWindow::landmark_of(const Feature& feature, const Keyframe& keyframe) {
+std::size_t SlidingWindow::landmark_of(const types::Feature& feature,
+                                       const types::Keyframe& keyframe) {
     const auto [known, fresh] = landmark_of_feature_.try_emplace(feature.id, landmarks_.size());
-    if (fresh) landmarks_.push_back({{keyframe.T_world_cam * point_cam(rig_, feature), {}}, 0});
+    if (fresh)
+        landmarks_.push_back({{keyframe.T_world_cam * types::point_cam(rig_, feature), {}}, 0});
     return known->second;
 }
 
@@ -134,7 +136,7 @@ void SlidingWindow::marginalise_oldest() {
     add_states(leaving);
     BodyState& from = entries_[oldest_].state;
     for (const std::size_t index : entries_[oldest_].landmarks) marginalise_oldest(leaving, index);
-    const SensorReadings& readings = entries_[oldest_ + 1].readings;
+    const imu::SensorReadings& readings = entries_[oldest_ + 1].readings;
     add_absolute_factors(leaving, entries_[oldest_].readings, from, *reference_);
     if (oldest_ == 0) add_gravity_prior(leaving, readings, *reference_);
     if (!chained(oldest_)) add_bias_priors(leaving, readings, from);
@@ -149,7 +151,7 @@ void SlidingWindow::marginalise_oldest() {
 }
 
 void SlidingWindow::marginalise_oldest(BundleAdjustment& leaving, std::size_t index) {
-    Landmark& landmark = landmarks_[index].whole;
+    types::Landmark& landmark = landmarks_[index].whole;
     std::size_t& first = landmarks_[index].first_in_window;
     const std::size_t num = landmark.observations.size();
     if (first >= num || !seen_at(landmark.observations[first], oldest_)) return;
@@ -165,15 +167,15 @@ void SlidingWindow::add_states(BundleAdjustment& bundle_adjustment) {
 }
 
 void SlidingWindow::add_observations(BundleAdjustment& bundle_adjustment,
-                                     Landmark& landmark,
+                                     types::Landmark& landmark,
                                      std::size_t first,
                                      std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
-        const LandmarkObservation& seen = landmark.observations[i];
+        const types::LandmarkObservation& seen = landmark.observations[i];
         bundle_adjustment.add_observation(entries_[static_cast<std::size_t>(seen.keyframe)].state,
                                           landmark.p_world,
                                           measurement_px(seen),
-                                          kFeatureSigma_px);
+                                          types::kFeatureSigma_px);
     }
 }
 
@@ -195,7 +197,7 @@ void SlidingWindow::add_landmarks(BundleAdjustment& bundle_adjustment) {
 void SlidingWindow::add_readings(BundleAdjustment& bundle_adjustment) {
     bundle_adjustment.add_prior(prior_);
     for (std::size_t k = oldest_; k < entries_.size(); ++k) {
-        const SensorReadings& readings = entries_[k].readings;
+        const imu::SensorReadings& readings = entries_[k].readings;
         add_absolute_factors(bundle_adjustment, readings, entries_[k].state, *reference_);
         if (k == oldest_) continue;  // the way to it is in the prior
         BodyState& from = entries_[k - 1].state;
@@ -214,7 +216,7 @@ void SlidingWindow::drop_outliers() {
         seen.erase(std::remove_if(
                        in_window,
                        seen.end(),
-                       [&](const LandmarkObservation& observation) {
+                       [&](const types::LandmarkObservation& observation) {
                            const auto k = static_cast<std::size_t>(observation.keyframe);
                            return !fits(
                                rig_, keyframes_[k].T_world_cam.inverse(), landmark, observation);
@@ -224,26 +226,26 @@ void SlidingWindow::drop_outliers() {
 }
 
 void SlidingWindow::use_landmarks(const Eigen::Isometry3d& T_world_previous,
-                                  PointPairs& pairs) const {
+                                  odometry::PointPairs& pairs) const {
     const Eigen::Isometry3d T_previous_world = T_world_previous.inverse();
-    for (PointPair& pair : pairs) {
+    for (odometry::PointPair& pair : pairs) {
         const auto known = landmark_of_feature_.find(pair.id);
         if (known == landmark_of_feature_.end()) continue;
-        const Landmark& landmark = landmarks_[known->second].whole;
+        const types::Landmark& landmark = landmarks_[known->second].whole;
         if (landmark.observations.size() < 2) continue;
         const Eigen::Vector3d p_previous = T_previous_world * landmark.p_world;
         if (p_previous.z() < 0.02) continue;
         pair.p_previous = p_previous;
-        pair.previous_px = project_px(rig_, p_previous);
+        pair.previous_px = types::project_px(rig_, p_previous);
         pair.previous_sigma_px = kLandmarkSigma_px;
     }
 }
 
-std::vector<Landmark> SlidingWindow::landmarks() const {
-    std::vector<Landmark> result;
+std::vector<types::Landmark> SlidingWindow::landmarks() const {
+    std::vector<types::Landmark> result;
     for (const auto& [landmark, first] : landmarks_)
         if (landmark.observations.size() >= 2) result.push_back(landmark);
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -7,16 +7,16 @@
 #include <unordered_map>
 #include <vector>
 
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/optimisation/bundle_adjustment.hpp"
 #include "worker/optimisation/inertial_factors.hpp"
-#include "worker/imu/inertial_prior.hpp"
 #include "worker/optimisation/marginalisation.hpp"
+#include "worker/types/feature.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
-#include "worker/types/feature.hpp"
-#include "worker/odometry/with_depth_at_both_times.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The last keyframes and what they saw and felt, adjusted together: poses, velocities, biases,
 // landmarks and the vertical all free, so that a noisy depth is never taken for the truth. What
@@ -24,38 +24,41 @@ namespace divemesh::worker {
 class SlidingWindow {
 public:
     // `noise`: of the readings, as InertialPrior has it.
-    SlidingWindow(const RectifiedRig& rig, const ImuNoise& noise) : rig_(rig), noise_(noise) {}
+    SlidingWindow(const types::RectifiedRig& rig, const types::ImuNoise& noise)
+        : rig_(rig), noise_(noise) {}
 
     // `readings`: of the sensors at the keyframe, and since the one before.
-    void add_keyframe(const Keyframe& keyframe,
-                      const Features& features,
-                      const SensorReadings& readings);
+    void add_keyframe(const types::Keyframe& keyframe,
+                      const types::Features& features,
+                      const imu::SensorReadings& readings);
     void adjust();
 
     // Where a landmark is known, it takes the place of the point measured at t-1.
-    void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const;
+    void use_landmarks(const Eigen::Isometry3d& T_world_previous,
+                       odometry::PointPairs& pairs) const;
 
     bool empty() const { return keyframes_.empty(); }
     const Eigen::Isometry3d& T_world_cam() const { return keyframes_.back().T_world_cam; }
     const BodyState& state() const { return entries_.back().state; }  // of the last keyframe
     const WorldReference& reference() const { return *reference_; }
-    const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-    std::vector<Landmark> landmarks() const;  // seen by two keyframes or more
+    const std::vector<types::Keyframe>& keyframes() const { return keyframes_; }
+    std::vector<types::Landmark> landmarks() const;  // seen by two keyframes or more
 
 private:
     struct Entry {
         BodyState state;
-        SensorReadings readings;
+        imu::SensorReadings readings;
         std::vector<std::size_t> landmarks;  // seen here
         bool moved = true;                   // since the keyframe before
     };
-    std::size_t landmark_of(const Feature& feature, const Keyframe& keyframe);
-    BodyState first_state(const Keyframe& keyframe, const SensorReadings& readings) const;
+    std::size_t landmark_of(const types::Feature& feature, const types::Keyframe& keyframe);
+    BodyState first_state(const types::Keyframe& keyframe,
+                          const imu::SensorReadings& readings) const;
     bool has_moved(const Entry& entry) const;
     // A landmark with all that was seen of it, for the adjustment of the whole dive; before
     // `first_in_window` is what the prior holds.
     struct TrackedLandmark {
-        Landmark whole;
+        types::Landmark whole;
         std::size_t first_in_window = 0;
     };
     std::size_t first_in_window() const;
@@ -66,16 +69,16 @@ private:
     std::vector<std::size_t> landmarks_in_window() const;
     void add_states(BundleAdjustment& bundle_adjustment);
     void add_observations(BundleAdjustment& bundle_adjustment,
-                          Landmark& landmark,
+                          types::Landmark& landmark,
                           std::size_t first,
                           std::size_t end);
     void add_landmarks(BundleAdjustment& bundle_adjustment);
     void add_readings(BundleAdjustment& bundle_adjustment);
     void drop_outliers();
 
-    RectifiedRig rig_;
-    ImuNoise noise_;
-    std::vector<Keyframe> keyframes_;
+    types::RectifiedRig rig_;
+    types::ImuNoise noise_;
+    std::vector<types::Keyframe> keyframes_;
     std::deque<Entry> entries_;  // states stay where they are: the prior knows them by place
     std::vector<TrackedLandmark> landmarks_;
     std::unordered_map<std::int64_t, std::size_t> landmark_of_feature_;
@@ -84,4 +87,4 @@ private:
     std::size_t oldest_ = 0;  // keyframe in the window
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -5,13 +5,13 @@
 
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // Keeps progress and cancellation alive inside a long solve. The exception waits until the solver
 // has stopped: it must not pass through Ceres.
 class SolverProgress : public ceres::IterationCallback {
 public:
-    SolverProgress(const ProgressCallback& report, Progress progress)
+    SolverProgress(const base::ProgressCallback& report, Progress progress)
         : report_(report), progress_(std::move(progress)) {}
 
     ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
@@ -29,9 +29,9 @@ public:
     }
 
 private:
-    const ProgressCallback& report_;
+    const base::ProgressCallback& report_;
     Progress progress_;
     std::exception_ptr failure_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -3,7 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 // Z L = L^-T D^-1 read from the last column backwards: of column j only rows that L has are needed,
@@ -80,4 +80,4 @@ Eigen::MatrixXd SparseInverse::block(int start, int size) const {
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

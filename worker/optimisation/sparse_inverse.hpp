@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The inverse of a sparse symmetric positive definite matrix, only where its Cholesky factor has
 // entries: enough for every block that the matrix itself has, at about the cost of the
@@ -25,4 +25,4 @@ private:
     Eigen::SparseMatrix<double> entries_;  // lower triangle in the factor's order
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -6,7 +6,7 @@
 #include <link.h>
 #include <span>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t padded(std::size_t size) { return (size + 3) & ~std::size_t{3}; }
@@ -58,4 +58,4 @@ std::string build_id() {
     return id;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

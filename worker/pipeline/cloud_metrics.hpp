@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // What was found about the cloud when it was written.
 struct CloudMetrics {
@@ -12,4 +12,4 @@ struct CloudMetrics {
     std::int64_t octree_bytes = 0;  // in memory and on disk
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

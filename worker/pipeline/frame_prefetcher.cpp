@@ -2,17 +2,17 @@
 
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
-FramePrefetcher::FramePrefetcher(Recording& recording,
-                                 const Rectifier& rectifier,
-                                 TaskPool& task_pool)
+FramePrefetcher::FramePrefetcher(types::Recording& recording,
+                                 const camera::Rectifier& rectifier,
+                                 base::TaskPool& task_pool)
     : recording_(recording), rectifier_(rectifier), task_(task_pool) {
     recording_.rewind();
     fetch();
 }
 
-std::optional<RectifiedFrame> FramePrefetcher::next() {
+std::optional<types::RectifiedFrame> FramePrefetcher::next() {
     task_.wait();
     auto frame = std::exchange(fetched_, std::nullopt);
     if (frame) fetch();
@@ -25,4 +25,4 @@ void FramePrefetcher::fetch() {
     });
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -1,23 +1,23 @@
 #include <memory>
 
-#include "worker/pipeline/link_or_copy.hpp"
+#include "worker/fusion/confirmed_points.hpp"
 #include "worker/io/ply.hpp"
+#include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
-#include "worker/fusion/confirmed_points.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 // Beside the meshing: what is asked of the volume is asked before.
-void write_cloud(Reconstruction& made, std::shared_ptr<const OctreeVolume> cloud) {
-    const PointOctree& octree = cloud->octree();
-    const auto points =
-        std::make_shared<const ConfirmedPoints>(octree, *made.volume, made.options().num_threads);
+void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolume> cloud) {
+    const fusion::PointOctree& octree = cloud->octree();
+    const auto points = std::make_shared<const fusion::ConfirmedPoints>(
+        octree, *made.volume, made.options().num_threads);
     made.cloud = {points->size(), octree.leaf_m(), octree.num_points(), octree.size_bytes()};
     made.cloud_writer.run([file = made.artifact("cloud.ply"), cloud = std::move(cloud), points] {
-        CloudPlyWriter writer(file, points->size());
-        points->for_each([&](const Eigen::Vector3f& p_world, const Color& color) {
+        io::CloudPlyWriter writer(file, points->size());
+        points->for_each([&](const Eigen::Vector3f& p_world, const types::Color& color) {
             writer.add(p_world, color);
         });
         writer.commit();
@@ -36,12 +36,12 @@ bool load_fuse(Reconstruction& made, const std::string& key) {
         return false;
     made.cloud = *metrics;
     link_or_copy(made.scratch("cloud.ply"), made.artifact("cloud.ply"));
-    made.volume = load_volume(made.scratch("volume.stage"),
-                              {made.request.scratch, made.options().fusion_memory_bytes});
+    made.volume = fusion::load_volume(made.scratch("volume.stage"),
+                                      {made.request.scratch, made.options().fusion_memory_bytes});
     return true;
 }
 
-void run_fuse(Reconstruction& made, const ProgressCallback& progress) {
+void run_fuse(Reconstruction& made, const base::ProgressCallback& progress) {
     FusedMap map = fuse(made.optimised.rig,
                         made.optimised.mapped,
                         made.track.statistics.median_depth_m,
@@ -65,4 +65,4 @@ void finish_fuse(Reconstruction& made) {
     made.volume_memory_bytes = made.volume->memory_bytes();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

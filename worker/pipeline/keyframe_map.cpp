@@ -1,6 +1,6 @@
 #include "worker/pipeline/keyframe_map.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kMinKeyframesForInertia = 4;  // keyframes that tell velocity and vertical
@@ -8,12 +8,12 @@ constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of the bias that a window h
 
 }  // namespace
 
-void KeyframeMap::add(const RectifiedFrame& frame,
-                      const Features& features,
-                      MotionModel& motion,
-                      InertialPrior& inertial) {
+void KeyframeMap::add(const types::RectifiedFrame& frame,
+                      const types::Features& features,
+                      odometry::MotionModel& motion,
+                      imu::InertialPrior& inertial) {
     rule_.taken(features, frame.timestamp_ns);
-    const Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
+    const types::Keyframe keyframe{frame.index, frame.timestamp_ns, motion.T_world_cam()};
     const std::int64_t before_ns = empty() ? frame.timestamp_ns : last_ns_;
     last_ns_ = frame.timestamp_ns;
     const bool first = sliding_window_.empty();
@@ -29,9 +29,9 @@ void KeyframeMap::add(const RectifiedFrame& frame,
     inertial.set_bias(sliding_window_.state().bias, kWindowBiasSigma);
 }
 
-void KeyframeMap::move_to(Track& track) const {
+void KeyframeMap::move_to(types::Track& track) const {
     track.keyframes = sliding_window_.keyframes();
     track.landmarks = sliding_window_.landmarks();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -8,39 +8,40 @@
 #include "worker/optimisation/sliding_window.hpp"
 #include "worker/types/track.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // The frames that are kept, and what they saw: each of them adjusts the last ones together.
 class KeyframeMap {
 public:
-    KeyframeMap(const RectifiedRig& rig, const InertialPrior& inertial)
+    KeyframeMap(const types::RectifiedRig& rig, const imu::InertialPrior& inertial)
         : rule_(rig), sliding_window_(rig, inertial.noise()) {}
 
     // Landmarks take the place of the points measured at t-1.
-    void use_landmarks(const Eigen::Isometry3d& T_world_previous, PointPairs& pairs) const {
+    void use_landmarks(const Eigen::Isometry3d& T_world_previous,
+                       odometry::PointPairs& pairs) const {
         sliding_window_.use_landmarks(T_world_previous, pairs);
     }
 
     bool empty() const { return last_ns_ == kNever; }
-    bool due(const Features& features, std::int64_t timestamp_ns) {
+    bool due(const types::Features& features, std::int64_t timestamp_ns) {
         return rule_.due(features, timestamp_ns);
     }
 
     // Gives a better pose back to `motion` and a better bias to `inertial`.
-    void add(const RectifiedFrame& frame,
-             const Features& features,
-             MotionModel& motion,
-             InertialPrior& inertial);
+    void add(const types::RectifiedFrame& frame,
+             const types::Features& features,
+             odometry::MotionModel& motion,
+             imu::InertialPrior& inertial);
 
     // Hands over keyframes and landmarks as last estimated.
-    void move_to(Track& track) const;
+    void move_to(types::Track& track) const;
 
 private:
     static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
-    KeyframeRule rule_;
-    SlidingWindow sliding_window_;
+    keyframes::KeyframeRule rule_;
+    optimisation::SlidingWindow sliding_window_;
     std::int64_t last_ns_ = kNever;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -1,6 +1,6 @@
 #include "worker/pipeline/link_or_copy.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 namespace fs = std::filesystem;
 
@@ -12,4 +12,4 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
     if (failure) fs::copy_file(from, to);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -1,33 +1,34 @@
 #include <optional>
 
 #include "worker/camera/rerectifier.hpp"
-#include "worker/markers/measure_bars.hpp"
-#include "worker/markers/survey_markers.hpp"
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/trajectory_file.hpp"
+#include "worker/markers/measure_bars.hpp"
+#include "worker/markers/survey_markers.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
-MarkerWorld world_of(const OptimisedTrack& optimised) {
+markers::MarkerWorld world_of(const types::OptimisedTrack& optimised) {
     return {optimised.rig, optimised.keyframes, optimised.trajectory, optimised.covariances};
 }
 
-std::vector<TagView> find_tags(Reconstruction& made, const ProgressCallback& progress) {
-    const RefinedCalibration& calibration = made.optimised.calibration;
-    std::optional<Rerectifier> refined;
+std::vector<markers::TagView> find_tags(Reconstruction& made,
+                                        const base::ProgressCallback& progress) {
+    const types::RefinedCalibration& calibration = made.optimised.calibration;
+    std::optional<camera::Rerectifier> refined;
     if (calibration.lenses_applied)
         refined.emplace(made.dive.rig(), made.track.rig, calibration.applied_lenses);
-    return find_tags_in(made.dive,
-                        made.optimised.keyframes,
-                        made.marker_plan->family,
-                        refined ? &*refined : nullptr,
-                        {.stage = "optimise", .report = progress},
-                        made.options().num_threads);
+    return markers::find_tags_in(made.dive,
+                                 made.optimised.keyframes,
+                                 made.marker_plan->family,
+                                 refined ? &*refined : nullptr,
+                                 {.stage = "optimise", .report = progress},
+                                 made.options().num_threads);
 }
 
-void apply(const WorldScale& scale, OptimisedTrack& optimised) {
+void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
     optimised.keyframes = scale.applied(optimised.keyframes, optimised.trajectory);
     optimised.mapped = scale.applied(optimised.mapped, optimised.trajectory);
     optimised.trajectory = scale.applied(optimised.trajectory);
@@ -39,21 +40,22 @@ void scale_world(double factor, Reconstruction& made) {
     made.scale.emplace(factor, made.optimised.rig.T_imu_cam);
     apply(*made.scale, made.optimised);
     made.optimised.rig.baseline_m *= factor;
-    made.track.causal = WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
+    made.track.causal =
+        markers::WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
     made.track.statistics.median_depth_m *= factor;
-    write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
-    write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
-    write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+    io::write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
+    io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
+    io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
 }
 
-void correct_scale(const std::vector<TagView>& views, Reconstruction& made) {
-    ScaleCorrection correction;
-    if (const auto reason = reason_against(made.markers->scale)) {
+void correct_scale(const std::vector<markers::TagView>& views, Reconstruction& made) {
+    markers::ScaleCorrection correction;
+    if (const auto reason = markers::reason_against(made.markers->scale)) {
         made.markers->findings.push_back(*reason);
     } else {
         correction = {true, *made.markers->scale};
         scale_world(correction.scale.factor, made);
-        made.markers = measure_markers(views, *made.marker_plan, world_of(made.optimised));
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
     }
     made.markers->correction = std::move(correction);
 }
@@ -62,10 +64,10 @@ void correct_scale(const std::vector<TagView>& views, Reconstruction& made) {
 
 bool markers_wanted(const Reconstruction& made) { return made.marker_plan.has_value(); }
 
-void run_markers(Reconstruction& made, const ProgressCallback& progress) {
+void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
     const auto views = find_tags(made, progress);
-    made.markers = measure_markers(views, *made.marker_plan, world_of(made.optimised));
+    made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
     if (made.options().correct_scale) correct_scale(views, made);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -1,16 +1,16 @@
+#include "worker/io/ply.hpp"
+#include "worker/mesh/vertex_sigma.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 #include "worker/pipeline/simplification_error.hpp"
-#include "worker/io/ply.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
-#include "worker/mesh/vertex_sigma.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
-Surface simplified(Mesh mesh, const ReconstructionOptions& options) {
+Surface simplified(types::Mesh mesh, const ReconstructionOptions& options) {
     if (options.simplify >= 1.0 || mesh.triangles.empty()) return {std::move(mesh), std::nullopt};
-    Mesh fewer = simplify_mesh(mesh, {options.simplify, options.simplify_error_m});
+    types::Mesh fewer = mesh::simplify_mesh(mesh, {options.simplify, options.simplify_error_m});
     const auto error = simplification_error(mesh, fewer, options.num_threads);
     return {std::move(fewer), error};
 }
@@ -23,9 +23,10 @@ bool load_mesh(Reconstruction& made, const std::string& key) {
     return stored.has_value();
 }
 
-void run_mesh(Reconstruction& made, const ProgressCallback& progress) {
-    Mesh surface = mesh(*made.volume, made.options(), progress);
-    finish_sigma(surface, made.voxel_m, shared_sigma_m(made.optimised.statistics.path));
+void run_mesh(Reconstruction& made, const base::ProgressCallback& progress) {
+    types::Mesh surface = mesh(*made.volume, made.options(), progress);
+    mesh::finish_sigma(
+        surface, made.voxel_m, optimisation::shared_sigma_m(made.optimised.statistics.path));
     made.surface = simplified(std::move(surface), made.options());
 }
 
@@ -36,8 +37,8 @@ void save_mesh(Reconstruction& made, const std::string& key) {
 void finish_mesh(Reconstruction& made) {
     made.cloud_writer.wait();
     made.volume.reset();
-    made.mesh_writer.run([&made] { write_ply(made.artifact("mesh.ply"), made.surface.mesh); });
-    made.border_finder.run([&made] { made.borders = find_borders(made.surface.mesh); });
+    made.mesh_writer.run([&made] { io::write_ply(made.artifact("mesh.ply"), made.surface.mesh); });
+    made.border_finder.run([&made] { made.borders = mesh::find_borders(made.surface.mesh); });
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

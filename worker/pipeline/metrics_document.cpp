@@ -12,7 +12,7 @@
 #include "schemas/json.hpp"
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 using nlohmann::json;
@@ -23,11 +23,11 @@ double rate(std::int64_t count, double seconds) {
     return seconds > 0.0 ? static_cast<double>(count) / seconds : 0.0;
 }
 
-std::string_view to_string(Distortion distortion) {
+std::string_view to_string(types::Distortion distortion) {
     switch (distortion) {
-        case Distortion::None: return "none";
-        case Distortion::RadialTangential: return "radial-tangential";
-        case Distortion::Equidistant: return "equidistant";
+        case types::Distortion::None: return "none";
+        case types::Distortion::RadialTangential: return "radial-tangential";
+        case types::Distortion::Equidistant: return "equidistant";
     }
     return "";
 }
@@ -38,7 +38,7 @@ void append(std::string& text, double value) {
     text += number;
 }
 
-void append(std::string& text, const Camera& camera, const Eigen::Isometry3d& T_imu_cam) {
+void append(std::string& text, const types::Camera& camera, const Eigen::Isometry3d& T_imu_cam) {
     for (const double value : {static_cast<double>(camera.width_px),
                                static_cast<double>(camera.height_px),
                                camera.fx_px,
@@ -53,7 +53,7 @@ void append(std::string& text, const Camera& camera, const Eigen::Isometry3d& T_
 }
 
 // The same for the same calibration, wherever its numbers were read from.
-std::string calibration_sha256(const Rig& rig) {
+std::string calibration_sha256(const types::Rig& rig) {
     std::string text;
     append(text, rig.cam0, rig.T_imu_cam0);
     append(text, rig.cam1, rig.T_imu_cam1);
@@ -63,8 +63,10 @@ std::string calibration_sha256(const Rig& rig) {
 json estimate(double value, double sigma) { return {{"value", value}, {"sigma", sigma}}; }
 
 // A camera as refined: stated values with what was found to be missing.
-json lens(const Camera& stated, const LensChange& change, const LensChange::Vector& sigmas) {
-    const Camera camera = changed_camera(stated, change);
+json lens(const types::Camera& stated,
+          const types::LensChange& change,
+          const types::LensChange::Vector& sigmas) {
+    const types::Camera camera = changed_camera(stated, change);
     return {{"fx_px", estimate(camera.fx_px, sigmas[0] * stated.fx_px)},
             {"fy_px", estimate(camera.fy_px, sigmas[0] * stated.fy_px)},
             {"cx_px", estimate(camera.cx_px, sigmas[1])},
@@ -74,14 +76,14 @@ json lens(const Camera& stated, const LensChange& change, const LensChange::Vect
 }
 
 json refined(const MetricsInput& input) {
-    const RefinedCalibration& refined = input.refined;
+    const types::RefinedCalibration& refined = input.refined;
     json result = {{"lenses",
                     {{"cam0", lens(input.rig.cam0, refined.lenses[0], refined.lens_sigmas[0])},
                      {"cam1", lens(input.rig.cam1, refined.lenses[1], refined.lens_sigmas[1])},
                      {"shift_px", refined.lens_shift_px},
                      {"applied", refined.lenses_applied}}}};
     if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return result;
-    const Eigen::Vector3d w = kDegPerRad * vector_from_rotation(refined.imu.q_body_imu);
+    const Eigen::Vector3d w = kDegPerRad * base::vector_from_rotation(refined.imu.q_body_imu);
     const Eigen::Vector3d sigma = kDegPerRad * refined.rotation_sigma_rad;
     result["time_offset_s"] = estimate(refined.imu.time_offset_s, refined.time_offset_sigma_s);
     result["time_offset_s"]["applied"] = refined.time_offset_applied;
@@ -112,7 +114,7 @@ json dive(const MetricsInput& input) {
 }
 
 json calibration(const MetricsInput& input) {
-    const Rig& rig = input.rig;
+    const types::Rig& rig = input.rig;
     json result = {{"body_frame", rig.imu_noise ? "imu" : "cam0"},
                    {"baseline_m", rig.baseline_m()},
                    {"focal_px", {rig.cam0.fx_px, rig.cam0.fy_px}},
@@ -128,7 +130,7 @@ json calibration(const MetricsInput& input) {
 }
 
 json frames(const MetricsInput& input) {
-    const TrackStatistics& track = input.track;
+    const types::TrackStatistics& track = input.track;
     return {{"num_frames", track.num_frames},
             {"num_skipped_frames", track.num_skipped_frames},
             {"num_frames_tracked", track.num_frames_tracked},
@@ -138,7 +140,7 @@ json frames(const MetricsInput& input) {
 }
 
 json tracking(const MetricsInput& input) {
-    const TrackStatistics& track = input.track;
+    const types::TrackStatistics& track = input.track;
     json result = {{"mean_tracked_features", track.mean_tracked_features},
                    {"inlier_share", track.inlier_share},
                    {"horn_scale_median", track.horn_scale_median},
@@ -151,7 +153,7 @@ json tracking(const MetricsInput& input) {
     return result;
 }
 
-json stereo(const SearchStatistics& dense) {
+json stereo(const types::SearchStatistics& dense) {
     const auto num_frames = static_cast<double>(dense.num_frames);
     json result = {{"num_frames", dense.num_frames},
                    {"mean_range_px", static_cast<double>(dense.sum_ranges_px) / num_frames}};
@@ -162,11 +164,11 @@ json stereo(const SearchStatistics& dense) {
     return result;
 }
 
-json segments(const std::vector<TrackingSegment>& segments) {
+json segments(const std::vector<evaluation::TrackingSegment>& segments) {
     json result = json::array();
-    for (const TrackingSegment& segment : segments) {
+    for (const evaluation::TrackingSegment& segment : segments) {
         json intervals = json::array();
-        for (const TrackingSegment::Interval& interval : segment.intervals)
+        for (const evaluation::TrackingSegment::Interval& interval : segment.intervals)
             intervals.push_back({{"first_ns", interval.first_ns}, {"last_ns", interval.last_ns}});
         result.push_back({{"num_frames", segment.num_frames},
                           {"num_keyframes", segment.num_keyframes},
@@ -176,7 +178,7 @@ json segments(const std::vector<TrackingSegment>& segments) {
     return result;
 }
 
-json loops(const LoopStatistics& loops) {
+json loops(const types::LoopStatistics& loops) {
     return {{"num_candidates", loops.num_candidates},
             {"num_matched", loops.num_matched},
             {"num_accepted", loops.num_accepted},
@@ -234,7 +236,7 @@ json mesh(const MeshMetrics& metrics) {
     return result;
 }
 
-void add_evaluation(const Evaluation& evaluation, json& document) {
+void add_evaluation(const evaluation::Evaluation& evaluation, json& document) {
     json& trajectory = document["trajectory"];
     if (evaluation.trajectory) trajectory["final"] = to_metrics(*evaluation.trajectory);
     if (evaluation.covariance)
@@ -248,7 +250,7 @@ void add_evaluation(const Evaluation& evaluation, json& document) {
 // Nothing is made of what comes nearer than the largest disparity that is looked for.
 std::optional<Finding> find_too_near(const MetricsInput& input) {
     constexpr double kTolerated = 0.02;
-    const SearchStatistics& dense = input.track.dense;
+    const types::SearchStatistics& dense = input.track.dense;
     if (dense.num_patches == 0) return std::nullopt;
     const double share =
         static_cast<double>(dense.num_too_near) / static_cast<double>(dense.num_patches);
@@ -317,4 +319,4 @@ std::int64_t peak_memory_bytes() {
     return 0;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

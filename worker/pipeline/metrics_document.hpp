@@ -8,28 +8,28 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
-#include "worker/pipeline/cloud_metrics.hpp"
-#include "worker/types/geographic_position.hpp"
-#include "worker/types/rig.hpp"
-#include "worker/markers/marker_metrics.hpp"
 #include "worker/evaluation/evaluation.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
 #include "worker/evaluation/imu_check.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
-#include "worker/types/optimised_track.hpp"
-#include "worker/pipeline/stage_time.hpp"
-#include "worker/types/track.hpp"
+#include "worker/markers/marker_metrics.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/simplify_mesh.hpp"
+#include "worker/pipeline/cloud_metrics.hpp"
+#include "worker/pipeline/stage_time.hpp"
+#include "worker/types/geographic_position.hpp"
+#include "worker/types/optimised_track.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/types/track.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 struct MeshMetrics {
     std::int64_t num_vertices = 0;
     std::int64_t num_triangles = 0;
     double area_m2 = 0.0;
-    MeshBorders borders;
-    std::optional<SimplificationError> simplification;  // nothing: all triangles stayed
+    mesh::MeshBorders borders;
+    std::optional<mesh::SimplificationError> simplification;  // nothing: all triangles stayed
     double voxel_m = 0.0;
     CloudMetrics cloud;
     std::int64_t volume_memory_bytes = 0;
@@ -40,24 +40,24 @@ struct MetricsInput {
     std::string preset;
     ReconstructionOptions options;  // as used
     std::string dive_name;
-    std::optional<GeographicPosition> position;
+    std::optional<types::GeographicPosition> position;
     std::string content_sha256;
     double duration_s = 0.0;
-    Rig rig;
-    std::optional<GravityCheck> gravity;  // nothing: no IMU
-    RefinedCalibration refined;
+    types::Rig rig;
+    std::optional<evaluation::GravityCheck> gravity;  // nothing: no IMU
+    types::RefinedCalibration refined;
     std::optional<Eigen::Matrix3d> end_covariance_m2;  // of the last position; nothing: not known
-    TrackStatistics track;
-    OptimiseStatistics optimise;
+    types::TrackStatistics track;
+    types::OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;
     double path_length_m = 0.0;  // of the final trajectory, all pieces
-    std::vector<TrackingSegment> segments;
-    std::optional<MeshMetrics> mesh;       // nothing: no surface was asked for
-    std::optional<MarkerMetrics> markers;  // nothing: nobody looked for them
+    std::vector<evaluation::TrackingSegment> segments;
+    std::optional<MeshMetrics> mesh;                // nothing: no surface was asked for
+    std::optional<markers::MarkerMetrics> markers;  // nothing: nobody looked for them
     std::vector<StageTime> stages;
-    Evaluation evaluation;
-    std::optional<ExpectedAccuracy> expected;
+    evaluation::Evaluation evaluation;
+    std::optional<evaluation::ExpectedAccuracy> expected;
     std::vector<Finding> findings;  // of the dive; those of evaluation and expected are added
 };
 
@@ -66,4 +66,4 @@ nlohmann::json metrics_document(const MetricsInput& input);
 
 std::int64_t peak_memory_bytes();  // of this process so far
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -6,7 +6,7 @@
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 bool load_optimise(Reconstruction& made, const std::string& key) {
     auto stored = load_optimised_track(made.scratch("optimise.stage"), key);
@@ -14,7 +14,7 @@ bool load_optimise(Reconstruction& made, const std::string& key) {
     return stored.has_value();
 }
 
-void run_optimise(Reconstruction& made, const ProgressCallback& progress) {
+void run_optimise(Reconstruction& made, const base::ProgressCallback& progress) {
     made.optimised = optimise(made.track, made.dive, made.options(), made.keyframe_store, progress);
 }
 
@@ -23,17 +23,18 @@ void save_optimise(Reconstruction& made, const std::string& key) {
 }
 
 void finish_optimise(Reconstruction& made) {
-    const RefinedCalibration& calibration = made.optimised.calibration;
+    const types::RefinedCalibration& calibration = made.optimised.calibration;
     if (made.options().surface && calibration.lenses_applied)
-        made.keyframe_store = made.keyframe_store.rerectified(std::make_shared<KeyframeRerectifier>(
-            made.track.rig,
-            Rerectifier(made.dive.rig(), made.track.rig, calibration.applied_lenses)));
-    write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
-    write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+        made.keyframe_store =
+            made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(
+                made.track.rig,
+                camera::Rerectifier(made.dive.rig(), made.track.rig, calibration.applied_lenses)));
+    io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
+    io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
     // An hour's dive needs the room for what follows.
     made.num_landmarks = std::ssize(made.track.landmarks);
     made.track.landmarks = {};
     made.track.odometry = {};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -2,17 +2,17 @@
 
 #include <utility>
 
-#include "worker/odometry/frame_features.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
+#include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/predict_orientation.hpp"
-#include "worker/optimisation/refine_pose_by_ceres.hpp"
 #include "worker/odometry/register_points.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
+#include "worker/optimisation/refine_pose_by_ceres.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
-PairwiseTracker::PairwiseTracker(const RectifiedRig& rig,
-                                 const Recording& recording,
+PairwiseTracker::PairwiseTracker(const types::RectifiedRig& rig,
+                                 const types::Recording& recording,
                                  const ReconstructionOptions& options)
     : rig_(rig),
       options_(options),
@@ -25,33 +25,37 @@ PairwiseTracker::PairwiseTracker(const RectifiedRig& rig,
       mapping_rule_(rig, options.surface ? options.map_step : 0.0) {}
 
 // Steps 7 and 8 are fuse() and mesh(), when all poses are known.
-TrackedFrame PairwiseTracker::process(const RectifiedFrame& frame) {
+TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     const std::int64_t now_ns = frame.timestamp_ns;
-    if (!motion_.started()) motion_.start(now_ns, first_pose(inertial_, rig_, now_ns));
+    if (!motion_.started()) motion_.start(now_ns, odometry::first_pose(inertial_, rig_, now_ns));
     const std::int64_t before_ns = motion_.timestamp_ns();
     const auto rotation = motion_.rotation(now_ns);
     const auto expected = motion_.predict(rotation, now_ns);
 
-    DepthMap depth = stereo_.match(frame);                                                    // 1
-    Features tracks = tracker_.track(frame.left, moving_.with_dynamic(features_), expected);  // 2
-    match_sparse_stereo(frame, depth.disparity_px, options_.num_disparities_px, tracks);
+    types::DepthMap depth = stereo_.match(frame);  // 1
+    types::Features tracks =
+        tracker_.track(frame.left, moving_.with_dynamic(features_), expected);  // 2
+    features::match_sparse_stereo(frame, depth.disparity_px, options_.num_disparities_px, tracks);
     moving_.take_dynamic(tracks);
-    const PointPairs pairs = with_depth_at_both_times(rig_, features_, tracks);  // 3
-    const auto vision =                                                          // 4
-        register_points(rig_, pairs, kInlierTolerance_px, seed_of(options_.seed, frame));
-    const auto guess = predict_orientation(rotation, vision);  // 5
-    const auto T_current_previous =                            // 6
-        vision.found ? refine_pose_by_ceres(rig_, vision.inliers, guess) : expected;
+    const odometry::PointPairs pairs =
+        odometry::with_depth_at_both_times(rig_, features_, tracks);  // 3
+    const auto vision =                                               // 4
+        odometry::register_points(
+            rig_, pairs, odometry::kInlierTolerance_px, odometry::seed_of(options_.seed, frame));
+    const auto guess = odometry::predict_orientation(rotation, vision);  // 5
+    const auto T_current_previous =                                      // 6
+        vision.found ? optimisation::refine_pose_by_ceres(rig_, vision.inliers, guess) : expected;
 
     motion_.advance(T_current_previous, now_ns);
-    learn_bias(inertial_, rig_, vision, before_ns, now_ns);
+    odometry::learn_bias(inertial_, rig_, vision, before_ns, now_ns);
     const bool first = keyframes_.empty();
     first ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
     moving_.classify(pairs, vision);
-    features_ = without_dynamic_features(tracks, pairs, vision);
+    features_ = odometry::without_dynamic_features(tracks, pairs, vision);
     const bool keep = first || (vision.found && keyframe_rule_.due(features_, now_ns));
     if (keep || !vision.found)
-        add_new_features(rig_, frame, depth, options_.num_disparities_px, tracker_, features_);
+        odometry::add_new_features(
+            rig_, frame, depth, options_.num_disparities_px, tracker_, features_);
     if (keep) {
         keyframe_rule_.taken(features_, now_ns);
         keyframes_.push_back({frame.index, now_ns, motion_.T_world_cam()});
@@ -59,23 +63,24 @@ TrackedFrame PairwiseTracker::process(const RectifiedFrame& frame) {
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
     if (keep || (vision.found && mapping_rule_.due(features_))) {
         mapping_rule_.taken(features_);
-        tracked.to_map = {std::move(depth), {{}, moving_.now(), static_features(vision), {}}};
+        tracked.to_map = {std::move(depth),
+                          {{}, moving_.now(), odometry::static_features(vision), {}}};
     }
     return tracked;
 }
 
-void PairwiseTracker::move_to(Track& track) {
+void PairwiseTracker::move_to(types::Track& track) {
     track.keyframes = std::move(keyframes_);
     track.statistics = summary_.statistics();
 }
 
-Track track_pairwise(Recording& recording,
-                     const ReconstructionOptions& options,
-                     const KeyframeStore& store,
-                     const ProgressCallback& progress) {
-    const Rectifier rectifier(recording.rig());
+types::Track track_pairwise(types::Recording& recording,
+                            const ReconstructionOptions& options,
+                            const keyframes::KeyframeStore& store,
+                            const base::ProgressCallback& progress) {
+    const camera::Rectifier rectifier(recording.rig());
     PairwiseTracker tracker(rectifier.rig(), recording, options);
     return track_frames(recording, rectifier, options, store, tracker, progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -3,25 +3,25 @@
 #include <utility>
 
 #include "worker/base/background_task.hpp"
-#include "worker/pipeline/depth_view_prefetcher.hpp"
+#include "worker/base/free_memory.hpp"
 #include "worker/calibration/calibration_refinement.hpp"
-#include "worker/optimisation/expected_path_error.hpp"
-#include "worker/optimisation/follow_keyframes.hpp"
-#include "worker/optimisation/frame_covariances.hpp"
-#include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/loops/close_loops.hpp"
 #include "worker/loops/drift_model.hpp"
 #include "worker/loops/find_loops.hpp"
 #include "worker/loops/separate_segments.hpp"
+#include "worker/mesh/extract_surface.hpp"
+#include "worker/optimisation/expected_path_error.hpp"
+#include "worker/optimisation/follow_keyframes.hpp"
+#include "worker/optimisation/frame_covariances.hpp"
+#include "worker/optimisation/global_bundle_adjustment.hpp"
+#include "worker/pipeline/depth_view_prefetcher.hpp"
+#include "worker/pipeline/pairwise_tracker.hpp"
+#include "worker/pipeline/window_tracker.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
-#include "worker/base/free_memory.hpp"
-#include "worker/pipeline/pairwise_tracker.hpp"
-#include "worker/mesh/extract_surface.hpp"
-#include "worker/pipeline/window_tracker.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kCloudStep = 6;  // of the mapped frames
@@ -30,20 +30,20 @@ constexpr double kReach = 3.0;
 
 }  // namespace
 
-Track track(Recording& recording,
-            const ReconstructionOptions& options,
-            const KeyframeStore& store,
-            const ProgressCallback& progress) {
+types::Track track(types::Recording& recording,
+                   const ReconstructionOptions& options,
+                   const keyframes::KeyframeStore& store,
+                   const base::ProgressCallback& progress) {
     return options.estimator == "pairwise" ? track_pairwise(recording, options, store, progress)
                                            : track_window(recording, options, store, progress);
 }
 
-OptimisedTrack optimise(const Track& track,
-                        const Recording& recording,
-                        const ReconstructionOptions& options,
-                        const KeyframeStore& store,
-                        const ProgressCallback& progress) {
-    OptimisedTrack result;
+types::OptimisedTrack optimise(const types::Track& track,
+                               const types::Recording& recording,
+                               const ReconstructionOptions& options,
+                               const keyframes::KeyframeStore& store,
+                               const base::ProgressCallback& progress) {
+    types::OptimisedTrack result;
     if (!options.adjust_whole_dive || options.estimator == "pairwise" ||
         track.keyframes.size() < 2) {  // the paper stops here
         result.trajectory = track.causal;
@@ -52,55 +52,58 @@ OptimisedTrack optimise(const Track& track,
         result.rig = track.rig;
         return result;
     }
-    InertialPrior inertial(recording, options);
+    imu::InertialPrior inertial(recording, options);
     Progress at;
     at.fraction = 0.1;
-    const DriftModel drift(track.keyframes, track.landmarks, &inertial);
-    FoundLoops found;
+    const loops::DriftModel drift(track.keyframes, track.landmarks, &inertial);
+    loops::FoundLoops found;
     if (options.close_loops)
-        found = find_loops(track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
+        found = loops::find_loops(
+            track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
     result.statistics.loops = found.statistics;
-    return_freed_memory();
-    Track closed;  // what changes from here on
+    base::return_freed_memory();
+    types::Track closed;  // what changes from here on
     closed.rig = track.rig;
     closed.odometry = track.odometry;
     closed.keyframes = track.keyframes;
     closed.landmarks = track.landmarks;
     closed.imu_alignment = track.imu_alignment;
-    close_loops(closed.rig, found.loops, drift, closed.keyframes, closed.landmarks);
+    loops::close_loops(closed.rig, found.loops, drift, closed.keyframes, closed.landmarks);
     at.fraction = 0.4;
-    result.calibration = refine_calibration(closed, recording, options, inertial, progress, at);
+    result.calibration =
+        calibration::refine_calibration(closed, recording, options, inertial, progress, at);
     inertial.align({result.calibration.applied_alignment().time_offset_s});
-    apply_calibration(recording.rig(), result.calibration, closed);
-    return_freed_memory();
+    calibration::apply_calibration(recording.rig(), result.calibration, closed);
+    base::return_freed_memory();
     at.fraction = 0.6;
-    const GlobalBundleAdjustment adjusted =
-        adjust_globally(closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);
+    const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
+        closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);
     result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
-    separate_segments(kReach * track.statistics.median_depth_m, closed.keyframes);
-    result.trajectory = follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
-    result.covariances = covariances_at(
+    loops::separate_segments(kReach * track.statistics.median_depth_m, closed.keyframes);
+    result.trajectory =
+        optimisation::follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
+    result.covariances = optimisation::covariances_at(
         adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
     result.statistics.path =
-        with_frames_between(adjusted.path, adjusted.covariances, result.covariances);
-    add_residuals(found.loops, closed.keyframes, result.statistics.loops);
-    result.mapped =
-        posed_by(result.trajectory, closed.keyframes, closed.rig.T_imu_cam, track.mapped);
+        optimisation::with_frames_between(adjusted.path, adjusted.covariances, result.covariances);
+    loops::add_residuals(found.loops, closed.keyframes, result.statistics.loops);
+    result.mapped = optimisation::posed_by(
+        result.trajectory, closed.keyframes, closed.rig.T_imu_cam, track.mapped);
     result.keyframes = std::move(closed.keyframes);
     result.rig = closed.rig;
     return result;
 }
 
-FusedMap fuse(const RectifiedRig& rig,
-              const std::vector<Keyframe>& frames,
+FusedMap fuse(const types::RectifiedRig& rig,
+              const std::vector<types::Keyframe>& frames,
               double median_depth_m,
               const ReconstructionOptions& options,
-              const KeyframeStore& store,
+              const keyframes::KeyframeStore& store,
               const std::filesystem::path& scratch,
-              const ProgressCallback& progress) {
+              const base::ProgressCallback& progress) {
     FusedMap map;
-    map.volume = make_volume(rig, options, median_depth_m, scratch);
-    map.cloud = make_cloud(map.volume->settings(), options);
+    map.volume = fusion::make_volume(rig, options, median_depth_m, scratch);
+    map.cloud = fusion::make_cloud(map.volume->settings(), options);
     // Frames that follow one another see nearly the same points: all of them only where the points
     // are to be closer than a voxel needs.
     const std::size_t cloud_step =
@@ -108,9 +111,9 @@ FusedMap fuse(const RectifiedRig& rig,
     Progress done;
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
-    TaskPool task_pool(options.num_threads);
+    base::TaskPool task_pool(options.num_threads);
     DepthViewPrefetcher views(rig, map.volume->voxel_m(), frames, store, task_pool);
-    BackgroundTask cloud(task_pool);  // ends before the map goes, also when progress() throws
+    base::BackgroundTask cloud(task_pool);  // ends before the map goes, also when progress() throws
     for (std::size_t i = 0; i < frames.size(); ++i) {
         progress(done);
         const auto depth = views.next();
@@ -126,10 +129,10 @@ FusedMap fuse(const RectifiedRig& rig,
     return map;
 }
 
-Mesh mesh(const Volume& volume,
-          const ReconstructionOptions& options,
-          const ProgressCallback& progress) {
-    return extract_surface(volume, options, progress);  // 8
+types::Mesh mesh(const fusion::Volume& volume,
+                 const ReconstructionOptions& options,
+                 const base::ProgressCallback& progress) {
+    return mesh::extract_surface(volume, options, progress);  // 8
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

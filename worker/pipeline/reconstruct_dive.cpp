@@ -2,38 +2,38 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "worker/pipeline/build_id.hpp"
-#include "worker/base/free_memory.hpp"
 #include "worker/base/atomic_file.hpp"
+#include "worker/base/free_memory.hpp"
 #include "worker/io/exports.hpp"
 #include "worker/io/reconstruction_folder.hpp"
+#include "worker/pipeline/build_id.hpp"
 #include "worker/pipeline/reconstruction_metrics.hpp"
 #include "worker/pipeline/reconstruction_stages.hpp"
-#include "worker/report/report.hpp"
 #include "worker/pipeline/run_stages.hpp"
 #include "worker/pipeline/stage_cache.hpp"
+#include "worker/report/report.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 void write_exports(const Reconstruction& made) {
-    auto formats = export_formats(made.options().exports);
-    const ReconstructionFolder folder(made.request.out);
-    const auto position = position_of(folder);
+    auto formats = io::export_formats(made.options().exports);
+    const io::ReconstructionFolder folder(made.request.out);
+    const auto position = io::position_of(folder);
     if (position && made.options().surface && made.options().texture)
-        formats.push_back(ExportFormat::Geotiff);
-    export_reconstruction(folder, formats, position, made.request.out);
+        formats.push_back(io::ExportFormat::Geotiff);
+    io::export_reconstruction(folder, formats, position, made.request.out);
 }
 
 // Returns what metrics.json holds.
 nlohmann::json write_documents(const Reconstruction& made) {
     auto document = metrics_of(made);
-    write_file(made.artifact("metrics.json"), document.dump(2) + "\n");
-    write_file(made.artifact("report.html"),
-               report_html({.metrics = document,
-                            .trajectory = made.optimised.trajectory,
-                            .evaluation = made.evaluation,
-                            .image_png = made.thumbnail_png}));
+    base::write_file(made.artifact("metrics.json"), document.dump(2) + "\n");
+    base::write_file(made.artifact("report.html"),
+                     report::report_html({.metrics = document,
+                                          .trajectory = made.optimised.trajectory,
+                                          .evaluation = made.evaluation,
+                                          .image_png = made.thumbnail_png}));
     write_exports(made);
     return document;
 }
@@ -43,7 +43,7 @@ nlohmann::json write_documents(const Reconstruction& made) {
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const std::vector<Stage<Reconstruction>>& stages,
                                 StageStore& store,
-                                const ProgressCallback& progress) {
+                                const base::ProgressCallback& progress) {
     // Its pool waits actively: more work than it takes off us with images of this size.
     cv::setNumThreads(1);
     StageProgress stage_progress(progress);
@@ -51,7 +51,7 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
     const auto done = [&](const StageSpec& stage, const StageTime& time) {
         made.stages.push_back(time);
         if (stage.part_of.empty()) request.stage_done({time.stage, time.wall_s, time.reused});
-        return_freed_memory();
+        base::return_freed_memory();
     };
     run_stages(stages,
                made,
@@ -70,9 +70,9 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
 }
 
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
-                                const ProgressCallback& progress) {
+                                const base::ProgressCallback& progress) {
     StageCache store(request.cache, request.cache_bytes);
     return reconstruct_dive(request, reconstruction_stages(), store, progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

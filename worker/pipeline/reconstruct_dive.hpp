@@ -10,7 +10,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 struct Reconstruction;
 template <typename State>
@@ -37,12 +37,12 @@ struct ReconstructionRequest {
 // metrics.json holds. Throws Error{BadData} with the first error among the findings,
 // Error{Cancelled}, Error{OutOfSpace}.
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
-                                const ProgressCallback& progress);
+                                const base::ProgressCallback& progress);
 
 // The same with other stages and another store than the folder request.cache.
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const std::vector<Stage<Reconstruction>>& stages,
                                 StageStore& store,
-                                const ProgressCallback& progress);
+                                const base::ProgressCallback& progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

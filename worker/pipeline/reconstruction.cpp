@@ -4,26 +4,27 @@
 #include "worker/base/free_memory.hpp"
 #include "worker/camera/rectifier.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
-std::unique_ptr<Dive> open_dive(const ReconstructionRequest& request) {
-    auto dive = Dive::open(request.dive, request.scratch / "dive");
+std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
+    auto dive = dive::Dive::open(request.dive, request.scratch / "dive");
     for (const Finding& finding : dive->findings())
         if (finding.severity == Severity::Error)
             throw Error(ErrorCode::BadData,
                         (finding.where.empty() ? "" : finding.where + ": ") + finding.message +
                             (finding.remedy.empty() ? "" : " " + finding.remedy));
-    if (request.options.correct_scale && !marker_plan_of(dive->markers(), request.options))
+    if (request.options.correct_scale && !dive::marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,
                     "option correct_scale needs known distances, and the dive has no markers.json: "
                     "add one, or give marker_family and marker_size_m");
-    return_freed_memory();  // the texts of its tables
+    base::return_freed_memory();  // the texts of its tables
     return dive;
 }
 
-KeyframeStore::LeftInColor rectified_left_images(const Dive& dive) {
-    return [&dive, rectifier = std::make_shared<const Rectifier>(dive.rig())](int frame_index) {
+keyframes::KeyframeStore::LeftInColor rectified_left_images(const dive::Dive& dive) {
+    return [&dive,
+            rectifier = std::make_shared<const camera::Rectifier>(dive.rig())](int frame_index) {
         return rectifier->rectify_left(dive.left_in_color(frame_index));
     };
 }
@@ -34,10 +35,10 @@ Reconstruction::Reconstruction(const ReconstructionRequest& made_for)
     : request(made_for),
       opened_dive(open_dive(request)),
       dive(*opened_dive),
-      marker_plan(marker_plan_of(dive.markers(), request.options)),
+      marker_plan(dive::marker_plan_of(dive.markers(), request.options)),
       keyframe_store(scratch("keyframes"), rectified_left_images(dive)),
       task_pool(request.options.num_threads) {
     std::filesystem::create_directories(request.out);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

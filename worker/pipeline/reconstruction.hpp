@@ -9,19 +9,19 @@
 
 #include "worker/base/background_task.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/dive/marker_plan.hpp"
+#include "worker/evaluation/evaluation.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/markers/locate_markers.hpp"
 #include "worker/markers/marker_metrics.hpp"
-#include "worker/dive/marker_plan.hpp"
 #include "worker/markers/world_scale.hpp"
-#include "worker/evaluation/evaluation.hpp"
+#include "worker/mesh/mesh_borders.hpp"
 #include "worker/pipeline/reconstruct.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_time.hpp"
-#include "worker/mesh/mesh_borders.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // A reconstruction under way: what its stages hand on in memory. The rest is in the scratch folder.
 struct Reconstruction {
@@ -34,46 +34,46 @@ struct Reconstruction {
     std::filesystem::path scratch(const std::string& name) const { return request.scratch / name; }
 
     const ReconstructionRequest& request;
-    std::unique_ptr<Dive> opened_dive;
-    Dive& dive;
-    std::optional<MarkerPlan> marker_plan;  // nullopt: no marker is looked for
+    std::unique_ptr<dive::Dive> opened_dive;
+    dive::Dive& dive;
+    std::optional<dive::MarkerPlan> marker_plan;  // nullopt: no marker is looked for
 
     // track
-    KeyframeStore keyframe_store;  // from optimise on as seen through the refined lenses
-    Track track;                   // from optimise on without what optimise alone reads
+    keyframes::KeyframeStore keyframe_store;  // from optimise on as seen through the refined lenses
+    types::Track track;                       // from optimise on without what optimise alone reads
 
     // optimise; from markers on at the scale that they correct
-    OptimisedTrack optimised;
+    types::OptimisedTrack optimised;
     std::int64_t num_landmarks = 0;
 
     // markers
-    std::optional<MarkerMetrics> markers;
-    std::optional<WorldScale> scale;  // that was applied
+    std::optional<markers::MarkerMetrics> markers;
+    std::optional<markers::WorldScale> scale;  // that was applied
 
     // fuse
-    std::unique_ptr<Volume> volume;  // until the mesh is made of it
+    std::unique_ptr<fusion::Volume> volume;  // until the mesh is made of it
     double voxel_m = 0.0;
     std::int64_t volume_memory_bytes = 0;
     CloudMetrics cloud;
 
     // mesh
     Surface surface;
-    MeshBorders borders;
+    mesh::MeshBorders borders;
 
     // texture
     std::string thumbnail_png;
 
     // evaluate
-    Evaluation evaluation;
+    evaluation::Evaluation evaluation;
 
     std::vector<StageTime> stages;  // of those that are done
 
     // Write the cloud while the mesh is made, and the mesh while its images are. They end before
     // what they read goes, so they come last.
-    TaskPool task_pool;
-    BackgroundTask cloud_writer{task_pool};
-    BackgroundTask mesh_writer{task_pool};
-    BackgroundTask border_finder{task_pool};
+    base::TaskPool task_pool;
+    base::BackgroundTask cloud_writer{task_pool};
+    base::BackgroundTask mesh_writer{task_pool};
+    base::BackgroundTask border_finder{task_pool};
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

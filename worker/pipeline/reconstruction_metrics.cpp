@@ -1,18 +1,19 @@
 #include "worker/pipeline/reconstruction_metrics.hpp"
 
-#include "worker/pipeline/metrics_document.hpp"
 #include "worker/evaluation/path_length.hpp"
 #include "worker/evaluation/surface_samples.hpp"
+#include "worker/pipeline/metrics_document.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
-ExpectedAccuracy expected(const Reconstruction& made) {
+evaluation::ExpectedAccuracy expected(const Reconstruction& made) {
     const auto& known = made.evaluation.known_distances;
-    return expected_accuracy(
+    return evaluation::expected_accuracy(
         {.recording = made.dive,
          .trajectory = made.optimised.trajectory,
-         .num_segments = segments_of(made.optimised.trajectory, made.optimised.keyframes).size(),
+         .num_segments =
+             evaluation::segments_of(made.optimised.trajectory, made.optimised.keyframes).size(),
          .covariances = made.optimised.covariances,
          .track = made.track.statistics,
          .optimise = made.optimised.statistics,
@@ -22,10 +23,10 @@ ExpectedAccuracy expected(const Reconstruction& made) {
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
     if (!made.request.options.surface) return std::nullopt;
-    const Mesh& mesh = made.surface.mesh;
+    const types::Mesh& mesh = made.surface.mesh;
     return MeshMetrics{.num_vertices = std::ssize(mesh.vertices),
                        .num_triangles = std::ssize(mesh.triangles),
-                       .area_m2 = surface_area_m2(mesh),
+                       .area_m2 = evaluation::surface_area_m2(mesh),
                        .borders = made.borders,
                        .simplification = made.surface.simplification,
                        .voxel_m = made.voxel_m,
@@ -35,8 +36,8 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
 
 }  // namespace
 
-Evaluation compare_with_truth(const Reconstruction& made) {
-    return evaluate_reconstruction(
+evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
+    return evaluation::evaluate_reconstruction(
         {.rig = made.scale ? made.scale->applied(made.dive.rig()) : made.dive.rig(),
          .trajectory = made.optimised.trajectory,
          .causal = made.track.causal,
@@ -59,7 +60,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .content_sha256 = made.dive.content_sha256(),
          .duration_s = made.dive.duration_s(),
          .rig = made.dive.rig(),
-         .gravity = check_gravity(made.dive.imu(), made.optimised.trajectory),
+         .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
          .refined = made.optimised.calibration,
          .end_covariance_m2 = made.optimised.covariances.empty()
                                   ? std::optional<Eigen::Matrix3d>()
@@ -68,8 +69,8 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .optimise = made.optimised.statistics,
          .num_keyframes = std::ssize(made.optimised.keyframes),
          .num_landmarks = made.num_landmarks,
-         .path_length_m = path_length_m(made.optimised.trajectory),
-         .segments = segments_of(made.optimised.trajectory, made.optimised.keyframes),
+         .path_length_m = evaluation::path_length_m(made.optimised.trajectory),
+         .segments = evaluation::segments_of(made.optimised.trajectory, made.optimised.keyframes),
          .mesh = mesh_metrics(made),
          .markers = made.markers,
          .stages = made.stages,
@@ -78,4 +79,4 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .findings = made.dive.findings()});
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

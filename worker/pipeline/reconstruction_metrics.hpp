@@ -4,12 +4,12 @@
 
 #include "worker/pipeline/reconstruction.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // With what the dive itself knows better: its true trajectory, reference surface and distances.
-Evaluation compare_with_truth(const Reconstruction& made);
+evaluation::Evaluation compare_with_truth(const Reconstruction& made);
 
 // metrics.json.
 nlohmann::json metrics_of(const Reconstruction& made);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

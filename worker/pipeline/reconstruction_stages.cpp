@@ -2,7 +2,7 @@
 
 #include "worker/pipeline/stage_functions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 bool corrects_scale(const ReconstructionOptions& options) { return options.correct_scale; }
@@ -75,4 +75,4 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
     };
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -5,10 +5,10 @@
 #include "worker/pipeline/reconstruction.hpp"
 #include "worker/pipeline/stage.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // The table of stages, in the order in which they run. Keys of the stage store, progress, the names
 // in metrics.json and the loop over a dive all come from it.
 std::vector<Stage<Reconstruction>> reconstruction_stages();
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -11,7 +11,7 @@
 #include "worker/pipeline/stage_store.hpp"
 #include "worker/pipeline/stage_time.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // What a run of stages takes and tells.
 struct StageRunSettings {
@@ -51,7 +51,7 @@ template <typename State>
 void make_stage(const Stage<State>& stage,
                 State& state,
                 const StageRunSettings& settings,
-                const ProgressCallback& progress) {
+                const base::ProgressCallback& progress) {
     clear_files(stage.spec, settings.scratch);
     stage.run(state, progress);
     if (stage.save == nullptr || !settings.resumable) return;
@@ -85,4 +85,4 @@ void run_stages(const std::vector<Stage<State>>& stages,
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -4,20 +4,20 @@
 #include <cmath>
 #include <vector>
 
-#include "worker/evaluation/surface_index.hpp"
 #include "worker/base/parallel.hpp"
+#include "worker/evaluation/surface_index.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
-SimplificationError simplification_error(const Mesh& original,
-                                         const Mesh& simplified,
-                                         int num_threads) {
-    const SurfaceIndex surface(simplified);
+mesh::SimplificationError simplification_error(const types::Mesh& original,
+                                               const types::Mesh& simplified,
+                                               int num_threads) {
+    const evaluation::SurfaceIndex surface(simplified);
     std::vector<float> distances_m(original.vertices.size());
-    for_each_index(num_threads, distances_m.size(), [&](std::size_t i) {
+    base::for_each_index(num_threads, distances_m.size(), [&](std::size_t i) {
         distances_m[i] = surface.distance_m(original.vertices[i]);
     });
-    SimplificationError error;
+    mesh::SimplificationError error;
     error.num_triangles_before = std::ssize(original.triangles);
     double sum_of_squares = 0.0;
     for (const float distance_m : distances_m) {
@@ -28,4 +28,4 @@ SimplificationError simplification_error(const Mesh& original,
     return error;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -2,12 +2,12 @@
 
 #include "worker/mesh/simplify_mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // Measured by nearest points, not the quadrics that chose the collapses. Neither mesh may be empty.
 // The number of threads changes no figure.
-SimplificationError simplification_error(const Mesh& original,
-                                         const Mesh& simplified,
-                                         int num_threads);
+mesh::SimplificationError simplification_error(const types::Mesh& original,
+                                               const types::Mesh& simplified,
+                                               int num_threads);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

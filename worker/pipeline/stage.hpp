@@ -6,7 +6,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // What is known of a stage before it runs.
 struct StageSpec {
@@ -32,7 +32,7 @@ struct Stage {
     // Reads what the stage left in the scratch folder. Returns false when it is not there whole or
     // was made from something else than `key` stands for. Null: the stage always runs.
     bool (*load)(State& state, const std::string& key) = nullptr;
-    void (*run)(State& state, const ProgressCallback& progress) = nullptr;
+    void (*run)(State& state, const base::ProgressCallback& progress) = nullptr;
     // Writes `spec.files`, the one that carries `key` last. Null where `load` is.
     void (*save)(State& state, const std::string& key) = nullptr;
     // What follows from the result, loaded or made; null: nothing does.
@@ -46,4 +46,4 @@ std::vector<StageSpec> specs_of(const std::vector<Stage<State>>& stages) {
     return specs;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

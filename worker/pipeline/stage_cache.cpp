@@ -15,7 +15,7 @@
 #include "schemas/file_descriptor.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -259,4 +259,4 @@ void StageCache::evict() const {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

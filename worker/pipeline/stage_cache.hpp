@@ -7,7 +7,7 @@
 
 #include "worker/pipeline/stage_store.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // The store of stages as a folder on this machine. An entry is a folder with the stage's files and
 // a list of their sizes and hashes; it is written beside, synced and renamed. Files are linked in
@@ -40,4 +40,4 @@ private:
     std::int64_t max_bytes_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

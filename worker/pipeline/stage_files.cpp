@@ -2,31 +2,33 @@
 
 #include "worker/base/binary_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 // Eigen::Isometry3d and structs that hold one are stored as their 16 doubles.
-void put_pose(BinaryWriter& file, const Eigen::Isometry3d& T_a_b) { file.put_raw(T_a_b.matrix()); }
+void put_pose(base::BinaryWriter& file, const Eigen::Isometry3d& T_a_b) {
+    file.put_raw(T_a_b.matrix());
+}
 
-Eigen::Isometry3d get_pose(BinaryReader& file) {
+Eigen::Isometry3d get_pose(base::BinaryReader& file) {
     Eigen::Isometry3d T_a_b;
     T_a_b.matrix() = file.get<Eigen::Matrix4d>();
     return T_a_b;
 }
 
-void put_trajectory(BinaryWriter& file, const Trajectory& trajectory) {
+void put_trajectory(base::BinaryWriter& file, const types::Trajectory& trajectory) {
     file.put(static_cast<std::uint64_t>(trajectory.size()));
-    for (const StampedPose& pose : trajectory) {
+    for (const types::StampedPose& pose : trajectory) {
         file.put(pose.timestamp_ns);
         put_pose(file, pose.T_world_imu);
     }
 }
 
-Trajectory get_trajectory(BinaryReader& file) {
-    Trajectory trajectory;
+types::Trajectory get_trajectory(base::BinaryReader& file) {
+    types::Trajectory trajectory;
     const auto num_poses = file.get<std::uint64_t>();
     for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
-        StampedPose pose;
+        types::StampedPose pose;
         pose.timestamp_ns = file.get<std::int64_t>();
         pose.T_world_imu = get_pose(file);
         trajectory.push_back(pose);
@@ -34,9 +36,9 @@ Trajectory get_trajectory(BinaryReader& file) {
     return trajectory;
 }
 
-void put_keyframes(BinaryWriter& file, const std::vector<Keyframe>& keyframes) {
+void put_keyframes(base::BinaryWriter& file, const std::vector<types::Keyframe>& keyframes) {
     file.put(static_cast<std::uint64_t>(keyframes.size()));
-    for (const Keyframe& keyframe : keyframes) {
+    for (const types::Keyframe& keyframe : keyframes) {
         file.put(keyframe.frame_index);
         file.put(keyframe.timestamp_ns);
         put_pose(file, keyframe.T_world_cam);
@@ -44,11 +46,11 @@ void put_keyframes(BinaryWriter& file, const std::vector<Keyframe>& keyframes) {
     }
 }
 
-std::vector<Keyframe> get_keyframes(BinaryReader& file) {
-    std::vector<Keyframe> keyframes;
+std::vector<types::Keyframe> get_keyframes(base::BinaryReader& file) {
+    std::vector<types::Keyframe> keyframes;
     const auto num_keyframes = file.get<std::uint64_t>();
     for (std::uint64_t i = 0; i < num_keyframes && file.ok(); ++i) {
-        Keyframe keyframe;
+        types::Keyframe keyframe;
         keyframe.frame_index = file.get<int>();
         keyframe.timestamp_ns = file.get<std::int64_t>();
         keyframe.T_world_cam = get_pose(file);
@@ -58,15 +60,15 @@ std::vector<Keyframe> get_keyframes(BinaryReader& file) {
     return keyframes;
 }
 
-void put_rig(BinaryWriter& file, const RectifiedRig& rig) {
+void put_rig(base::BinaryWriter& file, const types::RectifiedRig& rig) {
     file.put(rig.width_px);
     file.put(rig.height_px);
     for (const double value : {rig.focal_px, rig.cx_px, rig.cy_px, rig.baseline_m}) file.put(value);
     put_pose(file, rig.T_imu_cam);
 }
 
-RectifiedRig get_rig(BinaryReader& file) {
-    RectifiedRig rig;
+types::RectifiedRig get_rig(base::BinaryReader& file) {
+    types::RectifiedRig rig;
     rig.width_px = file.get<int>();
     rig.height_px = file.get<int>();
     for (double* value : {&rig.focal_px, &rig.cx_px, &rig.cy_px, &rig.baseline_m})
@@ -75,19 +77,19 @@ RectifiedRig get_rig(BinaryReader& file) {
     return rig;
 }
 
-void put_alignment(BinaryWriter& file, const ImuAlignment& alignment) {
+void put_alignment(base::BinaryWriter& file, const types::ImuAlignment& alignment) {
     file.put(alignment.time_offset_s);
     file.put_raw(alignment.q_body_imu.coeffs());
 }
 
-ImuAlignment get_alignment(BinaryReader& file) {
-    ImuAlignment alignment;
+types::ImuAlignment get_alignment(base::BinaryReader& file) {
+    types::ImuAlignment alignment;
     alignment.time_offset_s = file.get<double>();
     alignment.q_body_imu.coeffs() = file.get<Eigen::Vector4d>();
     return alignment;
 }
 
-void put_calibration(BinaryWriter& file, const RefinedCalibration& calibration) {
+void put_calibration(base::BinaryWriter& file, const types::RefinedCalibration& calibration) {
     put_alignment(file, calibration.imu);
     file.put(calibration.time_offset_sigma_s);
     file.put_raw(calibration.rotation_sigma_rad);
@@ -103,15 +105,15 @@ void put_calibration(BinaryWriter& file, const RefinedCalibration& calibration) 
         file.put(static_cast<std::uint8_t>(applied));
 }
 
-RefinedCalibration get_calibration(BinaryReader& file) {
-    RefinedCalibration calibration;
+types::RefinedCalibration get_calibration(base::BinaryReader& file) {
+    types::RefinedCalibration calibration;
     calibration.imu = get_alignment(file);
     calibration.time_offset_sigma_s = file.get<double>();
     calibration.rotation_sigma_rad = file.get<Eigen::Vector3d>();
     for (std::size_t side = 0; side < 2; ++side) {
-        calibration.lenses[side].values = file.get<LensChange::Vector>();
-        calibration.applied_lenses[side].values = file.get<LensChange::Vector>();
-        calibration.lens_sigmas[side] = file.get<LensChange::Vector>();
+        calibration.lenses[side].values = file.get<types::LensChange::Vector>();
+        calibration.applied_lenses[side].values = file.get<types::LensChange::Vector>();
+        calibration.lens_sigmas[side] = file.get<types::LensChange::Vector>();
     }
     calibration.lens_shift_px = file.get<double>();
     for (bool* applied : {&calibration.time_offset_applied,
@@ -121,20 +123,20 @@ RefinedCalibration get_calibration(BinaryReader& file) {
     return calibration;
 }
 
-void put_covariances(BinaryWriter& file, const CovarianceTrack& covariances) {
+void put_covariances(base::BinaryWriter& file, const types::CovarianceTrack& covariances) {
     file.put(static_cast<std::uint64_t>(covariances.size()));
-    for (const PoseCovariance& pose : covariances) {
+    for (const types::PoseCovariance& pose : covariances) {
         file.put(pose.timestamp_ns);
         file.put_raw(pose.position_m2);
         file.put_raw(pose.rotation_rad2);
     }
 }
 
-CovarianceTrack get_covariances(BinaryReader& file) {
-    CovarianceTrack covariances;
+types::CovarianceTrack get_covariances(base::BinaryReader& file) {
+    types::CovarianceTrack covariances;
     const auto num_poses = file.get<std::uint64_t>();
     for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
-        PoseCovariance pose;
+        types::PoseCovariance pose;
         pose.timestamp_ns = file.get<std::int64_t>();
         pose.position_m2 = file.get<Eigen::Matrix3d>();
         pose.rotation_rad2 = file.get<Eigen::Matrix3d>();
@@ -144,22 +146,25 @@ CovarianceTrack get_covariances(BinaryReader& file) {
 }
 
 // A reader past a matching key; nothing when the file is not what the stage would make now.
-std::optional<BinaryReader> open_stage(const std::filesystem::path& path, const std::string& key) {
-    BinaryReader file(path);
+std::optional<base::BinaryReader> open_stage(const std::filesystem::path& path,
+                                             const std::string& key) {
+    base::BinaryReader file(path);
     if (!file.ok() || file.get_text() != key || !file.ok()) return std::nullopt;
     return file;
 }
 
 template <typename T>
-std::optional<T> complete(const BinaryReader& file, T value) {
+std::optional<T> complete(const base::BinaryReader& file, T value) {
     if (!file.at_end()) return std::nullopt;
     return value;
 }
 
 }  // namespace
 
-void save_track(const std::filesystem::path& path, const std::string& key, const Track& track) {
-    BinaryWriter file(path);
+void save_track(const std::filesystem::path& path,
+                const std::string& key,
+                const types::Track& track) {
+    base::BinaryWriter file(path);
     file.put_text(key);
     put_rig(file, track.rig);
     put_trajectory(file, track.causal);
@@ -167,7 +172,7 @@ void save_track(const std::filesystem::path& path, const std::string& key, const
     put_keyframes(file, track.keyframes);
     put_keyframes(file, track.mapped);
     file.put(static_cast<std::uint64_t>(track.landmarks.size()));
-    for (const Landmark& landmark : track.landmarks) {
+    for (const types::Landmark& landmark : track.landmarks) {
         file.put_raw(landmark.p_world);
         file.put_vector(landmark.observations);
     }
@@ -176,10 +181,10 @@ void save_track(const std::filesystem::path& path, const std::string& key, const
     file.commit();
 }
 
-std::optional<Track> load_track(const std::filesystem::path& path, const std::string& key) {
+std::optional<types::Track> load_track(const std::filesystem::path& path, const std::string& key) {
     auto file = open_stage(path, key);
     if (!file) return std::nullopt;
-    Track track;
+    types::Track track;
     track.rig = get_rig(*file);
     track.causal = get_trajectory(*file);
     track.odometry = get_trajectory(*file);
@@ -187,20 +192,20 @@ std::optional<Track> load_track(const std::filesystem::path& path, const std::st
     track.mapped = get_keyframes(*file);
     const auto num_landmarks = file->get<std::uint64_t>();
     for (std::uint64_t i = 0; i < num_landmarks && file->ok(); ++i) {
-        Landmark landmark;
+        types::Landmark landmark;
         landmark.p_world = file->get<Eigen::Vector3d>();
-        landmark.observations = file->get_vector<LandmarkObservation>();
+        landmark.observations = file->get_vector<types::LandmarkObservation>();
         track.landmarks.push_back(std::move(landmark));
     }
     track.imu_alignment = get_alignment(*file);
-    track.statistics = file->get<TrackStatistics>();
+    track.statistics = file->get<types::TrackStatistics>();
     return complete(*file, std::move(track));
 }
 
 void save_optimised_track(const std::filesystem::path& path,
                           const std::string& key,
-                          const OptimisedTrack& track) {
-    BinaryWriter file(path);
+                          const types::OptimisedTrack& track) {
+    base::BinaryWriter file(path);
     file.put_text(key);
     put_trajectory(file, track.trajectory);
     put_keyframes(file, track.keyframes);
@@ -212,25 +217,25 @@ void save_optimised_track(const std::filesystem::path& path,
     file.commit();
 }
 
-std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& path,
-                                                   const std::string& key) {
+std::optional<types::OptimisedTrack> load_optimised_track(const std::filesystem::path& path,
+                                                          const std::string& key) {
     auto file = open_stage(path, key);
     if (!file) return std::nullopt;
-    OptimisedTrack track;
+    types::OptimisedTrack track;
     track.trajectory = get_trajectory(*file);
     track.keyframes = get_keyframes(*file);
     track.mapped = get_keyframes(*file);
     track.rig = get_rig(*file);
     track.calibration = get_calibration(*file);
     track.covariances = get_covariances(*file);
-    track.statistics = file->get<OptimiseStatistics>();
+    track.statistics = file->get<types::OptimiseStatistics>();
     return complete(*file, std::move(track));
 }
 
 void save_cloud_metrics(const std::filesystem::path& path,
                         const std::string& key,
                         const CloudMetrics& metrics) {
-    BinaryWriter file(path);
+    base::BinaryWriter file(path);
     file.put_text(key);
     file.put(metrics);
     file.commit();
@@ -246,8 +251,8 @@ std::optional<CloudMetrics> load_cloud_metrics(const std::filesystem::path& path
 void save_surface(const std::filesystem::path& path,
                   const std::string& key,
                   const Surface& surface) {
-    const Mesh& mesh = surface.mesh;
-    BinaryWriter file(path);
+    const types::Mesh& mesh = surface.mesh;
+    base::BinaryWriter file(path);
     file.put_text(key);
     file.put_vector(mesh.vertices);
     file.put_vector(mesh.normals);
@@ -265,16 +270,16 @@ std::optional<Surface> load_surface(const std::filesystem::path& path, const std
     auto file = open_stage(path, key);
     if (!file) return std::nullopt;
     Surface surface;
-    Mesh& mesh = surface.mesh;
+    types::Mesh& mesh = surface.mesh;
     mesh.vertices = file->get_vector<Eigen::Vector3f>();
     mesh.normals = file->get_vector<Eigen::Vector3f>();
-    mesh.colors = file->get_vector<Color>();
+    mesh.colors = file->get_vector<types::Color>();
     mesh.sigma_m = file->get_vector<float>();
     mesh.sigma_local_m = file->get_vector<float>();
     mesh.num_observations = file->get_vector<std::uint32_t>();
     mesh.triangles = file->get_vector<std::array<std::uint32_t, 3>>();
-    if (file->get<bool>()) surface.simplification = file->get<SimplificationError>();
+    if (file->get<bool>()) surface.simplification = file->get<mesh::SimplificationError>();
     return complete(*file, std::move(surface));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

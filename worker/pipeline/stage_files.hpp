@@ -5,24 +5,26 @@
 #include <string>
 
 #include "worker/pipeline/cloud_metrics.hpp"
-#include "worker/types/optimised_track.hpp"
 #include "worker/pipeline/surface.hpp"
+#include "worker/types/optimised_track.hpp"
 #include "worker/types/track.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // What a stage hands to the next one, on disk. A file carries the key of what it was made from
 // (content of the dive, options, version): load gives nothing when the file is missing, was made
 // from something else, or is cut short, so that the stage runs again. Written to a temporary name
 // and renamed. save throws Error{OutOfSpace}.
-void save_track(const std::filesystem::path& file, const std::string& key, const Track& track);
-std::optional<Track> load_track(const std::filesystem::path& file, const std::string& key);
+void save_track(const std::filesystem::path& file,
+                const std::string& key,
+                const types::Track& track);
+std::optional<types::Track> load_track(const std::filesystem::path& file, const std::string& key);
 
 void save_optimised_track(const std::filesystem::path& file,
                           const std::string& key,
-                          const OptimisedTrack& track);
-std::optional<OptimisedTrack> load_optimised_track(const std::filesystem::path& file,
-                                                   const std::string& key);
+                          const types::OptimisedTrack& track);
+std::optional<types::OptimisedTrack> load_optimised_track(const std::filesystem::path& file,
+                                                          const std::string& key);
 
 void save_cloud_metrics(const std::filesystem::path& file,
                         const std::string& key,
@@ -35,4 +37,4 @@ void save_surface(const std::filesystem::path& file,
                   const Surface& surface);
 std::optional<Surface> load_surface(const std::filesystem::path& file, const std::string& key);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

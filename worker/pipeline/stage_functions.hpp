@@ -7,46 +7,46 @@
 
 // What the rows of the table of stages (reconstruction_stages.cpp) are made of: one source file for
 // each stage. worker/pipeline/stage.hpp says what is asked of load, run, save and finish.
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // Steps 1 to 6 over all frames.
 bool load_track(Reconstruction& made, const std::string& key);
-void run_track(Reconstruction& made, const ProgressCallback& progress);
+void run_track(Reconstruction& made, const base::ProgressCallback& progress);
 void save_track(Reconstruction& made, const std::string& key);
 void finish_track(Reconstruction& made);
 
 // The trajectory with hindsight: loops, bundle adjustment, refined calibration.
 bool load_optimise(Reconstruction& made, const std::string& key);
-void run_optimise(Reconstruction& made, const ProgressCallback& progress);
+void run_optimise(Reconstruction& made, const base::ProgressCallback& progress);
 void save_optimise(Reconstruction& made, const std::string& key);
 void finish_optimise(Reconstruction& made);
 
 // Markers in the scene: what they measure and, where asked for, the scale of all that follows.
 bool markers_wanted(const Reconstruction& made);
-void run_markers(Reconstruction& made, const ProgressCallback& progress);
+void run_markers(Reconstruction& made, const base::ProgressCallback& progress);
 
 bool surface_wanted(const Reconstruction& made);
 
 // Step 7: volume and cloud.
 bool load_fuse(Reconstruction& made, const std::string& key);
-void run_fuse(Reconstruction& made, const ProgressCallback& progress);
+void run_fuse(Reconstruction& made, const base::ProgressCallback& progress);
 void save_fuse(Reconstruction& made, const std::string& key);
 void finish_fuse(Reconstruction& made);
 
 // Step 8: the surface.
 bool load_mesh(Reconstruction& made, const std::string& key);
-void run_mesh(Reconstruction& made, const ProgressCallback& progress);
+void run_mesh(Reconstruction& made, const base::ProgressCallback& progress);
 void save_mesh(Reconstruction& made, const std::string& key);
 void finish_mesh(Reconstruction& made);
 
 // What shows the surface: GLB with a color at each vertex, keyframe images, mosaic. No texture is
 // made: the name is that of the API.
 bool load_texture(Reconstruction& made, const std::string& key);
-void run_texture(Reconstruction& made, const ProgressCallback& progress);
+void run_texture(Reconstruction& made, const base::ProgressCallback& progress);
 void save_texture(Reconstruction& made, const std::string& key);
 void finish_texture(Reconstruction& made);
 
 // The errors against what the dive knows better.
-void run_evaluate(Reconstruction& made, const ProgressCallback& progress);
+void run_evaluate(Reconstruction& made, const base::ProgressCallback& progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

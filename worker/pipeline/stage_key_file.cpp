@@ -2,17 +2,17 @@
 
 #include "worker/base/binary_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 void save_stage_key(const std::filesystem::path& path, const std::string& key) {
-    BinaryWriter file(path);
+    base::BinaryWriter file(path);
     file.put_text(key);
     file.commit();
 }
 
 bool has_stage_key(const std::filesystem::path& path, const std::string& key) {
-    BinaryReader file(path);
+    base::BinaryReader file(path);
     return file.ok() && file.get_text() == key && file.at_end();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

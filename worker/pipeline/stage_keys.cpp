@@ -4,7 +4,7 @@
 
 #include "schemas/content_hash.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 nlohmann::json take_out(nlohmann::json& options, const std::vector<std::string>& names) {
@@ -44,4 +44,4 @@ StageKeys stage_keys(const std::vector<StageSpec>& stages,
     return keys;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

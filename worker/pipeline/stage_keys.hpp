@@ -8,7 +8,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/pipeline/stage.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // The options that change no byte of any result: no stage's key has them.
 inline constexpr std::string_view kOptionsOfTheMachine[] = {"num_threads", "fusion_memory_bytes"};
@@ -25,4 +25,4 @@ StageKeys stage_keys(const std::vector<StageSpec>& stages,
                      const std::string& content_sha256,
                      const ReconstructionOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

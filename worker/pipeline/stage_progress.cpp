@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -11,7 +11,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-ProgressCallback StageProgress::begin(const std::string& stage, double share) {
+base::ProgressCallback StageProgress::begin(const std::string& stage, double share) {
     end_stage();
     stage_ = stage;
     share_ = share;
@@ -41,4 +41,4 @@ void StageProgress::forward(Progress progress) {
     report_(progress);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

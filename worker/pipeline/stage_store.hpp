@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // Keeps what stages made beyond the attempt that made it, so that a retry or a run with other
 // options starts where it can. An entry is the files that a stage left, under a key that stands for
@@ -28,4 +28,4 @@ public:
     virtual void drop(const std::string& key) = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

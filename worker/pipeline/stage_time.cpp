@@ -3,7 +3,7 @@
 #include <ctime>
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 double clock_s(clockid_t clock) {
@@ -23,4 +23,4 @@ StageTime Stopwatch::stop(std::string stage) const {
             clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // How long one stage of a run took.
 struct StageTime {
@@ -23,4 +23,4 @@ private:
     double cpu_start_s_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

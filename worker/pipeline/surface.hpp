@@ -2,15 +2,15 @@
 
 #include <optional>
 
-#include "worker/types/mesh.hpp"
 #include "worker/mesh/simplify_mesh.hpp"
+#include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // The mesh of step 8 as it is given out.
 struct Surface {
-    Mesh mesh;
-    std::optional<SimplificationError> simplification;  // nothing: all triangles stayed
+    types::Mesh mesh;
+    std::optional<mesh::SimplificationError> simplification;  // nothing: all triangles stayed
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

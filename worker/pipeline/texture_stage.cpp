@@ -1,15 +1,15 @@
 #include <fstream>
 #include <iterator>
 
-#include "worker/pipeline/link_or_copy.hpp"
-#include "worker/keyframes/keyframe_images.hpp"
-#include "worker/mosaic/mosaic.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/glb_writer.hpp"
+#include "worker/keyframes/keyframe_images.hpp"
+#include "worker/mosaic/mosaic.hpp"
+#include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 #include "worker/pipeline/stage_key_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,21 +27,21 @@ bool load_texture(Reconstruction& made, const std::string& key) {
     return has_stage_key(made.scratch("texture.stage"), key);
 }
 
-void run_texture(Reconstruction& made, const ProgressCallback& progress) {
+void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
     const fs::path folder = made.scratch("texture");
     fs::create_directories(folder);
-    write_glb(folder / "mesh.glb", made.surface.mesh);
+    io::write_glb(folder / "mesh.glb", made.surface.mesh);
     progress({});
-    write_keyframe_images(folder,
-                          made.optimised.rig,
-                          made.optimised.keyframes,
-                          made.keyframe_store,
-                          made.options().num_threads,
-                          progress);
+    keyframes::write_keyframe_images(folder,
+                                     made.optimised.rig,
+                                     made.optimised.keyframes,
+                                     made.keyframe_store,
+                                     made.options().num_threads,
+                                     progress);
     if (!made.options().texture) return;
-    const Mosaic mosaic = render_mosaic(made.surface.mesh);
-    write_mosaic(folder, mosaic);
-    write_file(folder / kThumbnail, thumbnail_png(mosaic));
+    const mosaic::Mosaic mosaic = mosaic::render_mosaic(made.surface.mesh);
+    mosaic::write_mosaic(folder, mosaic);
+    base::write_file(folder / kThumbnail, mosaic::thumbnail_png(mosaic));
 }
 
 void save_texture(Reconstruction& made, const std::string& key) {
@@ -59,4 +59,4 @@ void finish_texture(Reconstruction& made) {
     made.border_finder.wait();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

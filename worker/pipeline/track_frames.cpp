@@ -5,10 +5,12 @@
 #include "worker/base/background_task.hpp"
 #include "worker/pipeline/frame_prefetcher.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
-void report(const ProgressCallback& progress, std::size_t num_done, const Recording& recording) {
+void report(const base::ProgressCallback& progress,
+            std::size_t num_done,
+            const types::Recording& recording) {
     Progress at;
     at.frames_done = static_cast<std::int64_t>(num_done);
     at.num_frames = recording.num_frames();
@@ -18,18 +20,18 @@ void report(const ProgressCallback& progress, std::size_t num_done, const Record
 
 }  // namespace
 
-Track track_frames(Recording& recording,
-                   const Rectifier& rectifier,
-                   const ReconstructionOptions& options,
-                   const KeyframeStore& store,
-                   FrameTracker& tracker,
-                   const ProgressCallback& progress) {
-    Track result;
+types::Track track_frames(types::Recording& recording,
+                          const camera::Rectifier& rectifier,
+                          const ReconstructionOptions& options,
+                          const keyframes::KeyframeStore& store,
+                          FrameTracker& tracker,
+                          const base::ProgressCallback& progress) {
+    types::Track result;
     result.rig = rectifier.rig();
     const Eigen::Isometry3d T_cam_imu = result.rig.T_imu_cam.inverse();
-    TaskPool task_pool(options.num_threads);
+    base::TaskPool task_pool(options.num_threads);
     FramePrefetcher frames(recording, rectifier, task_pool);
-    KeyframeWriter writer(result.rig, options, store, task_pool);
+    keyframes::KeyframeWriter writer(result.rig, options, store, task_pool);
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
     while (const auto frame = frames.next()) {
         const TrackedFrame tracked = tracker.process(*frame);
@@ -50,4 +52,4 @@ Track track_frames(Recording& recording,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

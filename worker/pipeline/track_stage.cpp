@@ -2,7 +2,7 @@
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 bool load_track(Reconstruction& made, const std::string& key) {
     auto stored = load_track(made.scratch("track.stage"), key);
@@ -10,7 +10,7 @@ bool load_track(Reconstruction& made, const std::string& key) {
     return stored.has_value();
 }
 
-void run_track(Reconstruction& made, const ProgressCallback& progress) {
+void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
     made.keyframe_store.clear();
     made.track = track(made.dive, made.options(), made.keyframe_store, progress);
 }
@@ -20,7 +20,7 @@ void save_track(Reconstruction& made, const std::string& key) {
 }
 
 void finish_track(Reconstruction& made) {
-    write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
+    io::write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

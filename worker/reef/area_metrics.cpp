@@ -10,7 +10,7 @@
 #include "worker/reef/rugosity.hpp"
 #include "worker/reef/terrain.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -225,4 +225,4 @@ std::vector<MetricKind> area_metrics(const MeasureOptions& options,
     return kinds;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

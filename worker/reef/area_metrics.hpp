@@ -11,7 +11,7 @@
 #include "worker/reef/sampling_resolution.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // What a figure is taken from.
 struct Ground {
@@ -49,4 +49,4 @@ std::vector<MetricKind> area_metrics(const MeasureOptions& options,
                                      const SamplingResolution& sampling_resolution,
                                      std::optional<double> finest_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

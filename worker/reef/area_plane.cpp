@@ -2,7 +2,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kMinArea_m2 = 1e-8;  // a tenth of a millimetre square
@@ -63,4 +63,4 @@ AreaPlane plane_along(const Eigen::Vector3d& from,
     return plane;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

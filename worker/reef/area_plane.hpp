@@ -5,7 +5,7 @@
 #include "worker/reef/area_set.hpp"
 #include "worker/reef/polygon.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Where an area lies: the plane's origin is the first corner, x runs to the second along the plane,
 // z is the area's normal. A grid of samples begins at the origin.
@@ -27,4 +27,4 @@ AreaPlane plane_along(const Eigen::Vector3d& from,
 // upward. Zero where it has no area.
 Eigen::Vector3d upward_normal(const std::vector<Eigen::Vector3d>& corners);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -8,7 +8,7 @@
 #include "schemas/error.hpp"
 #include "worker/reef/area_plane.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -171,4 +171,4 @@ AreaSet moved(AreaSet set, const Eigen::Isometry3d& T_world_frame) {
     return set;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

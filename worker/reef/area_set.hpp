@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // quadrat: a frame laid on the ground, what is surveyed; polygon: a colony or a patch; transect: a
 // line along which a chain is laid.
@@ -42,4 +42,4 @@ AreaSet moved(AreaSet set, const Eigen::Isometry3d& T_world_frame);
 
 std::string_view to_string(AreaKind kind);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 double rugosity_of_height_range(double range_m, double resolution_m) {
     return std::hypot(1.0, range_m / (std::numbers::sqrt2 * resolution_m));
@@ -16,4 +16,4 @@ double fractal_dimension_from(double rugosity, double height_range_m, const Scal
                      std::log(scales.resolution_m / scales.extent_m);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

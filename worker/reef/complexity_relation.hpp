@@ -1,6 +1,6 @@
 #pragma once
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // The plane on which rugosity R, fractal dimension D and height range H of a surface lie
 // (Torres-Pulliza et al. 2020; habtools rdh_theory): the height range within squares of the
@@ -15,4 +15,4 @@ struct Scales {
 // D from R at L0 and H at L.
 double fractal_dimension_from(double rugosity, double height_range_m, const Scales& scales);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

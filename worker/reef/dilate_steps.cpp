@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 // By one spacing: straight neighbours are one away, those of every second ring across the corner
@@ -40,4 +40,4 @@ HeightGrid with_steps_dilated(const HeightGrid& grid, double outwards_m) {
     return moved;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

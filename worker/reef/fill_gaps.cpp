@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 struct Level {
@@ -121,4 +121,4 @@ HeightGrid gaps_filled_low(const HeightGrid& grid) {
     return out;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

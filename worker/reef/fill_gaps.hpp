@@ -2,7 +2,7 @@
 
 #include "worker/reef/height_grid.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Heights at the nodes that were not seen, from the seen ones around: means over ever wider blocks
 // where there is nothing finer, joined linearly (push and pull; Gortler et al. 1996, section 5). Of
@@ -14,4 +14,4 @@ HeightGrid gaps_filled(const HeightGrid& grid);
 // the gap in a node's row and that in its column, the shorter gap weighing more.
 HeightGrid gaps_filled_low(const HeightGrid& grid);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

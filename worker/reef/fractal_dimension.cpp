@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kMinSeenShare = 0.9;  // of a square
@@ -135,4 +135,4 @@ std::optional<double> fractal_dimension_by_cubes(const HeightGrid& grid, double 
     return -*slope;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

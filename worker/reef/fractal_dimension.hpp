@@ -5,7 +5,7 @@
 
 #include "worker/reef/height_grid.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Height range within each square of this side of which at least nine tenths are seen, squares
 // laid from the grid's origin (habtools hvar).
@@ -26,4 +26,4 @@ std::optional<double> fractal_dimension_by_cubes(const HeightGrid& grid, double 
 // Of the logarithms, least squares; nothing with fewer than three points.
 std::optional<double> log_log_slope(const std::vector<double>& x, const std::vector<double>& y);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 // Corners given to a hundredth of a millimetre still hold a whole number of spacings.
@@ -151,4 +151,4 @@ HeightGrid blurred(const HeightGrid& grid, double side_m) {
     return out;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

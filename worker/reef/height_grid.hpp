@@ -8,7 +8,7 @@
 
 #include "worker/reef/polygon.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 inline constexpr double kUnseen_m = -std::numeric_limits<double>::infinity();
 
@@ -58,4 +58,4 @@ HeightGrid every(const HeightGrid& grid, int step);
 // Means of the seen heights within a square of this side around each seen node.
 HeightGrid blurred(const HeightGrid& grid, double side_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 std::optional<double> height_range(const HeightGrid& grid) {
     double low = -kUnseen_m;
@@ -30,4 +30,4 @@ double volume_over_plane(const HeightGrid& grid) {
     return sum * shape.spacing_m * shape.spacing_m;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -4,7 +4,7 @@
 
 #include "worker/reef/height_grid.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Highest minus lowest sample (height range, H; habtools hr); nothing where none is seen.
 std::optional<double> height_range(const HeightGrid& grid);
@@ -13,4 +13,4 @@ std::optional<double> height_range(const HeightGrid& grid);
 // square a sample, half of it on the grid's sides and a quarter at its corners.
 double volume_over_plane(const HeightGrid& grid);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

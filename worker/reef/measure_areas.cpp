@@ -7,13 +7,13 @@
 #include "worker/reef/measure_labels.hpp"
 #include "worker/reef/measure_outline.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
 
 // Level, around all that there is.
-AreaPlane plane_of_all(const Mesh& mesh) {
+AreaPlane plane_of_all(const types::Mesh& mesh) {
     Eigen::AlignedBox3d box(mesh.vertices[0].cast<double>());
     for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex.cast<double>());
     AreaPlane plane;
@@ -23,7 +23,7 @@ AreaPlane plane_of_all(const Mesh& mesh) {
     return plane;
 }
 
-AreaResult measure(const Mesh& mesh, const Area& area, const MeasureOptions& options) {
+AreaResult measure(const types::Mesh& mesh, const Area& area, const MeasureOptions& options) {
     const AreaTask task{area.name, area.label, std::string(to_string(area.kind))};
     if (area.kind == AreaKind::Transect)
         return measure_transect(
@@ -37,8 +37,8 @@ void append(const json& metrics, json& all) {
     all.insert(all.end(), metrics.begin(), metrics.end());
 }
 
-void check(const Mesh& mesh, const AreaSet& set) {
-    check_mesh(mesh);
+void check(const types::Mesh& mesh, const AreaSet& set) {
+    io::check_mesh(mesh);
     if (mesh.triangles.empty())
         throw Error(ErrorCode::InvalidArgument, "the mesh has no triangles to measure");
     if (set.frame != AreaFrame::World)
@@ -48,7 +48,7 @@ void check(const Mesh& mesh, const AreaSet& set) {
 
 }  // namespace
 
-json measure_areas(const Mesh& mesh, const AreaSet& set, MeasureOptions options) {
+json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions options) {
     check(mesh, set);
     AreaTask whole{std::string(kWholeModel), "", "whole"};
     whole.is_whole_model = true;
@@ -75,4 +75,4 @@ json measure_areas(const Mesh& mesh, const AreaSet& set, MeasureOptions options)
     return {{"areas", areas}, {"figures", metrics}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -6,7 +6,7 @@
 #include "worker/reef/measure_options.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 inline constexpr std::string_view kWholeModel = "whole model";  // as an area's name
 
@@ -19,6 +19,6 @@ inline constexpr std::string_view kWholeModel = "whole model";  // as an area's 
 // reason, where its resolution is below 3 sigma or finer than the surface, and where too little of
 // the area was seen. The same for any number of threads. Throws Error{InvalidArgument} for a mesh
 // that is none (check_mesh) or a set in another frame.
-nlohmann::json measure_areas(const Mesh& mesh, const AreaSet& set, MeasureOptions options);
+nlohmann::json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -6,7 +6,7 @@
 #include "worker/reef/metric_json.hpp"
 #include "worker/reef/population.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 bool is_on(const SurveyedGround& ground, const Area& colony) {
@@ -24,7 +24,7 @@ void add(const AreaTask& task,
          const std::string& metric,
          const std::string& unit,
          const std::string& method,
-         const Estimate& estimate,
+         const stats::Estimate& estimate,
          nlohmann::json& metrics) {
     MetricKind kind{metric, unit, std::nullopt, method};
     kind.lowest = 0.0;
@@ -84,4 +84,4 @@ nlohmann::json measure_labels(const AreaSet& set,
     return metrics;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

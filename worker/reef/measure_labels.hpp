@@ -7,7 +7,7 @@
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/area_set.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // The ground on which colonies were counted: the quadrats that carry no label, else all that was
 // seen.
@@ -22,4 +22,4 @@ struct SurveyedGround {
 // lies over a quadrat.
 nlohmann::json measure_labels(const AreaSet& set, const SurveyedGround& ground, std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

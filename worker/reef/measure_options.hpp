@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 struct MeasureOptions {
     std::vector<double> spacings_m = {0.01, 0.02, 0.05, 0.10, 0.25, 0.50};  // multiples of 1 cm
@@ -34,4 +34,4 @@ struct MeasureOptions {
     int num_threads = 0;  // 0: all cores; never changes a figure
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -10,7 +10,7 @@
 #include "worker/reef/simulate_metrics.hpp"
 #include "worker/reef/systematic_uncertainty.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 // Of an area whose border is known to half the detail that the surface holds, every such stretch
@@ -19,9 +19,9 @@ double border_sigma_m2(double border_m, double detail_m) {
     return detail_m * std::sqrt(border_m * detail_m / 12.0);
 }
 
-std::vector<Simulated> simulate(const OutlineSurvey& survey,
-                                const std::vector<MetricKind>& kinds,
-                                const MeasureOptions& options) {
+std::vector<stats::Simulated> simulate(const OutlineSurvey& survey,
+                                       const std::vector<MetricKind>& kinds,
+                                       const MeasureOptions& options) {
     std::vector<double> measured(kinds.size(), std::nan(""));
     const Evaluate evaluate = [&](const Places& places, int num_blurs) {
         const Ground ground = survey.ground(places[0], num_blurs);
@@ -70,9 +70,9 @@ std::optional<std::string> too_flat(const MetricKind& kind, const OutlineSurvey&
            length_text(mean) + ", not more than 3 sigma of the surface, " + length_text(least);
 }
 
-SharedError shared_error(const MetricKind& kind,
-                         const AreaResult& result,
-                         const MeasureOptions& options) {
+stats::SharedError shared_error(const MetricKind& kind,
+                                const AreaResult& result,
+                                const MeasureOptions& options) {
     return {std::abs(kind.length_power) * options.scale_sigma,
             kind.is_from_plane ? options.sigma_shared_m * result.coverage * result.planar_m2 : 0.0};
 }
@@ -91,7 +91,7 @@ void add_metrics(const std::vector<MetricKind>& kinds,
         if (!refused.back()) refused.back() = too_flat(kind, survey);
         if (!refused.back()) taken.push_back(kind);
     }
-    const std::vector<Simulated> simulated = simulate(survey, taken, options);
+    const std::vector<stats::Simulated> simulated = simulate(survey, taken, options);
     const std::vector<double> systematic =
         systematic_uncertainty(survey, taken, simulated, options);
     std::size_t next = 0;
@@ -100,10 +100,10 @@ void add_metrics(const std::vector<MetricKind>& kinds,
             result.metrics.push_back(refused_json(task, kinds[k], *refused[k]));
             continue;
         }
-        SharedError shared = shared_error(kinds[k], result, options);
+        stats::SharedError shared = shared_error(kinds[k], result, options);
         shared.absolute = std::hypot(shared.absolute, systematic[next]);
-        const Estimate estimated =
-            estimate(simulated[next++], options.sigma_relative_error, shared);
+        const stats::Estimate estimated =
+            stats::estimate(simulated[next++], options.sigma_relative_error, shared);
         const bool is_known = std::isfinite(estimated.low) && std::isfinite(estimated.high);
         if (estimated.high < kinds[k].lowest || estimated.low > kinds[k].highest) {
             result.metrics.push_back(refused_json(
@@ -124,7 +124,8 @@ void add_given(const AreaTask& task,
                const MeasureOptions& options,
                AreaResult& result) {
     const auto of_value = [&](double value, int length_power, double sigma) {
-        return estimate({value, value, {}, {}}, 0.0, {length_power * options.scale_sigma, sigma});
+        return stats::estimate(
+            {value, value, {}, {}}, 0.0, {length_power * options.scale_sigma, sigma});
     };
     MetricKind planar{"planar_area", "m2", std::nullopt};
     planar.method = task.is_whole_model ? "samples with surface, seen from above"
@@ -155,7 +156,7 @@ nlohmann::json describe(const AreaTask& task,
 
 }  // namespace
 
-AreaResult measure_outline(const Mesh& mesh,
+AreaResult measure_outline(const types::Mesh& mesh,
                            const AreaTask& task,
                            const AreaPlane& plane,
                            const MeasureOptions& options) {
@@ -193,4 +194,4 @@ AreaResult measure_outline(const Mesh& mesh,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -7,7 +7,7 @@
 #include "worker/reef/measure_options.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 struct AreaTask {
     std::string name;
@@ -26,16 +26,16 @@ struct AreaResult {
 };
 
 // The figures over the ground within an outline.
-AreaResult measure_outline(const Mesh& mesh,
+AreaResult measure_outline(const types::Mesh& mesh,
                            const AreaTask& task,
                            const AreaPlane& plane,
                            const MeasureOptions& options);
 
 // Along a transect: the chain's length over the line's, at each spacing.
-AreaResult measure_transect(const Mesh& mesh,
+AreaResult measure_transect(const types::Mesh& mesh,
                             const AreaTask& task,
                             const std::vector<Eigen::Vector3d>& line,
                             const Eigen::Vector3d& normal,
                             const MeasureOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

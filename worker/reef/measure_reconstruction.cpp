@@ -7,7 +7,7 @@
 #include "worker/io/csv_cell.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -21,14 +21,14 @@ double number_at(const json& metrics, const char* pointer) {
 std::string csv_field(const json& value) {
     if (value.is_null()) return "";
     if (!value.is_string()) return value.dump();
-    return csv_cell(value.get<std::string>());
+    return io::csv_cell(value.get<std::string>());
 }
 
 }  // namespace
 
-MeasureOptions measure_options(const ReconstructionFolder& reconstruction) {
+MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
     MeasureOptions options;
-    for (const StampedPose& pose : reconstruction.trajectory())
+    for (const types::StampedPose& pose : reconstruction.trajectory())
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
     options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
@@ -38,21 +38,21 @@ MeasureOptions measure_options(const ReconstructionFolder& reconstruction) {
 }
 
 AreaSet areas_in_world(const AreaSet& set,
-                       const Trajectory& estimate,
-                       const std::optional<Trajectory>& ground_truth) {
+                       const types::Trajectory& estimate,
+                       const std::optional<types::Trajectory>& ground_truth) {
     if (set.frame == AreaFrame::World) return set;
     if (!ground_truth)
         throw Error(ErrorCode::InvalidArgument,
                     "the areas are in the ground truth's frame: give its trajectory");
-    const TrajectoryError error = trajectory_error(estimate, *ground_truth);
+    const evaluation::TrajectoryError error = evaluation::trajectory_error(estimate, *ground_truth);
     return moved(set, error.T_reference_surface.inverse());
 }
 
 json measure_reconstruction(const MeasureRequest& request) {
-    const ReconstructionFolder reconstruction(request.reconstruction);
+    const io::ReconstructionFolder reconstruction(request.reconstruction);
     AreaSet areas = request.areas ? read_areas(*request.areas) : AreaSet{};
-    std::optional<Trajectory> truth;
-    if (request.ground_truth) truth = read_trajectory(*request.ground_truth).poses;
+    std::optional<types::Trajectory> truth;
+    if (request.ground_truth) truth = io::read_trajectory(*request.ground_truth).poses;
     areas = areas_in_world(areas, reconstruction.trajectory(), truth);
     MeasureOptions options = measure_options(reconstruction);
     options.num_threads = request.num_threads;
@@ -84,4 +84,4 @@ std::string metrics_csv(const json& metrics) {
     return csv;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -9,7 +9,7 @@
 #include "worker/reef/simulate_metrics.hpp"
 #include "worker/reef/transect_profile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kMargin_m = 0.05;
@@ -72,7 +72,7 @@ void limit_to_noise_level(const std::vector<TransectSegment>& segments,
 
 }  // namespace
 
-AreaResult measure_transect(const Mesh& mesh,
+AreaResult measure_transect(const types::Mesh& mesh,
                             const AreaTask& task,
                             const std::vector<Eigen::Vector3d>& line,
                             const Eigen::Vector3d& normal,
@@ -107,7 +107,7 @@ AreaResult measure_transect(const Mesh& mesh,
             profile = blurred(profile, *sampling_resolution.detail_m);
         return with_hidden(profile, options);
     };
-    const std::vector<Simulated> simulated =
+    const std::vector<stats::Simulated> simulated =
         simulate_metrics(patches,
                          sampling_resolution.correlation_length_m,
                          sampling_resolution.detail_m.has_value(),
@@ -123,7 +123,7 @@ AreaResult measure_transect(const Mesh& mesh,
     for (std::size_t k = 0; k < options.spacings_m.size(); ++k) {
         const MetricKind kind = chain_kind(options.spacings_m[k]);
         const double hidden = std::isfinite(seen[k]) ? simulated[k].measured - seen[k] : 0.0;
-        const Estimate estimated = estimate(
+        const stats::Estimate estimated = stats::estimate(
             simulated[k],
             options.sigma_relative_error,
             {.relative = 0.0, .absolute = std::hypot(hidden, bends.empty() ? 0.0 : bends[k])});
@@ -141,4 +141,4 @@ AreaResult measure_transect(const Mesh& mesh,
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

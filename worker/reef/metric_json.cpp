@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 nlohmann::json entry(const AreaTask& task, const MetricKind& kind) {
@@ -14,7 +14,9 @@ nlohmann::json entry(const AreaTask& task, const MetricKind& kind) {
 
 }  // namespace
 
-nlohmann::json metric_json(const AreaTask& task, const MetricKind& kind, const Estimate& estimate) {
+nlohmann::json metric_json(const AreaTask& task,
+                           const MetricKind& kind,
+                           const stats::Estimate& estimate) {
     nlohmann::json json = entry(task, kind);
     json["value"] = std::clamp(estimate.value, kind.lowest, kind.highest);
     json["low"] = std::clamp(estimate.low, kind.lowest, kind.highest);
@@ -31,4 +33,4 @@ nlohmann::json refused_json(const AreaTask& task,
     return json;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

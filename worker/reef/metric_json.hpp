@@ -4,15 +4,17 @@
 #include <string>
 
 #include "worker/reef/area_metrics.hpp"
-#include "worker/stats/estimate.hpp"
 #include "worker/reef/measure_outline.hpp"
+#include "worker/stats/estimate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // One entry of "figures".
-nlohmann::json metric_json(const AreaTask& task, const MetricKind& kind, const Estimate& estimate);
+nlohmann::json metric_json(const AreaTask& task,
+                           const MetricKind& kind,
+                           const stats::Estimate& estimate);
 nlohmann::json refused_json(const AreaTask& task,
                             const MetricKind& kind,
                             const std::string& reason);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -5,7 +5,7 @@
 
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kQuartileOfNormal = 0.318639;  // of |N(0, 1)|, the lower one
@@ -46,7 +46,7 @@ void NoiseLevel::add_along(const HeightGrid& heights,
 
 double NoiseLevel::share() const {
     if (sizes_.size() < kMinDifferences) return 1.0;
-    return std::min(1.0, upper_quantile(sizes_, 0.25) / kQuartileOfNormal);
+    return std::min(1.0, stats::upper_quantile(sizes_, 0.25) / kQuartileOfNormal);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

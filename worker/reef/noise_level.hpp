@@ -4,7 +4,7 @@
 
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // How much of the stated noise a surface shows. A vertex's sigma is made from what matching may err
 // by at most; meshing evens out much of it, and calm water leaves less of it. Noise of standard
@@ -30,4 +30,4 @@ private:
     std::vector<double> sizes_;  // in units of what the stated sigma makes
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

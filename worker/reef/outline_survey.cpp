@@ -5,7 +5,7 @@
 #include "worker/reef/noise_level.hpp"
 #include "worker/reef/rugosity.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kMargin_m = 0.05;  // of mesh around an area: noise moves what lies on its border
@@ -67,7 +67,9 @@ Ground OutlineSurvey::ground(const std::vector<Eigen::Vector3d>& vertices,
     return ground;
 }
 
-CutOutline cut_outline(const Mesh& mesh, const AreaPlane& plane, const MeasureOptions& options) {
+CutOutline cut_outline(const types::Mesh& mesh,
+                       const AreaPlane& plane,
+                       const MeasureOptions& options) {
     const auto shape = finest_grid(plane.outline);
     CutOutline cut{{plane, {cut_patch(mesh, plane, kMargin_m)}, {}, {}, {}}, shape.has_value()};
     OutlineSurvey& survey = cut.survey;
@@ -109,4 +111,4 @@ SeenNodes count_seen(const OutlineSurvey& survey) {
     return seen;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -11,7 +11,7 @@
 #include "worker/reef/sampling_resolution.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // The part of a mesh over an outline with all that its figures are taken from.
 struct OutlineSurvey {
@@ -33,7 +33,9 @@ struct CutOutline {
     OutlineSurvey survey;
     bool has_samples = false;
 };
-CutOutline cut_outline(const Mesh& mesh, const AreaPlane& plane, const MeasureOptions& options);
+CutOutline cut_outline(const types::Mesh& mesh,
+                       const AreaPlane& plane,
+                       const MeasureOptions& options);
 
 // Brings the vertices' local sigma down to what the surface shows of it, no more than `most` of
 // what is stated. Answers the share that was kept.
@@ -46,4 +48,4 @@ struct SeenNodes {
 };
 SeenNodes count_seen(const OutlineSurvey& survey);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

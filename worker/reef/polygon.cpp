@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kOnBorder_m = 1e-9;
@@ -105,4 +105,4 @@ double overlap_m2(const Polygon& polygon,
     return area_m2(clipped(clipped(clipped(polygon, a, second), second, third), third, a));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

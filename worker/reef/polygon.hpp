@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Corners in order, the last joined to the first; not self-crossing, either orientation. m.
 using Polygon = std::vector<Eigen::Vector2d>;
@@ -26,4 +26,4 @@ double overlap_m2(const Polygon& polygon,
                   const Eigen::Vector2d& b,
                   const Eigen::Vector2d& c);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

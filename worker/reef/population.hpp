@@ -6,7 +6,7 @@
 
 #include "worker/stats/estimate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Colonies of one label on the surveyed ground: a sample of the reef, so that the intervals say
 // what another survey of as much ground might count.
@@ -17,16 +17,16 @@ struct Population {
 };
 
 // Returns a Poisson count with its exact interval (Garwood 1936).
-Estimate poisson_count(std::size_t num);
+stats::Estimate poisson_count(std::size_t num);
 
 // Colonies per m2, by that interval.
-Estimate density_per_m2(const Population& population);
+stats::Estimate density_per_m2(const Population& population);
 
 // Share of the surveyed ground, with the variance of a compound Poisson sum: that of the squared
 // areas.
-Estimate cover(const Population& population);
+stats::Estimate cover(const Population& population);
 
 // A quantile of at least one size by linear interpolation, bootstrapped over the colonies.
-Estimate size_quantile(const std::vector<double>& sizes, double share, std::uint64_t seed);
+stats::Estimate size_quantile(const std::vector<double>& sizes, double share, std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

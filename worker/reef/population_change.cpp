@@ -5,22 +5,22 @@
 #include <limits>
 
 #include "worker/reef/population.hpp"
-#include "worker/stats/resample.hpp"
 #include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
+#include "worker/stats/resample.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 double median_or_nan(std::vector<double>& sizes) {
     if (sizes.empty()) return std::numeric_limits<double>::quiet_NaN();
     std::sort(sizes.begin(), sizes.end());
-    return quantile_of_sorted(sizes, 0.5);
+    return stats::quantile_of_sorted(sizes, 0.5);
 }
 
 }  // namespace
 
-Estimate count_change(const std::vector<Individual>& individuals) {
+stats::Estimate count_change(const std::vector<Individual>& individuals) {
     const auto num = [&](bool is_new) {
         return static_cast<std::size_t>(std::count_if(
             individuals.begin(), individuals.end(), [&](const Individual& individual) {
@@ -28,15 +28,15 @@ Estimate count_change(const std::vector<Individual>& individuals) {
                               : individual.before && !individual.after;
             }));
     };
-    const Estimate added = poisson_count(num(true));
-    const Estimate gone = poisson_count(num(false));
+    const stats::Estimate added = poisson_count(num(true));
+    const stats::Estimate gone = poisson_count(num(false));
     const double value = added.value - gone.value;
     return {value,
             value - std::hypot(added.value - added.low, gone.high - gone.value),
             value + std::hypot(added.high - added.value, gone.value - gone.low)};
 }
 
-Estimate sum_change(const std::vector<Individual>& individuals) {
+stats::Estimate sum_change(const std::vector<Individual>& individuals) {
     double sum = 0.0;
     double squares = 0.0;
     for (const Individual& individual : individuals) {
@@ -44,12 +44,12 @@ Estimate sum_change(const std::vector<Individual>& individuals) {
         sum += difference;
         squares += difference * difference;
     }
-    const double half = kNormal975 * std::sqrt(squares);
+    const double half = stats::kNormal975 * std::sqrt(squares);
     return {sum, sum - half, sum + half};
 }
 
-std::optional<Estimate> median_change(const std::vector<Individual>& individuals,
-                                      std::uint64_t seed) {
+std::optional<stats::Estimate> median_change(const std::vector<Individual>& individuals,
+                                             std::uint64_t seed) {
     std::vector<double> before;
     std::vector<double> after;
     const auto difference = [&](const std::vector<std::size_t>& drawn) {
@@ -62,9 +62,9 @@ std::optional<Estimate> median_change(const std::vector<Individual>& individuals
         return median_or_nan(after) - median_or_nan(before);
     };
     if (individuals.empty()) return std::nullopt;
-    const Estimate change = bootstrap(individuals.size(), difference, seed);
+    const stats::Estimate change = stats::bootstrap(individuals.size(), difference, seed);
     if (change.value != change.value) return std::nullopt;
     return change;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

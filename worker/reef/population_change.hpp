@@ -6,7 +6,7 @@
 
 #include "worker/stats/estimate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // One colony at two times: gone, new, or there at both. What its size is measured by is the
 // caller's (m2, m).
@@ -21,15 +21,15 @@ struct Individual {
 
 // New less gone: the difference of two Poisson counts, its limits from theirs (MOVER; Zou and
 // Donner 2008).
-Estimate count_change(const std::vector<Individual>& individuals);
+stats::Estimate count_change(const std::vector<Individual>& individuals);
 
 // Sum of the sizes after less that before, with the variance of a compound Poisson sum: that of the
 // squared differences.
-Estimate sum_change(const std::vector<Individual>& individuals);
+stats::Estimate sum_change(const std::vector<Individual>& individuals);
 
 // Median of the sizes after less that before, bootstrapped over the individuals. Nothing when one
 // of both times has none.
-std::optional<Estimate> median_change(const std::vector<Individual>& individuals,
-                                      std::uint64_t seed);
+std::optional<stats::Estimate> median_change(const std::vector<Individual>& individuals,
+                                             std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

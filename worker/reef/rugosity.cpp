@@ -6,7 +6,7 @@
 #include "worker/reef/complexity_relation.hpp"
 #include "worker/reef/fractal_dimension.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 // Twice the area of a triangle whose legs are one spacing long and that rises by these.
@@ -79,4 +79,4 @@ std::optional<double> chain_rugosity(const std::vector<ProfilePoint>& profile) {
     return chain / straight;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -5,7 +5,7 @@
 
 #include "worker/reef/height_grid.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Surface over planar area of the triangles between the samples of a grid (rugosity, R; habtools
 // rg; Torres-Pulliza et al. 2020, with samples in place of means over cells), the mean of both
@@ -30,4 +30,4 @@ struct ProfilePoint {
 };
 std::optional<double> chain_rugosity(const std::vector<ProfilePoint>& profile);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

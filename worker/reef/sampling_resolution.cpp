@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 std::string length_text(double length_m) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.1f mm", 1000.0 * length_m);
@@ -67,4 +67,4 @@ void fill_in_sigma(SurfacePatch& patch, const MeasureOptions& options) {
                                    patch.sigma_local_m[i] * patch.sigma_local_m[i])));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -6,7 +6,7 @@
 #include "worker/reef/measure_options.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // How fine the ground was measured.
 struct SamplingResolution {
@@ -36,4 +36,4 @@ std::optional<double> finest_spacing_m(const MeasureOptions& options,
 // Vertices of which nothing is known get the option's sigma, else what is typical of the others.
 void fill_in_sigma(SurfacePatch& patch, const MeasureOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

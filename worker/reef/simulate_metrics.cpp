@@ -7,7 +7,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/reef/surface_noise.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 Places measured_places(const std::vector<SurfacePatch>& patches) {
@@ -50,29 +50,29 @@ std::vector<double> sharpened_metrics(const Evaluate& evaluate,
     const std::vector<double> blurred = evaluate(places, 1);
     const std::vector<double> blurred_twice = evaluate(places, 2);
     for (std::size_t k = 0; k < measured.size(); ++k)
-        measured[k] = sharpened(measured[k], blurred[k], blurred_twice[k]);
+        measured[k] = stats::sharpened(measured[k], blurred[k], blurred_twice[k]);
     return measured;
 }
 
 }  // namespace
 
-std::vector<Simulated> simulate_metrics(const std::vector<SurfacePatch>& patches,
-                                        double correlation_length_m,
-                                        bool has_blur,
-                                        const MeasureOptions& options,
-                                        const Evaluate& evaluate) {
+std::vector<stats::Simulated> simulate_metrics(const std::vector<SurfacePatch>& patches,
+                                               double correlation_length_m,
+                                               bool has_blur,
+                                               const MeasureOptions& options,
+                                               const Evaluate& evaluate) {
     const Places places = measured_places(patches);
     const std::vector<double> measured = evaluate(places, 0);
     const std::vector<double> sharp = sharpened_metrics(evaluate, places, measured, has_blur);
     const int num = num_replicates(patches, &SurfacePatch::sigma_local_m, options);
     std::vector<std::vector<double>> noisy(2 * static_cast<std::size_t>(num));
-    for_each_index(options.num_threads, noisy.size(), [&](std::size_t i) {
+    base::for_each_index(options.num_threads, noisy.size(), [&](std::size_t i) {
         const NoiseField noise(correlation_length_m, options.seed + i / 2);
         const double scale = i % 2 == 0 ? 1.0 : std::numbers::sqrt2;
         const Places moved = noisy_places(patches, noise, scale);
         noisy[i] = sharpened_metrics(evaluate, moved, evaluate(moved, 0), has_blur);
     });
-    std::vector<Simulated> metrics(measured.size());
+    std::vector<stats::Simulated> metrics(measured.size());
     for (std::size_t k = 0; k < measured.size(); ++k) {
         metrics[k].measured = measured[k];
         metrics[k].sharp = sharp[k];
@@ -89,7 +89,7 @@ std::vector<double> bend_deviations(
     const std::function<std::vector<double>(const Places& vertices)>& evaluate) {
     const int num = num_replicates(patches, &SurfacePatch::sigma_bend_m, options);
     std::vector<std::vector<double>> bent(num);
-    for_each_index(options.num_threads, bent.size(), [&](std::size_t i) {
+    base::for_each_index(options.num_threads, bent.size(), [&](std::size_t i) {
         const NoiseField field(alike_m, ~(options.seed + i));
         Places places;
         for (const SurfacePatch& patch : patches)
@@ -107,4 +107,4 @@ std::vector<double> bend_deviations(
     return deviations;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

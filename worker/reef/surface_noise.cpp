@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 // Between two places one lattice step apart the correlation is 0.394, and 1/e at this many steps.
@@ -68,4 +68,4 @@ std::vector<Eigen::Vector3d> with_noise(const SurfacePatch& patch,
     return vertices;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -6,7 +6,7 @@
 
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // Noise as a surface from stereo has it: vertices that one window of pixels measured err together.
 // A normal number at every place, of variance 1, whose correlation falls to 1/e over
@@ -28,4 +28,4 @@ std::vector<Eigen::Vector3d> with_noise(const SurfacePatch& patch,
                                         const NoiseField& noise,
                                         double scale);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

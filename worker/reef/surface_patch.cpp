@@ -7,7 +7,7 @@
 #include "worker/io/mesh_check.hpp"
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
@@ -46,9 +46,9 @@ double known_or_zero(const std::vector<float>& sigmas_m, std::uint32_t vertex) {
 // Takes vertices over as triangles ask for them.
 class PatchBuilder {
 public:
-    PatchBuilder(const Mesh& mesh, const Eigen::Isometry3d& T_plane_world)
+    PatchBuilder(const types::Mesh& mesh, const Eigen::Isometry3d& T_plane_world)
         : mesh_(mesh),
-          normals_(unit_normals(mesh)),
+          normals_(io::unit_normals(mesh)),
           T_plane_world_(T_plane_world),
           index_(mesh.vertices.size(), kLeftOut) {}
 
@@ -66,7 +66,7 @@ public:
     SurfacePatch patch;
 
 private:
-    const Mesh& mesh_;
+    const types::Mesh& mesh_;
     std::vector<Eigen::Vector3f> normals_;
     const Eigen::Isometry3d& T_plane_world_;
     std::vector<std::uint32_t> index_;
@@ -74,7 +74,7 @@ private:
 
 }  // namespace
 
-SurfacePatch cut_patch(const Mesh& mesh, const AreaPlane& plane, double margin_m) {
+SurfacePatch cut_patch(const types::Mesh& mesh, const AreaPlane& plane, double margin_m) {
     const Box bounds = bounds_of(plane.outline, margin_m);
     const Eigen::Matrix<float, 2, 3> rotation =
         plane.T_plane_world.linear().topRows<2>().cast<float>();
@@ -144,7 +144,7 @@ std::optional<double> median_range_m(const SurfacePatch& patch,
             nearest = std::min(nearest, (camera - patch.vertices[i]).squaredNorm());
         ranges.push_back(std::sqrt(nearest));
     }
-    return upper_median(std::move(ranges));
+    return stats::upper_median(std::move(ranges));
 }
 
 double median_edge_m(const SurfacePatch& patch) {
@@ -153,7 +153,7 @@ double median_edge_m(const SurfacePatch& patch) {
     for (const auto& [a, b, c] : patch.triangles)
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
             lengths.push_back((patch.vertices[from] - patch.vertices[to]).norm());
-    return upper_median(std::move(lengths));
+    return stats::upper_median(std::move(lengths));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -7,7 +7,7 @@
 #include "worker/reef/height_grid.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // The part of a mesh that lies over an area, in the frame of the area's plane, m.
 struct SurfacePatch {
@@ -21,7 +21,7 @@ struct SurfacePatch {
 };
 
 // Every triangle within `margin_m` of the outline's bounds: noise moves what is near them.
-SurfacePatch cut_patch(const Mesh& mesh, const AreaPlane& plane, double margin_m);
+SurfacePatch cut_patch(const types::Mesh& mesh, const AreaPlane& plane, double margin_m);
 
 // Area of the triangles over the outline, every sheet of them, overhangs too (habtools
 // surface_area), with the vertices at these places.
@@ -34,4 +34,4 @@ std::optional<double> median_range_m(const SurfacePatch& patch,
                                      const std::vector<Eigen::Vector3d>& cameras_plane);
 double median_edge_m(const SurfacePatch& patch);  // 0 without triangles
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

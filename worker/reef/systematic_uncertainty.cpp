@@ -5,25 +5,25 @@
 
 #include "worker/reef/dilate_steps.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 std::vector<double> values_of(const std::vector<MetricKind>& kinds,
                               const Ground& ground,
-                              const std::vector<Simulated>& simulated) {
+                              const std::vector<stats::Simulated>& simulated) {
     std::vector<double> values;
     for (std::size_t k = 0; k < kinds.size(); ++k)
         values.push_back(value_of(kinds[k], ground, simulated[k].measured));
     return values;
 }
 
-double difference(double value, const Simulated& simulated) {
+double difference(double value, const stats::Simulated& simulated) {
     return std::isfinite(value) ? std::abs(value - simulated.measured) : 0.0;
 }
 
 std::vector<double> of_hidden_ground(const OutlineSurvey& survey,
                                      const std::vector<MetricKind>& kinds,
-                                     const std::vector<Simulated>& simulated) {
+                                     const std::vector<stats::Simulated>& simulated) {
     std::vector<double> systematic(kinds.size(), 0.0);
     if (!survey.has_hidden) return systematic;
     const Ground low = survey.ground(survey.patch[0].vertices, 0, gaps_filled_low);
@@ -35,7 +35,7 @@ std::vector<double> of_hidden_ground(const OutlineSurvey& survey,
 
 std::vector<double> of_steps(const OutlineSurvey& survey,
                              const std::vector<MetricKind>& kinds,
-                             const std::vector<Simulated>& simulated) {
+                             const std::vector<stats::Simulated>& simulated) {
     std::vector<double> systematic(kinds.size(), 0.0);
     const double deviation_m = survey.sampling_resolution.detail_m.value_or(0.0) / std::sqrt(12.0);
     const Ground measured = survey.ground(survey.patch[0].vertices);
@@ -60,7 +60,7 @@ double value_of(const MetricKind& kind, const Ground& ground, double near) {
 
 std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
                                            const std::vector<MetricKind>& kinds,
-                                           const std::vector<Simulated>& simulated,
+                                           const std::vector<stats::Simulated>& simulated,
                                            const MeasureOptions& options) {
     std::vector<double> systematic = of_steps(survey, kinds, simulated);
     const std::vector<double> hidden = of_hidden_ground(survey, kinds, simulated);
@@ -77,4 +77,4 @@ std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
     return systematic;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 bool is_window_seen(const HeightGrid& grid, int column, int row) {
@@ -107,4 +107,4 @@ std::optional<Eigen::Vector3d> mean_normal(const HeightGrid& grid) {
     return Eigen::Vector3d(-plane.x(), -plane.y(), 1.0).normalized();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

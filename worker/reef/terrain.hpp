@@ -5,7 +5,7 @@
 
 #include "worker/reef/height_grid.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // What geographers measure in windows of 3 x 3 samples, all nine of them seen, over the plane.
 struct Terrain {
@@ -23,4 +23,4 @@ std::optional<Terrain> terrain(const HeightGrid& grid);
 // than three samples or all on a line.
 std::optional<Eigen::Vector3d> mean_normal(const HeightGrid& grid);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

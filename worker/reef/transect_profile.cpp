@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kStep_m = 0.005;  // of which every spacing of the options is a multiple
@@ -97,4 +97,4 @@ double coverage_of(const Profile& profile) {
     return profile.empty() ? 0.0 : static_cast<double>(num) / static_cast<double>(profile.size());
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -8,7 +8,7 @@
 #include "worker/reef/simulate_metrics.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 // A straight piece of the line with the mesh around it; samples at whole steps of the line.
 struct TransectSegment {
@@ -39,4 +39,4 @@ Profile gaps_filled(Profile profile);
 
 double coverage_of(const Profile& profile);  // share that was seen
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -13,7 +13,7 @@
 #include "worker/report/report_reef.hpp"
 #include "worker/report/report_verdicts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -66,7 +66,8 @@ json report_document(const AccuracyReportRequest& request,
 
 }  // namespace
 
-json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCallback& progress) {
+json make_accuracy_report(const AccuracyReportRequest& request,
+                          const base::ProgressCallback& progress) {
     std::vector<Requirement> requirements;
     for (const std::string& text : request.requirements)
         requirements.push_back(parse_requirement(text));
@@ -76,12 +77,12 @@ json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCa
     std::filesystem::create_directories(request.out);
     // A name in a dive may be no UTF-8: it must not cost the report.
     const auto replace = json::error_handler_t::replace;
-    write_file(request.out / "report.json", report.dump(2, ' ', false, replace) + "\n");
-    write_file(request.out / "report.csv", report_csv(report));
-    write_file(request.out / "junit.xml", report_junit(report));
-    write_file(request.out / "report.html", report_page(report, measured));
+    base::write_file(request.out / "report.json", report.dump(2, ' ', false, replace) + "\n");
+    base::write_file(request.out / "report.csv", report_csv(report));
+    base::write_file(request.out / "junit.xml", report_junit(report));
+    base::write_file(request.out / "report.html", report_page(report, measured));
     progress({.stage = "evaluate", .fraction = 1.0});
     return report;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -11,7 +11,7 @@
 #include "schemas/truth_options.hpp"
 #include "worker/base/observer.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 struct AccuracyReportRequest {
     std::filesystem::path reconstruction;       // see ReconstructionFolder
@@ -38,6 +38,6 @@ struct AccuracyReportRequest {
 // wrong, Error{NotFound} and Error{BadData} for a file that is not there or cannot be read,
 // Error{Cancelled}.
 nlohmann::json make_accuracy_report(const AccuracyReportRequest& request,
-                                    const ProgressCallback& progress);
+                                    const base::ProgressCallback& progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

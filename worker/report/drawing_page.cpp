@@ -13,7 +13,7 @@
 #include "worker/report/drawing_page_template.hpp"
 #include "worker/report/html_template.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -80,7 +80,7 @@ std::string for_script(const json& data) {
 
 }  // namespace
 
-std::string drawing_page(const ReconstructionFolder& model) {
+std::string drawing_page(const io::ReconstructionFolder& model) {
     const json mosaic = model.mosaic();
     json data;
     try {
@@ -104,4 +104,4 @@ std::string drawing_page(const ReconstructionFolder& model) {
     return fill_template(drawing_page_template_html(), {{"data", for_script(data)}});
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -2,9 +2,9 @@
 
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // The template beside this file, for fill_template(): `data` is JSON that is safe in a script.
 std::string_view drawing_page_template_html();
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

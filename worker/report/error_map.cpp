@@ -8,31 +8,31 @@
 #include <limits>
 #include <optional>
 
+#include "worker/base/parallel.hpp"
 #include "worker/evaluation/nearest_camera.hpp"
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/mosaic/mosaic.hpp"
-#include "worker/base/parallel.hpp"
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 constexpr int kSide_px = 900;
-constexpr std::array<Color, 9> kViridis = {{{68, 1, 84},
-                                            {71, 45, 123},
-                                            {59, 82, 139},
-                                            {44, 114, 142},
-                                            {33, 145, 140},
-                                            {39, 173, 129},
-                                            {93, 200, 99},
-                                            {170, 220, 50},
-                                            {253, 231, 37}}};
+constexpr std::array<types::Color, 9> kViridis = {{{68, 1, 84},
+                                                   {71, 45, 123},
+                                                   {59, 82, 139},
+                                                   {44, 114, 142},
+                                                   {33, 145, 140},
+                                                   {39, 173, 129},
+                                                   {93, 200, 99},
+                                                   {170, 220, 50},
+                                                   {253, 231, 37}}};
 
-Color color_of(double share) {
+types::Color color_of(double share) {
     const double place = std::clamp(share, 0.0, 1.0) * (kViridis.size() - 1);
     const auto index = std::min(static_cast<std::size_t>(place), kViridis.size() - 2);
     const double rest = place - static_cast<double>(index);
-    Color color{};
+    types::Color color{};
     for (std::size_t c = 0; c < 3; ++c)
         color[c] = static_cast<std::uint8_t>(
             std::lround((1.0 - rest) * kViridis[index][c] + rest * kViridis[index + 1][c]));
@@ -47,7 +47,7 @@ double rounded_up(double value) {
     return 10.0 * power;
 }
 
-double max_side_m(const Mesh& mesh) {
+double max_side_m(const types::Mesh& mesh) {
     Eigen::AlignedBox3f box;
     for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex);
     return box.isEmpty() ? 1.0 : static_cast<double>(box.sizes().head<2>().maxCoeff());
@@ -55,7 +55,7 @@ double max_side_m(const Mesh& mesh) {
 
 class DistanceToReference {
 public:
-    explicit DistanceToReference(const Mesh& reference) {
+    explicit DistanceToReference(const types::Mesh& reference) {
         if (reference.triangles.empty())
             points_.emplace(reference);
         else
@@ -66,22 +66,24 @@ public:
     }
 
 private:
-    std::optional<PointIndex> points_;
-    std::optional<SurfaceIndex> surface_;
+    std::optional<evaluation::PointIndex> points_;
+    std::optional<evaluation::SurfaceIndex> surface_;
 };
 
 // Of each pixel that shows surface within range; NaN elsewhere.
-cv::Mat distances_m(const Mosaic& image, const Mesh& reference, const SurfaceErrorInput& input) {
+cv::Mat distances_m(const mosaic::Mosaic& image,
+                    const types::Mesh& reference,
+                    const evaluation::SurfaceErrorInput& input) {
     const DistanceToReference surface(reference);
     std::vector<Eigen::Vector3f> cameras;
     for (const Eigen::Vector3d& position : input.camera_positions_world)
         cameras.push_back(position.cast<float>());
-    const NearestCamera nearest_camera(std::move(cameras));
+    const evaluation::NearestCamera nearest_camera(std::move(cameras));
     const auto limit_m = input.camera_positions_world.empty()
                              ? std::numeric_limits<float>::infinity()
                              : static_cast<float>(input.max_range_m);
     cv::Mat distance_m(image.height_m.size(), CV_32F, cv::Scalar(std::nanf("")));
-    for_each_index(
+    base::for_each_index(
         input.num_threads, static_cast<std::size_t>(distance_m.rows), [&](std::size_t index) {
             const int row = static_cast<int>(index);
             for (int column = 0; column < distance_m.cols; ++column) {
@@ -106,15 +108,15 @@ double scale_end_m(const cv::Mat& distance_m) {
                      std::back_inserter(known_m),
                      [](float distance) { return !std::isnan(distance); });
     if (known_m.empty()) return 0.0;
-    return rounded_up(static_cast<double>(lower_quantile(std::move(known_m), 0.9)));
+    return rounded_up(static_cast<double>(stats::lower_quantile(std::move(known_m), 0.9)));
 }
 
 }  // namespace
 
-ErrorMap render_error_map(const Mesh& mesh_world,
-                          const Mesh& reference,
-                          const SurfaceErrorInput& input) {
-    Mosaic image = render_mosaic(
+ErrorMap render_error_map(const types::Mesh& mesh_world,
+                          const types::Mesh& reference,
+                          const evaluation::SurfaceErrorInput& input) {
+    mosaic::Mosaic image = mosaic::render_mosaic(
         mesh_world, {.pixel_m = std::max(1e-6, max_side_m(mesh_world) / (kSide_px - 1))});
     const cv::Mat distance_m = distances_m(image, reference, input);
     ErrorMap map;
@@ -124,18 +126,18 @@ ErrorMap render_error_map(const Mesh& mesh_world,
             auto& pixel = image.color.at<cv::Vec4b>(row, column);
             if (pixel[3] == 0) continue;
             const float distance = distance_m.at<float>(row, column);
-            const Color color = std::isnan(distance)
-                                    ? Color{205, 205, 205}
-                                    : color_of(static_cast<double>(distance) / map.end_m);
+            const types::Color color = std::isnan(distance)
+                                           ? types::Color{205, 205, 205}
+                                           : color_of(static_cast<double>(distance) / map.end_m);
             pixel = {color[2], color[1], color[0], 255};
         }
-    map.png = thumbnail_png(image, kSide_px);
+    map.png = mosaic::thumbnail_png(image, kSide_px);
     return map;
 }
 
 std::vector<std::string> error_map_colors() {
     std::vector<std::string> colors;
-    for (const Color& color : kViridis) {
+    for (const types::Color& color : kViridis) {
         char text[8];
         std::snprintf(text, sizeof text, "#%02x%02x%02x", color[0], color[1], color[2]);
         colors.emplace_back(text);
@@ -143,4 +145,4 @@ std::vector<std::string> error_map_colors() {
     return colors;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -4,7 +4,7 @@
 
 #include "worker/evaluation/surface_error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // The mesh from above, coloured by its distance to the reference: 0 dark blue, `end_m` and more
 // yellow (viridis, S. van der Walt and N. Smith 2015); grey where it is farther than the limit of
@@ -14,11 +14,11 @@ struct ErrorMap {
     double end_m = 0.0;  // the 90th percentile, rounded up to 1, 2 or 5 times a power of ten
 };
 
-ErrorMap render_error_map(const Mesh& mesh_world,
-                          const Mesh& reference,
-                          const SurfaceErrorInput& input);
+ErrorMap render_error_map(const types::Mesh& mesh_world,
+                          const types::Mesh& reference,
+                          const evaluation::SurfaceErrorInput& input);
 
 // Colours of the scale, evenly from 0 to `end_m`, "#rrggbb".
 std::vector<std::string> error_map_colors();
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -2,7 +2,7 @@
 
 #include "worker/report/html_templates.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 using nlohmann::json;
 
@@ -39,4 +39,4 @@ json findings_values(const json& findings) {
     return {{"list", list}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

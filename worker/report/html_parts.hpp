@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // What the pages for a person have in common, as templates by name: {{>page_head}} up to </head>,
 // of `title`; {{>rows}}, {{>grid}} and {{>findings}} of the values below.
@@ -24,4 +24,4 @@ nlohmann::json grid_values(const std::vector<std::vector<std::string>>& rows);
 // For {{>findings}}, as they are in metrics.json.
 nlohmann::json findings_values(const nlohmann::json& findings);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -7,7 +7,7 @@
 
 #include "worker/report/html_parts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 namespace mustache = kainjow::mustache;
@@ -66,4 +66,4 @@ std::string fill_template(std::string_view text, const json& values) {
     return filled;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

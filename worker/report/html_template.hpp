@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // Fills a mustache template: {{name}} is replaced by the escaped value, {{{name}}} by a value that
 // is HTML or SVG already. {{#name}}...{{/name}} is repeated for each item of a list, stands once
@@ -14,4 +14,4 @@ namespace divemesh::worker {
 // for a template that is malformed.
 std::string fill_template(std::string_view text, const nlohmann::json& values);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // The templates beside this file, for fill_template().
 std::string_view accuracy_page_html();
@@ -13,4 +13,4 @@ std::string_view plot_svg();
 std::string_view reconstruction_page_html();
 std::string_view rows_html();
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

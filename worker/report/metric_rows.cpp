@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -133,4 +133,4 @@ HtmlRows result_rows(const json& metrics) {
     return rows;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

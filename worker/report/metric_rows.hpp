@@ -4,7 +4,7 @@
 
 #include "worker/report/html_parts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // Figures of metrics.json in the words and units of a person; what is not there is left out.
 HtmlRows accuracy_rows(const nlohmann::json& metrics);
@@ -12,4 +12,4 @@ HtmlRows expected_rows(const nlohmann::json& metrics);  // what the result expec
 HtmlRows dive_rows(const nlohmann::json& metrics);
 HtmlRows result_rows(const nlohmann::json& metrics);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

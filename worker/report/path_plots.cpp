@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 constexpr char kTruthColor[] = "#9aa7af";
@@ -15,10 +15,11 @@ struct Paths {
     std::vector<Eigen::Vector3d> estimate;
 };
 
-Paths paths_of(const TrajectoryError* error, const Trajectory& path) {
+Paths paths_of(const evaluation::TrajectoryError* error, const types::Trajectory& path) {
     if (error != nullptr) return {error->reference, error->aligned};
     Paths paths;
-    for (const StampedPose& pose : path) paths.estimate.push_back(pose.T_world_imu.translation());
+    for (const types::StampedPose& pose : path)
+        paths.estimate.push_back(pose.T_world_imu.translation());
     return paths;
 }
 
@@ -50,11 +51,11 @@ double seconds_since(std::int64_t start_ns, std::int64_t time_ns) {
 
 }  // namespace
 
-Plot path_from_above(const TrajectoryError* error, const Trajectory& path) {
+Plot path_from_above(const evaluation::TrajectoryError* error, const types::Trajectory& path) {
     return view("Path from above", paths_of(error, path), 0, 1);
 }
 
-Plot path_from_the_side(const TrajectoryError* error, const Trajectory& path) {
+Plot path_from_the_side(const evaluation::TrajectoryError* error, const types::Trajectory& path) {
     const Paths paths = paths_of(error, path);
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& position : paths.estimate) box.extend(position);
@@ -62,7 +63,7 @@ Plot path_from_the_side(const TrajectoryError* error, const Trajectory& path) {
     return view("Path from the side", paths, is_long_in_y ? 1 : 0, 2);
 }
 
-Plot error_over_time(const TrajectoryError* error, const Trajectory& path) {
+Plot error_over_time(const evaluation::TrajectoryError* error, const types::Trajectory& path) {
     if (error != nullptr) {
         PlotLine line{"after alignment", kErrorColor, {}, {}};
         for (std::size_t i = 0; i < error->aligned.size(); ++i) {
@@ -72,17 +73,17 @@ Plot error_over_time(const TrajectoryError* error, const Trajectory& path) {
         return {"Position error", "time, s", "error, mm", {line}};
     }
     PlotLine line{"z of the rig", kErrorColor, {}, {}};
-    for (const StampedPose& pose : path) {
+    for (const types::StampedPose& pose : path) {
         line.x.push_back(seconds_since(path.front().timestamp_ns, pose.timestamp_ns));
         line.y.push_back(pose.T_world_imu.translation().z());
     }
     return {"Height over the start", "time, s", "z, m", {line}};
 }
 
-Plot error_by_segment(const TrajectoryError& error) {
+Plot error_by_segment(const evaluation::TrajectoryError& error) {
     PlotLine mean{"mean", kEstimateColor, {}, {}};
     PlotLine rmse{"root mean square", kErrorColor, {}, {}};
-    for (const SegmentError& segment : error.segments) {
+    for (const evaluation::SegmentError& segment : error.segments) {
         mean.x.push_back(segment.length_m);
         rmse.x.push_back(segment.length_m);
         mean.y.push_back(segment.translation_mean_percent);
@@ -91,4 +92,4 @@ Plot error_by_segment(const TrajectoryError& error) {
     return {"Relative error by segment length", "length, m", "error, %", {mean, rmse}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

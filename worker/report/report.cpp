@@ -6,7 +6,7 @@
 #include "worker/report/metric_rows.hpp"
 #include "worker/report/path_plots.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 using nlohmann::json;
 
@@ -16,7 +16,7 @@ std::string report_html(const ReportInput& input) {
     };
     const std::string name = text("/dive/name");
     const auto& trajectory = input.evaluation.trajectory;
-    const TrajectoryError* error = trajectory ? &*trajectory : nullptr;
+    const evaluation::TrajectoryError* error = trajectory ? &*trajectory : nullptr;
     json image;
     if (!input.image_png.empty()) image = {{"png", encode_base64(input.image_png)}};
     return fill_template(
@@ -34,4 +34,4 @@ std::string report_html(const ReportInput& input) {
          {"findings", findings_values(input.metrics.value("findings", json::array()))}});
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

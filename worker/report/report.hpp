@@ -7,12 +7,12 @@
 #include "worker/evaluation/evaluation.hpp"
 #include "worker/types/recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 struct ReportInput {
-    const nlohmann::json& metrics;  // metrics.json
-    const Trajectory& trajectory;   // final
-    const Evaluation& evaluation;
+    const nlohmann::json& metrics;        // metrics.json
+    const types::Trajectory& trajectory;  // final
+    const evaluation::Evaluation& evaluation;
     std::string image_png;  // of the result, at most some 100 kB; "" for none
 };
 
@@ -20,4 +20,4 @@ struct ReportInput {
 // findings; whatever came from the dive is escaped, no script, nothing is loaded.
 std::string report_html(const ReportInput& input);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -6,7 +6,7 @@
 
 #include "worker/io/csv_cell.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -55,9 +55,9 @@ std::string test_case(const json& requirement) {
 std::string report_csv(const json& report) {
     std::string csv = "figure,value,unit,method,alignment\r\n";
     for (const json& metric : report.at("figures"))
-        csv += csv_cell(metric.at("figure")) + "," + number_text(metric.at("value")) + "," +
-               csv_cell(metric.at("unit")) + "," + csv_cell(metric.at("method")) + "," +
-               csv_cell(metric.at("alignment")) + "\r\n";
+        csv += io::csv_cell(metric.at("figure")) + "," + number_text(metric.at("value")) + "," +
+               io::csv_cell(metric.at("unit")) + "," + io::csv_cell(metric.at("method")) + "," +
+               io::csv_cell(metric.at("alignment")) + "\r\n";
     return csv;
 }
 
@@ -79,4 +79,4 @@ std::string report_junit(const json& report) {
     return xml + "  </testsuite>\n</testsuites>\n";
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // The figures of report.json as RFC 4180, a row each: figure, value, unit, method, alignment. A
 // text that a spreadsheet would take for a formula gets an apostrophe before it.
@@ -13,4 +13,4 @@ std::string report_csv(const nlohmann::json& report);
 // and Surefire read): one test case each, a failure with its reason where it is not met.
 std::string report_junit(const nlohmann::json& report);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -10,7 +10,7 @@
 #include "worker/dive/dive_json.hpp"
 #include "worker/io/mesh_reader.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -55,14 +55,14 @@ json describe_files(const AccuracyReportRequest& request) {
     return files;
 }
 
-std::unique_ptr<Dive> open_dive(const AccuracyReportRequest& request,
-                                const ReconstructionFolder& reconstruction,
-                                const ProgressCallback& progress) {
+std::unique_ptr<dive::Dive> open_dive(const AccuracyReportRequest& request,
+                                      const io::ReconstructionFolder& reconstruction,
+                                      const base::ProgressCallback& progress) {
     if (!request.dive) return nullptr;
-    const ProgressCallback opening = [&](const Progress&) {
+    const base::ProgressCallback opening = [&](const Progress&) {
         progress({.stage = "evaluate", .fraction = 0.05});
     };
-    auto dive = Dive::open(*request.dive, request.scratch / "dive", {}, opening);
+    auto dive = dive::Dive::open(*request.dive, request.scratch / "dive", {}, opening);
     const std::string expected =
         reconstruction.metrics().value(json::json_pointer("/dive/content_sha256"), std::string());
     if (!expected.empty() && dive->content_sha256() != expected)
@@ -76,38 +76,38 @@ std::unique_ptr<Dive> open_dive(const AccuracyReportRequest& request,
 
 }  // namespace
 
-std::vector<KnownDistance> read_known_distances(const fs::path& file,
-                                                std::vector<Finding>& findings) {
+std::vector<dive::KnownDistance> read_known_distances(const fs::path& file,
+                                                      std::vector<Finding>& findings) {
     if (fs::file_size(file) > kMaxMeasurements_bytes)
         throw Error(ErrorCode::TooLarge, file.string() + " is larger than 16 MiB");
     std::ifstream stream(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    FindingLog log;
-    auto distances = parse_known_distances(text, log);
+    dive::FindingLog log;
+    auto distances = dive::parse_known_distances(text, log);
     for (const Finding& finding : log.all())
-        if (finding.code == kJsonUnreadable)
+        if (finding.code == dive::kJsonUnreadable)
             throw Error(ErrorCode::BadData, file.filename().string() + ": " + finding.message);
     findings.insert(findings.end(), log.all().begin(), log.all().end());
     return distances;
 }
 
 ReportInputs read_report_inputs(const AccuracyReportRequest& request,
-                                const ProgressCallback& progress) {
-    ReportInputs inputs{.reconstruction = ReconstructionFolder(request.reconstruction)};
+                                const base::ProgressCallback& progress) {
+    ReportInputs inputs{.reconstruction = io::ReconstructionFolder(request.reconstruction)};
     inputs.files = describe_files(request);
     inputs.findings = request.findings;
     progress({.stage = "evaluate", .fraction = 0.05});
     inputs.dive = open_dive(request, inputs.reconstruction, progress);
     if (request.ground_truth) {
-        inputs.truth = read_trajectory(*request.ground_truth);
+        inputs.truth = io::read_trajectory(*request.ground_truth);
         inputs.truth_source = request.ground_truth->filename().string();
     } else if (inputs.dive && !inputs.dive->ground_truth().empty()) {
-        inputs.truth = {TrajectoryFormat::Euroc, inputs.dive->ground_truth()};
+        inputs.truth = {io::TrajectoryFormat::Euroc, inputs.dive->ground_truth()};
         inputs.truth_source = "dive";
     }
     progress({.stage = "evaluate", .fraction = 0.15});
     if (request.reference)
-        inputs.reference = read_mesh(*request.reference);
+        inputs.reference = io::read_mesh(*request.reference);
     else if (inputs.dive)
         inputs.reference = inputs.dive->read_reference_mesh();
     if (request.measurements)
@@ -118,4 +118,4 @@ ReportInputs read_report_inputs(const AccuracyReportRequest& request,
     return inputs;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

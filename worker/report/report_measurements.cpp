@@ -4,20 +4,20 @@
 #include <utility>
 
 #include "schemas/error.hpp"
-#include "worker/markers/world_scale.hpp"
 #include "worker/evaluation/known_distances.hpp"
 #include "worker/evaluation/relative_pose_error.hpp"
 #include "worker/evaluation/surface_index.hpp"
+#include "worker/markers/world_scale.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/report/error_map.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
 
 // The frames of the piece that has most of them, by metrics.json.
-Trajectory largest_segment(Trajectory trajectory, const json& metrics) {
+types::Trajectory largest_segment(types::Trajectory trajectory, const json& metrics) {
     const json segments = metrics.value("pieces", json::array());
     const auto largest =
         std::max_element(segments.begin(), segments.end(), [](const json& a, const json& b) {
@@ -25,7 +25,7 @@ Trajectory largest_segment(Trajectory trajectory, const json& metrics) {
         });
     if (segments.size() < 2) return trajectory;
     const json intervals = largest->value("intervals", json::array());
-    std::erase_if(trajectory, [&](const StampedPose& pose) {
+    std::erase_if(trajectory, [&](const types::StampedPose& pose) {
         return std::none_of(intervals.begin(), intervals.end(), [&](const json& interval) {
             return interval.at("first_ns").get<std::int64_t>() <= pose.timestamp_ns &&
                    pose.timestamp_ns <= interval.at("last_ns").get<std::int64_t>();
@@ -34,12 +34,12 @@ Trajectory largest_segment(Trajectory trajectory, const json& metrics) {
     return trajectory;
 }
 
-RegisteredTruth register_for(const Trajectory& path,
-                             const TrajectoryFile& truth,
-                             const TruthOptions& options) {
-    if (truth.format != TrajectoryFormat::Kitti)
-        return registered_truth(path, truth.poses, options);
-    RegisteredTruth registered;
+evaluation::RegisteredTruth register_for(const types::Trajectory& path,
+                                         const io::TrajectoryFile& truth,
+                                         const TruthOptions& options) {
+    if (truth.format != io::TrajectoryFormat::Kitti)
+        return evaluation::registered_truth(path, truth.poses, options);
+    evaluation::RegisteredTruth registered;
     registered.poses = truth.poses;
     registered.options.pair_by_index = true;
     return registered;
@@ -57,7 +57,7 @@ public:
         result_.findings = inputs.findings;
     }
 
-    void measure(const ProgressCallback& progress) {
+    void measure(const base::ProgressCallback& progress) {
         if (inputs_.truth) compare_trajectories();
         progress({.stage = "evaluate", .fraction = 0.3});
         if (inputs_.reference) compare_surfaces(progress);
@@ -67,10 +67,10 @@ public:
 
 private:
     void compare_trajectories();
-    void compare_surfaces(const ProgressCallback& progress);
+    void compare_surfaces(const base::ProgressCallback& progress);
     void measure_distances();
     void measure_reef();
-    Trajectory true_body_path() const;
+    types::Trajectory true_body_path() const;
 
     void cannot(const char* code,
                 const std::string& where,
@@ -81,35 +81,36 @@ private:
 
     const ReportInputs& inputs_;
     const AccuracyReportRequest& request_;
-    RegisteredTruth registered_;
+    evaluation::RegisteredTruth registered_;
     ReportMeasurements& result_;
 };
 
 void Measuring::compare_trajectories() try {
     registered_ = register_for(result_.path, *inputs_.truth, request_.truth);
-    const TruthRegistration& registration = registered_.registration;
-    const Trajectory& poses = registered_.poses;
-    const TrajectoryErrorOptions& options = registered_.options;
-    result_.trajectory = trajectory_error(result_.path, poses, options);
+    const evaluation::TruthRegistration& registration = registered_.registration;
+    const types::Trajectory& poses = registered_.poses;
+    const evaluation::TrajectoryErrorOptions& options = registered_.options;
+    result_.trajectory = evaluation::trajectory_error(result_.path, poses, options);
     result_.has_orientation = registration.has_orientation;
     const auto known_sections = [&](json metrics) {
         // Nothing to take it over is not a drift of zero.
         if (metrics.at("segments").empty()) metrics["drift_percent"] = nullptr;
-        return registration.has_orientation ? metrics : without_rotations(std::move(metrics));
+        return registration.has_orientation ? metrics
+                                            : evaluation::without_rotations(std::move(metrics));
     };
     json& section = result_.document["trajectory"];
-    json final_path = to_metrics(*result_.trajectory);
-    final_path["relative_pose"] =
-        to_metrics(relative_pose_error(pair_poses(result_.path, poses, options), {.delta_m = 1.0}));
+    json final_path = evaluation::to_metrics(*result_.trajectory);
+    final_path["relative_pose"] = evaluation::to_metrics(evaluation::relative_pose_error(
+        evaluation::pair_poses(result_.path, poses, options), {.delta_m = 1.0}));
     section["final"] = known_sections(std::move(final_path));
     if (inputs_.truth_source != "dive" && section.contains("covariance"))
         section["covariance"].erase("check");
     section.erase("causal");
     if (std::filesystem::exists(inputs_.reconstruction.path() / "trajectory_causal.tum") &&
         !options.pair_by_index)
-        section["causal"] = known_sections(to_metrics(
-            trajectory_error(inputs_.reconstruction.causal_trajectory(), poses, options)));
-    result_.document["truth"] = to_metrics(registration, request_.truth);
+        section["causal"] = known_sections(evaluation::to_metrics(evaluation::trajectory_error(
+            inputs_.reconstruction.causal_trajectory(), poses, options)));
+    result_.document["truth"] = evaluation::to_metrics(registration, request_.truth);
 } catch (const Error& error) {
     if (error.code() != ErrorCode::BadData) throw;
     result_.trajectory.reset();
@@ -121,7 +122,7 @@ void Measuring::compare_trajectories() try {
            "give a ground truth of this dive, on the same clock or with time offset and lever arm");
 }
 
-void Measuring::compare_surfaces(const ProgressCallback& progress) try {
+void Measuring::compare_surfaces(const base::ProgressCallback& progress) try {
     if (!inputs_.reconstruction.has_surface()) return;
     if (!result_.trajectory) {
         cannot("surface_not_measured",
@@ -130,17 +131,17 @@ void Measuring::compare_surfaces(const ProgressCallback& progress) try {
                "give the ground truth trajectory in the world of the reference");
         return;
     }
-    const Mesh mesh = inputs_.reconstruction.mesh();
+    const types::Mesh mesh = inputs_.reconstruction.mesh();
     progress({.stage = "evaluate", .fraction = 0.4});
     const auto T_imu_cam0 = inputs_.reconstruction.T_imu_cam0();
-    SurfaceErrorInput input;
+    evaluation::SurfaceErrorInput input;
     input.T_reference_world = result_.trajectory->T_reference_surface;
     input.num_threads = request_.num_threads;
-    for (const StampedPose& pose : inputs_.reconstruction.trajectory())
+    for (const types::StampedPose& pose : inputs_.reconstruction.trajectory())
         input.camera_positions_world.emplace_back(
             (T_imu_cam0 ? pose.T_world_imu * *T_imu_cam0 : pose.T_world_imu).translation());
-    result_.surface = surface_error(mesh, *inputs_.reference, input);
-    result_.document["surface"] = to_metrics(*result_.surface);
+    result_.surface = evaluation::surface_error(mesh, *inputs_.reference, input);
+    result_.document["surface"] = evaluation::to_metrics(*result_.surface);
     progress({.stage = "evaluate", .fraction = 0.7});
     const ErrorMap map = render_error_map(mesh, *inputs_.reference, input);
     result_.error_map_png = map.png;
@@ -155,17 +156,17 @@ void Measuring::compare_surfaces(const ProgressCallback& progress) try {
 }
 
 // The truth of the rig's body, whatever the tracker followed.
-Trajectory Measuring::true_body_path() const {
+types::Trajectory Measuring::true_body_path() const {
     const Eigen::Isometry3d T_marker_body = registered_.options.T_referencebody_estimatebody;
-    Trajectory path = registered_.poses;
-    for (StampedPose& pose : path) pose.T_world_imu = pose.T_world_imu * T_marker_body;
+    types::Trajectory path = registered_.poses;
+    for (types::StampedPose& pose : path) pose.T_world_imu = pose.T_world_imu * T_marker_body;
     return path;
 }
 
 void Measuring::measure_distances() {
     const bool all_marked = std::all_of(inputs_.known_distances.begin(),
                                         inputs_.known_distances.end(),
-                                        [](const KnownDistance& d) { return d.is_marked(); });
+                                        [](const dive::KnownDistance& d) { return d.is_marked(); });
     // A reconstruction of the path alone leaves no keyframes to mark the ends in.
     const bool has_truth =
         result_.trajectory && inputs_.reference && !inputs_.reference->triangles.empty() &&
@@ -182,27 +183,28 @@ void Measuring::measure_distances() {
                             : "give the dive too");
         return;
     }
-    const Trajectory trajectory = inputs_.reconstruction.trajectory();
-    const CovarianceTrack covariances = inputs_.reconstruction.covariances();
-    const KnownPath path{trajectory, covariances};
-    const Rig rig = rig_as_scaled(inputs_.dive->rig(), inputs_.reconstruction.metrics());
-    KnownDistanceErrors errors;
+    const types::Trajectory trajectory = inputs_.reconstruction.trajectory();
+    const types::CovarianceTrack covariances = inputs_.reconstruction.covariances();
+    const evaluation::KnownPath path{trajectory, covariances};
+    const types::Rig rig =
+        markers::rig_as_scaled(inputs_.dive->rig(), inputs_.reconstruction.metrics());
+    evaluation::KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;
-        for (const KeyframePose& keyframe : inputs_.reconstruction.keyframes())
+        for (const io::KeyframePose& keyframe : inputs_.reconstruction.keyframes())
             timestamps_ns.push_back(keyframe.timestamp_ns);
-        const Trajectory truth = true_body_path();
-        const SurfaceIndex reference(*inputs_.reference);
-        const MarkingInput marking{rig, truth, timestamps_ns, reference};
-        errors = measure_known_distances(inputs_.known_distances, &marking, rig, path);
+        const types::Trajectory truth = true_body_path();
+        const evaluation::SurfaceIndex reference(*inputs_.reference);
+        const evaluation::MarkingInput marking{rig, truth, timestamps_ns, reference};
+        errors = evaluation::measure_known_distances(inputs_.known_distances, &marking, rig, path);
     } else {
-        errors = measure_known_distances(inputs_.known_distances, nullptr, rig, path);
+        errors = evaluation::measure_known_distances(inputs_.known_distances, nullptr, rig, path);
     }
-    result_.document["known_distances"] = to_metrics(errors);
+    result_.document["known_distances"] = evaluation::to_metrics(errors);
 }
 
 void Measuring::measure_reef() {
-    AreaSet areas = read_areas(*request_.areas);
+    reef::AreaSet areas = reef::read_areas(*request_.areas);
     if (!inputs_.reconstruction.has_surface()) {
         cannot("areas_not_measured",
                request_.areas->filename().string(),
@@ -210,7 +212,7 @@ void Measuring::measure_reef() {
                "reconstruct again with a surface");
         return;
     }
-    if (areas.frame == AreaFrame::GroundTruth) {
+    if (areas.frame == reef::AreaFrame::GroundTruth) {
         if (!result_.trajectory) {
             cannot("areas_not_measured",
                    request_.areas->filename().string(),
@@ -218,11 +220,11 @@ void Measuring::measure_reef() {
                    "give the ground truth too");
             return;
         }
-        areas = moved(areas, result_.trajectory->T_reference_surface.inverse());
+        areas = reef::moved(areas, result_.trajectory->T_reference_surface.inverse());
     }
-    MeasureOptions options = measure_options(inputs_.reconstruction);
+    reef::MeasureOptions options = reef::measure_options(inputs_.reconstruction);
     options.num_threads = request_.num_threads;
-    result_.reef = measure_areas(inputs_.reconstruction.mesh(), areas, options);
+    result_.reef = reef::measure_areas(inputs_.reconstruction.mesh(), areas, options);
 }
 
 void add_distance_errors(json& document) {
@@ -244,11 +246,11 @@ void add_distance_errors(json& document) {
 
 ReportMeasurements measure_for_report(const ReportInputs& inputs,
                                       const AccuracyReportRequest& request,
-                                      const ProgressCallback& progress) {
+                                      const base::ProgressCallback& progress) {
     ReportMeasurements measured;
     Measuring(inputs, request, measured).measure(progress);
     add_distance_errors(measured.document);
     return measured;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -10,15 +10,15 @@
 #include "worker/evaluation/truth_registration.hpp"
 #include "worker/report/report_inputs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // What was measured anew, and what the page shows of it.
 struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON throws nothing
     nlohmann::json document;  // metrics.json with the sections that were measured anew
-    Trajectory path;          // final, its largest piece
-    std::optional<TrajectoryError> trajectory;
+    types::Trajectory path;   // final, its largest piece
+    std::optional<evaluation::TrajectoryError> trajectory;
     bool has_orientation = true;  // of the truth
-    std::optional<SurfaceError> surface;
+    std::optional<evaluation::SurfaceError> surface;
     std::string error_map_png;     // "": none
     double error_map_end_m = 0.0;  // what its last colour stands for
     nlohmann::json reef;           // as measure_areas() answers; null: no areas were given
@@ -27,6 +27,6 @@ struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON 
 
 ReportMeasurements measure_for_report(const ReportInputs& inputs,
                                       const AccuracyReportRequest& request,
-                                      const ProgressCallback& progress);
+                                      const base::ProgressCallback& progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -11,7 +11,7 @@
 #include "worker/report/path_plots.hpp"
 #include "worker/report/report_reef.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -119,11 +119,11 @@ json error_map(const ReportMeasurements& measured) {
             {"end_mm", number_text(measured.error_map_end_m, "%.3g", 1e3)}};
 }
 
-Plot histogram(const SurfaceError& surface) {
+Plot histogram(const evaluation::SurfaceError& surface) {
     PlotLine line{"share of the surface", "#0b6fa4", {}, {}, true};
     for (std::size_t i = 0; i < surface.histogram.size(); ++i)
         for (const std::size_t edge : {i, i + 1}) {
-            line.x.push_back(static_cast<double>(edge) * kErrorBin_m * 1e3);
+            line.x.push_back(static_cast<double>(edge) * evaluation::kErrorBin_m * 1e3);
             line.y.push_back(surface.histogram[i] * 100.0);
         }
     return {"Distance to the reference (last bin: all beyond)", "distance, mm", "share, %", {line}};
@@ -180,7 +180,8 @@ json all_metrics(const json& report) {
 }
 
 json plots(const ReportMeasurements& measured) {
-    const TrajectoryError* error = measured.trajectory ? &*measured.trajectory : nullptr;
+    const evaluation::TrajectoryError* error =
+        measured.trajectory ? &*measured.trajectory : nullptr;
     const bool has_segments = error != nullptr && !error->segments.empty();
     return {{"error_over_time", svg_plot(error_over_time(error, measured.path))},
             {"error_by_segment", has_segments ? svg_plot(error_by_segment(*error)) : ""},
@@ -221,4 +222,4 @@ std::string report_page(const json& report, const ReportMeasurements& measured) 
     return fill_template(accuracy_page_html(), values);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

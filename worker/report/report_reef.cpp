@@ -4,7 +4,7 @@
 
 #include "worker/report/html_parts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -76,4 +76,4 @@ json reef_table(const json& reef) {
     return grid_values(rows);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -7,7 +7,7 @@
 
 #include "worker/stats/median.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -131,10 +131,11 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
         std::vector<double> sizes;  // an error may have either sign
         for (const double value : earlier) sizes.push_back(std::abs(value));
         const double size = std::abs(*metric->value);
-        const double middle = median(sizes);
+        const double middle = stats::median(sizes);
         std::vector<double> deviations;
         for (const double value : sizes) deviations.push_back(std::abs(value - middle));
-        const double allowed = std::max(kSigmas * 1.4826 * median(deviations), kTolerated * middle);
+        const double allowed =
+            std::max(kSigmas * 1.4826 * stats::median(deviations), kTolerated * middle);
         const double sign = sense == Better::More ? -1.0 : 1.0;
         if (sign * (size - middle) <= allowed) continue;
         regressions.push_back({{"figure", name},
@@ -146,4 +147,4 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
     return regressions;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -8,7 +8,7 @@
 #include "schemas/metric.hpp"
 #include "schemas/requirement.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // "requirements" of report.json. What is not to be had is not met.
 nlohmann::json judge_requirements(const std::vector<Requirement>& requirements,
@@ -25,4 +25,4 @@ nlohmann::json passed(const nlohmann::json& requirements);
 nlohmann::json find_regressions(const std::map<std::string, std::vector<double>>& history,
                                 const std::vector<Metric>& metrics);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -9,7 +9,7 @@
 #include "worker/report/html_template.hpp"
 #include "worker/report/html_templates.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -194,4 +194,4 @@ std::string svg_plot(const Plot& plot) {
     return fill_template(plot_svg(), values);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 struct PlotLine {
     std::string name;
@@ -25,4 +25,4 @@ struct Plot {
 // apart. Texts are escaped.
 std::string svg_plot(const Plot& plot);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

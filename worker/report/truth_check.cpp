@@ -7,16 +7,16 @@
 #include "worker/reef/area_set.hpp"
 #include "worker/report/report_inputs.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 void read_truth(TruthKind kind, const std::filesystem::path& file) {
     std::vector<Finding> of_single_distances;
     switch (kind) {
-        case TruthKind::GroundTruth: read_trajectory(file); return;
-        case TruthKind::Reference: read_mesh(file); return;
+        case TruthKind::GroundTruth: io::read_trajectory(file); return;
+        case TruthKind::Reference: io::read_mesh(file); return;
         case TruthKind::Measurements: read_known_distances(file, of_single_distances); return;
-        case TruthKind::Areas: read_areas(file); return;
+        case TruthKind::Areas: reef::read_areas(file); return;
     }
 }
 
@@ -31,4 +31,4 @@ std::string problem_of_truth(TruthKind kind, const std::filesystem::path& file) 
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

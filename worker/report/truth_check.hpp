@@ -5,9 +5,9 @@
 
 #include "schemas/truth_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 
 // Why a report cannot read a file of truth; "" when it can.
 std::string problem_of_truth(TruthKind kind, const std::filesystem::path& file);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -7,7 +7,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,4 +65,4 @@ std::string plain_name(const std::string& file_name) {
     return name.find_first_not_of('.') == std::string::npos ? "file" : name;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -5,7 +5,7 @@
 
 #include "schemas/artifact.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 // Every regular file below `folder` in order of name, with hash, size and media type; job and blob
 // are left open. Links are left out.
@@ -21,4 +21,4 @@ bool is_below(const std::filesystem::path& name);
 // the end of a long one, which tells formats apart.
 std::string plain_name(const std::string& file_name);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -15,7 +15,7 @@
 #include "worker/runner/artifact_files.hpp"
 #include "worker/runner/scratch_usage.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 using namespace std::chrono_literals;
@@ -89,7 +89,7 @@ void AttemptRunner::run(const std::stop_token& stop) {
          .renew_every = config_.renew_every,
          .check_every = config_.poll_every});
     try {
-        const AttemptRequest request = write_request();
+        const attempt::AttemptRequest request = write_request();
         supervise(keeper, stop);
         if (stop_ != Stop::None)
             conclude_stopped();
@@ -110,14 +110,14 @@ void AttemptRunner::run(const std::stop_token& stop) {
     std::filesystem::remove_all(folder(), ignored);
 }
 
-AttemptRequest AttemptRunner::write_request() const {
-    AttemptRequest request{.kind = claim_.job.kind,
-                           .out = folder() / "out",
-                           .scratch = folder() / "scratch",
-                           .cache = config_.cache_folder,
-                           .cache_bytes = config_.cache_bytes,
-                           .preset = claim_.job.preset,
-                           .options = claim_.job.options};
+attempt::AttemptRequest AttemptRunner::write_request() const {
+    attempt::AttemptRequest request{.kind = claim_.job.kind,
+                                    .out = folder() / "out",
+                                    .scratch = folder() / "scratch",
+                                    .cache = config_.cache_folder,
+                                    .cache_bytes = config_.cache_bytes,
+                                    .preset = claim_.job.preset,
+                                    .options = claim_.job.options};
     std::filesystem::create_directories(request.out);
     std::filesystem::create_directories(request.scratch);
     request.dive = blobs_.local_copy(claim_.dive.blob, folder() / "dive");
@@ -134,7 +134,7 @@ AttemptRequest AttemptRunner::write_request() const {
 
 // What a report or a comparison reads beside its dive, as files with the names that they have in a
 // reconstruction's folder.
-void AttemptRunner::fetch_inputs(AttemptRequest& request) const {
+void AttemptRunner::fetch_inputs(attempt::AttemptRequest& request) const {
     if (claim_.job.kind != JobKind::AccuracyReport && claim_.job.kind != JobKind::Compare) return;
     const storage::JobInputs inputs = jobs_.inputs(claim_.job);
     for (const auto& artifacts : inputs.reconstructions) {
@@ -210,22 +210,22 @@ void AttemptRunner::read_lines(std::string& buffer) {
         const std::string line = buffer.substr(0, end);
         buffer.erase(0, end + 1);
         try {
-            take(decode_message(line));
+            take(attempt::decode_message(line));
         } catch (const Error& error) {  // the child's fault, not the recording's
             throw Error(ErrorCode::Unavailable, error.what());
         }
     }
-    if (buffer.size() > kMaxLineBytes)
+    if (buffer.size() > attempt::kMaxLineBytes)
         throw Error(ErrorCode::Unavailable, "an attempt sent a line without an end");
 }
 
 // A child that talks without end must not keep the catalog's one writer busy: of progress the
 // newest is written, of the log as much as is kept, both now and then.
-void AttemptRunner::take(const AttemptMessage& message) {
+void AttemptRunner::take(const attempt::AttemptMessage& message) {
     heard_ = Clock::now();
     if (const auto* progress = std::get_if<Progress>(&message)) {
         progress_ = *progress;
-    } else if (const auto* log = std::get_if<LogText>(&message)) {
+    } else if (const auto* log = std::get_if<attempt::LogText>(&message)) {
         if (num_log_bytes_ <= kMaxPendingLogBytes) log_ += log->text;
         num_log_bytes_ += log->text.size();
     } else if (const auto* stage = std::get_if<StageRun>(&message)) {
@@ -321,9 +321,10 @@ void AttemptRunner::conclude_stopped() {
     }
 }
 
-void AttemptRunner::conclude(const AttemptMessage& result, const AttemptRequest& request) {
+void AttemptRunner::conclude(const attempt::AttemptMessage& result,
+                             const attempt::AttemptRequest& request) {
     if (const auto* failure = std::get_if<Failure>(&result)) return fail(*failure);
-    if (const auto* intake = std::get_if<IntakeAnswer>(&result))
+    if (const auto* intake = std::get_if<attempt::IntakeAnswer>(&result))
         return publish_intake(*intake, request);
     if (end_.exit_code != 0 || end_.signal != 0) return fail(failure_of(end_));
     const auto begun = Clock::now();
@@ -335,7 +336,8 @@ void AttemptRunner::conclude(const AttemptMessage& result, const AttemptRequest&
         remove_blobs();
 }
 
-void AttemptRunner::publish_intake(const IntakeAnswer& answer, const AttemptRequest& request) {
+void AttemptRunner::publish_intake(const attempt::IntakeAnswer& answer,
+                                   const attempt::AttemptRequest& request) {
     storage::IntakeResult result{.findings = answer.findings,
                                  .name = answer.name,
                                  .site = answer.site,
@@ -352,7 +354,7 @@ void AttemptRunner::publish_intake(const IntakeAnswer& answer, const AttemptRequ
 }
 
 // Every file the child left in its out folder, under keys of this attempt alone.
-std::vector<Artifact> AttemptRunner::store_artifacts(const AttemptRequest& request) {
+std::vector<Artifact> AttemptRunner::store_artifacts(const attempt::AttemptRequest& request) {
     auto artifacts = list_artifacts(request.out);
     for (Artifact& artifact : artifacts) {
         artifact.job_id = claim_.job.id;
@@ -400,4 +402,4 @@ bool AttemptRunner::persist(const std::function<bool()>& write) const {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

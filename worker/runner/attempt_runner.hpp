@@ -15,7 +15,7 @@
 #include "worker/runner/job_runner.hpp"
 #include "worker/runner/lease_keeper.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 // Why the parent ends a child before it is done.
 enum class Stop { None, LeaseLost, Cancelled, Deadline, Stalled, ScratchFull, ShuttingDown };
@@ -34,14 +34,14 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    AttemptRequest write_request() const;
-    void fetch_inputs(AttemptRequest& request) const;
+    attempt::AttemptRequest write_request() const;
+    void fetch_inputs(attempt::AttemptRequest& request) const;
     void fetch_reconstruction(const std::vector<Artifact>& artifacts,
                               const std::filesystem::path& into) const;
     ProcessLimits limits();
     void supervise(const LeaseKeeper& keeper, const std::stop_token& stop);
     void read_lines(std::string& buffer);
-    void take(const AttemptMessage& message);
+    void take(const attempt::AttemptMessage& message);
     void report(const StageRun& stage);
     void report_pending(std::chrono::milliseconds at_least_after);
     void report(const std::function<bool()>& write);
@@ -50,9 +50,10 @@ private:
                         const ChildProcess& child);
     void end_child(ChildProcess& child);
     void conclude_stopped();
-    void conclude(const AttemptMessage& result, const AttemptRequest& request);
-    void publish_intake(const IntakeAnswer& answer, const AttemptRequest& request);
-    std::vector<Artifact> store_artifacts(const AttemptRequest& request);
+    void conclude(const attempt::AttemptMessage& result, const attempt::AttemptRequest& request);
+    void publish_intake(const attempt::IntakeAnswer& answer,
+                        const attempt::AttemptRequest& request);
+    std::vector<Artifact> store_artifacts(const attempt::AttemptRequest& request);
     void fail(const Failure& failure);
     void remove_blobs() const;
     bool persist(const std::function<bool()>& write) const;
@@ -73,7 +74,7 @@ private:
     std::int64_t scratch_bytes_ = 0;             // what it may take
     Stop stop_ = Stop::None;
     std::optional<Clock::time_point> asked_to_end_;
-    std::optional<AttemptMessage> result_;
+    std::optional<attempt::AttemptMessage> result_;
     Measurement measurement_;
     std::optional<UnreadableTruth> unreadable_truth_;
     std::optional<Progress> progress_;  // that the catalog does not know yet
@@ -84,4 +85,4 @@ private:
     ProcessEnd end_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

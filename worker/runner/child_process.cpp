@@ -15,7 +15,7 @@
 #include "schemas/error.hpp"
 #include "worker/attempt/attempt_protocol.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 void limit(int resource, std::int64_t value, std::int64_t hard_extra = 0) {
@@ -53,9 +53,9 @@ bool cut_network(const std::string& user_map) {
     if (getppid() != parent) _exit(127);  // it died before the line above
     const int null = open("/dev/null", O_RDONLY);
     dup2(null, STDIN_FILENO);
-    dup2(pipe_end, kAttemptPipe);  // dup2 clears close-on-exec
-    if (pipe_end == kAttemptPipe) fcntl(pipe_end, F_SETFD, 0);
-    close_range(kAttemptPipe + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    dup2(pipe_end, attempt::kAttemptPipe);  // dup2 clears close-on-exec
+    if (pipe_end == attempt::kAttemptPipe) fcntl(pipe_end, F_SETFD, 0);
+    close_range(attempt::kAttemptPipe + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     for (const int ended : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) std::signal(ended, SIG_DFL);
     sigset_t none;
     sigemptyset(&none);
@@ -135,4 +135,4 @@ std::optional<ProcessEnd> ChildProcess::poll_end() {
     return end_;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -8,7 +8,7 @@
 
 #include "schemas/file_descriptor.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 // Limits that the kernel holds a child to; 0: none.
 struct ProcessLimits {
@@ -53,4 +53,4 @@ private:
     std::optional<ProcessEnd> end_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -18,7 +18,7 @@
 #include "worker/runner/attempt_runner.hpp"
 #include "worker/runner/work_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 using namespace std::chrono_literals;
@@ -167,4 +167,4 @@ void run_worker(const WorkerConfig& config, std::stop_token stop) {
     for (std::thread& slot : slots) slot.join();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -8,7 +8,7 @@
 
 #include "worker/runner/child_process.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 // Beyond min_free_bytes: what an attempt may take at the least.
 inline constexpr std::int64_t kMinScratch_bytes = std::int64_t{64} << 20;
@@ -39,4 +39,4 @@ struct WorkerConfig {
 // to the queue. Throws Error{Unavailable} when catalog or blob store cannot be opened.
 void run_worker(const WorkerConfig& config, std::stop_token stop);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -5,7 +5,7 @@
 
 #include "schemas/log.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 LeaseKeeper::LeaseKeeper(LeaseCalls calls, const LeaseTimes& times)
     : calls_(std::move(calls)),
@@ -40,4 +40,4 @@ void LeaseKeeper::ask() {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

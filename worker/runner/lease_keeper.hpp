@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 // What renewing a lease brought back.
 enum class LeaseStatus { Valid, CancelRequested, Lost };
@@ -51,4 +51,4 @@ private:
     std::jthread thread_;  // last: it uses the others
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <system_error>
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,4 +44,4 @@ std::int64_t scratch_usage_bytes(const fs::path& folder, pid_t pid) {
     return bytes_below(folder) + unnamed_bytes(pid);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

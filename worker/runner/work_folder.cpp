@@ -11,7 +11,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 constexpr const char* kLockName = "lock";
@@ -58,4 +58,4 @@ WorkFolder::~WorkFolder() {
     close(lock_);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 
 // A folder of one worker process inside the common work folder, locked while the process lives
 // and removed with it. Making one removes what workers that died left there.
@@ -20,4 +20,4 @@ private:
     int lock_ = -1;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -5,7 +5,7 @@
 #include "worker/simulator/scene_parts.hpp"
 
 // A flat-bottomed hull on sand. Frame of the place: x along the keel, z = 0 the deck.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kHalfLength_m = 4.5F;
@@ -130,7 +130,7 @@ void add_seabed(SceneBuilder& builder) {
                 place_at({0, 0, 0}));
 }
 
-void add_debris(SceneBuilder& builder, RandomRow& random) {
+void add_debris(SceneBuilder& builder, base::RandomRow& random) {
     for (int i = 0; i < 34; ++i) {
         const Eigen::Vector3f size(
             draw(random, 0.35, 1.3), draw(random, 0.07, 0.3), draw(random, 0.03, 0.09));
@@ -160,7 +160,7 @@ void add_debris(SceneBuilder& builder, RandomRow& random) {
     }
 }
 
-void add_life(SceneBuilder& builder, RandomRow& random) {
+void add_life(SceneBuilder& builder, base::RandomRow& random) {
     constexpr std::array<Material, 3> kKinds = {
         Material::Coral, Material::BranchCoral, Material::Sponge};
     for (int i = 0; i < 42; ++i) {
@@ -173,7 +173,7 @@ void add_life(SceneBuilder& builder, RandomRow& random) {
         const auto T = place_at({x, y, 0.02F}, yaw);
         Shape shape;
         if (kind == Material::BranchCoral) {
-            shape = make_branches(1.7F * size_m, 6, 0.015F, hash64(builder.seed(), 77, i));
+            shape = make_branches(1.7F * size_m, 6, 0.015F, base::hash64(builder.seed(), 77, i));
         } else {
             const float tall = kind == Material::Sponge ? 1.8F : 0.85F;
             shape = make_ellipsoid({size_m, 0.9F * size_m, tall * size_m}, 0.018F);
@@ -193,7 +193,7 @@ void add_life(SceneBuilder& builder, RandomRow& random) {
 }  // namespace
 
 Scene make_barge_scene(std::uint64_t seed, int year) {
-    RandomRow random(hash64(seed, 0x6261726765ULL));
+    base::RandomRow random(base::hash64(seed, 0x6261726765ULL));
     const auto T_world_place =
         place_at({0.1F, -0.05F, 0.7F}, 0.06F, draw(random, -0.02, 0.02), draw(random, -0.03, 0.03));
     SceneBuilder builder(seed, year, T_world_place);
@@ -228,4 +228,4 @@ Scene make_barge_scene(std::uint64_t seed, int year) {
     return builder.finish(path, 9.0);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

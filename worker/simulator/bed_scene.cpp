@@ -3,7 +3,7 @@
 #include "worker/simulator/scene.hpp"
 
 // A plane of sand and gravel, nothing on it: what a wrong calibration bends shows against it.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 Scene make_bed_scene(std::uint64_t seed, int year) {
     SceneBuilder builder(seed, year, place_at({0.0F, 0.0F, 0.0F}));
@@ -25,4 +25,4 @@ Scene make_bed_scene(std::uint64_t seed, int year) {
     return builder.finish(path, 6.0);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -7,7 +7,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr int kToneSteps = 4096;
@@ -27,7 +27,7 @@ const std::array<std::uint8_t, kToneSteps + 1>& tone_curve() {
 std::array<float, 3> normal3(std::uint64_t seed) {
     std::array<float, 3> draws{};
     for (std::uint64_t c = 0; c < 3; ++c) {
-        const std::uint64_t hash = hash64(seed + c);
+        const std::uint64_t hash = base::hash64(seed + c);
         const auto sum = static_cast<float>((hash & 0xffff) + ((hash >> 16) & 0xffff) +
                                             ((hash >> 32) & 0xffff) + (hash >> 48));
         draws[c] = (sum / 65536.0F - 2.0F) * 1.7320508F;
@@ -53,7 +53,7 @@ cv::Mat develop(const cv::Mat& radiance,
     const float center_u = 0.5F * static_cast<float>(radiance.cols - 1);
     const float center_v = 0.5F * static_cast<float>(radiance.rows - 1);
     const float corner2 = center_u * center_u + center_v * center_v;
-    const std::uint64_t seed = hash64(options.seed, image_number);
+    const std::uint64_t seed = base::hash64(options.seed, image_number);
     tbb::parallel_for(0, radiance.rows, [&](int v) {
         for (int u = 0; u < radiance.cols; ++u) {
             const float du = static_cast<float>(u) - center_u;
@@ -63,8 +63,8 @@ cv::Mat develop(const cv::Mat& radiance,
             auto& stored = image.at<cv::Vec3b>(v, u);
             std::array<float, 3> draws{};
             if (options.noise)
-                draws = normal3(hash64(seed + static_cast<std::uint64_t>(v) * 65536U +
-                                       static_cast<std::uint64_t>(u)));
+                draws = normal3(base::hash64(seed + static_cast<std::uint64_t>(v) * 65536U +
+                                             static_cast<std::uint64_t>(u)));
             for (int c = 0; c < 3; ++c) {
                 const float electrons = std::max(0.0F, light * linear[c]) * options.full_well;
                 const float deviation =
@@ -86,4 +86,4 @@ cv::Mat to_8_bit(const cv::Mat& linear) {
     return image;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 struct SensorOptions {
     float exposure = 1.0F;
@@ -26,4 +26,4 @@ std::uint8_t tone(float linear);
 // Tone curve alone, no noise: for truth.
 cv::Mat to_8_bit(const cv::Mat& linear);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

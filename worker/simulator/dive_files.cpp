@@ -6,14 +6,14 @@
 
 #include "worker/base/atomic_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr int kRowDigits = 12;
 
 void write_text(const std::filesystem::path& file, const std::string& content) {
     std::filesystem::create_directories(file.parent_path());
-    write_file(file, content);
+    base::write_file(file, content);
 }
 
 void put(std::ostream& out, const Eigen::Vector3d& v) {
@@ -71,7 +71,7 @@ nlohmann::json to_json(const std::vector<SurfaceChange>& surface) {
 }  // namespace
 
 void write_camera_files(const std::filesystem::path& folder,
-                        const Camera& camera,
+                        const types::Camera& camera,
                         const Eigen::Isometry3d& T_imu_cam,
                         double rate_hz,
                         const std::vector<ImageName>& images) {
@@ -92,7 +92,7 @@ void write_camera_files(const std::filesystem::path& folder,
 }
 
 void write_imu_files(const std::filesystem::path& folder,
-                     const ImuNoise& noise,
+                     const types::ImuNoise& noise,
                      const std::vector<ImuRecord>& records) {
     std::ostringstream rows;
     rows << std::setprecision(kRowDigits)
@@ -144,11 +144,11 @@ void write_ground_truth_files(const std::filesystem::path& folder,
 }
 
 void write_ahrs_files(const std::filesystem::path& folder,
-                      const std::vector<OrientationSample>& samples) {
+                      const std::vector<types::OrientationSample>& samples) {
     std::ostringstream rows;
     rows << std::setprecision(kRowDigits)
          << "#timestamp [ns],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n";
-    for (const OrientationSample& sample : samples) {
+    for (const types::OrientationSample& sample : samples) {
         rows << sample.timestamp_ns;
         put(rows, sample.q_world_imu);
         rows << '\n';
@@ -165,10 +165,10 @@ void write_ahrs_files(const std::filesystem::path& folder,
 }
 
 void write_pressure_file(const std::filesystem::path& folder,
-                         const std::vector<PressureSample>& samples) {
+                         const std::vector<types::PressureSample>& samples) {
     std::ostringstream rows;
     rows << std::setprecision(kRowDigits) << "#timestamp [ns],depth [m]\n";
-    for (const PressureSample& sample : samples)
+    for (const types::PressureSample& sample : samples)
         rows << sample.timestamp_ns << ',' << sample.depth_m << '\n';
     write_text(folder / "data.csv", rows.str());
 }
@@ -205,7 +205,7 @@ void write_measurements(const std::filesystem::path& file,
     write_text(file, all.dump(1) + "\n");
 }
 
-void write_markers(const std::filesystem::path& file, const MarkerPlan& plan) {
+void write_markers(const std::filesystem::path& file, const dive::MarkerPlan& plan) {
     write_text(file, to_json(plan).dump(1) + "\n");
 }
 
@@ -230,4 +230,4 @@ void write_changes(const std::filesystem::path& file,
     write_text(file, all.dump(1) + "\n");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

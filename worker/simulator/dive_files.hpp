@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "worker/types/rig.hpp"
 #include "worker/dive/marker_plan.hpp"
-#include "worker/types/recording.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/simulate.hpp"
 #include "worker/simulator/surface_change.hpp"
+#include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
 // The files of a dive on disk, in EuRoC's forms. All throw as AtomicFile does.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 struct ImageName {
     std::int64_t timestamp_ns = 0;
@@ -22,28 +22,28 @@ struct ImageName {
 };
 
 void write_camera_files(const std::filesystem::path& folder,
-                        const Camera& camera,
+                        const types::Camera& camera,
                         const Eigen::Isometry3d& T_imu_cam,
                         double rate_hz,
                         const std::vector<ImageName>& images);
 void write_imu_files(const std::filesystem::path& folder,
-                     const ImuNoise& noise,
+                     const types::ImuNoise& noise,
                      const std::vector<ImuRecord>& records);
 void write_ground_truth_files(const std::filesystem::path& folder,
                               const std::vector<ImuRecord>& records);
 void write_ahrs_files(const std::filesystem::path& folder,
-                      const std::vector<OrientationSample>& samples);
+                      const std::vector<types::OrientationSample>& samples);
 void write_pressure_file(const std::filesystem::path& folder,
-                         const std::vector<PressureSample>& samples);
+                         const std::vector<types::PressureSample>& samples);
 void write_dive_info(const std::filesystem::path& file,
                      const SimulateOptions& options,
                      WaterKind water);
 void write_measurements(const std::filesystem::path& file,
                         const std::vector<SceneDistance>& distances);
-void write_markers(const std::filesystem::path& file, const MarkerPlan& plan);
+void write_markers(const std::filesystem::path& file, const dive::MarkerPlan& plan);
 void write_changes(const std::filesystem::path& file,
                    int year,
                    const std::vector<SceneChange>& changes,
                    const std::vector<SurfaceChange>& surface);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -8,7 +8,7 @@
 #include "schemas/error.hpp"
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -32,7 +32,7 @@ double bisect(double low, double high, const Function& function) {
 }  // namespace
 
 DiverMotion::DiverMotion(const SurveyPath& path, std::uint64_t seed) : path_(path) {
-    RandomRow random(hash64(seed, 0x6d6f74696f6eULL));
+    base::RandomRow random(base::hash64(seed, 0x6d6f74696f6eULL));
     // Slow drift of the diver, breathing, and the stroke of the fins.
     struct Band {
         double low_hz;
@@ -156,4 +156,4 @@ double DiverMotion::length_m(double duration_s) const {
     return sum_m;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

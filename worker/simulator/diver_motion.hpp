@@ -7,7 +7,7 @@
 
 #include "worker/simulator/jet.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Where a diver swims in a scene and where the rig looks: an ellipse about `center_world`, or from
 // there straight on along x. The body's x axis is along the way (turned by `look_yaw`), y to the
@@ -75,4 +75,4 @@ private:
     std::array<Sways, 6> sways_;  // x y z (m), yaw pitch roll (rad)
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

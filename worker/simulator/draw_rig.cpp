@@ -4,12 +4,12 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-Eigen::Matrix3d small_rotation(RandomRow& random, double max_deg) {
+Eigen::Matrix3d small_rotation(base::RandomRow& random, double max_deg) {
     const double x = random.uniform(-max_deg, max_deg) * kDegree;
     const double y = random.uniform(-max_deg, max_deg) * kDegree;
     const double z = random.uniform(-max_deg, max_deg) * kDegree;
@@ -19,8 +19,8 @@ Eigen::Matrix3d small_rotation(RandomRow& random, double max_deg) {
         .toRotationMatrix();
 }
 
-Camera draw_camera(int width_px, int height_px, double focal_px, RandomRow& random) {
-    Camera camera;
+types::Camera draw_camera(int width_px, int height_px, double focal_px, base::RandomRow& random) {
+    types::Camera camera;
     const double size = width_px / 640.0;
     camera.width_px = width_px;
     camera.height_px = height_px;
@@ -28,7 +28,7 @@ Camera draw_camera(int width_px, int height_px, double focal_px, RandomRow& rand
     camera.fy_px = camera.fx_px * random.uniform(0.998, 1.001);
     camera.cx_px = 0.5 * (width_px - 1) + size * random.uniform(-6.0, 6.0);
     camera.cy_px = 0.5 * (height_px - 1) + size * random.uniform(-6.0, 6.0);
-    camera.distortion = Distortion::RadialTangential;
+    camera.distortion = types::Distortion::RadialTangential;
     camera.distortion_coefficients = {random.uniform(-0.16, -0.09),
                                       random.uniform(0.02, 0.04),
                                       random.uniform(-5e-4, 5e-4),
@@ -38,9 +38,9 @@ Camera draw_camera(int width_px, int height_px, double focal_px, RandomRow& rand
 
 }  // namespace
 
-Rig draw_rig(int width_px, int height_px, std::uint64_t seed) {
-    RandomRow random(hash64(seed, 0x726967ULL));
-    Rig rig;
+types::Rig draw_rig(int width_px, int height_px, std::uint64_t seed) {
+    base::RandomRow random(base::hash64(seed, 0x726967ULL));
+    types::Rig rig;
     const double focal_px = random.uniform(450.0, 540.0);
     rig.cam0 = draw_camera(width_px, height_px, focal_px, random);
     rig.cam1 = draw_camera(width_px, height_px, focal_px, random);
@@ -54,11 +54,11 @@ Rig draw_rig(int width_px, int height_px, std::uint64_t seed) {
     T_cam0_cam1.translation() = Eigen::Vector3d{
         random.uniform(0.10, 0.15), random.uniform(-0.002, 0.002), random.uniform(-0.002, 0.002)};
     rig.T_imu_cam1 = rig.T_imu_cam0 * T_cam0_cam1;
-    rig.imu_noise = ImuNoise{.gyroscope_noise_density = 1.7e-4,
-                             .gyroscope_random_walk = 2.0e-5,
-                             .accelerometer_noise_density = 2.0e-3,
-                             .accelerometer_random_walk = 3.0e-4};
+    rig.imu_noise = types::ImuNoise{.gyroscope_noise_density = 1.7e-4,
+                                    .gyroscope_random_walk = 2.0e-5,
+                                    .accelerometer_noise_density = 2.0e-3,
+                                    .accelerometer_random_walk = 3.0e-4};
     return rig;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

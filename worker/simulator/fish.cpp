@@ -6,7 +6,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kSecondsPerFish = 4.0;
@@ -19,12 +19,12 @@ Fish::Shape::Part make_part(const Eigen::Isometry3d& T_world_part, const Eigen::
 
 // Bands across the body, a dark eye, a pale belly; `q` runs from -1 to 1 along each axis.
 Rgb fish_color(const Eigen::Vector3f& q, bool is_tail, std::uint64_t seed) {
-    const auto hue = static_cast<float>(to_unit(seed));
+    const auto hue = static_cast<float>(base::to_unit(seed));
     const Rgb bright = Rgb(0.75F, 0.65F, 0.15F) * (1.0F - hue) + Rgb(0.35F, 0.55F, 0.8F) * hue;
     if (is_tail) return 0.9F * bright;
     const Eigen::Vector2f eye(q.x() - 0.72F, q.z() - 0.2F);
     if (eye.norm() < 0.1F) return {0.02F, 0.02F, 0.02F};
-    const float bands = 2.0F + 3.0F * static_cast<float>(to_unit(hash64(seed, 1)));
+    const float bands = 2.0F + 3.0F * static_cast<float>(base::to_unit(base::hash64(seed, 1)));
     const float wave = std::sin(bands * std::numbers::pi_v<float> * q.x() + 0.6F * q.z());
     const float dark = std::clamp(2.5F * wave + 0.2F, 0.0F, 1.0F);
     const Rgb belly = q.z() < -0.5F ? Rgb(0.25F, 0.25F, 0.25F) : Rgb(0.0F, 0.0F, 0.0F);
@@ -37,7 +37,7 @@ std::vector<Fish> Fish::make_school(const DiverMotion& motion,
                                     double duration_s,
                                     const Eigen::Vector3d& look_imu,
                                     std::uint64_t seed) {
-    RandomRow random(hash64(seed, 0x66697368ULL));
+    base::RandomRow random(base::hash64(seed, 0x66697368ULL));
     std::vector<Fish> school;
     const int num_fish = 1 + static_cast<int>(duration_s / kSecondsPerFish);
     for (int i = 0; i < num_fish; ++i) {
@@ -107,4 +107,4 @@ std::optional<Fish::Hit> Fish::intersect(const Shape& shape,
     return nearest;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

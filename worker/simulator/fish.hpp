@@ -8,7 +8,7 @@
 #include "worker/simulator/diver_motion.hpp"
 #include "worker/simulator/surface_color.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // A fish circling about a place in front of the diver's way: what moves on its own and must not be
 // taken for the scene. A body and a beating tail, both ellipsoids.
@@ -52,4 +52,4 @@ private:
     std::uint64_t seed_ = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,7 +6,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -21,7 +21,7 @@ void for_each_sample(double rate_hz, double duration_s, const Visit& visit) {
         visit(static_cast<double>(t_ns) * 1e-9, kFirstFrame_ns + t_ns);
 }
 
-Eigen::Vector3d gaussian3(RandomRow& random) {
+Eigen::Vector3d gaussian3(base::RandomRow& random) {
     const double x = random.gaussian();
     const double y = random.gaussian();
     return {x, y, random.gaussian()};
@@ -30,7 +30,7 @@ Eigen::Vector3d gaussian3(RandomRow& random) {
 // A slow sine mixture of unit RMS.
 class GaussMarkovProcess {
 public:
-    GaussMarkovProcess(RandomRow& random, double period_s) {
+    GaussMarkovProcess(base::RandomRow& random, double period_s) {
         for (Term& term : terms_)
             term = {random.uniform(0.8, 1.25) / period_s,
                     random.uniform(0.0, 2.0 * std::numbers::pi)};
@@ -54,9 +54,9 @@ private:
 
 std::vector<ImuRecord> simulate_imu(const DiverMotion& motion,
                                     double duration_s,
-                                    const ImuNoise* noise,
+                                    const types::ImuNoise* noise,
                                     std::uint64_t seed) {
-    RandomRow random(hash64(seed, 0x696d75ULL));
+    base::RandomRow random(base::hash64(seed, 0x696d75ULL));
     Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();
     Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
     if (noise) {
@@ -90,17 +90,17 @@ std::vector<ImuRecord> simulate_imu(const DiverMotion& motion,
     return records;
 }
 
-std::vector<OrientationSample> simulate_ahrs(const DiverMotion& motion,
-                                             double duration_s,
-                                             bool noise,
-                                             std::uint64_t seed) {
-    RandomRow random(hash64(seed, 0x61687273ULL));
+std::vector<types::OrientationSample> simulate_ahrs(const DiverMotion& motion,
+                                                    double duration_s,
+                                                    bool noise,
+                                                    std::uint64_t seed) {
+    base::RandomRow random(base::hash64(seed, 0x61687273ULL));
     const GaussMarkovProcess tilt_x(random, 12.0);
     const GaussMarkovProcess tilt_y(random, 12.0);
     const GaussMarkovProcess heading(random, 25.0);
     const double rms = noise ? random.uniform(0.3, 0.5) * kDegree / std::sqrt(3.0) : 0.0;
     const double white = noise ? 0.02 * kDegree : 0.0;
-    std::vector<OrientationSample> samples;
+    std::vector<types::OrientationSample> samples;
     for_each_sample(kAhrsRateHz, duration_s, [&](double t_s, std::int64_t timestamp_ns) {
         const Eigen::Vector3d error =
             rms * Eigen::Vector3d(tilt_x.at(t_s), tilt_y.at(t_s), heading.at(t_s)) +
@@ -115,13 +115,13 @@ std::vector<OrientationSample> simulate_ahrs(const DiverMotion& motion,
     return samples;
 }
 
-std::vector<PressureSample> simulate_pressure(const DiverMotion& motion,
-                                              double duration_s,
-                                              double surface_z_m,
-                                              bool noise,
-                                              std::uint64_t seed) {
-    RandomRow random(hash64(seed, 0x7072657373ULL));
-    std::vector<PressureSample> samples;
+std::vector<types::PressureSample> simulate_pressure(const DiverMotion& motion,
+                                                     double duration_s,
+                                                     double surface_z_m,
+                                                     bool noise,
+                                                     std::uint64_t seed) {
+    base::RandomRow random(base::hash64(seed, 0x7072657373ULL));
+    std::vector<types::PressureSample> samples;
     for_each_sample(kPressureRateHz, duration_s, [&](double t_s, std::int64_t timestamp_ns) {
         const double error_m = noise ? 0.005 * random.gaussian() : 0.0;
         samples.push_back(
@@ -130,4 +130,4 @@ std::vector<PressureSample> simulate_pressure(const DiverMotion& motion,
     return samples;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/types/rig.hpp"
-#include "worker/types/recording.hpp"
 #include "worker/simulator/diver_motion.hpp"
+#include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 constexpr double kGravity = 9.81;  // m/s^2, along -z of the world
 constexpr double kImuRateHz = 200.0;
@@ -19,7 +19,7 @@ constexpr std::int64_t kFirstFrame_ns = 1'700'000'000'000'000'000;
 
 // What an IMU at the body tells, and the truth of the same moment.
 struct ImuRecord {
-    ImuSample sample;
+    types::ImuSample sample;
     MotionState truth;
     Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();      // rad/s
     Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  // m/s^2
@@ -28,18 +28,18 @@ struct ImuRecord {
 // From -kSensorMargin_s to `duration_s` + kSensorMargin_s. Without `noise` the exact values.
 std::vector<ImuRecord> simulate_imu(const DiverMotion& motion,
                                     double duration_s,
-                                    const ImuNoise* noise,
+                                    const types::ImuNoise* noise,
                                     std::uint64_t seed);
 // Error of 0.3 to 0.5 degrees that wanders (12 s in tilt, 25 s in heading), 0.02 degrees white.
-std::vector<OrientationSample> simulate_ahrs(const DiverMotion& motion,
-                                             double duration_s,
-                                             bool noise,
-                                             std::uint64_t seed);
+std::vector<types::OrientationSample> simulate_ahrs(const DiverMotion& motion,
+                                                    double duration_s,
+                                                    bool noise,
+                                                    std::uint64_t seed);
 // Depth below a surface at height `surface_z_m` of the world; 5 mm noise.
-std::vector<PressureSample> simulate_pressure(const DiverMotion& motion,
-                                              double duration_s,
-                                              double surface_z_m,
-                                              bool noise,
-                                              std::uint64_t seed);
+std::vector<types::PressureSample> simulate_pressure(const DiverMotion& motion,
+                                                     double duration_s,
+                                                     double surface_z_m,
+                                                     bool noise,
+                                                     std::uint64_t seed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

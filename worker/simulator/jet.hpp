@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // A function of time with its first and second derivative: forward differentiation, exact to
 // rounding.
@@ -37,4 +37,4 @@ inline Jet cos(const Jet& a) {
     return {c, -s * a.first, -s * a.second - c * a.first * a.first};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -7,12 +7,12 @@
 #include <string>
 
 #include "schemas/error.hpp"
+#include "worker/base/hashed_random.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/markers/tag_layout.hpp"
-#include "worker/base/hashed_random.hpp"
 #include "worker/simulator/ray_caster.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kThickness_m = 0.004F;
@@ -23,7 +23,7 @@ constexpr float kMinSlopeCosine = 0.7F;
 
 // One cell of white around the picture of the tag.
 float edge_of_board_m(const SimulateOptions& options) {
-    const TagLayout layout = tag_layout(options.marker_family);
+    const markers::TagLayout layout = markers::tag_layout(options.marker_family);
     return static_cast<float>(options.marker_size_m * (layout.total_cells + 2) / layout.size_cells);
 }
 
@@ -82,7 +82,7 @@ private:
     // On the plane through the ground at 5 x 5 points below it, above the highest of them.
     std::optional<LaidMarker> board_on(const Eigen::Vector3f& p) const {
         const auto yaw = static_cast<float>(
-            6.283 * to_unit(hash64(seed_, static_cast<std::int64_t>(boards_.size()))));
+            6.283 * base::to_unit(base::hash64(seed_, static_cast<std::int64_t>(boards_.size()))));
         const Eigen::AngleAxisf rotation(yaw, Eigen::Vector3f::UnitZ());
         Eigen::Matrix<float, 25, 3> A;
         Eigen::Matrix<float, 25, 1> z;
@@ -115,13 +115,13 @@ private:
 };
 
 void put_into(Scene& scene, const LaidMarker& marker, const SimulateOptions& options) {
-    const TagLayout layout = tag_layout(options.marker_family);
+    const markers::TagLayout layout = markers::tag_layout(options.marker_family);
     const float edge_m = edge_of_board_m(options);
     SceneObject object{.name = "tag " + std::to_string(marker.id),
                        .material = Material::Marker,
                        .T_object_world = marker.T_world_board.inverse(),
                        .length_m = edge_m};
-    object.tag = tag_image(options.marker_family, marker.id);
+    object.tag = markers::tag_image(options.marker_family, marker.id);
     object.cell_m = static_cast<float>(options.marker_size_m / layout.size_cells);
     constexpr float kMeshStep_m = 0.04F;
     add_object(scene, std::move(object), make_box({edge_m, edge_m, kThickness_m}, kMeshStep_m));
@@ -129,7 +129,7 @@ void put_into(Scene& scene, const LaidMarker& marker, const SimulateOptions& opt
 
 // At this height of the picture, evenly along the way first, then between.
 void lay_along(const SimulateOptions& options,
-               const Rig& rig,
+               const types::Rig& rig,
                const DiverMotion& motion,
                double height,
                BoardLayer& layer) {
@@ -142,9 +142,9 @@ void lay_along(const SimulateOptions& options,
             const double t_s = motion.duration_s() * (step + 1.0) / (num_steps + 1.0);
             const double side =
                 kSides[(round + static_cast<std::size_t>(step / 2)) % std::size(kSides)];
-            layer.try_at(
-                motion.at(t_s).T_world_imu * rig.T_imu_cam0,
-                unproject(rig.cam0, {side * rig.cam0.width_px, height * rig.cam0.height_px}));
+            layer.try_at(motion.at(t_s).T_world_imu * rig.T_imu_cam0,
+                         camera::unproject(
+                             rig.cam0, {side * rig.cam0.width_px, height * rig.cam0.height_px}));
         }
     }
 }
@@ -152,7 +152,7 @@ void lay_along(const SimulateOptions& options,
 }  // namespace
 
 std::vector<LaidMarker> lay_markers(const SimulateOptions& options,
-                                    const Rig& rig,
+                                    const types::Rig& rig,
                                     const DiverMotion& motion,
                                     const Scene& ground) {
     const RayCaster caster(ground.vertices, ground.triangles);
@@ -203,8 +203,8 @@ void put_markers(const std::vector<LaidMarker>& markers,
     for (const LaidMarker& marker : markers) put_into(scene, marker, options);
 }
 
-MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options) {
-    MarkerPlan plan{.family = options.marker_family, .size_m = options.marker_size_m};
+dive::MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options) {
+    dive::MarkerPlan plan{.family = options.marker_family, .size_m = options.marker_size_m};
     for (std::size_t i = 0; i < markers.size(); ++i)
         for (std::size_t j = i + 1; j < std::min(markers.size(), i + 3); ++j)
             plan.scale_bars.push_back(
@@ -215,4 +215,4 @@ MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions
     return plan;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -3,13 +3,13 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "worker/types/rig.hpp"
 #include "worker/dive/marker_plan.hpp"
 #include "worker/simulator/diver_motion.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/simulate.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // A board with a tag, where it was laid; it stays there from year to year.
 struct LaidMarker {
@@ -21,7 +21,7 @@ struct LaidMarker {
 // two boards apart, on the slope that they find: first where the middle of the picture looks, then
 // nearer to the diver. Throws Error{InvalidArgument} when there is no room for as many.
 std::vector<LaidMarker> lay_markers(const SimulateOptions& options,
-                                    const Rig& rig,
+                                    const types::Rig& rig,
                                     const DiverMotion& motion,
                                     const Scene& ground);
 
@@ -37,6 +37,6 @@ void put_markers(const std::vector<LaidMarker>& markers,
                  Scene& scene);
 
 // Their printed size and the exact distances of neighbours and of every second one.
-MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options);
+dive::MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

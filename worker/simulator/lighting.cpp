@@ -9,7 +9,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr int kSkyRays = 12;
@@ -62,7 +62,7 @@ BakedLight::BakedLight(const Scene& scene,
     const auto bake = [&](std::size_t i) {
         const Eigen::Vector3f& p = scene.vertices[i];
         const Eigen::Vector3f& normal = scene.normals[i];
-        const double rotation = 2.0 * std::numbers::pi * to_unit(hash64(i));
+        const double rotation = 2.0 * std::numbers::pi * base::to_unit(base::hash64(i));
         sky_[i] = sky_at(caster, p, normal, rotation);
         const bool shadow =
             normal.dot(to_sun) <= 0.0F || caster.is_blocked(p + kOffset_m * normal, to_sun, 50.0F);
@@ -100,4 +100,4 @@ float caustic(const NoiseField& noise,
     return 0.45F + detail * 1.7F * (line(net[0]) + line(net[1])) + (1.0F - detail) * 0.55F;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -11,7 +11,7 @@
 #include "worker/simulator/surface_color.hpp"
 #include "worker/simulator/water.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // How much of sky and sun reaches each vertex of a scene. Found once, with rays; the scene stands
 // still.
@@ -39,4 +39,4 @@ float caustic(const NoiseField& noise,
               float t_s,
               float footprint_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/camera/projection.hpp"
 #include "worker/base/hashed_random.hpp"
+#include "worker/camera/projection.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 // The water repeats itself in cubes of this size; a camera sees less than half of it.
@@ -21,7 +21,7 @@ double wrap(double x) { return x - kCube_m * std::round(x / kCube_m); }
 }  // namespace
 
 MarineSnow::MarineSnow(double particles_per_m3, std::uint64_t seed) {
-    RandomRow random(hash64(seed, 0x736e6f77ULL));
+    base::RandomRow random(base::hash64(seed, 0x736e6f77ULL));
     const auto num_particles = static_cast<int>(particles_per_m3 * kCube_m * kCube_m * kCube_m);
     // All drift with one current, each a little on its own, and sink.
     const double current_x = random.uniform(-0.04, 0.04);
@@ -39,7 +39,7 @@ MarineSnow::MarineSnow(double particles_per_m3, std::uint64_t seed) {
     }
 }
 
-void MarineSnow::draw(const Camera& camera,
+void MarineSnow::draw(const types::Camera& camera,
                       const Eigen::Isometry3d& T_world_cam,
                       double t_s,
                       const Water& water,
@@ -54,7 +54,7 @@ void MarineSnow::draw(const Camera& camera,
         const Eigen::Vector3d p_cam = T_cam_world.linear() * near;
         const double range_m = p_cam.norm();
         if (p_cam.z() < kMinDepth_m || range_m > kReach_m) continue;
-        const auto pixel = project(camera, p_cam);
+        const auto pixel = camera::project(camera, p_cam);
         if (!pixel) continue;
         const double sharp_px = camera.fx_px * particle.radius_m / p_cam.z();
         const double blur_px =
@@ -89,4 +89,4 @@ void MarineSnow::draw(const Camera& camera,
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -5,10 +5,10 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/types/camera.hpp"
 #include "worker/simulator/water.hpp"
+#include "worker/types/camera.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Particles that drift through the water near the cameras: the same ones, at the same places, for
 // both. The lamps light them up close; out of focus they are discs.
@@ -18,7 +18,7 @@ public:
 
     // Adds what a camera sees of it to a linear picture (CV_32FC3) with this depth (CV_32F, m
     // along the optical axis, 0: nothing there), and marks it in `mask` (CV_8U) where given.
-    void draw(const Camera& camera,
+    void draw(const types::Camera& camera,
               const Eigen::Isometry3d& T_world_cam,
               double t_s,
               const Water& water,
@@ -36,4 +36,4 @@ private:
     std::vector<Particle> particles_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

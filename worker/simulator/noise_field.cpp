@@ -2,7 +2,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr std::uint32_t kNumValues = 4096;  // 64 KiB: stays in the cache
@@ -27,7 +27,8 @@ std::uint32_t slot(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
 NoiseField::NoiseField(std::uint64_t seed) : values_(kNumValues) {
     for (std::uint32_t i = 0; i < kNumValues; ++i)
         for (int channel = 0; channel < 4; ++channel)
-            values_[i][channel] = static_cast<float>(2.0 * to_unit(hash64(seed, i, channel)) - 1.0);
+            values_[i][channel] =
+                static_cast<float>(2.0 * base::to_unit(base::hash64(seed, i, channel)) - 1.0);
 }
 
 Eigen::Array4f NoiseField::at(const Eigen::Vector3f& p) const {
@@ -68,4 +69,4 @@ Eigen::Array4f NoiseField::fractal(const Eigen::Vector3f& p,
     return sum;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

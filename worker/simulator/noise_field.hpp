@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Solid noise (Perlin 1985; here value noise with quintic weights): four independent smooth
 // functions of a point, each in [-1, 1].
@@ -39,4 +39,4 @@ inline float band_limit(float wavelength_m, float footprint_m) {
     return c * c * (3.0F - 2.0F * c);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

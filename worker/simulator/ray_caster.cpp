@@ -4,7 +4,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kNear = 1e-3F;
@@ -107,4 +107,4 @@ bool RayCaster::is_blocked(const Eigen::Vector3f& origin,
     return ray.tfar < 0.0F;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

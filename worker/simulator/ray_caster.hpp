@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Where a ray meets the surface first: at origin + t * direction.
 struct RayHit {
@@ -44,4 +44,4 @@ private:
     std::unique_ptr<RTCSceneTy, Release> scene_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,7 +6,7 @@
 
 #include "worker/simulator/scene_parts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 // A plate on a stalk: what hangs over is hidden from above.
@@ -50,7 +50,7 @@ float reef_height(const NoiseField& noise, float x, float y) {
     return std::max(reef_rock_height(noise, x, y), reef_sand_height(noise, x, y));
 }
 
-void add_coral(SceneBuilder& builder, RandomRow& random, int number, float x, float y) {
+void add_coral(SceneBuilder& builder, base::RandomRow& random, int number, float x, float y) {
     const float size_m = draw(random, 0.09, 0.3);
     const float yaw = draw(random, -3.1, 3.1);
     const float tilt = draw(random, -0.2, 0.2);
@@ -60,7 +60,8 @@ void add_coral(SceneBuilder& builder, RandomRow& random, int number, float x, fl
         case 0: shape = make_head(builder, size_m); break;
         case 1: shape = make_table_coral(builder, 0.9F * size_m); break;
         case 2:
-            shape = make_branches(1.3F * size_m, 7, 0.016F, hash64(builder.seed(), 78, number));
+            shape =
+                make_branches(1.3F * size_m, 7, 0.016F, base::hash64(builder.seed(), 78, number));
             material = Material::BranchCoral;
             break;
         default:
@@ -81,4 +82,4 @@ void add_coral(SceneBuilder& builder, RandomRow& random, int number, float x, fl
         builder.add(name, material, shape, T);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

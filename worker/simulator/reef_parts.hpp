@@ -6,7 +6,7 @@
 
 // What a reef is made of: spurs of coral rock, sand between them, and what grows on both. Heights
 // in m in the frame of the place, about 0; what is higher at a point covers the other.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 float reef_rock_height(const NoiseField& noise, float x, float y);
 float reef_sand_height(const NoiseField& noise, float x, float y);
@@ -14,6 +14,6 @@ float reef_height(const NoiseField& noise, float x, float y);  // of the higher 
 
 // "coral_<number>" where reef_height() is the ground: a head, a table, a bush or a sponge by its
 // number. Every fifth changes over the years.
-void add_coral(SceneBuilder& builder, RandomRow& random, int number, float x, float y);
+void add_coral(SceneBuilder& builder, base::RandomRow& random, int number, float x, float y);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -3,7 +3,7 @@
 #include "worker/simulator/scene_parts.hpp"
 
 // Spurs of coral rock with sand between them.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr Rectangle kArea = {-7.0F, 7.0F, -5.5F, 5.5F};
@@ -22,7 +22,7 @@ void add_ground(SceneBuilder& builder) {
                 place_at({0, 0, 0}));
 }
 
-void add_corals(SceneBuilder& builder, RandomRow& random) {
+void add_corals(SceneBuilder& builder, base::RandomRow& random) {
     for (int i = 0; i < 130; ++i) {
         const float x = draw(random, -6.3, 6.3);
         const float y = draw(random, -4.8, 4.8);
@@ -33,7 +33,7 @@ void add_corals(SceneBuilder& builder, RandomRow& random) {
 }  // namespace
 
 Scene make_reef_scene(std::uint64_t seed, int year) {
-    RandomRow random(hash64(seed, 0x72656566ULL));
+    base::RandomRow random(base::hash64(seed, 0x72656566ULL));
     SceneBuilder builder(seed, year, place_at({0.0F, 0.0F, 0.3F}, 0.1F));
     add_ground(builder);
     add_corals(builder, random);
@@ -61,4 +61,4 @@ Scene make_reef_scene(std::uint64_t seed, int year) {
     return builder.finish(path, 11.0);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

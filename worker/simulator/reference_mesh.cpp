@@ -5,7 +5,7 @@
 #include "worker/simulator/camera_sensor.hpp"
 #include "worker/simulator/surface_color.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kColorFootprint_m = 0.01F;
@@ -25,12 +25,14 @@ std::vector<bool> fill_gaps(const Scene& scene, const std::vector<bool>& seen) {
 
 }  // namespace
 
-Mesh make_reference_mesh(const Scene& scene, const std::vector<bool>& seen, std::uint64_t seed) {
+types::Mesh make_reference_mesh(const Scene& scene,
+                                const std::vector<bool>& seen,
+                                std::uint64_t seed) {
     const std::vector<bool> kept = fill_gaps(scene, seen);
     const NoiseField noise = texture_noise(seed);
     constexpr std::uint32_t kUnused = 0xffffffffU;
     std::vector<std::uint32_t> new_index(scene.vertices.size(), kUnused);
-    Mesh mesh;
+    types::Mesh mesh;
     for (std::size_t i = 0; i < kept.size(); ++i) {
         if (!kept[i]) continue;
         std::array<std::uint32_t, 3> triangle{};
@@ -54,4 +56,4 @@ Mesh make_reference_mesh(const Scene& scene, const std::vector<bool>& seen, std:
     return mesh;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,7 +6,7 @@
 
 #include "worker/camera/projection.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 // Where the four rays of a pixel go: a rotated grid about its centre.
@@ -42,7 +42,7 @@ struct Renderer::Eye {
 };
 
 Renderer::Renderer(const Scene& scene,
-                   const Rig& rig,
+                   const types::Rig& rig,
                    RenderOptions options,
                    const std::function<void()>& check_cancelled)
     : scene_(scene),
@@ -59,7 +59,7 @@ Renderer::Renderer(const Scene& scene,
     }
 }
 
-Renderer::Rays Renderer::rays_of(const Camera& camera) {
+Renderer::Rays Renderer::rays_of(const types::Camera& camera) {
     Rays rays;
     const auto num_pixels = static_cast<std::size_t>(camera.width_px) * camera.height_px;
     rays.samples.resize(num_pixels);
@@ -69,15 +69,16 @@ Renderer::Rays Renderer::rays_of(const Camera& camera) {
             const std::size_t pixel = static_cast<std::size_t>(v) * camera.width_px + u;
             for (std::size_t i = 0; i < kSubpixels.size(); ++i)
                 rays.samples[pixel][i] =
-                    unproject(camera, {u + kSubpixels[i][0], v + kSubpixels[i][1]}).cast<float>();
-            rays.centers[pixel] = unproject(camera, Eigen::Vector2d(u, v)).cast<float>();
+                    camera::unproject(camera, {u + kSubpixels[i][0], v + kSubpixels[i][1]})
+                        .cast<float>();
+            rays.centers[pixel] = camera::unproject(camera, Eigen::Vector2d(u, v)).cast<float>();
         }
     });
     return rays;
 }
 
 Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_imu, double t_s) {
-    const Camera& camera = camera_index == 0 ? rig_.cam0 : rig_.cam1;
+    const types::Camera& camera = camera_index == 0 ? rig_.cam0 : rig_.cam1;
     const Eigen::Isometry3d T_world_cam =
         T_world_imu * (camera_index == 0 ? rig_.T_imu_cam0 : rig_.T_imu_cam1);
     Eye eye{.camera = camera_index,
@@ -91,7 +92,7 @@ Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_im
     for (const Fish& fish : options_.fish) {
         Fish::Shape shape = fish.at(t_s);
         const Eigen::Vector3d p_cam = T_world_cam.inverse() * shape.center_world.cast<double>();
-        const auto pixel = project(camera, p_cam);
+        const auto pixel = camera::project(camera, p_cam);
         if (!pixel || p_cam.z() < 2.0 * shape.radius_m || p_cam.z() > 6.0) continue;
         const int reach = 2 + static_cast<int>(1.5 * camera.fx_px * shape.radius_m /
                                                (p_cam.z() - shape.radius_m));
@@ -283,4 +284,4 @@ std::vector<bool> Renderer::seen_triangles() const {
     return seen;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -9,15 +9,15 @@
 #include <optional>
 #include <vector>
 
-#include "worker/types/rig.hpp"
 #include "worker/simulator/fish.hpp"
 #include "worker/simulator/lighting.hpp"
 #include "worker/simulator/marine_snow.hpp"
 #include "worker/simulator/ray_caster.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/water.hpp"
+#include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 struct RenderOptions {
     Water water;
@@ -46,7 +46,7 @@ public:
     // and what it throws comes out.
     Renderer(
         const Scene& scene,
-        const Rig& rig,
+        const types::Rig& rig,
         RenderOptions options,
         const std::function<void()>& check_cancelled = [] {});
 
@@ -71,7 +71,7 @@ private:
         float sun;
     };
 
-    static Rays rays_of(const Camera& camera);
+    static Rays rays_of(const types::Camera& camera);
     using RayHits4 = std::array<RayHit, 4>;
 
     void render_row(const Eye& eye, int row, Rendering& rendering);
@@ -97,7 +97,7 @@ private:
     Rgb shade(const Eye& eye, const Point& point, const Rgb& color, float footprint_m) const;
 
     const Scene& scene_;
-    const Rig& rig_;
+    const types::Rig& rig_;
     RenderOptions options_;
     RayCaster caster_;
     NoiseField noise_;
@@ -107,4 +107,4 @@ private:
     std::vector<std::atomic<std::uint8_t>> seen_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,12 +6,12 @@
 #include "schemas/error.hpp"
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 std::uint64_t hash_text(const std::string& text) {
     std::uint64_t hash = 0;
-    for (const char c : text) hash = hash64(hash, static_cast<unsigned char>(c));
+    for (const char c : text) hash = base::hash64(hash, static_cast<unsigned char>(c));
     return hash;
 }
 
@@ -67,7 +67,7 @@ SceneBuilder::SceneBuilder(std::uint64_t seed, int year, const Eigen::Isometry3f
     : seed_(seed),
       year_(year),
       T_world_place_(T_world_place),
-      noise_(hash64(seed, 0x7368617065ULL)) {}
+      noise_(base::hash64(seed, 0x7368617065ULL)) {}
 
 void SceneBuilder::add(const std::string& name,
                        Material material,
@@ -75,7 +75,7 @@ void SceneBuilder::add(const std::string& name,
                        const Eigen::Isometry3f& T_place_object) {
     const Eigen::Isometry3f T_world_object = T_world_place_ * T_place_object;
     const Eigen::AlignedBox3f own = bounds(shape, Eigen::Isometry3f::Identity());
-    const std::uint64_t seed = hash64(seed_, hash_text(name));
+    const std::uint64_t seed = base::hash64(seed_, hash_text(name));
     const Eigen::Isometry3f T_object_world = T_world_object.inverse();
     append(scene_, {name, material, seed, T_object_world, own.sizes().x()}, shape, T_world_object);
 }
@@ -146,4 +146,4 @@ Scene make_scene(SceneKind kind, std::uint64_t seed, int year, double length_m) 
     throw Error(ErrorCode::InvalidArgument, "unknown scene");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

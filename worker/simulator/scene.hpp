@@ -13,11 +13,11 @@
 #include "worker/simulator/shapes.hpp"
 #include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // clang-format off
 enum class Material { Deck, Timber, Iron, Sand, Rock, Coral, BranchCoral, Sponge,
-                      Brick, Carpet, Cardboard, Wood, Drum, ScaleBar, Marker };
+                      Brick, Carpet, Cardboard, Wood, Drum, dive::ScaleBar, Marker };
 // clang-format on
 
 // One thing in the scene; its texture is fixed to its own coordinates.
@@ -43,7 +43,7 @@ struct SceneChange {
 
 // A measured length as written to measurements.json.
 struct SceneDistance {
-    KnownDistance distance;
+    dive::KnownDistance distance;
     std::string what;
 };
 
@@ -116,4 +116,4 @@ Eigen::Isometry3f place_at(const Eigen::Vector3f& position,
                            float pitch = 0.0F,
                            float roll = 0.0F);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

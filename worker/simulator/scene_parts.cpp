@@ -1,6 +1,6 @@
 #include "worker/simulator/scene_parts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kFineStep_m = 0.02F;
@@ -58,4 +58,4 @@ void add_lump(SceneBuilder& builder,
     builder.add(name, material, shape, T_place_lump);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,7 +6,7 @@
 #include "worker/simulator/scene.hpp"
 
 // What several scenes are furnished with. Names get the number of the piece appended.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Exact box standing on z = 0 of `T_place_box`; measures its length, width and height.
 void add_measured_box(SceneBuilder& builder,
@@ -27,8 +27,8 @@ void add_lump(SceneBuilder& builder,
               const Eigen::Isometry3f& T_place_lump);
 
 // A float draw.
-inline float draw(RandomRow& random, double low, double high) {
+inline float draw(base::RandomRow& random, double low, double high) {
     return static_cast<float>(random.uniform(low, high));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -7,7 +7,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
@@ -153,7 +153,7 @@ Shape make_branches(float height_m, int num_arms, float step_m, std::uint64_t se
         float length_m;
         int level;
     };
-    RandomRow random(seed);
+    base::RandomRow random(seed);
     const auto jitter = [&](float amount) {
         const auto draw = [&] { return static_cast<float>(random.uniform(-amount, amount)); };
         const float x = draw();
@@ -194,4 +194,4 @@ void roughen(Shape& shape, const NoiseField& noise, float amplitude_m, float wav
         p += amplitude_m * noise.fractal(p, wavelength_m, 3).head<3>().matrix();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

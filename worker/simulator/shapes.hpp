@@ -8,7 +8,7 @@
 
 #include "worker/simulator/noise_field.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Triangles in an object's own coordinates, m; wound counter-clockwise seen from outside.
 // Everything is cut into pieces of about `step_m`, so that "what was seen" can be told triangle by
@@ -39,4 +39,4 @@ void append(Shape& shape, const Shape& other);
 // Moves vertices by solid noise of up to about `amplitude_m`; keeps closed shapes closed.
 void roughen(Shape& shape, const NoiseField& noise, float amplitude_m, float wavelength_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

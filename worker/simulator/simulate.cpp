@@ -19,7 +19,7 @@
 #include "worker/simulator/surface_change.hpp"
 #include "worker/simulator/survey.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,7 +50,7 @@ void check(const SimulateOptions& options) {
     check_range("width_px", options.width_px, 32, 4096);
     check_range("height_px", options.height_px, 32, 4096);
     check_range("jpeg_quality", options.jpeg_quality, 10, 100);
-    check_range("markers", options.num_markers, 0, num_ids(options.marker_family));
+    check_range("markers", options.num_markers, 0, dive::num_ids(options.marker_family));
     check_range("marker_size_m", options.marker_size_m, 0.02, 1.0);
     check_range("num_threads", options.num_threads, 0, 1024);
     if (options.out.empty())
@@ -98,7 +98,7 @@ DiverMotion motion_of(const SimulateOptions& options, const Survey& survey) {
 // One dive being made.
 class Simulation {
 public:
-    Simulation(const SimulateOptions& options, const ProgressCallback& report)
+    Simulation(const SimulateOptions& options, const base::ProgressCallback& report)
         : options_(options),
           report_(report),
           water_(options.water.value_or(options.scene == SceneKind::Tank ? WaterKind::None
@@ -131,8 +131,8 @@ public:
                           options_.year,
                           scene_.changes,
                           surface_changes(*first_year_, scene_));
-        write_ply(options_.out / "reference.ply",
-                  make_reference_mesh(scene_, renderer.seen_triangles(), options_.seed));
+        io::write_ply(options_.out / "reference.ply",
+                      make_reference_mesh(scene_, renderer.seen_triangles(), options_.seed));
         write_dive_info(options_.out / "dive.json", options_, water_);
         tell(exposures_.size());
     }
@@ -258,25 +258,25 @@ private:
     }
 
     const SimulateOptions& options_;
-    const ProgressCallback& report_;
+    const base::ProgressCallback& report_;
     WaterKind water_;
     Scene scene_;
     std::optional<Scene> first_year_;  // of a later year's
-    Rig rig_;
+    types::Rig rig_;
     Survey survey_;
     DiverMotion motion_;
     std::vector<Exposure> exposures_;
-    std::optional<MarkerPlan> markers_;
+    std::optional<dive::MarkerPlan> markers_;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace
 
-void simulate(const SimulateOptions& options, const ProgressCallback& report) {
+void simulate(const SimulateOptions& options, const base::ProgressCallback& report) {
     check(options);
     tbb::task_arena arena(options.num_threads > 0 ? options.num_threads
                                                   : tbb::task_arena::automatic);
     arena.execute([&] { Simulation(options, report).run(); });
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string_view>
 
-#include "worker/dive/marker_family.hpp"
 #include "worker/base/observer.hpp"
+#include "worker/dive/marker_family.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // tank: a furnished room in air. barge: a sunken hull on sand. reef: coral heads and sand channels.
 // bed: a plane, to see what a wrong calibration bends. transect: a straight swim over a reef as
@@ -42,7 +42,7 @@ struct SimulateOptions {
     bool png = false;  // else JPEG
     int jpeg_quality = 93;
     int num_markers = 0;  // AprilTags on the ground along the path, and markers.json
-    MarkerFamily marker_family = MarkerFamily::Tag36h11;
+    dive::MarkerFamily marker_family = dive::MarkerFamily::Tag36h11;
     double marker_size_m = 0.12;  // as docs/markers.md counts it
     int num_threads = 0;          // 0: as many as there are cores
 };
@@ -52,6 +52,7 @@ struct SimulateOptions {
 // bytes, whatever the number of threads. Progress has the one stage "simulate". Throws
 // Error{InvalidArgument} for options out of range, Error{Conflict} when `out` is not empty,
 // Error{OutOfSpace} when a file cannot be written.
-void simulate(const SimulateOptions& options, const ProgressCallback& report = ignore_progress);
+void simulate(const SimulateOptions& options,
+              const base::ProgressCallback& report = base::ignore_progress);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -1,7 +1,7 @@
 #include "schemas/enum_text.hpp"
 #include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr EnumText<SceneKind> kSceneTexts[] = {{SceneKind::Tank, "tank"},
@@ -27,4 +27,4 @@ WaterKind water_kind_from_string(std::string_view text) {
     return enum_from_text<WaterKind>(kWaterTexts, text, "water");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

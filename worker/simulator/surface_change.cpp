@@ -8,7 +8,7 @@
 #include "worker/base/disjoint_sets.hpp"
 #include "worker/simulator/ray_caster.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kMinChange_m = 0.001F;
@@ -60,7 +60,7 @@ std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& aft
                   [](const auto& entry) { return std::abs(entry.second.change_m) < kMinChange_m; });
     std::map<Cell, std::size_t> number;
     for (const auto& [cell, changed] : cells) number.emplace(cell, number.size());
-    DisjointSets sets(cells.size());
+    base::DisjointSets sets(cells.size());
     for (const auto& [cell, index] : number)
         for (const Cell& step : {Cell{0, 1}, Cell{1, -1}, Cell{1, 0}, Cell{1, 1}}) {
             const auto next = number.find({cell.first + step.first, cell.second + step.second});
@@ -86,4 +86,4 @@ std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& aft
     return result;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,7 +6,7 @@
 
 #include "worker/simulator/scene.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // Where the surface seen from above rose or sank, as one connected piece. Space under an overhang
 // counts as filled, as it does where two surveys are compared.
@@ -24,4 +24,4 @@ inline constexpr double kSurfaceChangeCell_m = 0.005;
 // says has changed; pieces with a change of more than 1 mm, joined by sides and corners.
 std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& after);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

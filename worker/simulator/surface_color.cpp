@@ -6,7 +6,7 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 // What a material looks like: two tones of the bare surface, patches of growth or stains, blotches,
@@ -135,9 +135,9 @@ Rgb lay_bricks(const Rgb& color,
     const float course = std::floor(p.y() / kHeight_m);
     const float shift = std::fmod(std::abs(course), 2.0F) * 0.5F * kLength_m;
     const float number = std::floor((p.x() + shift) / kLength_m);
-    const std::uint64_t brick =
-        hash64(object.seed, static_cast<std::int64_t>(course), static_cast<std::int64_t>(number));
-    const auto tone = static_cast<float>(0.7 + 0.6 * to_unit(brick));
+    const std::uint64_t brick = base::hash64(
+        object.seed, static_cast<std::int64_t>(course), static_cast<std::int64_t>(number));
+    const auto tone = static_cast<float>(0.7 + 0.6 * base::to_unit(brick));
     const float joint = std::max(stripe(p.y(), kHeight_m, 0.012F, footprint_m),
                                  stripe(p.x() + shift, kLength_m, 0.012F, footprint_m));
     return mix(tone * color, 1.1F * color + Rgb(0.22F, 0.22F, 0.2F), joint);
@@ -150,15 +150,15 @@ Rgb print_labels(const Rgb& color,
                  float footprint_m) {
     constexpr float kCell_m = 0.09F;
     const Eigen::Array3f cell = (p.array() / kCell_m).floor();
-    const std::uint64_t hash = hash64(object.seed,
-                                      static_cast<std::int64_t>(cell.x()),
-                                      static_cast<std::int64_t>(cell.y()),
-                                      static_cast<std::int64_t>(cell.z()));
+    const std::uint64_t hash = base::hash64(object.seed,
+                                            static_cast<std::int64_t>(cell.x()),
+                                            static_cast<std::int64_t>(cell.y()),
+                                            static_cast<std::int64_t>(cell.z()));
     if (hash % 5 > 2) return color;
     const Eigen::Array3f inside = p.array() / kCell_m - cell - 0.5F;  // -0.5 to 0.5
     Eigen::Array3f half;
     for (int axis = 0; axis < 3; ++axis)
-        half[axis] = static_cast<float>(0.06 + 0.3 * to_unit(hash64(hash, axis)));
+        half[axis] = static_cast<float>(0.06 + 0.3 * base::to_unit(base::hash64(hash, axis)));
     const float soft = 0.5F * footprint_m / kCell_m + 1e-3F;
     const Eigen::Array3f depth = half - inside.abs();
     const std::array<float, 3> in = {smooth_step(-soft, soft, depth.x()),
@@ -205,7 +205,9 @@ Rgb print_tag(const SceneObject& object, const Eigen::Vector3f& p, float footpri
 
 }  // namespace
 
-NoiseField texture_noise(std::uint64_t seed) { return NoiseField(hash64(seed, 0x74657874ULL)); }
+NoiseField texture_noise(std::uint64_t seed) {
+    return NoiseField(base::hash64(seed, 0x74657874ULL));
+}
 
 Rgb surface_color(const SceneObject& object,
                   const NoiseField& noise,
@@ -231,7 +233,7 @@ Rgb surface_color(const SceneObject& object,
         case Material::Coral:
         case Material::BranchCoral:
         case Material::Sponge: {
-            const auto hue = static_cast<float>(to_unit(hash64(object.seed, 5)));
+            const auto hue = static_cast<float>(base::to_unit(base::hash64(object.seed, 5)));
             color *= mix(Rgb(1.15F, 0.9F, 0.75F), Rgb(0.8F, 0.95F, 1.25F), hue);
             break;
         }
@@ -242,4 +244,4 @@ Rgb surface_color(const SceneObject& object,
     return mix(color, 1.2F * color + Rgb(0.02F, 0.02F, 0.015F), silt);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

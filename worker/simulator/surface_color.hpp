@@ -5,7 +5,7 @@
 #include "worker/simulator/noise_field.hpp"
 #include "worker/simulator/scene.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 using Rgb = Eigen::Array3f;  // linear, 0 to 1
 
@@ -21,4 +21,4 @@ Rgb surface_color(const SceneObject& object,
                   const Eigen::Vector3f& normal_world,
                   float footprint_m);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

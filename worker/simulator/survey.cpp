@@ -2,13 +2,13 @@
 
 #include "worker/base/hashed_random.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 Survey plan_survey(const SimulateOptions& options, const SurveyPath& of_scene, WaterKind water) {
     Survey survey{options.seed, of_scene, make_water(water)};
     if (options.year == 1 && options.survey == 1) return survey;
-    survey.seed = hash64(options.seed, 0x737572766579ULL, options.year, options.survey);
-    RandomRow random(survey.seed);
+    survey.seed = base::hash64(options.seed, 0x737572766579ULL, options.year, options.survey);
+    base::RandomRow random(survey.seed);
     SurveyPath& path = survey.path;
     path.center_world.x() += random.uniform(-0.2, 0.2);
     path.center_world.y() += random.uniform(-0.2, 0.2);
@@ -22,4 +22,4 @@ Survey plan_survey(const SimulateOptions& options, const SurveyPath& of_scene, W
     return survey;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

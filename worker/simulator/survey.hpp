@@ -4,7 +4,7 @@
 #include "worker/simulator/simulate.hpp"
 #include "worker/simulator/water.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // How one dive differs from another of the same place: nobody swims the same way twice, and no two
 // days have the same water.
@@ -19,4 +19,4 @@ struct Survey {
 // up to 4 degrees aside and sees 15 % less far to 15 % farther.
 Survey plan_survey(const SimulateOptions& options, const SurveyPath& of_scene, WaterKind water);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -5,7 +5,7 @@
 #include "worker/simulator/scene_parts.hpp"
 
 // A room with a chair in its middle, boxes and drums around it. Frame of the place: floor at z = 0.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr float kHalfPi = std::numbers::pi_v<float> / 2.0F;
@@ -86,7 +86,7 @@ void add_drum(SceneBuilder& builder,
 }  // namespace
 
 Scene make_tank_scene(std::uint64_t seed, int year) {
-    RandomRow random(hash64(seed, 0x74616e6bULL));
+    base::RandomRow random(base::hash64(seed, 0x74616e6bULL));
     const float yaw = draw(random, -0.6, 0.6);
     SceneBuilder builder(seed, year, place_at({0.0F, 0.0F, 0.0F}, draw(random, -0.2, 0.2)));
     add_room(builder);
@@ -141,4 +141,4 @@ Scene make_tank_scene(std::uint64_t seed, int year) {
     return builder.finish(path, 0.0);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -6,7 +6,7 @@
 
 // A strip of reef along x, as long as the path over it. Frame of the place: the path begins over
 // x = 0. What stands where hangs on the seed alone, so that a longer path sees the same and more.
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kHeight_m = 2.0;
@@ -42,7 +42,7 @@ void add_corals(SceneBuilder& builder, const Rectangle& area) {
     const auto first_m = static_cast<int>(area.min_x);
     const auto last_m = static_cast<int>(area.max_x);
     for (int meter = first_m; meter < last_m; ++meter) {
-        RandomRow random(hash64(builder.seed(), 0x636f72616cULL, meter));
+        base::RandomRow random(base::hash64(builder.seed(), 0x636f72616cULL, meter));
         for (int i = 0; i < kCoralsPerMeter; ++i) {
             const float x = draw(random, meter, meter + 1.0);
             const float y = draw(random, -kHalfWidth_m + 0.3, kHalfWidth_m - 0.3);
@@ -55,7 +55,7 @@ void add_corals(SceneBuilder& builder, const Rectangle& area) {
 void add_known_lengths(SceneBuilder& builder, double length_m) {
     const auto num = static_cast<int>(0.5 * length_m) + 1;
     for (int i = 0; i < num; ++i) {
-        RandomRow random(hash64(builder.seed(), 0x626172ULL, i));
+        base::RandomRow random(base::hash64(builder.seed(), 0x626172ULL, i));
         const float x = 2.0F * static_cast<float>(i) + 1.5F + draw(random, -0.4, 0.4);
         const float y = draw(random, -1.0, 1.0);
         const auto T =
@@ -91,4 +91,4 @@ Scene make_transect_scene(std::uint64_t seed, int year, double length_m) {
     return builder.finish(path, 11.0);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -2,7 +2,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 Water make_water(WaterKind kind) {
     Water water;
@@ -43,4 +43,4 @@ Water make_water(WaterKind kind) {
     throw Error(ErrorCode::InvalidArgument, "unknown water");
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

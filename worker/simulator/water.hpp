@@ -5,7 +5,7 @@
 #include "worker/simulator/simulate.hpp"
 #include "worker/simulator/surface_color.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 
 // What water does to light over a range r, per channel (Akkaynak and Treibitz 2018):
 //     I = J exp(-attenuation r) + veil (1 - exp(-backscatter r))
@@ -28,4 +28,4 @@ struct Water {
 
 Water make_water(WaterKind kind);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

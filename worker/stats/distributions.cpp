@@ -3,7 +3,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 namespace {
 
 namespace policies = boost::math::policies;
@@ -25,4 +25,4 @@ double chi_square_quantile(double share, double degrees_of_freedom) {
         boost::math::chi_squared_distribution<double, Quiet>(degrees_of_freedom), share);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 
 // Quantile of the normal distribution at 0.975: half the width, in sigmas, of a two-sided 95 %.
 inline constexpr double kNormal975 = 1.9599639845400545;
@@ -10,4 +10,4 @@ inline constexpr double kNormal975 = 1.9599639845400545;
 double student_t_quantile(double share, double degrees_of_freedom);
 double chi_square_quantile(double share, double degrees_of_freedom);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

@@ -7,7 +7,7 @@
 
 #include "worker/stats/distributions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 namespace {
 
 double mean_of(const std::vector<double>& values) {
@@ -60,4 +60,4 @@ Estimate estimate(const Simulated& simulated,
     return {value, value - half_width, value + half_width};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 
 // A figure and the interval that holds the truth with 95 %.
 struct Estimate {
@@ -41,4 +41,4 @@ Estimate estimate(const Simulated& simulated,
                   double sigma_relative_error,
                   const SharedError& shared = {});
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

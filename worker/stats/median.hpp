@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 
 // Returns the median: the middle value, of an even number the mean of the two in the middle; 0 of
 // none.
@@ -27,4 +27,4 @@ Value upper_median(std::vector<Value> values) {
     return *middle;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

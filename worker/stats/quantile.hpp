@@ -5,7 +5,7 @@
 #include <vector>
 
 // Quantiles of a sample. `share` is between 0 and 1; of no values each is 0.
-namespace divemesh::worker {
+namespace divemesh::stats {
 
 // Returns the quantile of values in rising order by linear interpolation between the two next to
 // it: type 7 of Hyndman and Fan (1996), what R and NumPy give by default.
@@ -38,4 +38,4 @@ Value upper_quantile(std::vector<Value> values, double share) {
     return values[rank];
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

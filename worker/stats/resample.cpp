@@ -5,7 +5,7 @@
 
 #include "worker/stats/quantile.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 namespace {
 
 std::uint64_t next_random(std::uint64_t& state) {  // splitmix64 (Steele et al. 2014)
@@ -35,4 +35,4 @@ Estimate bootstrap(std::size_t num_individuals, const Statistic& statistic, std:
     return {value, quantile_of_sorted(draws, 0.025), quantile_of_sorted(draws, 0.975)};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

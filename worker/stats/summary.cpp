@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 
 double mean(const std::vector<double>& values) {
     if (values.empty()) return 0.0;
@@ -16,4 +16,4 @@ double root_mean_square(const std::vector<double>& values) {
     return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 using Sum = std::uint16_t;
@@ -47,11 +47,11 @@ DIVEMESH_INLINE_BODY int find(const Sum* cost, Sum value, int num) {
 
 }  // namespace
 
-BlockKernels block_kernels(Instructions instructions) {
-    return {compiled_for<accumulate>(instructions),
-            compiled_for<slide>(instructions),
-            compiled_for<min_cost>(instructions),
-            compiled_for<find>(instructions)};
+BlockKernels block_kernels(base::Instructions instructions) {
+    return {base::compiled_for<accumulate>(instructions),
+            base::compiled_for<slide>(instructions),
+            base::compiled_for<min_cost>(instructions),
+            base::compiled_for<find>(instructions)};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -4,7 +4,7 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // The inner loops of block matching over the disparities of one pixel; `num` is a multiple of 32.
 struct BlockKernels {
@@ -25,6 +25,6 @@ struct BlockKernels {
     int (*find)(const std::uint16_t* cost, std::uint16_t value, int num);
 };
 
-BlockKernels block_kernels(Instructions instructions);
+BlockKernels block_kernels(base::Instructions instructions);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -6,7 +6,7 @@
 
 #include "worker/stereo/block_kernels.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kRadius_px = 4;   // of the window
@@ -42,7 +42,7 @@ cv::Mat reverse_rows(const cv::Mat& image, int margin) {
 
 }  // namespace
 
-BlockMatcher::BlockMatcher(int num_disparities, Instructions instructions)
+BlockMatcher::BlockMatcher(int num_disparities, base::Instructions instructions)
     : num_disparities_((num_disparities + 31) / 32 * 32), instructions_(instructions) {}
 
 cv::Mat BlockMatcher::compute(const cv::Mat& left, const cv::Mat& right) {
@@ -131,4 +131,4 @@ void BlockMatcher::select_pixel(int x, std::uint16_t* window_cost) {
                    : 0.0F);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -6,7 +6,7 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // The paper's matcher: the sum of absolute differences over a square window, least over all
 // disparities, with sub-pixel interpolation, uniqueness and left-right check. Both images are
@@ -14,7 +14,8 @@ namespace divemesh::worker {
 // sums run along columns and rows: the cost does not depend on the window's size.
 class BlockMatcher {
 public:
-    explicit BlockMatcher(int num_disparities, Instructions instructions = best_instructions());
+    explicit BlockMatcher(int num_disparities,
+                          base::Instructions instructions = base::best_instructions());
 
     // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
@@ -24,7 +25,7 @@ private:
     void select_pixel(int x, std::uint16_t* window_cost);
 
     int num_disparities_;  // multiple of 32
-    Instructions instructions_;
+    base::Instructions instructions_;
     int width_ = 0;
     std::vector<std::uint16_t> column_cost_;  // over the window's height, [x][d]
     std::vector<std::int16_t> winner_;
@@ -33,4 +34,4 @@ private:
     std::vector<std::int16_t> right_best_disparity_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

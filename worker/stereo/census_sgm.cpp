@@ -6,7 +6,7 @@
 
 #include "worker/stereo/sgm_kernels.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kRadiusX_px = 4;  // of the census window
@@ -58,7 +58,7 @@ void census(const cv::Mat& image,
 
 }  // namespace
 
-CensusSgm::CensusSgm(int num_disparities, Instructions instructions)
+CensusSgm::CensusSgm(int num_disparities, base::Instructions instructions)
     : num_disparities_(num_disparities),
       whole_num_disparities_(num_disparities),
       kernels_(sgm_kernels(instructions)) {}
@@ -67,7 +67,9 @@ cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right) {
     return compute(left, right, {0, whole_num_disparities_});
 }
 
-cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range) {
+cv::Mat CensusSgm::compute(const cv::Mat& left,
+                           const cv::Mat& right,
+                           const types::DisparityRange& range) {
     first_disparity_ = range.first_px;
     num_disparities_ = (range.num_px + 31) / 32 * 32;
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
@@ -219,4 +221,4 @@ void CensusSgm::write_row(Row& row, float* disparity_px) {
     kernels_.place(winners, disparity_px);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

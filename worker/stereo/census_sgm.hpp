@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "worker/base/instructions.hpp"
-#include "worker/types/disparity_range.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
+#include "worker/types/disparity_range.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // Semi-global matching (Hirschmueller 2008) of 32-bit census signatures (Zabih and Woodfill 1994)
 // along five paths: from the left, from the right and from the three pixels above. All five end in
@@ -17,13 +17,14 @@ namespace divemesh::worker {
 class CensusSgm {
 public:
     // At most 512; rounded up to a multiple of 32.
-    explicit CensusSgm(int num_disparities, Instructions instructions = best_instructions());
+    explicit CensusSgm(int num_disparities,
+                       base::Instructions instructions = base::best_instructions());
 
     // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown; negative: of a
     // winner that a check did not confirm, to the pixel.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
     // The same within a range, whose number is rounded up likewise.
-    cv::Mat compute(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range);
+    cv::Mat compute(const cv::Mat& left, const cv::Mat& right, const types::DisparityRange& range);
 
 private:
     static constexpr int kRowsAtOnce = 2;  // as the kernels take them
@@ -74,4 +75,4 @@ private:
     std::vector<std::uint32_t> right_best_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

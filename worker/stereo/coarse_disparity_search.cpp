@@ -6,7 +6,7 @@
 
 #include "worker/stereo/speckles.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kScale = 4;
@@ -18,7 +18,7 @@ constexpr double kMinShare = 0.03;
 constexpr int kStep_px = 64;
 constexpr int kError_px = 6;  // of a disparity of the survey
 
-int beyond(float disparity_px, const DisparityRange& range) {
+int beyond(float disparity_px, const types::DisparityRange& range) {
     // Winners at the ends of a range are not believed.
     if (disparity_px < static_cast<float>(range.first_px + 1) && range.first_px > 0) return -1;
     return disparity_px > static_cast<float>(range.first_px + range.num_px - 2) ? 1 : 0;
@@ -46,9 +46,9 @@ std::vector<float> CoarseDisparitySearch::survey(const cv::Mat& left, const cv::
     return disparities_px;
 }
 
-DisparityRange widen(const DisparityRange& range,
-                     const std::vector<float>& surveyed,
-                     int num_disparities_px) {
+types::DisparityRange widen(const types::DisparityRange& range,
+                            const std::vector<float>& surveyed,
+                            int num_disparities_px) {
     const auto few = static_cast<std::size_t>(kMinShare * static_cast<double>(surveyed.size()));
     if (surveyed.empty()) return range;
     int first = range.first_px;
@@ -64,8 +64,9 @@ DisparityRange widen(const DisparityRange& range,
     return {std::clamp(first, 0, num_disparities_px - num), num};
 }
 
-SearchOutcome outcome_of(const DisparityRange& range, const std::vector<float>& surveyed) {
-    SearchOutcome outcome{range, static_cast<std::int64_t>(surveyed.size()), 0, 0};
+types::SearchOutcome outcome_of(const types::DisparityRange& range,
+                                const std::vector<float>& surveyed) {
+    types::SearchOutcome outcome{range, static_cast<std::int64_t>(surveyed.size()), 0, 0};
     for (const float disparity_px : surveyed) {
         const int side = beyond(disparity_px, range);
         outcome.num_too_far += side < 0 ? 1 : 0;
@@ -74,4 +75,4 @@ SearchOutcome outcome_of(const DisparityRange& range, const std::vector<float>& 
     return outcome;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

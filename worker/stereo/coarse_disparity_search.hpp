@@ -6,7 +6,7 @@
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/types/search_outcome.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // How near and how far a scene lies, from a search at a quarter of its size, over twice the range
 // that is searched at full size: it shows what a narrower search would miss, for some hundredths
@@ -26,11 +26,12 @@ private:
 
 // `range`, with what `surveyed` shows beyond it as far as `num_disparities_px` goes. Few patches
 // are not followed: they may be wrong.
-DisparityRange widen(const DisparityRange& range,
-                     const std::vector<float>& surveyed,
-                     int num_disparities_px);
+types::DisparityRange widen(const types::DisparityRange& range,
+                            const std::vector<float>& surveyed,
+                            int num_disparities_px);
 
 // How much of what was surveyed a search within `range` cannot find.
-SearchOutcome outcome_of(const DisparityRange& range, const std::vector<float>& surveyed);
+types::SearchOutcome outcome_of(const types::DisparityRange& range,
+                                const std::vector<float>& surveyed);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kStep_px = 64;
@@ -14,13 +14,14 @@ constexpr double kMatcherError_px = 2.0;  // winners at the ends of the range ar
 
 }  // namespace
 
-DisparityRange disparity_search_range(const Features& features, int num_disparities_px) {
-    const DisparityRange whole{0, num_disparities_px};
+types::DisparityRange disparity_search_range(const types::Features& features,
+                                             int num_disparities_px) {
+    const types::DisparityRange whole{0, num_disparities_px};
     double least = num_disparities_px;
     double largest = 0.0;
     int num_features = 0;
-    for (const Feature& feature : features) {
-        if (!has_depth(feature)) continue;
+    for (const types::Feature& feature : features) {
+        if (!types::has_depth(feature)) continue;
         least = std::min(least, feature.disparity_px);
         largest = std::max(largest, feature.disparity_px);
         ++num_features;
@@ -36,4 +37,4 @@ DisparityRange disparity_search_range(const Features& features, int num_disparit
     return {std::clamp(earlier, 0, num_disparities_px - num), num};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -1,14 +1,15 @@
 #pragma once
 
-#include "worker/types/feature.hpp"
 #include "worker/types/disparity_range.hpp"
+#include "worker/types/feature.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // Step 1: where the dense search looks in a frame. From the least to the largest disparity of its
 // features, and a quarter nearer and a third farther, as the surface between them may be; in steps
 // of 64, so that no vector of any instruction set is half empty. All of `num_disparities_px` where
 // that is no less, or where features are few.
-DisparityRange disparity_search_range(const Features& features, int num_disparities_px);
+types::DisparityRange disparity_search_range(const types::Features& features,
+                                             int num_disparities_px);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

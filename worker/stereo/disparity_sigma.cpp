@@ -9,7 +9,7 @@
 
 #include "worker/stereo/running_sums.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kWindow_px = 7;
@@ -62,13 +62,13 @@ double image_noise(const cv::Mat& image) {
     return std::clamp(quantile / (6.0 * 0.3186), kMinNoise, kMaxNoise);
 }
 
-cv::Mat disparity_sigma(const cv::Mat& image, Instructions instructions) {
+cv::Mat disparity_sigma(const cv::Mat& image, base::Instructions instructions) {
     const double noise = image_noise(image);
     constexpr float kNum = kWindow_px * kWindow_px;
     // Of the gradient times two.
     const auto noise_energy = static_cast<float>(4.0 * kNum * noise * noise / 2.0);
     const auto scale = static_cast<float>(2.0 * std::sqrt(2.0) * noise);
-    const auto rate = compiled_for<rate_texture>(instructions);
+    const auto rate = base::compiled_for<rate_texture>(instructions);
     cv::Mat sigma(image.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::infinity()));
     RunningSums window(2, image.cols, kWindow_px / 2, instructions);
     for (int y = 0; y < image.rows; ++y) {
@@ -90,4 +90,4 @@ cv::Mat disparity_sigma(const cv::Mat& image, Instructions instructions) {
     return sigma;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -2,7 +2,7 @@
 
 #include "worker/base/lanes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kDirections[8][2] = {
@@ -16,43 +16,43 @@ constexpr float kPairSlope = 1.0F / 16.0F;
 constexpr float kAgreement_px = 2.0F;  // of winner and pair: each may be a pixel off
 constexpr float kMinPairs = 3.0F;
 
-static_assert(kReach_px + kLanes <= PaddedDisparity::kMargin_px);
+static_assert(kReach_px + base::kLanes <= PaddedDisparity::kMargin_px);
 
 // The mean of the pairs that agree with each winner, 0 where they are too few.
-DIVEMESH_INLINE_BODY Floats supported(const float* const* rows, int x, Floats winner) {
-    Floats sum = {};
-    Floats count = {};
+DIVEMESH_INLINE_BODY base::Floats supported(const float* const* rows, int x, base::Floats winner) {
+    base::Floats sum = {};
+    base::Floats count = {};
     for (const int distance : kDistances) {
         const float largest = kPairNoise_px + kPairSlope * 2.0F * static_cast<float>(distance);
         for (const auto& [dx, dy] : kDirections) {
-            const Floats a = load(rows[kReach_px + distance * dy] + x + distance * dx);
-            const Floats b = load(rows[kReach_px - distance * dy] + x - distance * dx);
-            const Floats mean = 0.5F * (a + b);
-            const Masks agree = (a > 0.0F) & (b > 0.0F) & (abs(a - b) <= largest) &
-                                (abs(mean - winner) <= kAgreement_px);
-            sum += select(agree, mean);
-            count += select(agree, broadcast(1.0F));
+            const base::Floats a = base::load(rows[kReach_px + distance * dy] + x + distance * dx);
+            const base::Floats b = base::load(rows[kReach_px - distance * dy] + x - distance * dx);
+            const base::Floats mean = 0.5F * (a + b);
+            const base::Masks agree = (a > 0.0F) & (b > 0.0F) & (base::abs(a - b) <= largest) &
+                                      (base::abs(mean - winner) <= kAgreement_px);
+            sum += base::select(agree, mean);
+            count += base::select(agree, base::broadcast(1.0F));
         }
     }
-    return select(count >= kMinPairs, sum / max(count, broadcast(1.0F)));
+    return base::select(count >= kMinPairs, sum / base::max(count, base::broadcast(1.0F)));
 }
 
 DIVEMESH_INLINE_BODY void fill_row(const float* const* rows, int width, float* out) {
-    for (int x = 0; x < width; x += kLanes) {
-        const Floats here = load(rows[kReach_px] + x);
-        const Masks unconfirmed = here < 0.0F;
-        if (!any(unconfirmed)) {
-            store(out + x, here);
+    for (int x = 0; x < width; x += base::kLanes) {
+        const base::Floats here = base::load(rows[kReach_px] + x);
+        const base::Masks unconfirmed = here < 0.0F;
+        if (!base::any(unconfirmed)) {
+            base::store(out + x, here);
             continue;
         }
-        const Floats mean = supported(rows, x, -here);
-        const Masks filled = unconfirmed & (mean > 0.0F);
-        store(out + x, select(filled, mean) + select(~filled, here));
+        const base::Floats mean = supported(rows, x, -here);
+        const base::Masks filled = unconfirmed & (mean > 0.0F);
+        base::store(out + x, base::select(filled, mean) + base::select(~filled, here));
     }
 }
 
-void fill(const PaddedDisparity& from, PaddedDisparity& to, Instructions instructions) {
-    const auto fill_one = compiled_for<fill_row>(instructions);
+void fill(const PaddedDisparity& from, PaddedDisparity& to, base::Instructions instructions) {
+    const auto fill_one = base::compiled_for<fill_row>(instructions);
     for (int y = 0; y < from.height(); ++y) {
         const float* rows[2 * kReach_px + 1];
         for (int i = 0; i <= 2 * kReach_px; ++i) rows[i] = from.row(y + i - kReach_px);
@@ -62,7 +62,9 @@ void fill(const PaddedDisparity& from, PaddedDisparity& to, Instructions instruc
 
 }  // namespace
 
-void fill_holes(PaddedDisparity& disparity_px, PaddedDisparity& spare, Instructions instructions) {
+void fill_holes(PaddedDisparity& disparity_px,
+                PaddedDisparity& spare,
+                base::Instructions instructions) {
     spare.resize(disparity_px.size());
     fill(disparity_px, spare, instructions);
     fill(spare, disparity_px, instructions);
@@ -72,4 +74,4 @@ void fill_holes(PaddedDisparity& disparity_px, PaddedDisparity& spare, Instructi
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

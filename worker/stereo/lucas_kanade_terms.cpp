@@ -5,13 +5,13 @@
 
 #include "worker/base/lanes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kReadBefore_px = 2;  // of the pixels that are looked at, and as many behind
 constexpr int kReadBehind_px = 5;
 
-using Integers = Masks;  // of 32 bit
+using Integers = base::Masks;  // of 32 bit
 
 struct Read {
     const std::uint8_t* left;
@@ -22,16 +22,16 @@ struct Read {
 };
 
 DIVEMESH_INLINE_BODY Integers load_bytes(const std::uint8_t* from) {
-    using Eight = std::uint8_t __attribute__((vector_size(kLanes)));
-    return __builtin_convertvector(load_lanes<Eight>(from), Integers);
+    using Eight = std::uint8_t __attribute__((vector_size(base::kLanes)));
+    return __builtin_convertvector(base::load_lanes<Eight>(from), Integers);
 }
 DIVEMESH_INLINE_BODY Integers load_shorts(const std::int16_t* from) {
-    return __builtin_convertvector(load_lanes<SignedShorts>(from), Integers);
+    return __builtin_convertvector(base::load_lanes<base::SignedShorts>(from), Integers);
 }
-DIVEMESH_INLINE_BODY Floats to_floats(Integers values) {
-    return __builtin_convertvector(values, Floats);
+DIVEMESH_INLINE_BODY base::Floats to_floats(Integers values) {
+    return __builtin_convertvector(values, base::Floats);
 }
-DIVEMESH_INLINE_BODY Floats byte_of(Integers words, int i) {
+DIVEMESH_INLINE_BODY base::Floats byte_of(Integers words, int i) {
     return to_floats((words >> (8 * i)) & 255);
 }
 
@@ -46,28 +46,28 @@ struct Values {
 // e.
 DIVEMESH_INLINE_BODY Values values_at(const Read& in, int x) {
     constexpr float kScale = kGreyScale;
-    const auto first = load_lanes<Integers>(in.first + x);
-    const auto last = load_lanes<Integers>(in.last + x);
-    const Floats p0 = byte_of(first, 0), p1 = byte_of(first, 1), p2 = byte_of(first, 2);
-    const Floats p3 = byte_of(first, 3), p4 = byte_of(last, 0), p5 = byte_of(last, 1);
-    const Floats t = load(in.part + x);
-    const Floats rest = 1.0F - t;
-    const Floats w1 = rest * rest * rest * (1.0F / 6.0F);
-    const Floats w4 = t * t * t * (1.0F / 6.0F);
-    const Floats w2 = 2.0F / 3.0F + t * t * (0.5F * t - 1.0F);
-    const Floats w3 = 1.0F - w1 - w2 - w4;
-    const Floats warped = w1 * p1 + w2 * p2 + w3 * p3 + w4 * p4;
-    const Floats gradient_right =  // times two
+    const auto first = base::load_lanes<Integers>(in.first + x);
+    const auto last = base::load_lanes<Integers>(in.last + x);
+    const base::Floats p0 = byte_of(first, 0), p1 = byte_of(first, 1), p2 = byte_of(first, 2);
+    const base::Floats p3 = byte_of(first, 3), p4 = byte_of(last, 0), p5 = byte_of(last, 1);
+    const base::Floats t = base::load(in.part + x);
+    const base::Floats rest = 1.0F - t;
+    const base::Floats w1 = rest * rest * rest * (1.0F / 6.0F);
+    const base::Floats w4 = t * t * t * (1.0F / 6.0F);
+    const base::Floats w2 = 2.0F / 3.0F + t * t * (0.5F * t - 1.0F);
+    const base::Floats w3 = 1.0F - w1 - w2 - w4;
+    const base::Floats warped = w1 * p1 + w2 * p2 + w3 * p3 + w4 * p4;
+    const base::Floats gradient_right =  // times two
         w1 * (p2 - p0) + w2 * (p3 - p1) + w3 * (p4 - p2) + w4 * (p5 - p3);
     Integers left[5];
     for (int i = 0; i < 5; ++i) left[i] = load_bytes(in.left + x + i - 2);
-    const Floats smooth_left = to_floats(left[1] + 4 * left[2] + left[3]) * (1.0F / 6.0F);
-    const Floats gradient_left =
+    const base::Floats smooth_left = to_floats(left[1] + 4 * left[2] + left[3]) * (1.0F / 6.0F);
+    const base::Floats gradient_left =
         to_floats(left[4] - left[0] + 4 * (left[3] - left[1])) * (1.0F / 6.0F);
-    const auto known = load_lanes<Integers>(in.known + x);
-    return {known * to_integers(0.25F * kScale * (gradient_left + gradient_right)),
-            known * to_integers(kScale * (warped - 128.0F)),
-            known * to_integers(kScale * (smooth_left - warped)),
+    const auto known = base::load_lanes<Integers>(in.known + x);
+    return {known * base::to_integers(0.25F * kScale * (gradient_left + gradient_right)),
+            known * base::to_integers(kScale * (warped - 128.0F)),
+            known * base::to_integers(kScale * (smooth_left - warped)),
             known};
 }
 
@@ -76,18 +76,18 @@ DIVEMESH_INLINE_BODY void exchange_row(const Read& in,
                                        int width,
                                        std::int16_t* const (&rows)[4],
                                        std::int32_t* const (&columns)[kNumTerms]) {
-    for (int x = 0; x < width; x += kLanes) {
+    for (int x = 0; x < width; x += base::kLanes) {
         const Values now = values_at(in, x);
         const Values old = {load_shorts(rows[0] + x),
                             load_shorts(rows[1] + x),
                             load_shorts(rows[2] + x),
                             load_shorts(rows[3] + x)};
-        store(rows[0] + x, __builtin_convertvector(now.g, SignedShorts));
-        store(rows[1] + x, __builtin_convertvector(now.r, SignedShorts));
-        store(rows[2] + x, __builtin_convertvector(now.e, SignedShorts));
-        store(rows[3] + x, __builtin_convertvector(now.known, SignedShorts));
+        base::store(rows[0] + x, __builtin_convertvector(now.g, base::SignedShorts));
+        base::store(rows[1] + x, __builtin_convertvector(now.r, base::SignedShorts));
+        base::store(rows[2] + x, __builtin_convertvector(now.e, base::SignedShorts));
+        base::store(rows[3] + x, __builtin_convertvector(now.known, base::SignedShorts));
         const auto add = [&](Term term, Integers change) __attribute__((always_inline)) {
-            store(columns[term] + x, load_lanes<Integers>(columns[term] + x) + change);
+            base::store(columns[term] + x, base::load_lanes<Integers>(columns[term] + x) + change);
         };
         add(kCount, now.known - old.known);
         add(kG, now.g - old.g);
@@ -152,8 +152,8 @@ void LucasKanadeTerms::exchange() {
     for (int i = 0; i < 4; ++i) rows[i] = rows_[oldest_][i].data();
     std::int32_t* columns[kNumTerms];
     for (int term = 0; term < kNumTerms; ++term) columns[term] = columns_[term].data() + kMargin_px;
-    compiled_for<exchange_row>(instructions_)(read, width_, rows, columns);
+    base::compiled_for<exchange_row>(instructions_)(read, width_, rows, columns);
     oldest_ = (oldest_ + 1) % kWindow_px;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

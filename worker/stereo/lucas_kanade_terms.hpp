@@ -5,7 +5,7 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // Of the normal equations of a Lucas-Kanade step, per pixel: g the gradient along the row, r the
 // right picture as read where the disparity says, e left minus r; grey values in 1 / kGreyScale,
@@ -27,7 +27,7 @@ struct GreyRow {
 // are exact. Of 8 pixels at least.
 class LucasKanadeTerms {
 public:
-    explicit LucasKanadeTerms(Instructions instructions) : instructions_(instructions) {}
+    explicit LucasKanadeTerms(base::Instructions instructions) : instructions_(instructions) {}
 
     // Before the first row of a picture.
     void begin(int width);
@@ -55,7 +55,7 @@ private:
     void read_right(const GreyRow& row);
     void exchange();
 
-    Instructions instructions_;
+    base::Instructions instructions_;
     int width_ = 0;
     std::size_t oldest_ = 0;  // of rows_
     std::vector<std::uint8_t> left_;
@@ -64,4 +64,4 @@ private:
     std::vector<std::int32_t> columns_[kNumTerms];
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -11,7 +11,7 @@
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/speckles.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kMinSpeckleSize = 120;  // pixels
@@ -19,20 +19,20 @@ constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
 constexpr float kMaxSigma_px = 1.0F;
 constexpr float kMinSigma_px = 0.15F;  // what calibration, interpolation and slant leave
 
-void remove_islands(DepthMap& depth) {
+void remove_islands(types::DepthMap& depth) {
     remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
 }
 
 // What is left of an island after the refinement goes; so do those that it made, where it took out
 // what has no texture.
-void refine(const RectifiedFrame& frame, DisparityRefiner& refiner, DepthMap& depth) {
+void refine(const types::RectifiedFrame& frame, DisparityRefiner& refiner, types::DepthMap& depth) {
     unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
     depth.sigma_disparity_px =
         cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
     remove_islands(depth);
 }
 
-void rate_by_texture(const RectifiedFrame& frame, DepthMap& depth) {
+void rate_by_texture(const types::RectifiedFrame& frame, types::DepthMap& depth) {
     depth.sigma_disparity_px = disparity_sigma(frame.left);
     depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kMaxSigma_px);
     depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kMaxSigma_px);
@@ -67,29 +67,32 @@ struct StereoMatcher::Implementation {
     int num_disparities_px;
     CoarseDisparitySearch survey;
     bool searches_within_range = false;
-    std::function<void(const RectifiedFrame& frame, const DisparityRange& range, DepthMap& depth)>
+    std::function<void(const types::RectifiedFrame& frame,
+                       const types::DisparityRange& range,
+                       types::DepthMap& depth)>
         compute;
     std::optional<DisparityRefiner> refiner;
 
     void use_sgm() {
         searches_within_range = true;
-        compute = [matcher = CensusSgm(num_disparities_px)](const RectifiedFrame& frame,
-                                                            const DisparityRange& range,
-                                                            DepthMap& depth) mutable {
+        compute = [matcher = CensusSgm(num_disparities_px)](const types::RectifiedFrame& frame,
+                                                            const types::DisparityRange& range,
+                                                            types::DepthMap& depth) mutable {
             depth.disparity_px = matcher.compute(frame.left, frame.right, range);
         };
         refiner.emplace();
     }
 };
 
-StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& options)
+StereoMatcher::StereoMatcher(const types::RectifiedRig&, const ReconstructionOptions& options)
     : implementation_(std::make_unique<Implementation>(options.num_disparities_px)) {
     const int num_disparities = options.num_disparities_px;
     const auto use = [&](auto matcher) {
-        implementation_->compute =
-            [matcher](const RectifiedFrame& frame, const DisparityRange&, DepthMap& depth) mutable {
-                depth.disparity_px = matcher.compute(frame.left, frame.right);
-            };
+        implementation_->compute = [matcher](const types::RectifiedFrame& frame,
+                                             const types::DisparityRange&,
+                                             types::DepthMap& depth) mutable {
+            depth.disparity_px = matcher.compute(frame.left, frame.right);
+        };
     };
     if (options.stereo == "block")
         use(BlockMatcher(num_disparities));
@@ -101,17 +104,18 @@ StereoMatcher::StereoMatcher(const RectifiedRig&, const ReconstructionOptions& o
 
 StereoMatcher::~StereoMatcher() = default;
 
-DepthMap StereoMatcher::match(const RectifiedFrame& frame) {
+types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame) {
     return match(frame, {0, implementation_->num_disparities_px});
 }
 
-DepthMap StereoMatcher::match(const RectifiedFrame& frame, const DisparityRange& range) {
-    DepthMap depth;
+types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
+                                     const types::DisparityRange& range) {
+    types::DepthMap depth;
     auto& own = *implementation_;
     const auto surveyed = own.survey.survey(frame.left, frame.right);
-    const DisparityRange searched = own.searches_within_range
-                                        ? widen(range, surveyed, own.num_disparities_px)
-                                        : DisparityRange{0, own.num_disparities_px};
+    const types::DisparityRange searched = own.searches_within_range
+                                               ? widen(range, surveyed, own.num_disparities_px)
+                                               : types::DisparityRange{0, own.num_disparities_px};
     depth.search = outcome_of(searched, surveyed);
     own.compute(frame, searched, depth);
     if (own.refiner)
@@ -122,4 +126,4 @@ DepthMap StereoMatcher::match(const RectifiedFrame& frame, const DisparityRange&
     return depth;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

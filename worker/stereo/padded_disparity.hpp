@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // A number per pixel, 0 (unknown) all around: windows may reach over the border and vectors past
 // the end of a row, as long as what they write there is 0. Memory stays from picture to picture.
@@ -49,4 +49,4 @@ private:
     std::vector<float> values_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

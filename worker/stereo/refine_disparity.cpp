@@ -3,7 +3,7 @@
 #include "worker/stereo/fill_holes.hpp"
 #include "worker/stereo/smooth_on_plane.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr float kFirstGate_px = 0.8F;
@@ -32,4 +32,4 @@ cv::Mat DisparityRefiner::refine(const cv::Mat& left, const cv::Mat& right, cv::
     return sigma_px;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

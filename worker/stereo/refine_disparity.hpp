@@ -5,7 +5,7 @@
 #include "worker/stereo/padded_disparity.hpp"
 #include "worker/stereo/subpixel_refinement.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // Sub-pixel disparity without pixel locking. The winners of a matcher crowd at whole pixels; a
 // Lucas-Kanade step of each pixel alone would keep its noise. So: fill the holes that the winners
@@ -13,7 +13,7 @@ namespace divemesh::worker {
 // around where the step left it uncertain.
 class DisparityRefiner {
 public:
-    explicit DisparityRefiner(Instructions instructions = best_instructions())
+    explicit DisparityRefiner(base::Instructions instructions = base::best_instructions())
         : instructions_(instructions), step_(instructions) {}
 
     // CV_8UC1 pictures, CV_32F disparity, 0: unknown, negative: of a winner that a check did not
@@ -23,7 +23,7 @@ public:
     cv::Mat refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
 
 private:
-    Instructions instructions_;
+    base::Instructions instructions_;
     SubpixelRefinement step_;
     PaddedDisparity one_px_;
     PaddedDisparity other_px_;
@@ -31,4 +31,4 @@ private:
     PaddedDisparity smooth_sigma_px_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

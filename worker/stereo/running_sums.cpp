@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 DIVEMESH_INLINE_BODY void exchange(std::int32_t* sum_,
@@ -37,7 +37,7 @@ DIVEMESH_INLINE_BODY void widen(const std::int32_t* column, int num, int radius,
 
 }  // namespace
 
-RunningSums::RunningSums(int num_terms, int width, int radius_px, Instructions instructions)
+RunningSums::RunningSums(int num_terms, int width, int radius_px, base::Instructions instructions)
     : radius_px_(radius_px),
       instructions_(instructions),
       entering_(num_terms, Row(width, 0)),
@@ -46,8 +46,8 @@ RunningSums::RunningSums(int num_terms, int width, int radius_px, Instructions i
       sums_(num_terms, std::vector<float>(width, 0.0F)) {}
 
 void RunningSums::add_row() {
-    const auto exchange_row = compiled_for<exchange>(instructions_);
-    const auto widen_row = compiled_for<widen>(instructions_);
+    const auto exchange_row = base::compiled_for<exchange>(instructions_);
+    const auto widen_row = base::compiled_for<widen>(instructions_);
     auto& leaving = rows_[static_cast<std::size_t>(num_rows_) % rows_.size()];
     const int width = static_cast<int>(columns_.front().size());
     ++num_rows_;
@@ -58,4 +58,4 @@ void RunningSums::add_row() {
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

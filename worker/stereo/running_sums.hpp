@@ -5,7 +5,7 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // Sums of several quantities over a square window that runs down an image, row by row. Integers, so
 // that they are exact and cost the same at any window size.
@@ -13,7 +13,7 @@ class RunningSums {
 public:
     using Row = std::vector<std::int32_t>;
 
-    RunningSums(int num_terms, int width, int radius_px, Instructions instructions);
+    RunningSums(int num_terms, int width, int radius_px, base::Instructions instructions);
 
     // The terms of the next row, to be written before add_row(); they start as they were 2 radius +
     // 1 rows ago.
@@ -26,7 +26,7 @@ public:
 
 private:
     int radius_px_;
-    Instructions instructions_;
+    base::Instructions instructions_;
     int num_rows_ = 0;
     std::vector<Row> entering_;
     std::vector<std::vector<Row>> rows_;  // the last 2 radius + 1, in turn
@@ -34,4 +34,4 @@ private:
     std::vector<std::vector<float>> sums_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -9,7 +9,7 @@
 // One namespace per instruction set, each with the vector type, its operations and, by inclusion,
 // the loops over them. Nothing of the standard library may be included after a target pragma: what
 // it inlines would be compiled for that target and then serve the whole program.
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 namespace baseline {
@@ -354,13 +354,13 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 
 }  // namespace
 
-SgmKernels sgm_kernels(Instructions instructions) {
+SgmKernels sgm_kernels(base::Instructions instructions) {
 #if defined(__x86_64__)
-    if (instructions == Instructions::Avx512 && __builtin_cpu_supports("avx512vbmi"))
+    if (instructions == base::Instructions::Avx512 && __builtin_cpu_supports("avx512vbmi"))
         return avx512::kernels();
-    if (instructions != Instructions::Baseline) return avx2::kernels();
+    if (instructions != base::Instructions::Baseline) return avx2::kernels();
 #endif
     return baseline::kernels();
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

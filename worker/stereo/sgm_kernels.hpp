@@ -5,7 +5,7 @@
 
 #include "worker/base/instructions.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 inline constexpr int kOutsideCost = 200;     // of a path beside the range: never the least
 inline constexpr int kSmallStepPenalty = 6;  // P1
@@ -93,6 +93,6 @@ struct SgmKernels {
     int vector_bytes;
 };
 
-SgmKernels sgm_kernels(Instructions instructions);
+SgmKernels sgm_kernels(base::Instructions instructions);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -3,14 +3,14 @@
 #include "worker/base/instructions.hpp"
 #include "worker/stereo/padded_disparity.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // Mean of those pairs of opposite neighbours within 2 px whose own mean is within `gate_px` of the
 // centre: planes of any slant stay as they are, edges stay sharp.
 void smooth_on_plane(const PaddedDisparity& disparity_px,
                      float gate_px,
                      PaddedDisparity& smooth_px,
-                     Instructions instructions = best_instructions());
+                     base::Instructions instructions = base::best_instructions());
 
 // The same for uncertain disparities, with the gate at two of their standard deviations, by
 // neighbours three times as far. The deviation falls as it does for a mean of the square root of so
@@ -20,6 +20,6 @@ void smooth_uncertain(const PaddedDisparity& disparity_px,
                       const PaddedDisparity& sigma_px,
                       PaddedDisparity& smooth_px,
                       PaddedDisparity& smooth_sigma_px,
-                      Instructions instructions = best_instructions());
+                      base::Instructions instructions = base::best_instructions());
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -7,7 +7,7 @@
 
 #include "worker/base/disjoint_sets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 // Pixels of one row that hang together.
@@ -41,8 +41,11 @@ Runs find_runs(const cv::Mat& disparity_px, float max_step_px) {
 }
 
 // Of one row with those of the row above.
-void join_runs(
-    const cv::Mat& disparity_px, float max_step_px, const Runs& runs, int y, DisjointSets& sets) {
+void join_runs(const cv::Mat& disparity_px,
+               float max_step_px,
+               const Runs& runs,
+               int y,
+               base::DisjointSets& sets) {
     const float* row = disparity_px.ptr<float>(y);
     const float* above = disparity_px.ptr<float>(y - 1);
     std::size_t a = runs.first_of_row[y - 1];
@@ -68,7 +71,7 @@ void for_each_speckle(cv::Mat& disparity_px,
                       float max_step_px,
                       const Change& change) {
     const Runs runs = find_runs(disparity_px, max_step_px);
-    DisjointSets sets(runs.all.size());
+    base::DisjointSets sets(runs.all.size());
     for (int y = 1; y < disparity_px.rows; ++y) join_runs(disparity_px, max_step_px, runs, y, sets);
     std::vector<std::int32_t> size(runs.all.size(), 0);
     for (std::size_t i = 0; i < runs.all.size(); ++i)
@@ -94,4 +97,4 @@ void unconfirm_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px
     });
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -4,7 +4,7 @@
 
 #include "worker/base/lanes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr float kMaxStep_px = 0.8F;
@@ -25,37 +25,39 @@ constexpr float kMinTexture = 1.0F;
 constexpr float kMinSignificance = 4.5F;
 
 struct Fit {
-    Floats step_px;
-    Floats sigma_px;  // 0: not determined
+    base::Floats step_px;
+    base::Floats sigma_px;  // 0: not determined
 };
 
 // Least squares for the step s and the gain a of e = -g s + a r + b, a held near zero. What the fit
 // leaves of e is the noise of both pictures, whatever its source: it tells how much of the
 // gradient's energy is noise too, which would shorten the step, and how well s is known.
-DIVEMESH_INLINE_BODY Fit fit_step(const Floats (&sums)[kNumTerms], float min_num_pixels) {
-    const Floats n = sums[kCount];
-    const Floats g = sums[kG], r = sums[kR], e = sums[kE];
-    const Floats inverse = 1.0F / max(n, broadcast(1.0F));
-    const Floats c_gg = sums[kGG] - g * g * inverse;
-    const Floats c_gr = sums[kGR] - g * r * inverse;
-    const Floats c_rr = sums[kRR] - r * r * inverse + kGainPrior;
-    const Floats c_ge = sums[kGE] - g * e * inverse;
-    const Floats c_re = sums[kRE] - r * e * inverse;
-    const Floats c_ee = sums[kEE] - e * e * inverse;
-    const Floats all = max(c_gg - c_gr * c_gr / c_rr, broadcast(1.0F));
-    const Floats slope = c_ge - c_gr * c_re / c_rr;
-    const Floats rest = c_ee - c_re * c_re / c_rr - slope * slope / all;
-    const Floats noise = max(rest / max(n - 3.0F, broadcast(1.0F)), broadcast(kMinNoise));
-    const Floats noise_energy = n * (kGradientNoise * noise);
-    const Floats information = all - noise_energy;
-    const Floats known = max(information, broadcast(1.0F));
-    const Floats step = -slope / known;
-    const Floats chance = square_root(2.0F * kCorrelatedNoise * inverse);
-    const Floats least = noise_energy * max(broadcast(kMinTexture), kMinSignificance * chance);
-    const Masks good = (n >= min_num_pixels) & (all > 0.05F * c_gg) & (information > least);
-    const Floats sigma = square_root(kCorrelatedNoise * noise / known);
-    return {select(good & (abs(step) < kMaxStep_px), step),
-            select(good, max(sigma, broadcast(1e-3F)))};
+DIVEMESH_INLINE_BODY Fit fit_step(const base::Floats (&sums)[kNumTerms], float min_num_pixels) {
+    const base::Floats n = sums[kCount];
+    const base::Floats g = sums[kG], r = sums[kR], e = sums[kE];
+    const base::Floats inverse = 1.0F / base::max(n, base::broadcast(1.0F));
+    const base::Floats c_gg = sums[kGG] - g * g * inverse;
+    const base::Floats c_gr = sums[kGR] - g * r * inverse;
+    const base::Floats c_rr = sums[kRR] - r * r * inverse + kGainPrior;
+    const base::Floats c_ge = sums[kGE] - g * e * inverse;
+    const base::Floats c_re = sums[kRE] - r * e * inverse;
+    const base::Floats c_ee = sums[kEE] - e * e * inverse;
+    const base::Floats all = base::max(c_gg - c_gr * c_gr / c_rr, base::broadcast(1.0F));
+    const base::Floats slope = c_ge - c_gr * c_re / c_rr;
+    const base::Floats rest = c_ee - c_re * c_re / c_rr - slope * slope / all;
+    const base::Floats noise =
+        base::max(rest / base::max(n - 3.0F, base::broadcast(1.0F)), base::broadcast(kMinNoise));
+    const base::Floats noise_energy = n * (kGradientNoise * noise);
+    const base::Floats information = all - noise_energy;
+    const base::Floats known = base::max(information, base::broadcast(1.0F));
+    const base::Floats step = -slope / known;
+    const base::Floats chance = base::square_root(2.0F * kCorrelatedNoise * inverse);
+    const base::Floats least =
+        noise_energy * base::max(base::broadcast(kMinTexture), kMinSignificance * chance);
+    const base::Masks good = (n >= min_num_pixels) & (all > 0.05F * c_gg) & (information > least);
+    const base::Floats sigma = base::square_root(kCorrelatedNoise * noise / known);
+    return {base::select(good & (base::abs(step) < kMaxStep_px), step),
+            base::select(good, base::max(sigma, base::broadcast(1e-3F)))};
 }
 
 struct Columns {
@@ -66,48 +68,50 @@ DIVEMESH_INLINE_BODY void step_row(const Columns& columns,
                                    int width,
                                    float* disparity,
                                    float* sigma) {
-    for (int x = 0; x < width; x += kLanes) {
-        const Floats d = load(disparity + x);
-        store(sigma + x, Floats{});
-        if (!any(d > 0.0F)) continue;
-        Floats sums[kNumTerms];
+    for (int x = 0; x < width; x += base::kLanes) {
+        const base::Floats d = base::load(disparity + x);
+        base::store(sigma + x, base::Floats{});
+        if (!base::any(d > 0.0F)) continue;
+        base::Floats sums[kNumTerms];
         for (int term = 0; term < kNumTerms; ++term) {
             const std::int32_t* first = columns.of[term] + x - kWindowRadius_px;
-            Masks sum = load_lanes<Masks>(first);
-            for (int i = 1; i < kWindow_px; ++i) sum += load_lanes<Masks>(first + i);
-            sums[term] = __builtin_convertvector(sum, Floats);
+            base::Masks sum = base::load_lanes<base::Masks>(first);
+            for (int i = 1; i < kWindow_px; ++i) sum += base::load_lanes<base::Masks>(first + i);
+            sums[term] = __builtin_convertvector(sum, base::Floats);
         }
         const Fit fit = fit_step(sums, kMinPixels);
-        store(disparity + x, d + select(d > 0.0F, fit.step_px));
-        store(sigma + x, select(d > 0.0F, fit.sigma_px));
+        base::store(disparity + x, d + base::select(d > 0.0F, fit.step_px));
+        base::store(sigma + x, base::select(d > 0.0F, fit.sigma_px));
     }
 }
 
 // Steps and deviations of blocks, each from its own sums and those of the eight around it.
 void fit_blocks(
     const float* const (&sums)[kNumTerms], int stride, int num, float* step, float* sigma) {
-    for (int i = 0; i < num; i += kLanes) {
-        Floats wide[kNumTerms];
+    for (int i = 0; i < num; i += base::kLanes) {
+        base::Floats wide[kNumTerms];
         for (int term = 0; term < kNumTerms; ++term) {
-            wide[term] = Floats{};
+            wide[term] = base::Floats{};
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx)
-                    wide[term] += load(sums[term] + i + dy * stride + dx);
+                    wide[term] += base::load(sums[term] + i + dy * stride + dx);
         }
         const Fit fit = fit_step(wide, kMinWidePixels);
-        const Floats both =
-            square_root(fit.sigma_px * fit.sigma_px + kWideSigma_px * kWideSigma_px);
-        store(step + i, fit.step_px);
-        store(sigma + i, select(fit.sigma_px > 0.0F, both));
+        const base::Floats both =
+            base::square_root(fit.sigma_px * fit.sigma_px + kWideSigma_px * kWideSigma_px);
+        base::store(step + i, fit.step_px);
+        base::store(sigma + i, base::select(fit.sigma_px > 0.0F, both));
     }
 }
 
 // Of what the narrow window did not determine.
 void step_by_block_row(
     int width, const float* steps, const float* sigmas, float* disparity, float* sigma) {
-    for (int start = 0; start < width; start += kLanes) {
-        if (!any((load(disparity + start) > 0.0F) & (load(sigma + start) <= 0.0F))) continue;
-        for (int x = start; x < start + kLanes; ++x) {
+    for (int start = 0; start < width; start += base::kLanes) {
+        if (!base::any((base::load(disparity + start) > 0.0F) &
+                       (base::load(sigma + start) <= 0.0F)))
+            continue;
+        for (int x = start; x < start + base::kLanes; ++x) {
             if (disparity[x] <= 0.0F || sigma[x] > 0.0F) continue;
             disparity[x] += steps[x / kWindow_px];
             sigma[x] = sigmas[x / kWindow_px];
@@ -121,7 +125,7 @@ void SubpixelRefinement::take(const cv::Mat& left,
                               const cv::Mat& right,
                               PaddedDisparity& disparity_px,
                               PaddedDisparity& sigma_px) {
-    const auto step = compiled_for<step_row>(instructions_);
+    const auto step = base::compiled_for<step_row>(instructions_);
     sigma_px.resize(disparity_px.size());
     terms_.begin(left.cols);
     begin_blocks(left.size());
@@ -146,8 +150,8 @@ void SubpixelRefinement::take(const cv::Mat& left,
 void SubpixelRefinement::begin_blocks(cv::Size size) {
     const int rows = (size.height + kWindow_px - 1) / kWindow_px;
     const int columns = (size.width + kWindow_px - 1) / kWindow_px;
-    blocks_.stride = columns + 2 + kLanes;
-    const auto num = static_cast<std::size_t>(rows + 2) * blocks_.stride + kLanes;
+    blocks_.stride = columns + 2 + base::kLanes;
+    const auto num = static_cast<std::size_t>(rows + 2) * blocks_.stride + base::kLanes;
     for (auto& sums : blocks_.sums) sums.assign(num, 0.0F);
     blocks_.step_px.assign(num, 0.0F);
     blocks_.sigma_px.assign(num, 0.0F);
@@ -155,7 +159,7 @@ void SubpixelRefinement::begin_blocks(cv::Size size) {
 
 void SubpixelRefinement::add_blocks(int block_y) {
     const std::size_t first = static_cast<std::size_t>(block_y + 1) * blocks_.stride + 1;
-    const int num = blocks_.stride - 2 - kLanes;
+    const int num = blocks_.stride - 2 - base::kLanes;
     for (int term = 0; term < kNumTerms; ++term) {
         const std::int32_t* column = terms_.columns(static_cast<Term>(term));
         float* sums = blocks_.sums[term].data() + first;
@@ -173,11 +177,11 @@ void SubpixelRefinement::step_by_blocks(PaddedDisparity& disparity_px, PaddedDis
         if (y % kWindow_px == 0) {
             for (int term = 0; term < kNumTerms; ++term)
                 sums[term] = blocks_.sums[term].data() + first;
-            fit_blocks(sums, blocks_.stride, blocks_.stride - 2 - kLanes, steps, sigmas);
+            fit_blocks(sums, blocks_.stride, blocks_.stride - 2 - base::kLanes, steps, sigmas);
         }
         step_by_block_row(
             disparity_px.width(), steps, sigmas, disparity_px.row(y), sigma_px.row(y));
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -7,7 +7,7 @@
 #include "worker/stereo/lucas_kanade_terms.hpp"
 #include "worker/stereo/padded_disparity.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // A wide window measures what its disparities are off together. By itself each is off by as much as
 // a winner of the matcher is where there is little texture, and its neighbours with it.
@@ -18,7 +18,7 @@ inline constexpr float kWideSigma_px = 1.0F;
 // texture for that, over 27 x 27 px.
 class SubpixelRefinement {
 public:
-    explicit SubpixelRefinement(Instructions instructions)
+    explicit SubpixelRefinement(base::Instructions instructions)
         : instructions_(instructions), terms_(instructions) {}
 
     // CV_8UC1 pictures of more than 8 x 8 px; `disparity_px` takes the step. `sigma_px`: standard
@@ -42,9 +42,9 @@ private:
     void add_blocks(int block_y);
     void step_by_blocks(PaddedDisparity& disparity_px, PaddedDisparity& sigma_px);
 
-    Instructions instructions_;
+    base::Instructions instructions_;
     LucasKanadeTerms terms_;
     Blocks blocks_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

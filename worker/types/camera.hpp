@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 enum class Distortion { None, RadialTangential, Equidistant };
 
@@ -19,4 +19,4 @@ struct Camera {
     std::array<double, 4> distortion_coefficients = {0.0, 0.0, 0.0, 0.0};
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // Where a disparity is looked for: first_px, first_px + 1, ..., `num_px` of them.
 struct DisparityRange {
@@ -8,4 +8,4 @@ struct DisparityRange {
     int num_px = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -6,7 +6,7 @@
 
 #include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // A salient point as one rectified pair shows it. The id stays the same from frame to frame.
 struct Feature {
@@ -37,4 +37,4 @@ inline Eigen::Vector3d project_px(const RectifiedRig& rig, const Eigen::Vector3d
     return {pixel.x(), pixel.y(), rig.disparity_px(p_cam.z())};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

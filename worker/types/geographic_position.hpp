@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // Where the world's origin lies on the earth, WGS 84, and how the world is turned.
 struct GeographicPosition {
@@ -19,4 +19,4 @@ struct GeographicPosition {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

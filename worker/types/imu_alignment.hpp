@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // How the inertial unit stands beside the cameras' clock and frame: what the calibration misses.
 // Frame `body` is the imu as calibrated, fixed to the cameras; `imu` is how the unit really sits.
@@ -12,4 +12,4 @@ struct ImuAlignment {
     Eigen::Quaterniond q_body_imu = Eigen::Quaterniond::Identity();
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -7,7 +7,7 @@
 
 #include "worker/types/search_outcome.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // What a stereo pair says about depth, in the rectified left image.
 struct DepthMap {
@@ -38,4 +38,4 @@ struct KeyframeImages {
     DepthMap depth;      // empty when no surface is asked for
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // How far an orientation that the inertial unit gives is to be trusted.
 struct KnownRotation {
@@ -10,4 +10,4 @@ struct KnownRotation {
     double sigma_rad = 0.0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

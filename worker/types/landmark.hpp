@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // A feature as a keyframe saw it, in the rectified pair.
 struct LandmarkObservation {
@@ -19,4 +19,4 @@ struct Landmark {
     std::vector<LandmarkObservation> observations;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // How a calibration errs, of one camera: relative focal length (both axes), principal point (px)
 // and the first two coefficients of the distortion.
@@ -13,4 +13,4 @@ struct LensChange {
     Vector values = Vector::Zero();  // focal length, cx, cy, k1, k2
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // Two keyframes that may show the same place: looked at, found to by geometry, believed.
 struct LoopStatistics {
@@ -15,4 +15,4 @@ struct LoopStatistics {
     double residual_sigmas = 0.0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

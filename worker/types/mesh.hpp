@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 using Color = std::array<std::uint8_t, 3>;  // r g b
 
@@ -21,4 +21,4 @@ struct Mesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

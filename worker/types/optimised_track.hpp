@@ -2,15 +2,15 @@
 
 #include <vector>
 
-#include "worker/types/path_uncertainty.hpp"
-#include "worker/types/pose_covariance.hpp"
-#include "worker/types/refined_calibration.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/loop_statistics.hpp"
+#include "worker/types/path_uncertainty.hpp"
+#include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/types/refined_calibration.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 struct OptimiseStatistics {
     double reprojection_rms_px = 0.0;
@@ -28,4 +28,4 @@ struct OptimisedTrack {
     OptimiseStatistics statistics;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

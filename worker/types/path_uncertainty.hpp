@@ -1,6 +1,6 @@
 #pragma once
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // How far a path is expected to be from the true one when it is laid on it by the best SE(3) of
 // positions, as its absolute trajectory error is measured. With P the covariance of all n positions
@@ -18,4 +18,4 @@ struct PathUncertainty {
     bool is_known() const { return degrees_of_freedom > 0.0; }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // How uncertain a pose is relative to the first one, in the axes of the body at the first pose.
 struct PoseCovariance {
@@ -14,4 +14,4 @@ struct PoseCovariance {
 };
 using CovarianceTrack = std::vector<PoseCovariance>;  // stamps strictly rising
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

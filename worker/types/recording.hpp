@@ -8,7 +8,7 @@
 
 #include "worker/types/rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 struct ImuSample {
     std::int64_t timestamp_ns = 0;
@@ -62,4 +62,4 @@ public:
     virtual std::int64_t num_skipped_frames() const = 0;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // The ideal pair that rectification makes: both image planes parallel, rows aligned, no
 // distortion. Frame `cam` below and in all steps is the rectified left camera (z forward, x to the
@@ -26,4 +26,4 @@ struct RectifiedRig {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

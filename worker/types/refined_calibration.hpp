@@ -6,7 +6,7 @@
 #include "worker/types/imu_alignment.hpp"
 #include "worker/types/lens_change.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // What the whole dive says about the calibration it came with, and what of it is believed.
 struct RefinedCalibration {
@@ -36,4 +36,4 @@ struct RefinedCalibration {
     bool is_known() const { return lens_sigmas[0][0] > 0.0; }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -5,7 +5,7 @@
 
 #include "worker/types/camera.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 struct ImuNoise {
     double gyroscope_noise_density = 2e-3;      // rad/s/sqrt(Hz)
@@ -27,4 +27,4 @@ struct Rig {
     double baseline_m() const { return T_cam1_cam0().translation().norm(); }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -4,7 +4,7 @@
 
 #include "worker/types/disparity_range.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 // Where a picture was searched, and how many of the patches of its survey (CoarseDisparitySearch)
 // lie outside of that: what a search within a range cannot find, it cannot count either.
@@ -39,4 +39,4 @@ struct SearchStatistics {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "worker/types/imu_alignment.hpp"
-#include "worker/types/rectified_rig.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rectified_rig.hpp"
 #include "worker/types/search_outcome.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::types {
 
 struct TrackStatistics {
     std::int64_t num_frames = 0;             // that decoded
@@ -38,4 +38,4 @@ struct Track {
     TrackStatistics statistics;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::types

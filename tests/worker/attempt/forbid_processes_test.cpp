@@ -13,7 +13,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace divemesh::worker {
+namespace divemesh::attempt {
 namespace {
 
 template <class Function>
@@ -105,4 +105,4 @@ TEST(ForbidProcessesTest, ThreadsThatRanBeforeAreHeldToIt) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::attempt

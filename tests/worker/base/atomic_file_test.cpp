@@ -5,7 +5,7 @@
 
 #include "tests/worker/io/test_files.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 class AtomicFileTest : public FileTest {};
@@ -63,4 +63,4 @@ TEST_F(AtomicFileTest, AMissingFolderIsNamed) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 class BackgroundOnThreads : public testing::TestWithParam<int> {};
@@ -49,4 +49,4 @@ TEST_P(BackgroundOnThreads, TwoOfThemShareTheWorkersWithoutWaitingForEachOther) 
 INSTANTIATE_TEST_SUITE_P(Threads, BackgroundOnThreads, testing::Values(1, 2, 4));
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -5,7 +5,7 @@
 #include "tests/synthetic/pose_near.hpp"
 #include "tests/synthetic/stereo_world.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 using synthetic::IsPoseWithin;
@@ -64,4 +64,4 @@ TEST(HornTest, RefusesPointsOnALine) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace divemesh::worker {
+namespace divemesh::base {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -38,4 +38,4 @@ TEST(RotationVectorTest, AQuaternionAndItsNegativeAreOneRotation) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::base

@@ -5,12 +5,12 @@
 #include "worker/camera/projection.hpp"
 #include "worker/camera/rectifier.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::camera {
 namespace {
 
 // Cameras half a degree apart whose k1 is `k1`.
-Rig rig_with(double k1) {
-    Rig rig;
+types::Rig rig_with(double k1) {
+    types::Rig rig;
     rig.cam0 = {640, 480, 498.0, 497.0, 322.0, 238.0};
     rig.cam0.distortion_coefficients = {k1, 0.03, 4e-4, -3e-4};
     rig.cam1 = rig.cam0;
@@ -25,7 +25,7 @@ constexpr double kStated = -0.108;
 constexpr double kTrue = -0.12;
 
 // What a pair rectified as stated shows of a point that the true lenses recorded.
-Eigen::Vector3d measured_px(const RectifiedRig& rectified, const Eigen::Vector3d& p_cam) {
+Eigen::Vector3d measured_px(const types::RectifiedRig& rectified, const Eigen::Vector3d& p_cam) {
     const auto stated = rectified_lenses(rig_with(kStated));
     const auto real = rectified_lenses(rig_with(kTrue));
     const Eigen::Vector3d p_right = p_cam - Eigen::Vector3d(rectified.baseline_m, 0.0, 0.0);
@@ -36,14 +36,14 @@ Eigen::Vector3d measured_px(const RectifiedRig& rectified, const Eigen::Vector3d
     return {left.x(), left.y(), left.x() - right.x()};
 }
 
-std::array<LensChange, 2> change_of_k1(double change) {
-    LensChange lens;
+std::array<types::LensChange, 2> change_of_k1(double change) {
+    types::LensChange lens;
     lens.values[3] = change;
     return {lens, lens};
 }
 
 TEST(RerectifierTest, PutsObservationsWhereTheTrueLensesWouldHaveShownThem) {
-    const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
+    const types::RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const Rerectifier rerectifier(rig_with(kStated), rectified, change_of_k1(kTrue - kStated));
     double max_error_px = 0.0;
     for (const Eigen::Vector3d& p_cam : {Eigen::Vector3d(0.9, 0.7, 1.5),
@@ -59,14 +59,14 @@ TEST(RerectifierTest, PutsObservationsWhereTheTrueLensesWouldHaveShownThem) {
 }
 
 TEST(RerectifierTest, MovesAKeyframesDepthAsItMovesObservations) {
-    const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
+    const types::RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const Rerectifier rerectifier(rig_with(kStated), rectified, change_of_k1(kTrue - kStated));
-    KeyframeImages images;
+    types::KeyframeImages images;
     images.left_color = cv::Mat::zeros(480, 640, CV_8UC3);
     images.depth.disparity_px = cv::Mat(480, 640, CV_32F, cv::Scalar(40.0));
     images.depth.sigma_disparity_px = cv::Mat(480, 640, CV_32F, cv::Scalar(0.2));
 
-    const KeyframeImages moved = KeyframeRerectifier(rectified, rerectifier).moved(images);
+    const types::KeyframeImages moved = KeyframeRerectifier(rectified, rerectifier).moved(images);
 
     for (const Eigen::Vector2d& old :
          {Eigen::Vector2d(100.0, 60.0), Eigen::Vector2d(560.0, 400.0)}) {
@@ -80,10 +80,10 @@ TEST(RerectifierTest, MovesAKeyframesDepthAsItMovesObservations) {
 
 // Taken from the nearest pixel alone, a slope would come out as a staircase.
 TEST(RerectifierTest, LeavesASlopeSmooth) {
-    const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
+    const types::RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const Rerectifier rerectifier(rig_with(kStated), rectified, change_of_k1(kTrue - kStated));
     const auto slope_px = [](double u, double v) { return 30.0 + 0.05 * u + 0.1 * v; };
-    KeyframeImages images;
+    types::KeyframeImages images;
     images.left_color = cv::Mat::zeros(480, 640, CV_8UC3);
     images.depth.disparity_px = cv::Mat(480, 640, CV_32F);
     for (int v = 0; v < 480; ++v)
@@ -91,7 +91,7 @@ TEST(RerectifierTest, LeavesASlopeSmooth) {
             images.depth.disparity_px.at<float>(v, u) = static_cast<float>(slope_px(u, v));
     images.depth.sigma_disparity_px = cv::Mat(480, 640, CV_32F, cv::Scalar(0.2));
 
-    const KeyframeImages moved = KeyframeRerectifier(rectified, rerectifier).moved(images);
+    const types::KeyframeImages moved = KeyframeRerectifier(rectified, rerectifier).moved(images);
 
     double max_error_px = 0.0;
     for (int v = 100; v < 400; v += 7)
@@ -111,10 +111,10 @@ TEST(RerectifierTest, LeavesASlopeSmooth) {
 }
 
 TEST(ShiftOfChangeTest, IsWhereTheChangedLensShowsARay) {
-    const RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
+    const types::RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const auto lenses = rectified_lenses(rig_with(kStated));
     const Eigen::Vector2d pixel(420.0, 110.0);
-    LensChange change;
+    types::LensChange change;
     change.values << 1e-4, 0.03, -0.02, 1e-4, -2e-4;
     RectifiedLens changed = lenses[0];
     changed.camera = changed_camera(changed.camera, change);
@@ -128,4 +128,4 @@ TEST(ShiftOfChangeTest, IsWhereTheChangedLensShowsARay) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::camera

@@ -17,7 +17,7 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/compare/compare.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
@@ -196,4 +196,4 @@ TEST_F(AreaChangesTest, AreasOfAnotherFrameAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 // Level ground with a flight of steps across its middle, looked at twice.
@@ -71,4 +71,4 @@ TEST_F(ChangeScatterTest, TooFewCellsToTellLeaveSigmaAsStated) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

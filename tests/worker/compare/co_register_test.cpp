@@ -7,7 +7,7 @@
 #include "schemas/error.hpp"
 #include "tests/synthetic/rough_ground.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using synthetic::ground_mesh;
@@ -32,16 +32,16 @@ Eigen::Isometry3d pose(double heading, double tilt, const Eigen::Vector3d& shift
     return T;
 }
 
-CoRegistration registered(const Mesh& a, const Mesh& b) {
+CoRegistration registered(const types::Mesh& a, const types::Mesh& b) {
     return co_register(a, b, {.spacing_m = kStep_m, .num_threads = 2}, {});
 }
 
 TEST(CoRegister, FindsAnyHeadingThoughAFifthOfTheGroundHasChanged) {
     const HeightOf ground = rough_ground(1);
-    const Mesh a = ground_mesh(ground, 1.7, 1.3, kStep_m, kNoise_m, 1);
+    const types::Mesh a = ground_mesh(ground, 1.7, 1.3, kStep_m, kNoise_m, 1);
     for (const double heading : {0.4, 2.9}) {
         const Eigen::Isometry3d T_b_a = pose(heading, 0.005, {3.0, -2.0, 0.7});
-        const Mesh b =
+        const types::Mesh b =
             moved(ground_mesh(with_a_fifth_raised(ground), 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
         const CoRegistration fit = registered(a, b);
         const Eigen::Isometry3d off = fit.T_a_b * T_b_a;
@@ -62,8 +62,8 @@ TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
     const std::vector<float> unknown;
     for (int draw = 0; draw < kDraws; ++draw) {
         const auto seed = static_cast<unsigned>(10 + 2 * draw);
-        const Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed);
-        const Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed + 1);
+        const types::Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed);
+        const types::Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed + 1);
         const PointGrid grid_a(a.vertices, 0.06F);
         const PointGrid grid_b(b.vertices, 0.06F);
         const auto fit = point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
@@ -79,9 +79,9 @@ TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
 }
 
 TEST(CoRegister, RefusesAnotherPlace) {
-    const Mesh a = ground_mesh(rough_ground(3), 1.7, 1.3, kStep_m, kNoise_m, 1);
+    const types::Mesh a = ground_mesh(rough_ground(3), 1.7, 1.3, kStep_m, kNoise_m, 1);
     for (const unsigned place : {4U, 5U, 6U}) {
-        const Mesh b = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 2);
+        const types::Mesh b = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 2);
         try {
             const CoRegistration fit = registered(a, b);
             FAIL() << "laid place " << place << " over place 3, agreement " << fit.agreement;
@@ -94,9 +94,9 @@ TEST(CoRegister, RefusesAnotherPlace) {
 // Where surfaces are said to be known to centimetres, much of any ground lies within that.
 TEST(CoRegister, RefusesAnotherPlaceAlsoWhereSurfacesAreNotWellKnown) {
     for (const unsigned place : {22U, 30U, 42U}) {
-        Mesh a = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 1);
-        Mesh b = ground_mesh(rough_ground(place + 1), 1.2, 1.0, kStep_m, kNoise_m, 2);
-        for (Mesh* mesh : {&a, &b}) mesh->sigma_m.assign(mesh->vertices.size(), 0.02F);
+        types::Mesh a = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 1);
+        types::Mesh b = ground_mesh(rough_ground(place + 1), 1.2, 1.0, kStep_m, kNoise_m, 2);
+        for (types::Mesh* mesh : {&a, &b}) mesh->sigma_m.assign(mesh->vertices.size(), 0.02F);
         try {
             const CoRegistration fit = registered(a, b);
             ADD_FAILURE() << "laid place " << place + 1 << " over " << place << ", agreement "
@@ -110,17 +110,17 @@ TEST(CoRegister, RefusesAnotherPlaceAlsoWhereSurfacesAreNotWellKnown) {
 TEST(CoRegister, FindsLowGroundOfWhichEachSurfaceShowsTheShape) {
     const auto low = [ground = rough_ground(9)](double x, double y) { return 0.4 * ground(x, y); };
     const Eigen::Isometry3d T_b_a = pose(1.0, 0.0, {0.5, 0.2, -0.1});
-    const Mesh later = moved(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
+    const types::Mesh later = moved(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 2), T_b_a);
     const CoRegistration fit = registered(ground_mesh(low, 1.7, 1.3, kStep_m, kNoise_m, 1), later);
     EXPECT_LT((fit.T_a_b * T_b_a).translation().norm(), 0.005);
 }
 
 TEST(CoRegister, RefusesGroundWithoutShapeAndWithoutImages) {
     const HeightOf flat = [](double, double) { return 0.0; };
-    const Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);
-    const Mesh b = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 2);
+    const types::Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);
+    const types::Mesh b = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 2);
     EXPECT_THROW(registered(a, b), Error);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

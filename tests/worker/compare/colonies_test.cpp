@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
-Polygon square(double x, double y, double side_m) {
+reef::Polygon square(double x, double y, double side_m) {
     return {{x, y}, {x + side_m, y}, {x + side_m, y + side_m}, {x, y + side_m}};
 }
 
-Colony colony(const std::string& label, const Polygon& outline) {
-    return {label, label, outline, area_m2(outline), max_diameter_m(outline), 1.0};
+Colony colony(const std::string& label, const reef::Polygon& outline) {
+    return {label, label, outline, reef::area_m2(outline), reef::max_diameter_m(outline), 1.0};
 }
 
 TEST(Colonies, TheSameIsTheOneWithTheMostInCommonNeverOneOfAnotherLabel) {
@@ -31,7 +31,7 @@ TEST(Colonies, TheSameIsTheOneWithTheMostInCommonNeverOneOfAnotherLabel) {
 }
 
 TEST(Colonies, OutlinesMayBeHollowAndRunEitherWay) {
-    Polygon ell = {{0.0, 0.0}, {0.3, 0.0}, {0.3, 0.1}, {0.1, 0.1}, {0.1, 0.3}, {0.0, 0.3}};
+    reef::Polygon ell = {{0.0, 0.0}, {0.3, 0.0}, {0.3, 0.1}, {0.1, 0.1}, {0.1, 0.3}, {0.0, 0.3}};
     const std::vector<Colony> in_the_notch = {colony("x", square(0.15, 0.15, 0.2))};
     EXPECT_EQ(match_colonies({colony("x", ell)}, in_the_notch)[0].after, -1);
     EXPECT_EQ(match_colonies(in_the_notch, {colony("x", ell)})[0].after, -1);
@@ -43,7 +43,7 @@ TEST(Colonies, OutlinesMayBeHollowAndRunEitherWay) {
 
 TEST(Colonies, OutlinedCellsAreThoseWhoseMiddleIsWithin) {
     const RasterGrid grid{0.1, {-1.0, 2.0}, 40, 30};
-    const Polygon triangle = {{0.0, 0.0}, {1.0, 0.03}, {0.31, 0.98}};
+    const reef::Polygon triangle = {{0.0, 0.0}, {1.0, 0.03}, {0.31, 0.98}};
     const OutlinedCells within = cells_within(triangle, grid);
     int num = 0;
     for (int row = 0; row < grid.rows; ++row)
@@ -51,10 +51,11 @@ TEST(Colonies, OutlinedCellsAreThoseWhoseMiddleIsWithin) {
             const cv::Point at(column, row);
             const bool is_in = within.window.contains(at) &&
                                within.cells.at<std::uint8_t>(at - within.window.tl()) != 0;
-            EXPECT_EQ(is_in, contains(triangle, grid.center(row, column))) << row << " " << column;
+            EXPECT_EQ(is_in, reef::contains(triangle, grid.center(row, column)))
+                << row << " " << column;
             num += is_in ? 1 : 0;
         }
-    EXPECT_NEAR(0.01 * num, area_m2(triangle), 0.06);
+    EXPECT_NEAR(0.01 * num, reef::area_m2(triangle), 0.06);
     EXPECT_TRUE(cells_within(square(5.0, 5.0, 1.0), grid).window.empty());
 }
 
@@ -62,12 +63,12 @@ TEST(Colonies, HalfOnTheGroundIsHalf) {
     const RasterGrid grid{0.01, {0.0, 1.0}, 100, 100};
     cv::Mat ground = cv::Mat::zeros(100, 100, CV_8U);
     ground.colRange(0, 50).setTo(cv::Scalar::all(255));
-    AreaSet set;
+    reef::AreaSet set;
     set.areas.push_back({"c",
                          "x",
-                         AreaKind::Polygon,
+                         reef::AreaKind::Polygon,
                          {{0.4, 0.4, 0}, {0.6, 0.4, 0}, {0.6, 0.6, 0}, {0.4, 0.6, 0}}});
-    set.areas.push_back({"q", "", AreaKind::Quadrat, set.areas[0].points});
+    set.areas.push_back({"q", "", reef::AreaKind::Quadrat, set.areas[0].points});
     const auto colonies = colonies_of(set, grid, ground);
     ASSERT_EQ(colonies.size(), 1U);
     EXPECT_NEAR(colonies[0].share, 0.5, 1e-9);
@@ -76,4 +77,4 @@ TEST(Colonies, HalfOnTheGroundIsHalf) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -14,7 +14,7 @@
 #include "tests/synthetic/small_reconstruction.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
@@ -127,4 +127,4 @@ TEST_F(CompareTest, AFolderWithoutSurfaceIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

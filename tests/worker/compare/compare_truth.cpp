@@ -69,7 +69,7 @@ int run(int argc, char** argv) {
     int year = 2;
     double length_m = 6.0;
     std::filesystem::path truth;
-    worker::CompareRequest request;
+    compare::CompareRequest request;
     app.add_option("a", request.a, "earlier reconstruction")->required();
     app.add_option("b", request.b, "later reconstruction")->required();
     app.add_option("dive", truth, "folder of the earlier dive")->required();
@@ -80,11 +80,11 @@ int run(int argc, char** argv) {
     app.add_option("--year", year, "of the later dive");
     app.add_option("--threads", request.num_threads);
     CLI11_PARSE(app, argc, argv);
-    const json document = worker::compare_reconstructions(request);
-    const auto kind = worker::scene_kind_from_string(scene);
+    const json document = compare::compare_reconstructions(request);
+    const auto kind = simulator::scene_kind_from_string(scene);
     judge(document,
-          synthetic::TrueChange(worker::make_scene(kind, seed, 1, length_m),
-                                worker::make_scene(kind, seed, year, length_m),
+          synthetic::TrueChange(simulator::make_scene(kind, seed, 1, length_m),
+                                simulator::make_scene(kind, seed, year, length_m),
                                 request.a,
                                 truth / "mav0/state_groundtruth_estimate0/data.csv",
                                 request.out));

@@ -11,7 +11,7 @@
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
@@ -20,26 +20,26 @@ constexpr double kLength_m = 2.5;
 
 // Small pictures of a reef in clear water.
 void dive(const std::filesystem::path& folder, std::uint64_t seed, int year) {
-    const SimulateOptions options{.scene = SceneKind::Reef,
-                                  .out = folder / "dive",
-                                  .length_m = kLength_m,
-                                  .rate_hz = 4.0,
-                                  .seed = seed,
-                                  .water = WaterKind::Clear,
-                                  .year = year,
-                                  .snow = false,
-                                  .fish = false,
-                                  .width_px = 400,
-                                  .height_px = 300,
-                                  .num_markers = 6,
-                                  .marker_size_m = 0.16};
-    simulate(options);
-    reconstruct_dive({.dive = folder / "dive",
-                      .out = folder / "model",
-                      .scratch = folder / "scratch",
-                      .resumable = false,
-                      .options = make_options("standard", json::object())},
-                     ignore_progress);
+    const simulator::SimulateOptions options{.scene = simulator::SceneKind::Reef,
+                                             .out = folder / "dive",
+                                             .length_m = kLength_m,
+                                             .rate_hz = 4.0,
+                                             .seed = seed,
+                                             .water = simulator::WaterKind::Clear,
+                                             .year = year,
+                                             .snow = false,
+                                             .fish = false,
+                                             .width_px = 400,
+                                             .height_px = 300,
+                                             .num_markers = 6,
+                                             .marker_size_m = 0.16};
+    simulator::simulate(options);
+    pipeline::reconstruct_dive({.dive = folder / "dive",
+                                .out = folder / "model",
+                                .scratch = folder / "scratch",
+                                .resumable = false,
+                                .options = make_options("standard", json::object())},
+                               base::ignore_progress);
 }
 
 // Two years of one reef on which six boards lie.
@@ -62,8 +62,9 @@ protected:
     }
     // The reconstruction's world in the scene's, by the whole path.
     static Eigen::Isometry3d T_scene_world(const std::string& year) {
-        return trajectory_error(read_trajectory(*folder_ / year / "model" / "trajectory.tum").poses,
-                                read_trajectory(truth_of(year)).poses)
+        return evaluation::trajectory_error(
+                   io::read_trajectory(*folder_ / year / "model" / "trajectory.tum").poses,
+                   io::read_trajectory(truth_of(year)).poses)
             .T_reference_surface;
     }
 
@@ -80,12 +81,13 @@ TEST_F(ComparedDives, WhatGrewAndWhatWasLostLiesWithinItsInterval) {
         std::ofstream(bare / "metrics.json") << metrics;
     }
     const json document = compare("bare");
-    const auto truth = synthetic::TrueChange(make_scene(SceneKind::Reef, 1, 1, kLength_m),
-                                             make_scene(SceneKind::Reef, 1, 2, kLength_m),
-                                             *folder_ / "first/model",
-                                             truth_of("first"),
-                                             *folder_ / "out_bare")
-                           .all();
+    const auto truth =
+        synthetic::TrueChange(simulator::make_scene(simulator::SceneKind::Reef, 1, 1, kLength_m),
+                              simulator::make_scene(simulator::SceneKind::Reef, 1, 2, kLength_m),
+                              *folder_ / "first/model",
+                              truth_of("first"),
+                              *folder_ / "out_bare")
+            .all();
     const auto expect_within = [&](const char* kind, double volume_m3) {
         const json& interval = document.at(kind).at("volume_m3");
         EXPECT_LE(interval.at("low").get<double>(), volume_m3) << kind << interval;
@@ -99,7 +101,7 @@ TEST_F(ComparedDives, WhatGrewAndWhatWasLostLiesWithinItsInterval) {
 
 TEST_F(ComparedDives, MarkersTellWhereTheLaterYearLies) {
     const auto markers = [](const char* year) {
-        return marker_positions(ReconstructionFolder(*folder_ / year / "model"));
+        return marker_positions(io::ReconstructionFolder(*folder_ / year / "model"));
     };
     const auto coarse_alignments = align_by_markers(markers("first"), markers("second"));
     ASSERT_EQ(coarse_alignments.size(), 1U);
@@ -141,4 +143,4 @@ TEST_F(ComparedDives, BoardsLieWhereTheyWereLaidInTheFirstYear) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -4,7 +4,7 @@
 
 #include "tests/synthetic/rough_ground.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 using synthetic::ground_mesh;
@@ -16,8 +16,8 @@ struct Compared {
     std::size_t num = 0;
 };
 
-Compared compare(const Mesh& a,
-                 const Mesh& b,
+Compared compare(const types::Mesh& a,
+                 const types::Mesh& b,
                  const std::function<double(const Eigen::Vector3f&)>& truth_m,
                  M3c2Options options = {}) {
     const PointGrid grid_a(a.vertices, options.cylinder_m);
@@ -44,8 +44,8 @@ const HeightOf kTilted = [](double x, double y) { return 0.3 * x - 0.2 * y; };
 
 TEST(M3c2, MeasuresTheKnownOffsetOfATiltedPlane) {
     const double slope = std::sqrt(1.0 + 0.3 * 0.3 + 0.2 * 0.2);
-    const Mesh a = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.0, 1);
-    const Mesh b = ground_mesh(
+    const types::Mesh a = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.0, 1);
+    const types::Mesh b = ground_mesh(
         [](double x, double y) { return kTilted(x, y) + 0.05; }, 0.6, 0.6, 0.01, 0.0, 2);
     const auto result = compare(a, b, [&](const Eigen::Vector3f&) { return 0.05 / slope; });
     EXPECT_GT(result.num, 1000U);
@@ -53,8 +53,8 @@ TEST(M3c2, MeasuresTheKnownOffsetOfATiltedPlane) {
 }
 
 TEST(M3c2, LevelOfDetectionHoldsFor95PercentOfNoisyPlanes) {
-    const Mesh a = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.004, 3);
-    const Mesh b = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.006, 4);
+    const types::Mesh a = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.004, 3);
+    const types::Mesh b = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.006, 4);
     const auto result = compare(a, b, [](const Eigen::Vector3f&) { return 0.0; });
     EXPECT_GT(result.within, 0.92);  // some 250 independent cylinders: 1.4 % of deviation
     EXPECT_LT(result.within, 0.98);
@@ -67,8 +67,8 @@ TEST(M3c2, MeasuresTheGrowthOfAHemisphereAlongItsRadius) {
             return std::sqrt(std::max(0.0, radius * radius - x * x - y * y));
         };
     };
-    const Mesh a = ground_mesh(hemisphere(0.5), 0.6, 0.6, 0.006, 0.001, 5);
-    const Mesh b = ground_mesh(hemisphere(0.53), 0.6, 0.6, 0.006, 0.001, 6);
+    const types::Mesh a = ground_mesh(hemisphere(0.5), 0.6, 0.6, 0.006, 0.001, 5);
+    const types::Mesh b = ground_mesh(hemisphere(0.53), 0.6, 0.6, 0.006, 0.001, 6);
     M3c2Options options;
     options.normal_scale_m = 0.06F;
     options.cylinder_m = 0.03F;
@@ -91,7 +91,7 @@ TEST(M3c2, MeasuresTheGrowthOfAHemisphereAlongItsRadius) {
 }
 
 TEST(M3c2, TheRegistrationsErrorIsAddedToTheLevelOfDetection) {
-    const Mesh a = ground_mesh(kTilted, 0.3, 0.3, 0.01, 0.002, 3);
+    const types::Mesh a = ground_mesh(kTilted, 0.3, 0.3, 0.01, 0.002, 3);
     const PointGrid grid(a.vertices, 0.05F);
     const SurfacePoints points{a.vertices, a.normals, a.sigma_m, grid};
     M3c2Options options;
@@ -105,7 +105,7 @@ TEST(M3c2, TheRegistrationsErrorIsAddedToTheLevelOfDetection) {
 }
 
 TEST(M3c2, NeighboursThatErrTogetherCountAsOne) {
-    const Mesh a = ground_mesh(kTilted, 0.3, 0.3, 0.01, 0.002, 3);
+    const types::Mesh a = ground_mesh(kTilted, 0.3, 0.3, 0.01, 0.002, 3);
     const PointGrid grid(a.vertices, 0.05F);
     const SurfacePoints points{a.vertices, a.normals, a.sigma_m, grid};
     M3c2Options options;
@@ -115,4 +115,4 @@ TEST(M3c2, NeighboursThatErrTogetherCountAsOne) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

@@ -2,14 +2,14 @@
 
 #include "tests/worker/io/test_files.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 class MarkerPositionsTest : public FileTest {
 protected:
     std::vector<MarkerPosition> positions(const std::string& metrics) {
         write("metrics.json", metrics);
-        return marker_positions(ReconstructionFolder(file("")));
+        return marker_positions(io::ReconstructionFolder(file("")));
     }
 };
 
@@ -42,4 +42,4 @@ TEST_F(MarkerPositionsTest, ABrokenSectionNamesItsFile) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

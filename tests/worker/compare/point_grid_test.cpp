@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace divemesh::worker {
+namespace divemesh::compare {
 namespace {
 
 std::vector<Eigen::Vector3f> scattered(std::size_t num) {
@@ -87,4 +87,4 @@ TEST(PointGrid, VisitsEachPointOfACylinderOnce) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::compare

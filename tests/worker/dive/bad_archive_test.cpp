@@ -10,7 +10,7 @@
 #include "worker/dive/dive.hpp"
 #include "worker/dive/intake.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 // A tiny dive in an archive, with something added to it.
@@ -27,7 +27,7 @@ protected:
     }
 
     std::vector<Finding> examine_file() {
-        return examine_dive(file_, scratch_.path(), ignore_progress).findings;
+        return examine_dive(file_, scratch_.path(), base::ignore_progress).findings;
     }
 
     // The message of the refusal under these limits; "" when it opens.
@@ -172,4 +172,4 @@ TEST_F(BadArchiveTest, ASizeThatLiesInAZipIsRefused) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

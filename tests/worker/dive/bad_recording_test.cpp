@@ -8,7 +8,7 @@
 #include "tests/worker/dive/tiny_dive.hpp"
 #include "worker/dive/intake.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr const char* kCam0Rows = "mav0/cam0/data.csv";
@@ -20,7 +20,7 @@ constexpr const char* kImuRows = "mav0/imu0/data.csv";
 class BadRecordingTest : public testing::Test {
 protected:
     IntakeReport report() {
-        return examine_dive(tiny_.folder(), folder_ / "scratch", ignore_progress);
+        return examine_dive(tiny_.folder(), folder_ / "scratch", base::ignore_progress);
     }
     std::vector<Finding> findings() { return report().findings; }
     static std::string image(int index) { return "mav0/cam0/data/" + TinyDive::image_name(index); }
@@ -398,4 +398,4 @@ TEST_F(BadRecordingTest, ABrokenDiveJsonIsToldAndLeftOut) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -10,7 +10,7 @@
 #include "worker/dive/dive.hpp"
 #include "worker/dive/intake.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 struct Form {
@@ -61,7 +61,7 @@ TEST_P(ContainersTest, CutShortIsRefusedOrToldAndNeverCrashes) {
     const auto file = packed("");
     std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
 
-    const auto report = examine_dive(file, scratch_.path(), ignore_progress);
+    const auto report = examine_dive(file, scratch_.path(), base::ignore_progress);
 
     EXPECT_TRUE(has_error(report.findings));
 }
@@ -96,7 +96,7 @@ TEST(FolderTest, ALinkOutOfTheDiveIsNotFollowed) {
     std::filesystem::rename(tiny.folder() / image, folder / "outside.png");
     std::filesystem::create_symlink(folder / "outside.png", tiny.folder() / image);
 
-    const auto report = examine_dive(tiny.folder(), folder / "scratch", ignore_progress);
+    const auto report = examine_dive(tiny.folder(), folder / "scratch", base::ignore_progress);
 
     EXPECT_THAT(report.findings, HasFinding(Severity::Warning, "file_left_out", image));
     EXPECT_THAT(report.findings, HasFinding(Severity::Warning, "image_missing", image));
@@ -141,4 +141,4 @@ TEST(FolderTest, ASecondPassGivesTheSameFramesAndTellsNothingTwice) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

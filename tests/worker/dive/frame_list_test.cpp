@@ -4,7 +4,7 @@
 
 #include "tests/worker/dive/finding_matcher.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
@@ -72,4 +72,4 @@ TEST(FrameListTest, AFileNameThatLeavesTheFolderIsRefused) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

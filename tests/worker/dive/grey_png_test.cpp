@@ -9,7 +9,7 @@
 
 #include "tests/synthetic/texture.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 std::string png(const cv::Mat& image, std::vector<int> flags = {}) {
@@ -57,4 +57,4 @@ TEST(GreyPngTest, RefusesEveryDamage) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

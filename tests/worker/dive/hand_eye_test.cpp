@@ -12,7 +12,7 @@
 #include "tests/worker/dive/finding_matcher.hpp"
 #include "worker/dive/dive.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 // A rig that turns at random, a gyro with bias and noise.
@@ -106,7 +106,7 @@ TEST(HandEyeTest, SharedDivesWithCamerasInvertedAgainstTheImuAreRefused) {
         const TemporaryFolder folder;
         std::filesystem::copy(
             original / "mav0", folder / "mav0", std::filesystem::copy_options::recursive);
-        const Rig rig = Dive::open(original, folder / "scratch")->rig();
+        const types::Rig rig = Dive::open(original, folder / "scratch")->rig();
         const Eigen::Isometry3d T_wrong = rig.T_imu_cam0.inverse();
         write_mounting(folder / "mav0/cam0/sensor.yaml", T_wrong);
         write_mounting(folder / "mav0/cam1/sensor.yaml", T_wrong * rig.T_cam1_cam0().inverse());
@@ -135,4 +135,4 @@ TEST(HandEyeTest, SharedDiveWithSwappedImagesIsRefused) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

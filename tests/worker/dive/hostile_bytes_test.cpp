@@ -10,7 +10,7 @@
 #include "tests/worker/dive/tiny_dive.hpp"
 #include "worker/dive/intake.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 // Cuts, flips, doubles or blows up a part of the bytes, the same for the same seed.
@@ -39,7 +39,7 @@ std::string read_file(const std::filesystem::path& file) {
 // What comes out is a report or an Error that is meant; anything else fails the test.
 void expect_survived(const std::filesystem::path& path, const std::filesystem::path& scratch) {
     try {
-        const auto report = examine_dive(path, scratch, ignore_progress);
+        const auto report = examine_dive(path, scratch, base::ignore_progress);
         for (const Finding& finding : report.findings) {
             EXPECT_FALSE(finding.code.empty());
             EXPECT_FALSE(finding.message.empty());
@@ -100,4 +100,4 @@ TEST(HostileBytesTest, DamagedFilesGiveFindingsAndNeverCrash) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -11,7 +11,7 @@
 #include "worker/dive/image.hpp"
 #include "worker/dive/intake.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 constexpr int kWidth_px = 64;
@@ -149,11 +149,11 @@ TEST(HostileImagesTest, APositionInAPictureDoesNotGetIntoTheThumbnail) {
                                                      std::string("\0\0\0\x1a", 4)) +
                                  position));
     }
-    const auto report = examine_dive(tiny.folder(), folder / "scratch", ignore_progress);
+    const auto report = examine_dive(tiny.folder(), folder / "scratch", base::ignore_progress);
     EXPECT_TRUE(report.thumbnail_jpeg.starts_with("\xff\xd8\xff"));
     EXPECT_EQ(report.thumbnail_jpeg.find(position), std::string::npos);
     EXPECT_EQ(report.thumbnail_jpeg.find("Exif"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -5,7 +5,7 @@
 
 #include "schemas/invalid_input.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 using nlohmann::json;
@@ -99,4 +99,4 @@ TEST(MarkerPlanTest, OptionsStandInPlaceOfWhatTheDiveSays) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -9,7 +9,7 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 TEST(PackFileTest, GivesBackWhatWasAppended) {
@@ -48,4 +48,4 @@ TEST(PackFileTest, AFullDiskIsSaidAsOutOfSpace) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

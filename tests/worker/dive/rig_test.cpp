@@ -7,7 +7,7 @@
 #include "tests/worker/dive/tiny_dive.hpp"
 #include "worker/dive/dive.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 // The body is a frame of its own: IMU and cameras are mounted on it, ground truth is of the body.
@@ -113,4 +113,4 @@ TEST(MeasurementsTest, EndsMarkedInImages) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

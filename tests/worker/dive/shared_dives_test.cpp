@@ -4,7 +4,7 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 struct SharedDive {
@@ -49,4 +49,4 @@ INSTANTIATE_TEST_SUITE_P(Shared,
                          [](const auto& dive) { return std::string(dive.param.name); });
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 using EntryOwner = std::unique_ptr<archive_entry, void (*)(archive_entry*)>;
@@ -80,4 +80,4 @@ void TestArchive::add_folder(const std::filesystem::path& folder, const std::str
     }
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 enum class Container { Zip, Tar, TarGz, TarZst };
 
@@ -34,4 +34,4 @@ private:
     std::unique_ptr<::archive, int (*)(::archive*)> writer_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 namespace {
 
 std::string png(const cv::Mat& image) {
@@ -108,4 +108,4 @@ std::string black_png(int width_px, int height_px) {
     return png(cv::Mat::zeros(height_px, width_px, CV_8UC1));
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

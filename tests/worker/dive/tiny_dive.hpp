@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace divemesh::worker {
+namespace divemesh::dive {
 
 // A whole dive in EuRoC layout, as small as it can be: five pairs of 64x48 grey PNGs at 10 Hz, IMU
 // at 200 Hz, ground truth. Tests spoil one thing of it.
@@ -33,4 +33,4 @@ std::string camera_yaml(const std::string& T_body_sensor);
 std::string png_of_size(int width_px, int height_px, int type);
 std::string black_png(int width_px, int height_px);
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::dive

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 class EvaluationTest : public testing::Test {
@@ -18,16 +18,16 @@ protected:
         mesh_.vertices = {{0, 0, 2}, {4, 0, 2}, {0, 4, 2}};
         mesh_.triangles = {{0, 1, 2}};
     }
-    Evaluation evaluate(const Trajectory& truth) const {
+    Evaluation evaluate(const types::Trajectory& truth) const {
         return evaluate_reconstruction(
             {rig_, trajectory_, trajectory_, {}, {}, &mesh_, truth, known_, reference_});
     }
 
-    Rig rig_;
-    Trajectory trajectory_;
-    Mesh mesh_;
-    std::optional<Mesh> reference_;
-    std::vector<KnownDistance> known_ = {{"a", {0, 0, 2}, {1, 0, 2}, 1.0}};
+    types::Rig rig_;
+    types::Trajectory trajectory_;
+    types::Mesh mesh_;
+    std::optional<types::Mesh> reference_;
+    std::vector<dive::KnownDistance> known_ = {{"a", {0, 0, 2}, {1, 0, 2}, 1.0}};
 };
 
 TEST_F(EvaluationTest, WithoutTruthThereIsNothingToCompareWith) {
@@ -48,8 +48,8 @@ TEST_F(EvaluationTest, WithTruthAndReferenceAllErrorsAreThere) {
 
 TEST_F(EvaluationTest, TruthOfAnotherTimeIsAFindingAndNotAFailure) {
     reference_ = mesh_;
-    Trajectory late = trajectory_;
-    for (StampedPose& pose : late) pose.timestamp_ns += 1'000'000'000'000;
+    types::Trajectory late = trajectory_;
+    for (types::StampedPose& pose : late) pose.timestamp_ns += 1'000'000'000'000;
     const Evaluation evaluation = evaluate(late);
     EXPECT_FALSE(evaluation.trajectory || evaluation.surface);
     ASSERT_FALSE(evaluation.findings.empty());
@@ -77,4 +77,4 @@ TEST_F(EvaluationTest, AnEmptyMeshIsAFindingAndNotAFailure) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -7,7 +7,7 @@
 
 #include "tests/synthetic/sensor_recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 struct Known {
@@ -30,10 +30,10 @@ struct Known {
     }
 
     synthetic::SensorRecording recording;
-    Trajectory trajectory;
-    CovarianceTrack covariances;
-    TrackStatistics track;
-    OptimiseStatistics optimise;
+    types::Trajectory trajectory;
+    types::CovarianceTrack covariances;
+    types::TrackStatistics track;
+    types::OptimiseStatistics optimise;
 };
 
 bool left_out(const ExpectedAccuracy& expected, const std::string& metric) {
@@ -99,4 +99,4 @@ TEST(ExpectedAccuracyTest, ALargeBoundAndAContradictedScaleAreFindings) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

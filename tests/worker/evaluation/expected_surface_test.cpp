@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 // Two triangles of the same size that share nothing.
-Mesh two_triangles(float sigma_a, float sigma_b, std::uint32_t views_a, std::uint32_t views_b) {
-    Mesh mesh;
+types::Mesh two_triangles(float sigma_a,
+                          float sigma_b,
+                          std::uint32_t views_a,
+                          std::uint32_t views_b) {
+    types::Mesh mesh;
     for (const float x : {0.0F, 5.0F})
         for (const Eigen::Vector3f& corner :
              {Eigen::Vector3f(x, 0, 0), Eigen::Vector3f(x + 1, 0, 0), Eigen::Vector3f(x, 1, 0)})
@@ -41,4 +44,4 @@ TEST(ExpectedSurfaceTest, SaysNothingOfAnEmptyMesh) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 // Rolls about x by 0.5 sin(2 t) rad: what a gyro and an accelerometer at rest in place would say.
@@ -12,15 +12,15 @@ Eigen::Isometry3d rolling(double t) {
     return Eigen::Isometry3d(Eigen::AngleAxisd(0.5 * std::sin(2.0 * t), Eigen::Vector3d::UnitX()));
 }
 
-Trajectory rolling_trajectory() {
-    Trajectory trajectory;
+types::Trajectory rolling_trajectory() {
+    types::Trajectory trajectory;
     for (int i = 0; i < 100; ++i)
         trajectory.push_back({i * std::int64_t{100'000'000}, rolling(0.1 * i)});
     return trajectory;
 }
 
-std::vector<ImuSample> rolling_imu() {
-    std::vector<ImuSample> imu;
+std::vector<types::ImuSample> rolling_imu() {
+    std::vector<types::ImuSample> imu;
     for (int i = -100; i < 2100; ++i) {
         const double t = 0.005 * i;
         const Eigen::Vector3d rate(std::cos(2.0 * t) + 0.03, 0.01, -0.02);  // with a bias
@@ -40,7 +40,7 @@ TEST(ImuCheck, GravityOfARollingRigPointsDownWithItsOwnSize) {
 
 TEST(ImuCheck, AnUpsideDownImuShowsAsTilt) {
     auto imu = rolling_imu();
-    for (ImuSample& sample : imu) sample.acceleration_imu *= -1.0;
+    for (types::ImuSample& sample : imu) sample.acceleration_imu *= -1.0;
     EXPECT_NEAR(check_gravity(imu, rolling_trajectory())->tilt_deg, 180.0, 0.5);
 }
 
@@ -49,4 +49,4 @@ TEST(ImuCheck, SaysNothingWithoutImu) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

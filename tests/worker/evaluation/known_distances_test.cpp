@@ -7,7 +7,7 @@
 
 #include "worker/camera/projection.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 // A rig with distorted lenses and the cameras half a degree apart, 1.2 m above the floor z = 0,
@@ -34,7 +34,7 @@ protected:
         add_square(floor_, 0.0F, 5.0F);
     }
 
-    static void add_square(Mesh& mesh, float z, float half_side) {
+    static void add_square(types::Mesh& mesh, float z, float half_side) {
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         mesh.vertices.insert(mesh.vertices.end(),
                              {{-half_side, -half_side, z},
@@ -44,26 +44,27 @@ protected:
         mesh.triangles.push_back({first, first + 1, first + 2});
         mesh.triangles.push_back({first, first + 2, first + 3});
     }
-    KnownDistanceErrors measure(const std::vector<KnownDistance>& known,
-                                const Trajectory& trajectory) const {
+    KnownDistanceErrors measure(const std::vector<dive::KnownDistance>& known,
+                                const types::Trajectory& trajectory) const {
         const SurfaceIndex reference(floor_);
         const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
         return measure_known_distances(known, &truth, rig_, {trajectory, {}});
     }
 
-    Rig rig_;
-    Trajectory truth_;
+    types::Rig rig_;
+    types::Trajectory truth_;
     std::vector<std::int64_t> timestamps_ns_;
-    Mesh floor_;
-    const KnownDistance bar_{"bar", {-0.2, 0.05, 0.0}, {0.2, -0.1, 0.0}, std::hypot(0.4, 0.15)};
+    types::Mesh floor_;
+    const dive::KnownDistance bar_{
+        "bar", {-0.2, 0.05, 0.0}, {0.2, -0.1, 0.0}, std::hypot(0.4, 0.15)};
 };
 
 TEST_F(KnownDistancesTest, AreExactWithThePosesOfTheTruthInAnyWorld) {
-    Trajectory elsewhere = truth_;
+    types::Trajectory elsewhere = truth_;
     const Eigen::Isometry3d T = Eigen::Translation3d(3, 1, -2) *
                                 Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 1, 0).normalized()) *
                                 Eigen::Isometry3d::Identity();
-    for (StampedPose& pose : elsewhere) pose.T_world_imu = T * pose.T_world_imu;
+    for (types::StampedPose& pose : elsewhere) pose.T_world_imu = T * pose.T_world_imu;
     const KnownDistanceErrors errors = measure({bar_}, elsewhere);
     ASSERT_TRUE(errors.distances[0].measured_m.has_value());
     EXPECT_NEAR(*errors.distances[0].measured_m, bar_.distance_m, 1e-7);
@@ -72,7 +73,7 @@ TEST_F(KnownDistancesTest, AreExactWithThePosesOfTheTruthInAnyWorld) {
 }
 
 TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
-    KnownDistance wrong = bar_;
+    dive::KnownDistance wrong = bar_;
     wrong.distance_m /= 1.02;  // so ours looks 2 % long
     const KnownDistanceErrors errors = measure({wrong, wrong}, truth_);
     EXPECT_NEAR(errors.scale_error, 0.02, 1e-6);
@@ -80,7 +81,7 @@ TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
 }
 
 TEST_F(KnownDistancesTest, AnEndOutsideTheImagesIsNotMeasured) {
-    KnownDistance far = bar_;
+    dive::KnownDistance far = bar_;
     far.b_world = {4.0, 0.0, 0.0};
     const KnownDistanceErrors errors = measure({far, bar_}, truth_);
     EXPECT_FALSE(errors.distances[0].measured_m.has_value());
@@ -98,7 +99,7 @@ TEST_F(KnownDistancesTest, AnEndUnderACoverIsNotMeasured) {
 }
 
 TEST_F(KnownDistancesTest, AnEndOffEverySurfaceIsNotMeasured) {
-    KnownDistance floating = bar_;
+    dive::KnownDistance floating = bar_;
     floating.a_world.z() = 0.2;
     EXPECT_EQ(measure({floating}, truth_).distances[0].num_keyframes_a, 0);
 }
@@ -112,18 +113,18 @@ TEST_F(KnownDistancesTest, ThreeKeyframesAreTooFew) {
 
 TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
     const auto marks_of = [&](const Eigen::Vector3d& p_world) {
-        std::vector<Mark> marks;
-        for (const StampedPose& pose : truth_) {
-            const auto left =
-                project(rig_.cam0, (pose.T_world_imu * rig_.T_imu_cam0).inverse() * p_world);
-            const auto right =
-                project(rig_.cam1, (pose.T_world_imu * rig_.T_imu_cam1).inverse() * p_world);
+        std::vector<dive::Mark> marks;
+        for (const types::StampedPose& pose : truth_) {
+            const auto left = camera::project(
+                rig_.cam0, (pose.T_world_imu * rig_.T_imu_cam0).inverse() * p_world);
+            const auto right = camera::project(
+                rig_.cam1, (pose.T_world_imu * rig_.T_imu_cam1).inverse() * p_world);
             marks.push_back({pose.timestamp_ns, left.value(), right});
         }
         for (std::size_t i = 0; i < marks.size(); i += 2) marks[i].pixel_right.reset();
         return marks;
     };
-    KnownDistance marked{
+    dive::KnownDistance marked{
         "bar", {}, {}, bar_.distance_m, marks_of(bar_.a_world), marks_of(bar_.b_world)};
     const auto measured_m = [&] {
         return measure_known_distances({marked}, nullptr, rig_, {truth_, {}})
@@ -137,7 +138,7 @@ TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
 }
 
 TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {
-    KnownDistance marked = bar_;
+    dive::KnownDistance marked = bar_;
     marked.marks_a.assign(6, {-1, {320.0, 240.0}, std::nullopt});
     marked.marks_b = marked.marks_a;
     EXPECT_EQ(measure_known_distances({marked}, nullptr, rig_, {truth_, {}}).num_measured, 0);
@@ -145,17 +146,17 @@ TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {
 
 // The path drifts between seeing one end and the other: by that much the length is uncertain.
 TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
-    CovarianceTrack known_well(2);
+    types::CovarianceTrack known_well(2);
     known_well[1].timestamp_ns = 1'000'000'000;
-    CovarianceTrack drifting = known_well;
+    types::CovarianceTrack drifting = known_well;
     drifting[1].position_m2 = Eigen::Vector3d(0.0, 4e-4, 1e-4).asDiagonal();
-    KnownDistance marked = bar_;
+    dive::KnownDistance marked = bar_;
     const SurfaceIndex reference(floor_);
     const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
     const auto marks_a = mark_point(bar_.a_world, truth), marks_b = mark_point(bar_.b_world, truth);
     marked.marks_a.assign(marks_a.begin(), marks_a.begin() + 4);  // 0 to 0.3 s
     marked.marks_b.assign(marks_b.end() - 4, marks_b.end());      // 0.6 to 0.9 s
-    const auto sigma_m = [&](const CovarianceTrack& covariances) {
+    const auto sigma_m = [&](const types::CovarianceTrack& covariances) {
         return measure_known_distances({marked}, nullptr, rig_, {truth_, covariances})
             .distances[0]
             .sigma_m;
@@ -170,18 +171,18 @@ TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
 
 // Noise of 0.3 px, drawn anew: sigma is what the measured lengths scatter by.
 TEST_F(KnownDistancesTest, SigmaIsTheScatterOfLengthsByNoisyMarks) {
-    const CovarianceTrack known_well(1);
+    const types::CovarianceTrack known_well(1);
     std::mt19937 random(3);
     std::normal_distribution<double> noise(0.0, 0.3);
     const SurfaceIndex reference(floor_);
     const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
     double squares_of_errors = 0.0, variances = 0.0;
     for (int i = 0; i < 400; ++i) {
-        KnownDistance marked = bar_;
+        dive::KnownDistance marked = bar_;
         marked.marks_a = mark_point(bar_.a_world, truth);
         marked.marks_b = mark_point(bar_.b_world, truth);
         for (auto* marks : {&marked.marks_a, &marked.marks_b})
-            for (Mark& mark : *marks) {
+            for (dive::Mark& mark : *marks) {
                 mark.pixel_left += Eigen::Vector2d(noise(random), noise(random));
                 if (mark.pixel_right)
                     *mark.pixel_right += Eigen::Vector2d(noise(random), noise(random));
@@ -197,7 +198,7 @@ TEST_F(KnownDistancesTest, SigmaIsTheScatterOfLengthsByNoisyMarks) {
 
 TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {
     const SurfaceIndex reference(floor_);
-    std::vector<Mark> marks =
+    std::vector<dive::Mark> marks =
         mark_point(bar_.a_world, MarkingInput{rig_, truth_, timestamps_ns_, reference});
     ASSERT_EQ(marks.size(), 10U);
     for (std::size_t i = 0; i < marks.size(); ++i)
@@ -208,4 +209,4 @@ TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -7,7 +7,7 @@
 #include "tests/paths.hpp"
 #include "worker/evaluation/evaluate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 // 1 cm too long in each metre of a straight path, a pose every half metre.
@@ -49,4 +49,4 @@ TEST(RelativePoseError, EqualsThePublishedMetricsOfEvo) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr double kDuration_s = 60.0;
@@ -26,10 +26,10 @@ Eigen::Matrix3d orientation(double t) {
 }
 
 // The cameras have every length `shrunk` times as long as it is.
-Trajectory path_seen(double shrunk, double duration_s = kDuration_s) {
-    Trajectory trajectory;
+types::Trajectory path_seen(double shrunk, double duration_s = kDuration_s) {
+    types::Trajectory trajectory;
     for (int i = 0; i <= std::lround(10.0 * duration_s); ++i) {
-        StampedPose pose{i * std::int64_t{100'000'000}, Eigen::Isometry3d::Identity()};
+        types::StampedPose pose{i * std::int64_t{100'000'000}, Eigen::Isometry3d::Identity()};
         pose.T_world_imu.linear() = orientation(0.1 * i);
         pose.T_world_imu.translation() = shrunk * position(0.1 * i);
         trajectory.push_back(pose);
@@ -37,13 +37,13 @@ Trajectory path_seen(double shrunk, double duration_s = kDuration_s) {
     return trajectory;
 }
 
-std::vector<ImuSample> imu_felt(double noise_m_s2, std::uint32_t seed) {
+std::vector<types::ImuSample> imu_felt(double noise_m_s2, std::uint32_t seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, noise_m_s2);
-    std::vector<ImuSample> imu;
+    std::vector<types::ImuSample> imu;
     for (int i = 0; i <= 200 * static_cast<int>(kDuration_s); ++i) {
         const double t = 0.005 * i;
-        ImuSample sample;
+        types::ImuSample sample;
         sample.timestamp_ns = i * std::int64_t{5'000'000};
         sample.acceleration_imu =
             orientation(t).transpose() * (acceleration(t) + Eigen::Vector3d(0.0, 0.0, 9.81)) +
@@ -54,10 +54,10 @@ std::vector<ImuSample> imu_felt(double noise_m_s2, std::uint32_t seed) {
     return imu;
 }
 
-std::vector<PressureSample> depth_felt(double noise_m, std::uint32_t seed) {
+std::vector<types::PressureSample> depth_felt(double noise_m, std::uint32_t seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, noise_m);
-    std::vector<PressureSample> pressure;
+    std::vector<types::PressureSample> pressure;
     for (int i = 0; i <= 10 * static_cast<int>(kDuration_s); ++i)
         pressure.push_back(
             {i * std::int64_t{100'000'000}, 7.0 - position(0.1 * i).z() + noise(random)});
@@ -95,8 +95,8 @@ TEST(ScaleCheckTest, OfAShortDiveWithASmallNoiseAsWell) {
 }
 
 TEST(ScaleCheckTest, AGapOfTheImuCostsItsWindowsAlone) {
-    std::vector<ImuSample> imu = imu_felt(0.03, 1);
-    std::erase_if(imu, [](const ImuSample& sample) {
+    std::vector<types::ImuSample> imu = imu_felt(0.03, 1);
+    std::erase_if(imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 20'000'000'000 && sample.timestamp_ns < 25'000'000'000;
     });
     const auto check = scale_by_accelerometer(imu, path_seen(1.0));
@@ -134,4 +134,4 @@ TEST(ScaleCheckTest, KnownDistancesSayTheScaleAndHowWellTheyAgree) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -9,12 +9,12 @@
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/evaluation/surface_samples.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 // A flat grid of cells of 10 cm in the plane z.
-Mesh plane(float z, int cells_x, int cells_y) {
-    Mesh mesh;
+types::Mesh plane(float z, int cells_x, int cells_y) {
+    types::Mesh mesh;
     const auto row = static_cast<std::uint32_t>(cells_x + 1);
     for (int y = 0; y <= cells_y; ++y)
         for (int x = 0; x <= cells_x; ++x)
@@ -112,8 +112,8 @@ TEST(SurfaceError, DoesNotDependOnTheNumberOfThreads) {
     one.num_threads = 1;
     SurfaceErrorInput four = few_samples();
     four.num_threads = 4;
-    const Mesh mesh = plane(0.01F, 7, 9);
-    const Mesh reference = plane(0, 10, 8);
+    const types::Mesh mesh = plane(0.01F, 7, 9);
+    const types::Mesh reference = plane(0, 10, 8);
     EXPECT_EQ(to_metrics(surface_error(mesh, reference, one)),
               to_metrics(surface_error(mesh, reference, four)));
 }
@@ -124,7 +124,7 @@ TEST(SurfaceError, AMeshWithoutAreaIsRefused) {
 }
 
 TEST(SurfaceSamples, ShareTheirNumberByArea) {
-    Mesh mesh;  // areas 3 and 1
+    types::Mesh mesh;  // areas 3 and 1
     mesh.vertices = {{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 9}, {1, 0, 9}, {0, 2, 9}};
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     int num_low = 0;
@@ -141,7 +141,7 @@ TEST(SurfaceSamples, ShareTheirNumberByArea) {
 }
 
 // The nearest of many points of the triangle.
-float sampled_distance(const Eigen::Vector3f& point, const Mesh& triangle) {
+float sampled_distance(const Eigen::Vector3f& point, const types::Mesh& triangle) {
     float nearest = 1e9F;
     for (int i = 0; i <= 200; ++i)
         for (int j = 0; i + j <= 200; ++j) {
@@ -157,7 +157,7 @@ float sampled_distance(const Eigen::Vector3f& point, const Mesh& triangle) {
 }
 
 TEST(SurfaceIndex, NearestPointAgreesWithASearchOverTheTriangle) {
-    Mesh mesh;
+    types::Mesh mesh;
     mesh.vertices = {{0, 0, 0}, {1, 0.2F, 0}, {0.3F, 0.8F, 0.5F}};
     mesh.triangles = {{0, 1, 2}};
     const SurfaceIndex index(mesh);
@@ -170,11 +170,11 @@ TEST(SurfaceIndex, NearestPointAgreesWithASearchOverTheTriangle) {
 }
 
 TEST(SurfaceIndex, ARayStopsAtTheFirstSurface) {
-    const Mesh mesh = plane(1.5F, 10, 10);
+    const types::Mesh mesh = plane(1.5F, 10, 10);
     const SurfaceIndex index(mesh);
     EXPECT_NEAR(index.first_hit_m({0.5F, 0.5F, 0}, Eigen::Vector3f::UnitZ()).value(), 1.5F, 1e-6F);
     EXPECT_FALSE(index.first_hit_m({0.5F, 0.5F, 0}, Eigen::Vector3f::UnitX()).has_value());
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

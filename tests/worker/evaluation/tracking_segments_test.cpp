@@ -2,18 +2,18 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 // Ten frames, 0.1 m apart; keyframes 0, 4 and 8 of the pieces given.
-Trajectory frames() {
-    Trajectory trajectory;
+types::Trajectory frames() {
+    types::Trajectory trajectory;
     for (int i = 0; i < 10; ++i)
         trajectory.push_back({i, Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0.0, 0.0))});
     return trajectory;
 }
 
-std::vector<Keyframe> keyframes(std::int32_t at_0, std::int32_t at_4, std::int32_t at_8) {
+std::vector<types::Keyframe> keyframes(std::int32_t at_0, std::int32_t at_4, std::int32_t at_8) {
     return {{0, 0, Eigen::Isometry3d::Identity(), at_0},
             {4, 4, Eigen::Isometry3d::Identity(), at_4},
             {8, 8, Eigen::Isometry3d::Identity(), at_8}};
@@ -40,11 +40,11 @@ TEST(PiecesTest, APieceThatWasFoundAgainHasTwoIntervals) {
 }
 
 TEST(PiecesTest, TheLargestHasMostFrames) {
-    const Trajectory largest = largest_segment(frames(), keyframes(0, 1, 1));
+    const types::Trajectory largest = largest_segment(frames(), keyframes(0, 1, 1));
     ASSERT_EQ(largest.size(), 6U);
     EXPECT_EQ(largest.front().timestamp_ns, 4);
     EXPECT_TRUE(largest_segment({}, {}).empty());
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

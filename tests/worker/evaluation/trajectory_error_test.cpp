@@ -9,7 +9,7 @@
 #include "tests/paths.hpp"
 #include "worker/evaluation/evaluate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 constexpr std::int64_t kFrame_ns = 100'000'000;
@@ -29,8 +29,8 @@ Eigen::Isometry3d straight(double t) {
     return Eigen::Isometry3d(Eigen::Translation3d(t, 0.0, 0.0));
 }
 
-Trajectory sample(const Motion& motion, int num_poses, std::int64_t step_ns = kFrame_ns) {
-    Trajectory trajectory;
+types::Trajectory sample(const Motion& motion, int num_poses, std::int64_t step_ns = kFrame_ns) {
+    types::Trajectory trajectory;
     for (int i = 0; i < num_poses; ++i)
         trajectory.push_back({i * step_ns, motion(static_cast<double>(i * step_ns) * 1e-9)});
     return trajectory;
@@ -43,13 +43,13 @@ Eigen::Isometry3d some_transform() {
     return T;
 }
 
-Trajectory moved(const Eigen::Isometry3d& T, Trajectory trajectory) {
-    for (StampedPose& pose : trajectory) pose.T_world_imu = T * pose.T_world_imu;
+types::Trajectory moved(const Eigen::Isometry3d& T, types::Trajectory trajectory) {
+    for (types::StampedPose& pose : trajectory) pose.T_world_imu = T * pose.T_world_imu;
     return trajectory;
 }
 
 TEST(TrajectoryError, IsZeroForTheSamePathInAnotherWorld) {
-    const Trajectory truth = sample(helix, 100);
+    const types::Trajectory truth = sample(helix, 100);
     const TrajectoryError error = trajectory_error(moved(some_transform(), truth), truth);
     EXPECT_LT(error.ate_max_m, 1e-9);
     EXPECT_LT(error.rotation_rmse_deg, 1e-5);
@@ -60,8 +60,8 @@ TEST(TrajectoryError, IsZeroForTheSamePathInAnotherWorld) {
 
 TEST(TrajectoryError, AShiftOfOnePoseInFourIsTheShareItShouldBe) {
     // Shifts of +-4 cm across the path at right angles in turn leave centre and alignment alone.
-    Trajectory truth = sample(straight, 400);
-    Trajectory estimate = truth;
+    types::Trajectory truth = sample(straight, 400);
+    types::Trajectory estimate = truth;
     for (std::size_t i = 0; i < estimate.size(); i += 4)
         estimate[i].T_world_imu.translation().z() += (i / 4) % 2 == 0 ? 0.04 : -0.04;
     const TrajectoryError error = trajectory_error(estimate, truth);
@@ -71,9 +71,9 @@ TEST(TrajectoryError, AShiftOfOnePoseInFourIsTheShareItShouldBe) {
 }
 
 TEST(TrajectoryError, ScaleIsReportedAndNotApplied) {
-    const Trajectory truth = sample(helix, 63);
-    Trajectory estimate = truth;
-    for (StampedPose& pose : estimate) pose.T_world_imu.translation() *= 1.02;
+    const types::Trajectory truth = sample(helix, 63);
+    types::Trajectory estimate = truth;
+    for (types::StampedPose& pose : estimate) pose.T_world_imu.translation() *= 1.02;
     const TrajectoryError error = trajectory_error(estimate, truth);
     EXPECT_NEAR(error.sim3_scale, 1.0 / 1.02, 1e-9);
     EXPECT_LT(error.sim3_ate_rmse_m, 1e-9);
@@ -83,7 +83,7 @@ TEST(TrajectoryError, ScaleIsReportedAndNotApplied) {
 }
 
 TEST(TrajectoryError, AConstantTurnRateErrorShowsAsDegreesPerMetre) {
-    const Trajectory truth = sample(straight, 201);  // 20 m
+    const types::Trajectory truth = sample(straight, 201);  // 20 m
     const Motion turning = [](double t) {
         constexpr double kRate = 0.01;  // rad/m
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -104,9 +104,9 @@ TEST(TrajectoryError, AConstantTurnRateErrorShowsAsDegreesPerMetre) {
 }
 
 TEST(TrajectoryError, TruthIsInterpolatedToTheStampsOfTheEstimate) {
-    const Trajectory truth = sample(straight, 50);
-    Trajectory estimate = truth;
-    for (StampedPose& pose : estimate) {
+    const types::Trajectory truth = sample(straight, 50);
+    types::Trajectory estimate = truth;
+    for (types::StampedPose& pose : estimate) {
         pose.timestamp_ns += 30'000'000;
         pose.T_world_imu.translation().x() += 0.03;
     }
@@ -123,8 +123,8 @@ TEST(TrajectoryError, ComingBackIsMeasuredAgainstTheFirstVisit) {
         pose.rotate(Eigen::AngleAxisd(0.25 * t, Eigen::Vector3d::UnitZ()));
         return pose;
     };
-    const Trajectory truth = sample(circle, 280);  // a lap takes 251.3
-    Trajectory estimate = truth;
+    const types::Trajectory truth = sample(circle, 280);  // a lap takes 251.3
+    types::Trajectory estimate = truth;
     for (std::size_t i = 250; i < estimate.size(); ++i)
         estimate[i].T_world_imu.translation().z() += 0.03;
     EXPECT_FALSE(trajectory_error(truth, sample(straight, 280)).revisit);
@@ -137,25 +137,25 @@ TEST(TrajectoryError, ComingBackIsMeasuredAgainstTheFirstVisit) {
 }
 
 TEST(TrajectoryError, ALongGapInTheTruthIsNotBridged) {
-    Trajectory truth = sample(straight, 100);
+    types::Trajectory truth = sample(straight, 100);
     truth.erase(truth.begin() + 20, truth.begin() + 60);  // 4 s
     const TrajectoryError error = trajectory_error(sample(straight, 100), truth);
     EXPECT_EQ(error.num_poses, 60);
 }
 
 TEST(TrajectoryError, ALeverArmBetweenTheBodiesIsTakenOut) {
-    const Trajectory truth = sample(helix, 100);
+    const types::Trajectory truth = sample(helix, 100);
     TrajectoryErrorOptions options;
     options.T_referencebody_estimatebody.translation() = Eigen::Vector3d(0.1, 0.05, -0.2);
-    Trajectory estimate = truth;
-    for (StampedPose& pose : estimate)
+    types::Trajectory estimate = truth;
+    for (types::StampedPose& pose : estimate)
         pose.T_world_imu = pose.T_world_imu * options.T_referencebody_estimatebody;
     EXPECT_LT(trajectory_error(estimate, truth, options).ate_max_m, 1e-9);
     EXPECT_GT(trajectory_error(estimate, truth).ate_max_m, 0.01);
 }
 
 TEST(TrajectoryError, AStraightPathIsStillAlignedAboutItself) {
-    const Trajectory truth = sample(straight, 100);
+    const types::Trajectory truth = sample(straight, 100);
     const TrajectoryError error = trajectory_error(moved(some_transform(), truth), truth);
     EXPECT_TRUE(error.T_reference_estimate.isApprox(some_transform().inverse(), 1e-9));
 }
@@ -166,8 +166,8 @@ TEST(TrajectoryError, TheSurfaceOfANearlyStraightPathIsNotRolledByPositions) {
         return Eigen::Isometry3d(
             Eigen::Translation3d(t, 0.05 * std::sin(t), z_share * 0.05 * std::sin(t)));
     };
-    const Trajectory truth = sample([&](double t) { return weave(0.0, t); }, 100);
-    const Trajectory estimate = sample([&](double t) { return weave(0.02, t); }, 100);
+    const types::Trajectory truth = sample([&](double t) { return weave(0.0, t); }, 100);
+    const types::Trajectory estimate = sample([&](double t) { return weave(0.02, t); }, 100);
     const TrajectoryError error = trajectory_error(estimate, truth);
     const auto angle = [](const Eigen::Isometry3d& T) {
         return Eigen::AngleAxisd(T.linear()).angle();
@@ -177,8 +177,8 @@ TEST(TrajectoryError, TheSurfaceOfANearlyStraightPathIsNotRolledByPositions) {
 }
 
 TEST(TrajectoryError, TruthOfAnotherTimeIsAnErrorThatSaysSo) {
-    Trajectory late = sample(straight, 100);
-    for (StampedPose& pose : late) pose.timestamp_ns += 3'600'000'000'000;
+    types::Trajectory late = sample(straight, 100);
+    for (types::StampedPose& pose : late) pose.timestamp_ns += 3'600'000'000'000;
     try {
         trajectory_error(sample(straight, 100), late);
         FAIL();
@@ -197,4 +197,4 @@ TEST(TrajectoryError, GivesThePublishedMetricOfEvoOnKitti) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

@@ -9,7 +9,7 @@
 #include "schemas/error.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::evaluation {
 namespace {
 
 using Motion = std::function<Eigen::Isometry3d(double)>;
@@ -55,16 +55,16 @@ Eigen::Isometry3d T_body_marker() {
 }
 
 // The rig at 10 Hz for 60 s.
-Trajectory estimate_of(const Motion& motion) {
-    Trajectory trajectory;
+types::Trajectory estimate_of(const Motion& motion) {
+    types::Trajectory trajectory;
     for (int i = 0; i < 600; ++i)
         trajectory.push_back({5'000'000'000 + i * std::int64_t{100'000'000}, motion(0.1 * i)});
     return trajectory;
 }
 
 // A tracker at 50 Hz, before and after the dive too, that follows the marker on its own clock.
-Trajectory truth_of(const Motion& motion) {
-    Trajectory trajectory;
+types::Trajectory truth_of(const Motion& motion) {
+    types::Trajectory trajectory;
     for (int i = -500; i < 3500; ++i) {
         const double t = 0.02 * i;
         trajectory.push_back({5'000'000'000 + std::llround((t + kOffset_s) * 1e9),
@@ -73,21 +73,21 @@ Trajectory truth_of(const Motion& motion) {
     return trajectory;
 }
 
-Trajectory with_noise(Trajectory trajectory, double sigma_m, unsigned seed) {
+types::Trajectory with_noise(types::Trajectory trajectory, double sigma_m, unsigned seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, sigma_m);
-    for (StampedPose& pose : trajectory)
+    for (types::StampedPose& pose : trajectory)
         pose.T_world_imu.translation() +=
             Eigen::Vector3d(noise(random), noise(random), noise(random));
     return trajectory;
 }
 
 // A path that drifts: its errors add up.
-Trajectory with_drift(Trajectory trajectory, double step_m, unsigned seed) {
+types::Trajectory with_drift(types::Trajectory trajectory, double step_m, unsigned seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, step_m);
     Eigen::Vector3d drift = Eigen::Vector3d::Zero();
-    for (StampedPose& pose : trajectory) {
+    for (types::StampedPose& pose : trajectory) {
         drift += Eigen::Vector3d(noise(random), noise(random), noise(random));
         pose.T_world_imu.translation() += drift;
     }
@@ -112,7 +112,7 @@ TEST(TruthRegistration, FindsLeverArmAxesAndOffsetOfAnExternalTracker) {
 }
 
 TEST(TruthRegistration, TheErrorIsThatOfThePathAloneOnceTheTruthLiesRight) {
-    const Trajectory estimate = estimate_of(swim);
+    const types::Trajectory estimate = estimate_of(swim);
     const auto truth = registered_truth(estimate, truth_of(swim), solve_both());
     const auto error = trajectory_error(estimate, truth.poses, truth.options);
     EXPECT_LT(error.ate_rmse_m, 1e-3);
@@ -122,14 +122,14 @@ TEST(TruthRegistration, TheErrorIsThatOfThePathAloneOnceTheTruthLiesRight) {
 // Two standard deviations hold in 95 % of many draws: in 36 of 40 at least, for white errors and
 // for drift.
 TEST(TruthRegistration, StatedDeviationsHold) {
-    const Trajectory truth = truth_of(swim);
+    const types::Trajectory truth = truth_of(swim);
     for (const bool drifts : {false, true}) {
         int num_offsets_held = 0;
         int num_levers_held = 0;
         constexpr int kNumDraws = 40;
         for (unsigned seed = 0; seed < kNumDraws; ++seed) {
-            const Trajectory estimate = drifts ? with_drift(estimate_of(swim), 0.002, seed)
-                                               : with_noise(estimate_of(swim), 0.02, seed);
+            const types::Trajectory estimate = drifts ? with_drift(estimate_of(swim), 0.002, seed)
+                                                      : with_noise(estimate_of(swim), 0.02, seed);
             const auto found = register_truth(estimate, truth, solve_both());
             ASSERT_TRUE(found.time_offset_sigma_s && found.lever_arm_sigma_m);
             num_offsets_held +=
@@ -144,9 +144,9 @@ TEST(TruthRegistration, StatedDeviationsHold) {
 }
 
 TEST(TruthRegistration, ATrackerOfPositionsAloneGivesNoRotations) {
-    Trajectory truth = truth_of(swim);
-    for (StampedPose& pose : truth) pose.T_world_imu.linear().setIdentity();
-    const Trajectory estimate = estimate_of(swim);
+    types::Trajectory truth = truth_of(swim);
+    for (types::StampedPose& pose : truth) pose.T_world_imu.linear().setIdentity();
+    const types::Trajectory estimate = estimate_of(swim);
     const auto registered = registered_truth(estimate, truth, solve_both());
     EXPECT_FALSE(registered.registration.has_orientation);
     EXPECT_NEAR(registered.registration.time_offset_s, kOffset_s, 1e-3);
@@ -181,11 +181,11 @@ TEST(TruthRegistration, WhatIsGivenIsTakenAsItIs) {
     const Eigen::Quaterniond q(T_body_marker().linear());
     options.lever_arm = {{kLever_m.x(), kLever_m.y(), kLever_m.z()}, {q.w(), q.x(), q.y(), q.z()}};
     options.time_offset_s = kOffset_s;
-    const Trajectory estimate = estimate_of(swim);
+    const types::Trajectory estimate = estimate_of(swim);
     const auto truth = registered_truth(estimate, truth_of(swim), options);
     EXPECT_EQ(truth.registration.num_poses, 0);
     EXPECT_LT(trajectory_error(estimate, truth.poses, truth.options).ate_rmse_m, 1e-3);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::evaluation

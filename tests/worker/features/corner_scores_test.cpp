@@ -7,7 +7,7 @@
 
 #include "tests/synthetic/texture.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 cv::Mat inner(const cv::Mat& image) {
@@ -32,12 +32,12 @@ TEST(CornerScoresTest, AreThoseOfOpenCv) {
 }
 
 TEST(CornerScoresTest, EveryInstructionSetGivesTheSameAndEveryImageStartsAnew) {
-    CornerScores baseline(Instructions::Baseline);
-    CornerScores best(best_instructions());
+    CornerScores baseline(base::Instructions::Baseline);
+    CornerScores best(base::best_instructions());
     baseline.of(synthetic::textured_image(5.0, 3.0));
     const cv::Mat image = synthetic::textured_image(0.0, 0.0);
     EXPECT_EQ(cv::norm(baseline.of(image), best.of(image), cv::NORM_INF), 0.0);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -7,7 +7,7 @@
 #include "worker/loops/inverted_index.hpp"
 #include "worker/loops/match_keypoints.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 using synthetic::SeaFloor;
@@ -26,10 +26,11 @@ DescribedKeypoints view_of(const Eigen::Isometry3d& T_world_cam) {
 // Share of the matches that are right to 3 px, and their number.
 std::pair<double, std::size_t> right_matches(const Eigen::Isometry3d& T_world_a,
                                              const Eigen::Isometry3d& T_world_b) {
-    const RectifiedRig rig = synthetic::small_rig();
-    const PointPairs pairs = match_keypoints(rig, view_of(T_world_a), view_of(T_world_b));
+    const types::RectifiedRig rig = synthetic::small_rig();
+    const odometry::PointPairs pairs =
+        loops::match_keypoints(rig, view_of(T_world_a), view_of(T_world_b));
     std::size_t num_right = 0;
-    for (const PointPair& pair : pairs) {
+    for (const odometry::PointPair& pair : pairs) {
         const Eigen::Vector3d p_b = T_world_b.inverse() * T_world_a * pair.p_previous;
         if ((rig.pixel(p_b) - pair.current_px.head<2>()).norm() < 3.0) ++num_right;
     }
@@ -66,8 +67,8 @@ TEST(DescribedKeypointsTest, AFlatImageHasNoPoints) {
 
 TEST(PlaceIndexTest, AViewIsMostLikeTheOneFromNearby) {
     const TemporaryFolder folder;
-    const KeyframeStore store(folder.path());
-    std::vector<Keyframe> keyframes;
+    const keyframes::KeyframeStore store(folder.path());
+    std::vector<types::Keyframe> keyframes;
     const auto keep = [&](const DescribedKeypoints& view) {
         keyframes.push_back({static_cast<int>(keyframes.size())});
         store.write_keypoints(keyframes.back().frame_index, view);
@@ -75,7 +76,7 @@ TEST(PlaceIndexTest, AViewIsMostLikeTheOneFromNearby) {
     for (int i = 0; i < 12; ++i) keep(view_of(camera(3.0 * i, 0.0, 2.0, 0.0)));
     keep(view_of(camera(3.0 * 7 + 0.2, 0.1, 2.0, 0.3)));
     keep({});
-    const InvertedIndex index(StoredKeypoints(store, keyframes));
+    const loops::InvertedIndex index(loops::StoredKeypoints(store, keyframes));
     const auto similarity = index.similarity(12);
     const auto best = std::max_element(similarity.begin(), similarity.begin() + 12);
     EXPECT_EQ(best - similarity.begin(), 7);
@@ -84,4 +85,4 @@ TEST(PlaceIndexTest, AViewIsMostLikeTheOneFromNearby) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -6,14 +6,14 @@
 
 #include "tests/synthetic/texture.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 TEST(EpipolarSearchTest, FindsTheDisparityUnderOtherLightAtEveryInstructionSet) {
     const cv::Mat left = synthetic::textured_image(0.0, 0.0);
     const cv::Mat right = synthetic::textured_image(-23.0, 0.0, 0.9, 90.0);
-    EpipolarSearch baseline(Instructions::Baseline);
-    EpipolarSearch best(best_instructions());
+    EpipolarSearch baseline(base::Instructions::Baseline);
+    EpipolarSearch best(base::best_instructions());
     int num_found = 0;
     for (int u = 40; u < 300; u += 7) {
         const int disparity = baseline.find(left, right, u, 100, 64);
@@ -38,4 +38,4 @@ TEST(EpipolarSearchTest, FindsNothingWhereTheRowRepeatsItselfOrTheSquareLeavesTh
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

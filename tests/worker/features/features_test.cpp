@@ -6,12 +6,12 @@
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/features/track_features.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 constexpr int kNumFeatures = 300;
 
-RectifiedRig small_rig() { return synthetic::ideal_rig(320, 240, 500.0); }
+types::RectifiedRig small_rig() { return synthetic::ideal_rig(320, 240, 500.0); }
 
 TEST(PatchTest, FindsAShiftBelowThePixelUnderOtherLight) {
     const cv::Mat before = synthetic::textured_image(0.0, 0.0);
@@ -34,18 +34,18 @@ TEST(PatchTest, RefusesWhatHasNoContrastOrLiesAtTheBorder) {
 }
 
 TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
-    RectifiedFrame frame;
+    types::RectifiedFrame frame;
     frame.left = synthetic::textured_image(0.0, 0.0);
     frame.right = synthetic::textured_image(-23.4, 0.0, 0.8, 110.0);
-    Features features;
+    types::Features features;
     for (int i = 0; i < 40; ++i)
         features.push_back({i, {60.0 + 20.0 * (i % 8), 40.0 + 30.0 * (i / 8)}, 0.0});
 
     match_sparse_stereo(frame, {}, 64, features);
 
     int num_found = 0;
-    for (const Feature& feature : features) {
-        if (!has_depth(feature)) continue;
+    for (const types::Feature& feature : features) {
+        if (!types::has_depth(feature)) continue;
         ++num_found;
         EXPECT_NEAR(feature.disparity_px, 23.4, 0.1) << "feature " << feature.id;
     }
@@ -55,15 +55,15 @@ TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
 TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
     FeatureTracker tracker(small_rig(), kNumFeatures);
     tracker.track(synthetic::textured_image(0.0, 0.0), {}, Eigen::Isometry3d::Identity());
-    const Features before = tracker.detect({});
+    const types::Features before = tracker.detect({});
     ASSERT_GE(before.size(), 100U);
 
-    const Features after = tracker.track(
+    const types::Features after = tracker.track(
         synthetic::textured_image(3.2, -2.6, 0.8, 100.0), before, Eigen::Isometry3d::Identity());
 
     EXPECT_GE(after.size(), before.size() * 6 / 10);
-    for (const Feature& feature : after) {
-        const Feature& start = before[static_cast<std::size_t>(feature.id)];
+    for (const types::Feature& feature : after) {
+        const types::Feature& start = before[static_cast<std::size_t>(feature.id)];
         EXPECT_LT((feature.pixel - start.pixel - Eigen::Vector2d(3.2, -2.6)).norm(), 0.25);
     }
 }
@@ -76,4 +76,4 @@ TEST(FeatureTrackerTest, ADarkImageGivesNoFeatures) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -8,7 +8,7 @@
 
 #include "tests/synthetic/texture.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 SquarePlace place(const cv::Mat& image, int column, int row, double right, double below) {
@@ -29,7 +29,8 @@ cv::Mat extreme_image() {
 TEST(PatchKernelsTest, ReadBetweenThePixels) {
     const cv::Mat image = synthetic::textured_image(0.0, 0.0);
     std::array<std::int16_t, kOuterPixels> outer{};
-    patch_kernels(Instructions::Baseline).read_outer(place(image, 100, 80, 0.3, 0.8), outer.data());
+    patch_kernels(base::Instructions::Baseline)
+        .read_outer(place(image, 100, 80, 0.3, 0.8), outer.data());
     for (int v = 0; v < kOuterSide_px; ++v) {
         for (int u = 0; u < kOuterSide_px; ++u) {
             const auto at = [&](int du, int dv) {
@@ -45,7 +46,7 @@ TEST(PatchKernelsTest, ReadBetweenThePixels) {
 
 TEST(PatchKernelsTest, ThePatchItselfIsSeenAsItself) {
     const cv::Mat image = extreme_image();
-    const PatchKernels kernels = patch_kernels(Instructions::Baseline);
+    const PatchKernels kernels = patch_kernels(base::Instructions::Baseline);
     std::array<std::int16_t, kOuterPixels> outer{};
     kernels.read_outer(place(image, 10, 12, 0.25, 0.5), outer.data());
     PatchColumns columns;
@@ -61,9 +62,9 @@ TEST(PatchKernelsTest, ThePatchItselfIsSeenAsItself) {
 }
 
 TEST(PatchKernelsTest, EveryInstructionSetGivesTheSameIntegers) {
-    if (best_instructions() == Instructions::Baseline) GTEST_SKIP() << "no AVX2 here";
-    const PatchKernels baseline = patch_kernels(Instructions::Baseline);
-    const PatchKernels avx2 = patch_kernels(Instructions::Avx2);
+    if (base::best_instructions() == base::Instructions::Baseline) GTEST_SKIP() << "no AVX2 here";
+    const PatchKernels baseline = patch_kernels(base::Instructions::Baseline);
+    const PatchKernels avx2 = patch_kernels(base::Instructions::Avx2);
     for (const cv::Mat& image : {extreme_image(), synthetic::textured_image(0.0, 0.0)}) {
         const SquarePlace from = place(image, 20, 9, 0.61, 0.99);
         const SquarePlace to = place(image, 22, 11, 0.07, 0.43);
@@ -91,4 +92,4 @@ TEST(PatchKernelsTest, EveryInstructionSetGivesTheSameIntegers) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -4,17 +4,17 @@
 
 #include "tests/synthetic/stereo_world.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 TEST(PlaneWarpTest, IsTheDerivativeOfWherePixelsOfThePlaneGo) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     const Eigen::Vector3d p_from(0.2, -0.1, 1.8);
     const Eigen::Vector3d normal(0.3, -0.5, 1.0);
     const Plane plane = normal / normal.dot(p_from);
     Eigen::Isometry3d T_to_from = Eigen::Isometry3d::Identity();
     T_to_from.translation() << 0.3, -0.1, -0.2;
-    T_to_from.linear() = rotation_from_vector({0.1, -0.2, 0.3}).toRotationMatrix();
+    T_to_from.linear() = base::rotation_from_vector({0.1, -0.2, 0.3}).toRotationMatrix();
     const auto to = [&](const Eigen::Vector2d& pixel) {
         const Eigen::Vector3d ray = rig.point_cam(pixel.x(), pixel.y(), 1.0);
         return rig.pixel(T_to_from * (ray / plane.dot(ray)));
@@ -30,7 +30,7 @@ TEST(PlaneWarpTest, IsTheDerivativeOfWherePixelsOfThePlaneGo) {
 }
 
 TEST(PlaneWarpTest, WhatIsStretchedTooFarOrBehindTheCameraHasNone) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     const Eigen::Vector3d p_from(0.0, 0.0, 2.0);
     for (const double ahead_m : {1.5, 2.5}) {
         Eigen::Isometry3d T_to_from = Eigen::Isometry3d::Identity();
@@ -40,4 +40,4 @@ TEST(PlaneWarpTest, WhatIsStretchedTooFarOrBehindTheCameraHasNone) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

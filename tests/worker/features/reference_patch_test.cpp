@@ -8,7 +8,7 @@
 #include "tests/synthetic/sea_floor.hpp"
 #include "worker/features/track_features.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 using synthetic::SeaFloor;
@@ -27,8 +27,8 @@ cv::Mat look(const SeaFloor& floor, int frame) {
     return left;
 }
 
-void measure(int frame, Features& features) {
-    for (Feature& feature : features)
+void measure(int frame, types::Features& features) {
+    for (types::Feature& feature : features)
         feature.disparity_px = synthetic::small_rig().disparity_px(
             SeaFloor::seen_at(T_world_cam(frame), feature.pixel.x(), feature.pixel.y()).z());
 }
@@ -41,15 +41,15 @@ double median(std::vector<double> values) {
 
 TEST(ReferencePatchTest, AFeatureStaysInItsPlaceWhileTheCameraTurnsAndComesNearer) {
     constexpr int kNumFrames = 20;
-    const RectifiedRig rig = synthetic::small_rig();
+    const types::RectifiedRig rig = synthetic::small_rig();
     const SeaFloor floor;
     FeatureTracker tracker(rig, 300);
     tracker.track(look(floor, 0), {}, Eigen::Isometry3d::Identity());
-    Features features = tracker.detect({});
+    types::Features features = tracker.detect({});
     measure(0, features);
     std::map<std::int64_t, Eigen::Vector3d> p_world;
-    for (const Feature& feature : features)
-        p_world[feature.id] = T_world_cam(0) * point_cam(rig, feature);
+    for (const types::Feature& feature : features)
+        p_world[feature.id] = T_world_cam(0) * types::point_cam(rig, feature);
     const std::size_t num_first = features.size();
     for (int k = 1; k <= kNumFrames; ++k) {
         features =
@@ -58,7 +58,7 @@ TEST(ReferencePatchTest, AFeatureStaysInItsPlaceWhileTheCameraTurnsAndComesNeare
     }
     EXPECT_GE(features.size(), num_first / 3);  // others have left the picture
     std::vector<double> errors_px;
-    for (const Feature& feature : features)
+    for (const types::Feature& feature : features)
         errors_px.push_back(
             (rig.pixel(T_world_cam(kNumFrames).inverse() * p_world[feature.id]) - feature.pixel)
                 .norm());
@@ -66,4 +66,4 @@ TEST(ReferencePatchTest, AFeatureStaysInItsPlaceWhileTheCameraTurnsAndComesNeare
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

@@ -8,7 +8,7 @@
 #include "tests/synthetic/sea_floor.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::features {
 namespace {
 
 using synthetic::SeaFloor;
@@ -24,14 +24,14 @@ double disparity_px(const Eigen::Isometry3d& T_world_cam, double u_px, double v_
 }
 
 TEST(SurfaceSlopeTest, AFloorSeenAtAnAngleLeansInTheDisparities) {
-    const RectifiedRig rig = synthetic::small_rig();
+    const types::RectifiedRig rig = synthetic::small_rig();
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
     T_world_cam.rotate(Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitX()) *
                        Eigen::AngleAxisd(-0.3, Eigen::Vector3d::UnitY()));
-    RectifiedFrame frame;
+    types::RectifiedFrame frame;
     frame.left = look(T_world_cam);
     frame.right = look(T_world_cam * Eigen::Translation3d(rig.baseline_m, 0.0, 0.0));
-    Features features;
+    types::Features features;
     for (int i = 0; i < 60; ++i)
         features.push_back({i, {70.0 + 22.0 * (i % 10), 40.0 + 30.0 * (i / 10)}, 0.0});
     match_sparse_stereo(frame, {}, 64, features);
@@ -40,8 +40,8 @@ TEST(SurfaceSlopeTest, AFloorSeenAtAnAngleLeansInTheDisparities) {
 
     std::vector<double> errors;
     double leaning = 0.0;
-    for (const Feature& feature : features) {
-        if (!has_depth(feature)) continue;
+    for (const types::Feature& feature : features) {
+        if (!types::has_depth(feature)) continue;
         const double u = feature.pixel.x();
         const double v = feature.pixel.y();
         const Eigen::Vector2d truth(
@@ -57,15 +57,15 @@ TEST(SurfaceSlopeTest, AFloorSeenAtAnAngleLeansInTheDisparities) {
 }
 
 TEST(SurfaceSlopeTest, WhereTheRightImageShowsNothingTheSurfaceFacesTheCamera) {
-    const RectifiedRig rig = synthetic::small_rig();
-    RectifiedFrame frame;
+    const types::RectifiedRig rig = synthetic::small_rig();
+    types::RectifiedFrame frame;
     frame.left = look(Eigen::Isometry3d::Identity());
     frame.right = cv::Mat(frame.left.size(), CV_8U, cv::Scalar(100));
-    Features features = {{1, {160.0, 120.0}, 15.0}, {2, {12.0, 120.0}, 15.0}};
+    types::Features features = {{1, {160.0, 120.0}, 15.0}, {2, {12.0, 120.0}, 15.0}};
     measure_slopes(rig, frame, features);
-    for (const Feature& feature : features)
+    for (const types::Feature& feature : features)
         EXPECT_EQ(feature.disparity_slope, Eigen::Vector2d(0.0, 0.0));
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::features

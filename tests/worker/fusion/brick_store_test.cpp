@@ -9,7 +9,7 @@
 
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 // A store and who owns its bricks.
@@ -133,4 +133,4 @@ TEST(BrickStore, IsTheSameWhenMostOfItIsOnDisk) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

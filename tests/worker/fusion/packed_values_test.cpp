@@ -4,7 +4,7 @@
 
 #include "worker/fusion/packed_lanes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 TEST(PackedWeight, KeepsElevenBitsOverFifteenDecades) {
@@ -21,14 +21,14 @@ TEST(PackedWeight, WhatIsTooSmallOrTooLargeStaysAWeight) {
 }
 
 TEST(PackedWeight, EightAtOnceAreTheSameAsOne) {
-    const Floats weights = {1e-9F, 0.03F, 1.0F, 77.7F, 12345.6F, 9.9e8F, 3e13F, 1e20F};
-    const Masks packed_weights = pack_weights(weights);
-    const Floats unpacked = unpack_weights(packed_weights);
-    for (int i = 0; i < kLanes; ++i) {
+    const base::Floats weights = {1e-9F, 0.03F, 1.0F, 77.7F, 12345.6F, 9.9e8F, 3e13F, 1e20F};
+    const base::Masks packed_weights = pack_weights(weights);
+    const base::Floats unpacked = unpack_weights(packed_weights);
+    for (int i = 0; i < base::kLanes; ++i) {
         EXPECT_EQ(packed_weights[i], pack_weight(weights[i])) << i;
         EXPECT_EQ(unpacked[i], unpack_weight(static_cast<std::uint16_t>(packed_weights[i]))) << i;
     }
-    EXPECT_EQ(unpack_weights(Masks{})[3], 0.0F);
+    EXPECT_EQ(unpack_weights(base::Masks{})[3], 0.0F);
 }
 
 TEST(PackedTriple, HoldsEveryGreyValueOfEveryChannel) {
@@ -42,4 +42,4 @@ TEST(PackedTriple, HoldsEveryGreyValueOfEveryChannel) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -12,7 +12,7 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/fusion/packed_values.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 PointObservation observe(const Eigen::Vector3d& p_world, float weight = 1.0F, int view = 0) {
@@ -34,7 +34,7 @@ TEST(PointOctree, KeepsTheWeightedMeanOfALeaf) {
     ASSERT_NE(leaf, nullptr);
     const Eigen::Vector3d mean = octree.position({0, -1, 0}, *leaf);
     EXPECT_LT((mean - Eigen::Vector3d(0.004, -0.005, 0.006)).norm(), 1e-5);
-    EXPECT_EQ(leaf_color(*leaf), (Color{200, 100, 50}));
+    EXPECT_EQ(leaf_color(*leaf), (types::Color{200, 100, 50}));
     EXPECT_NEAR(leaf_normal(*leaf).z(), 1.0F, 1e-3F);
     EXPECT_FLOAT_EQ(unpack_weight(leaf->weight), 4.0F);
 }
@@ -143,4 +143,4 @@ TEST(PointOctree, RepeatedObservationsTakeNoMemory) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

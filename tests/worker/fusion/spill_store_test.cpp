@@ -9,7 +9,7 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr std::size_t kRecordBytes = 5000;
@@ -96,4 +96,4 @@ TEST(SpillStore, AFolderThatIsNotThereIsATypedError) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

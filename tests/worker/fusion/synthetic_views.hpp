@@ -9,11 +9,11 @@
 #include "tests/synthetic/ideal_rig.hpp"
 #include "worker/types/keyframe.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 
 using SceneDistance = std::function<double(const Eigen::Vector3d& p_world)>;
 
-inline RectifiedRig small_rig() { return synthetic::ideal_rig(240, 180, 180.0); }
+inline types::RectifiedRig small_rig() { return synthetic::ideal_rig(240, 180, 180.0); }
 
 // A camera at `eye` that looks at `target`; image up is world y, or x when it looks along y.
 inline Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
@@ -34,8 +34,8 @@ struct ViewNoise {
 };
 
 struct SyntheticView {
-    Keyframe keyframe;
-    KeyframeImages images;
+    types::Keyframe keyframe;
+    types::KeyframeImages images;
 };
 
 // What a place is painted with: red, green and blue rise with world x, y and z.
@@ -45,7 +45,7 @@ inline Eigen::Vector3d paint_at(const Eigen::Vector3d& p_world) {
 
 // What a stereo camera there would see of a scene given as a signed distance, by sphere tracing.
 inline SyntheticView render_view(const SceneDistance& scene,
-                                 const RectifiedRig& rig,
+                                 const types::RectifiedRig& rig,
                                  const Eigen::Isometry3d& T_world_cam,
                                  const ViewNoise& noise = {},
                                  unsigned seed = 1) {
@@ -93,4 +93,4 @@ inline std::vector<Eigen::Isometry3d> views_from_above(int num, double height_m)
     return poses;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

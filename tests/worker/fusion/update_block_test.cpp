@@ -10,7 +10,7 @@
 #include "worker/fusion/packed_values.hpp"
 #include "worker/fusion/visible_blocks.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr float kVoxel_m = 0.02F;
@@ -30,7 +30,7 @@ protected:
           ranges_(view_) {}
 
     static TsdfView view_of(const DepthView& depth) {
-        const RectifiedRig rig = small_rig();
+        const types::RectifiedRig rig = small_rig();
         TsdfView view;
         view.pixels = depth.pixels();
         view.width_px = rig.width_px;
@@ -77,7 +77,8 @@ protected:
 };
 
 TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
-    const DepthView plain(small_rig(), rendered_.images, Sampling::Full, Instructions::Baseline);
+    const DepthView plain(
+        small_rig(), rendered_.images, Sampling::Full, base::Instructions::Baseline);
     ASSERT_EQ(std::memcmp(plain.pixels(),
                           depth_.pixels(),
                           sizeof(SurfacePixel) * depth_.rig().width_px * depth_.rig().height_px),
@@ -88,7 +89,7 @@ TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
         TsdfBlock a = before;
         TsdfBlock b = before;
         const BlockPlace place = at.z % 2 == 0 ? BlockPlace::Near : BlockPlace::Before;
-        update_block(view_, ranges_, first_sample(at), place, a, Instructions::Baseline);
+        update_block(view_, ranges_, first_sample(at), place, a, base::Instructions::Baseline);
         update_block(view_, ranges_, first_sample(at), place, b);
         ASSERT_TRUE(same(a, b)) << at.x << " " << at.y << " " << at.z;
         num_changed += same(a, before) ? 0 : 1;
@@ -159,4 +160,4 @@ TEST_F(OneView, ABlockBeforeEverySurfaceIsOnlyCarved) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

@@ -11,12 +11,12 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/fusion/synthetic_views.hpp"
-#include "worker/mesh/extract_surface.hpp"
 #include "worker/fusion/fusion_volume.hpp"
+#include "worker/mesh/extract_surface.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/mesh_components.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::fusion {
 namespace {
 
 constexpr double kVoxel_m = 0.015;
@@ -43,7 +43,7 @@ std::unique_ptr<Volume> fuse_views(const SceneDistance& scene,
     return volume;
 }
 
-std::vector<double> distances_from(const SceneDistance& scene, const Mesh& mesh) {
+std::vector<double> distances_from(const SceneDistance& scene, const types::Mesh& mesh) {
     std::vector<double> distances;
     for (const auto& vertex : mesh.vertices)
         distances.push_back(std::abs(scene(vertex.cast<double>())));
@@ -61,19 +61,19 @@ class BothVolumes : public testing::TestWithParam<std::string> {};
 TEST_P(BothVolumes, ExactDepthOfAnAnalyticSceneComesOutToAFifthOfAVoxel) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(8, 1.2), options);
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     const auto distances = distances_from(bump_on_floor, mesh);
     ASSERT_GT(distances.size(), 2000U);
     EXPECT_LT(distances[distances.size() / 2], 0.2 * kVoxel_m);
     EXPECT_LT(distances[distances.size() * 95 / 100], 0.7 * kVoxel_m);
-    EXPECT_EQ(check_topology(mesh).num_misoriented_edges, 0);
-    EXPECT_EQ(check_topology(mesh).num_nonmanifold_edges, 0);
+    EXPECT_EQ(mesh::check_topology(mesh).num_misoriented_edges, 0);
+    EXPECT_EQ(mesh::check_topology(mesh).num_nonmanifold_edges, 0);
 }
 
 TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
     std::vector<double> errors;  // 1 is a centimetre
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -89,7 +89,7 @@ TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
 TEST_P(BothVolumes, NormalsAndTrianglesFaceTheCameras) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     std::size_t num_away = 0;  // seen from the cameras, all of which are above
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
@@ -105,8 +105,8 @@ TEST_P(BothVolumes, NoisyViewsOfAWallMakeOneWall) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(
         wall, views_from_above(20, 1.2), options, {.sigma_px = 0.25, .stated_sigma_px = 0.25});
-    const Mesh mesh = extract_surface(*volume, options);
-    const MeshComponents components = find_components(mesh);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const mesh::MeshComponents components = mesh::find_components(mesh);
     EXPECT_EQ(components.area_m2.size(), 1U);
     // As large as its shadow on the wall: a second layer would double it.
     double shadow = 0.0;
@@ -115,19 +115,19 @@ TEST_P(BothVolumes, NoisyViewsOfAWallMakeOneWall) {
                                            .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
         shadow += 0.5 * normal.z();
     }
-    EXPECT_LT(check_topology(mesh).area_m2, 1.3 * shadow);
+    EXPECT_LT(mesh::check_topology(mesh).area_m2, 1.3 * shadow);
     const auto distances = distances_from(wall, mesh);
     EXPECT_LT(distances[distances.size() / 2], 0.004);
 }
 
 TEST_P(BothVolumes, OneThreadAndTwoGiveTheSameBytes) {
     const TemporaryFolder folder;
-    std::vector<Mesh> meshes;
+    std::vector<types::Mesh> meshes;
     for (const int num_threads : {1, 2}) {
         const auto options = options_for(GetParam(), num_threads);
         const auto volume = fuse_views(bump_on_floor, views_from_above(3, 1.2), options);
         volume->save(folder / std::to_string(num_threads));
-        meshes.push_back(extract_surface(*volume, options));
+        meshes.push_back(mesh::extract_surface(*volume, options));
     }
     EXPECT_EQ(bytes_of(folder / "1"), bytes_of(folder / "2"));
     EXPECT_EQ(meshes[0].vertices, meshes[1].vertices);
@@ -142,8 +142,8 @@ TEST_P(BothVolumes, ASavedVolumeGivesTheSameMesh) {
     volume->save(folder / "volume");
     const auto loaded = load_volume(folder / "volume");
     EXPECT_EQ(loaded->voxel_m(), volume->voxel_m());
-    EXPECT_EQ(extract_surface(*loaded, options).vertices,
-              extract_surface(*volume, options).vertices);
+    EXPECT_EQ(mesh::extract_surface(*loaded, options).vertices,
+              mesh::extract_surface(*volume, options).vertices);
 }
 
 TEST_P(BothVolumes, AFileCutShortIsATypedError) {
@@ -162,9 +162,9 @@ TEST_P(BothVolumes, AFileCutShortIsATypedError) {
 TEST_P(BothVolumes, BothMeshersFindTheSameSurface) {
     auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
-    const double nets = check_topology(extract_surface(*volume, options)).area_m2;
+    const double nets = mesh::check_topology(mesh::extract_surface(*volume, options)).area_m2;
     options.mesher = "marching_cubes";
-    const double cubes = check_topology(extract_surface(*volume, options)).area_m2;
+    const double cubes = mesh::check_topology(mesh::extract_surface(*volume, options)).area_m2;
     EXPECT_NEAR(nets / cubes, 1.0, 0.12);  // the nets end one voxel earlier at the rim
 }
 
@@ -180,7 +180,7 @@ TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
         const auto view = render_view(i == 3 ? with_fish : floor, small_rig(), poses[i]);
         volume->integrate(view.keyframe, view.images);
     }
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     ASSERT_GT(mesh.vertices.size(), 1000U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
@@ -204,10 +204,10 @@ TEST_P(BothVolumes, HalfSamplingLeavesNoHolesFarAway) {
             }
             volume->add(view.keyframe, DepthView(small_rig(), view.images, sampling));
         }
-        const Mesh mesh = extract_surface(*volume, options);
-        EXPECT_EQ(find_borders(mesh).num_holes, 0)
+        const types::Mesh mesh = mesh::extract_surface(*volume, options);
+        EXPECT_EQ(mesh::find_borders(mesh).num_holes, 0)
             << (sampling == Sampling::Half ? "half" : "full");
-        areas_m2.push_back(check_topology(mesh).area_m2);
+        areas_m2.push_back(mesh::check_topology(mesh).area_m2);
     }
     EXPECT_GT(areas_m2[1], 0.9 * areas_m2[0]);  // the rim is wider
 }
@@ -231,7 +231,7 @@ TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
         const auto view = render_view(scene, small_rig(), poses[i]);
         volume->integrate(view.keyframe, view.images);
     }
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     ASSERT_GT(mesh.vertices.size(), 1000U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
@@ -253,7 +253,7 @@ TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
         const auto view = render_view(stands ? with_ghost : floor, small_rig(), poses[i]);
         volume->integrate(view.keyframe, view.images);
     }
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     EXPECT_GT(mesh.vertices.size(), 1000U);
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
     std::array<std::uint8_t, 2> confirmed{};
@@ -279,7 +279,7 @@ TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
         volume->integrate(view.keyframe, view.images);
     }
     std::vector<float> heights_m;
-    for (const auto& vertex : extract_surface(*volume, options).vertices)
+    for (const auto& vertex : mesh::extract_surface(*volume, options).vertices)
         if (vertex.head<2>().norm() < 0.3F) heights_m.push_back(vertex.z());
     ASSERT_GT(heights_m.size(), 1000U);
     const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
@@ -308,7 +308,7 @@ TEST(TsdfVolume, AnEdgeOfTheForegroundGrowsNoSkirt) {
         let_foreground_grow(view.images.depth.disparity_px);
         volume->integrate(view.keyframe, view.images);
     }
-    const Mesh mesh = extract_surface(*volume, options);
+    const types::Mesh mesh = mesh::extract_surface(*volume, options);
     const auto distances = distances_from(box_on_floor, mesh);
     ASSERT_GT(distances.size(), 2000U);
     EXPECT_LT(distances.back(), 2.0 * kVoxel_m);
@@ -352,7 +352,7 @@ TEST_P(BothVolumes, WhatSpillsToDiskChangesNoByte) {
     const TemporaryFolder folder;
     auto options = options_for(GetParam());
     options.voxel_m = 0.005;
-    std::vector<Mesh> meshes;
+    std::vector<types::Mesh> meshes;
     std::vector<std::int64_t> memory_bytes;
     for (const bool spilling : {false, true}) {
         options.fusion_memory_bytes = spilling ? std::int64_t{2} << 20 : std::int64_t{1} << 30;
@@ -363,7 +363,7 @@ TEST_P(BothVolumes, WhatSpillsToDiskChangesNoByte) {
         }
         memory_bytes.push_back(volume->memory_bytes());
         volume->save(folder / std::to_string(spilling));
-        meshes.push_back(extract_surface(*volume, options));
+        meshes.push_back(mesh::extract_surface(*volume, options));
     }
     EXPECT_LT(memory_bytes[1], memory_bytes[0] * 3 / 4);
     EXPECT_EQ(bytes_of(folder / "0"), bytes_of(folder / "1"));
@@ -379,7 +379,7 @@ TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
     const auto options = options_for("tsdf");
     auto volume = make_volume(small_rig(), options, 1.0);
     const double far_m = 1.6, bias_px = 0.15;
-    const RectifiedRig rig = small_rig();
+    const types::RectifiedRig rig = small_rig();
     const double far_error_m = far_m - rig.depth_m(rig.disparity_px(far_m) + bias_px);
     for (const auto& pose : views_from_above(5, 0.8)) {
         const auto near = render_view(wall, rig, pose);
@@ -390,7 +390,7 @@ TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
         volume->integrate(far.keyframe, far.images);
     }
     std::vector<double> heights;
-    for (const auto& vertex : extract_surface(*volume, options).vertices)
+    for (const auto& vertex : mesh::extract_surface(*volume, options).vertices)
         if (vertex.head<2>().norm() < 0.15F) heights.push_back(vertex.z());
     ASSERT_GT(heights.size(), 50U);
     std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
@@ -400,11 +400,11 @@ TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
 }
 
 TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {
-    const RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
+    const types::RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
     EXPECT_NEAR(choose_voxel_m(rig, 2.0), 0.009, 0.002);
     EXPECT_LT(choose_voxel_m(rig, 1.0), choose_voxel_m(rig, 2.0));
     EXPECT_GT(choose_max_depth_m(rig, 0.01), 3.0);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::fusion

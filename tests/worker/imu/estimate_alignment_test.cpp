@@ -8,28 +8,29 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 
 // A diver's sway: turns about all three axes, a few degrees a second.
 Eigen::Quaterniond q_world_body(double t) {
-    return rotation_from_vector({0.1 * std::sin(1.1 * t), 0.0, 0.0}) *
-           rotation_from_vector({0.0, 0.12 * std::sin(0.8 * t + 0.5), 0.0}) *
-           rotation_from_vector({0.0, 0.0, 0.3 * t + 0.15 * std::sin(0.6 * t + 1.0)});
+    return base::rotation_from_vector({0.1 * std::sin(1.1 * t), 0.0, 0.0}) *
+           base::rotation_from_vector({0.0, 0.12 * std::sin(0.8 * t + 0.5), 0.0}) *
+           base::rotation_from_vector({0.0, 0.0, 0.3 * t + 0.15 * std::sin(0.6 * t + 1.0)});
 }
 
 // 30 s of a gyroscope at 200 Hz that sits and stamps as `error` says.
-std::vector<ImuSample> gyroscope(const ImuAlignment& error) {
-    std::vector<ImuSample> samples;
+std::vector<types::ImuSample> gyroscope(const types::ImuAlignment& error) {
+    std::vector<types::ImuSample> samples;
     for (int i = -100; i <= 6100; ++i) {
         const double t = 0.005 * i;
         constexpr double kStep = 1e-4;
         const Eigen::Vector3d rate_body =
-            vector_from_rotation(q_world_body(t - kStep).conjugate() * q_world_body(t + kStep)) /
+            base::vector_from_rotation(q_world_body(t - kStep).conjugate() *
+                                       q_world_body(t + kStep)) /
             (2.0 * kStep);
-        ImuSample sample;
+        types::ImuSample sample;
         sample.timestamp_ns = std::int64_t{5'000'000} * i + std::llround(1e9 * error.time_offset_s);
         sample.angular_velocity_imu =
             error.q_body_imu.conjugate() * rate_body + Eigen::Vector3d(0.01, -0.02, 0.015);
@@ -43,7 +44,7 @@ std::vector<VisionRotation> vision_rotations(double noise_rad, double wrong_rad)
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) {
-        return rotation_from_vector(
+        return base::rotation_from_vector(
             sigma * Eigen::Vector3d(normal(random), normal(random), normal(random)));
     };
     std::vector<VisionRotation> rotations;
@@ -58,13 +59,13 @@ std::vector<VisionRotation> vision_rotations(double noise_rad, double wrong_rad)
     return rotations;
 }
 
-ImuAlignment injected(double offset_s, const Eigen::Vector3d& rotation_deg) {
-    return {offset_s, rotation_from_vector(kDeg * rotation_deg)};
+types::ImuAlignment injected(double offset_s, const Eigen::Vector3d& rotation_deg) {
+    return {offset_s, base::rotation_from_vector(kDeg * rotation_deg)};
 }
 
 TEST(ImuAlignmentTest, FindsOffsetAndRotationExactlyWithoutNoise) {
     for (const double offset_s : {-0.045, -0.008, 0.0, 0.008, 0.03}) {
-        const ImuAlignment error = injected(offset_s, {0.7, -0.5, 0.5});
+        const types::ImuAlignment error = injected(offset_s, {0.7, -0.5, 0.5});
         const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(0.0, 0.0));
 
         ASSERT_TRUE(estimate);
@@ -74,7 +75,7 @@ TEST(ImuAlignmentTest, FindsOffsetAndRotationExactlyWithoutNoise) {
 }
 
 TEST(ImuAlignmentTest, FindsEightMillisecondsAndOneDegreeInNoiseWithWrongTurns) {
-    const ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
+    const types::ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
     const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(2e-4, 0.05));
 
     ASSERT_TRUE(estimate);
@@ -99,7 +100,7 @@ TEST(ImuAlignmentTest, SaysNothingWithoutSamplesOrTurns) {
 }
 
 TEST(ImuAlignmentTest, AlignedSamplesAreThoseOfAUnitThatSitsAsCalibrated) {
-    const ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
+    const types::ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
     const auto straight = gyroscope({});
     const auto undone = aligned(gyroscope(error), error);
 
@@ -113,4 +114,4 @@ TEST(ImuAlignmentTest, AlignedSamplesAreThoseOfAUnitThatSitsAsCalibrated) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

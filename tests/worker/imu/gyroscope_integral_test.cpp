@@ -4,15 +4,15 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 const Eigen::Vector3d kRate(0.3, -0.5, 0.8);
 
-std::vector<ImuSample> turning(const Eigen::Vector3d& bias) {
-    std::vector<ImuSample> samples;
+std::vector<types::ImuSample> turning(const Eigen::Vector3d& bias) {
+    std::vector<types::ImuSample> samples;
     for (int i = 0; i <= 200; ++i) {
-        ImuSample sample;
+        types::ImuSample sample;
         sample.timestamp_ns = 5'000'000LL * i;
         sample.angular_velocity_imu = kRate + bias;
         samples.push_back(sample);
@@ -25,7 +25,7 @@ TEST(GyroscopeIntegralTest, GivesTheTurnOfAConstantRateBetweenAnyTwoTimes) {
         turning(Eigen::Vector3d::Zero()), 101'000'000, 803'000'000, Eigen::Vector3d::Zero(), {});
 
     ASSERT_TRUE(integral);
-    const Eigen::Quaterniond expected = rotation_from_vector(kRate * 0.702);
+    const Eigen::Quaterniond expected = base::rotation_from_vector(kRate * 0.702);
     EXPECT_LT(integral->q_from_to.angularDistance(expected), 1e-9);
     EXPECT_DOUBLE_EQ(integral->duration_s, 0.702);
 }
@@ -36,7 +36,7 @@ TEST(GyroscopeIntegralTest, FollowsAChangeOfBiasWithoutIntegratingAgain) {
     const auto integral = integrate_gyroscope(samples, 0, 500'000'000, Eigen::Vector3d::Zero(), {});
 
     ASSERT_TRUE(integral);
-    const Eigen::Quaterniond expected = rotation_from_vector(kRate * 0.5);
+    const Eigen::Quaterniond expected = base::rotation_from_vector(kRate * 0.5);
     EXPECT_GT(integral->q_from_to.angularDistance(expected), 0.01);
     EXPECT_LT(integral->rotation(bias).angularDistance(expected), 1e-4);
 }
@@ -51,4 +51,4 @@ TEST(GyroscopeIntegralTest, RefusesGapsAndTimesItDoesNotCover) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

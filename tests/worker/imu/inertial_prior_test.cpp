@@ -5,7 +5,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 constexpr double kRate_rad_s = 0.4;  // of the body, about z
@@ -17,7 +17,7 @@ Eigen::Quaterniond heading(double angle_rad) {
 // A body that turns about the vertical; `gyroscope_rad_s` is what its gyroscope says of that.
 synthetic::SensorRecording turning_body(double gyroscope_rad_s) {
     synthetic::SensorRecording recording;
-    recording.its_rig.imu_noise = ImuNoise{};
+    recording.its_rig.imu_noise = types::ImuNoise{};
     for (int i = 0; i <= 200; ++i) {
         const std::int64_t time_ns = std::int64_t{i} * 5'000'000;
         const double angle = kRate_rad_s * 1e-9 * static_cast<double>(time_ns);
@@ -58,4 +58,4 @@ TEST(InertialPrior, TheWindowTakesTheChangeFromTheGyroscopeThoughThereIsAnAhrs) 
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

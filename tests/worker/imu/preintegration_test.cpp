@@ -7,7 +7,7 @@
 
 #include "tests/synthetic/inertial_motion.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::imu {
 namespace {
 
 constexpr std::int64_t kFrom_ns = 203'000'000;
@@ -19,15 +19,15 @@ Eigen::Isometry3d lively(double t_s) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << 0.3 * t_s + 0.2 * std::sin(2.0 * t_s), 0.5 * std::sin(1.5 * t_s),
         0.2 * std::cos(3.0 * t_s);
-    T.linear() = rotation_from_vector({0.4 * std::sin(2.0 * t_s),
-                                       0.5 * std::sin(1.3 * t_s + 0.4),
-                                       0.6 * t_s + 0.3 * std::cos(1.7 * t_s)})
+    T.linear() = base::rotation_from_vector({0.4 * std::sin(2.0 * t_s),
+                                             0.5 * std::sin(1.3 * t_s + 0.4),
+                                             0.6 * t_s + 0.3 * std::cos(1.7 * t_s)})
                      .toRotationMatrix();
     return T;
 }
 
-PreintegratedImu integrated(const std::vector<ImuSample>& samples, const ImuBias& bias) {
-    const auto result = preintegrate(samples, kFrom_ns, kTo_ns, bias, ImuNoise{});
+PreintegratedImu integrated(const std::vector<types::ImuSample>& samples, const ImuBias& bias) {
+    const auto result = preintegrate(samples, kFrom_ns, kTo_ns, bias, types::ImuNoise{});
     EXPECT_TRUE(std::holds_alternative<PreintegratedImu>(result));
     return std::get<PreintegratedImu>(result);
 }
@@ -35,7 +35,7 @@ PreintegratedImu integrated(const std::vector<ImuSample>& samples, const ImuBias
 // Turn, velocity and position of `a` against those of `b`.
 Vector9 difference(const PreintegratedImu& a, const PreintegratedImu& b) {
     Vector9 result;
-    result << vector_from_rotation(b.rotation.q_from_to.conjugate() * a.rotation.q_from_to),
+    result << base::vector_from_rotation(b.rotation.q_from_to.conjugate() * a.rotation.q_from_to),
         a.delta_velocity - b.delta_velocity, a.delta_position - b.delta_position;
     return result;
 }
@@ -69,7 +69,7 @@ TEST(PreintegrationTest, GivesTheMotionBetweenTwoTimesToTheSecondOrderOfTheSampl
 TEST(PreintegrationTest, GoesByTheStampsWhereSamplesAreMissing) {
     auto samples = synthetic::imu_along(lively, 0.0, 1.0, {}, 400.0);
     std::mt19937 random(3);
-    std::erase_if(samples, [&](const ImuSample& sample) {
+    std::erase_if(samples, [&](const types::ImuSample& sample) {
         return sample.timestamp_ns > 0 && sample.timestamp_ns < 900'000'000 && random() % 3 == 0;
     });
 
@@ -98,7 +98,7 @@ TEST(PreintegrationTest, ItsDerivativesByTheBiasesAreThoseOfIntegratingAgain) {
 
 TEST(PreintegrationTest, ItsCovarianceIsTheSpreadOfNoisyIntegrals) {
     const auto exact = synthetic::imu_along(lively, 0.0, 1.0, {});
-    const ImuNoise noise;
+    const types::ImuNoise noise;
     const auto clean = integrated(exact, {});
     const Eigen::LLT<PreintegratedImu::Covariance> factor(clean.covariance);
     std::mt19937 random(5);
@@ -111,7 +111,7 @@ TEST(PreintegrationTest, ItsCovarianceIsTheSpreadOfNoisyIntegrals) {
     Vector9 squares = Vector9::Zero();
     for (int run = 0; run < kNumRuns; ++run) {
         auto samples = exact;
-        for (ImuSample& sample : samples) {
+        for (types::ImuSample& sample : samples) {
             sample.angular_velocity_imu +=
                 noise.gyroscope_noise_density * std::sqrt(200.0) * three();
             sample.acceleration_imu +=
@@ -131,7 +131,7 @@ TEST(PreintegrationTest, ItsCovarianceIsTheSpreadOfNoisyIntegrals) {
 TEST(PreintegrationTest, SaysWhyItRefuses) {
     auto samples = synthetic::imu_along(lively, 0.0, 1.0, {});
     const auto refusal = [&](std::int64_t from_ns, std::int64_t to_ns) {
-        return std::get<ImuFailure>(preintegrate(samples, from_ns, to_ns, {}, ImuNoise{}));
+        return std::get<ImuFailure>(preintegrate(samples, from_ns, to_ns, {}, types::ImuNoise{}));
     };
     EXPECT_EQ(refusal(-1, 100), ImuFailure::NotCovered);
     EXPECT_EQ(refusal(0, 1'000'000'001), ImuFailure::NotCovered);
@@ -141,4 +141,4 @@ TEST(PreintegrationTest, SaysWhyItRefuses) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::imu

@@ -10,14 +10,14 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 // A spreadsheet takes a cell for a formula that begins with = + - @ or a tab: but for the heading,
 // which is ours, every cell of the only table that we write is a number (S17).
 TEST(CovarianceFileTest, EveryCellIsANumber) {
     const TemporaryFolder folder;
-    CovarianceTrack track(2);
+    types::CovarianceTrack track(2);
     track[0].timestamp_ns = 1'600'000'000'000'000'000;
     track[0].position_m2.setConstant(-0.25);
     track[1].timestamp_ns = 1'600'000'000'100'000'000;
@@ -39,13 +39,13 @@ TEST(CovarianceFileTest, EveryCellIsANumber) {
 
 TEST(CovarianceFileTest, ReadsWhatWasWritten) {
     const TemporaryFolder folder;
-    CovarianceTrack track(2);
+    types::CovarianceTrack track(2);
     track[0].timestamp_ns = 1'600'000'000'000'000'000;
     track[1].timestamp_ns = 1'600'000'000'100'000'000;
     track[1].position_m2 << 1, 2, 3, 2, 4, 5, 3, 5, 6;
     track[1].rotation_rad2 = -0.5e-7 * track[1].position_m2;
     write_covariances(folder / "trajectory_covariance.csv", track);
-    const CovarianceTrack read = read_covariances(folder / "trajectory_covariance.csv");
+    const types::CovarianceTrack read = read_covariances(folder / "trajectory_covariance.csv");
     ASSERT_EQ(read.size(), 2U);
     EXPECT_EQ(read[1].timestamp_ns, track[1].timestamp_ns);
     EXPECT_TRUE(read[1].position_m2.isApprox(track[1].position_m2, 1e-6));
@@ -73,4 +73,4 @@ TEST(CovarianceFileTest, NamesTheLineThatIsNone) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

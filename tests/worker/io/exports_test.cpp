@@ -17,13 +17,13 @@
 #include "worker/io/obj_writer.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 class ExportsTest : public FileTest {};
 
-Trajectory two_poses() {
-    Trajectory trajectory(2);
+types::Trajectory two_poses() {
+    types::Trajectory trajectory(2);
     trajectory[0].timestamp_ns = 1'600'000'000'000'000'001;
     trajectory[1].timestamp_ns = 1'600'000'000'100'000'002;
     trajectory[1].T_world_imu.translation() = Eigen::Vector3d(1.5, -2.0, 0.25);
@@ -209,4 +209,4 @@ TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

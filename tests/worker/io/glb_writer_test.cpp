@@ -8,7 +8,7 @@
 
 #include "tests/worker/io/test_files.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
@@ -21,7 +21,7 @@ std::uint32_t word_at(const std::string& bytes, std::size_t offset) {
 
 class GlbTest : public FileTest {
 protected:
-    void write_and_parse(const Mesh& mesh) {
+    void write_and_parse(const types::Mesh& mesh) {
         write_glb(file("mesh.glb"), mesh);
         bytes_ = read(file("mesh.glb"));
         document_ = json::parse(bytes_.substr(20, word_at(bytes_, 12)));
@@ -74,7 +74,7 @@ TEST_F(GlbTest, ColoursAreLinear) {
 }
 
 TEST_F(GlbTest, NormalsHaveUnitLength) {
-    Mesh mesh = tetrahedron();
+    types::Mesh mesh = tetrahedron();
     mesh.normals[1].setZero();
     mesh.normals[2].setConstant(std::numeric_limits<float>::quiet_NaN());
     write_and_parse(mesh);
@@ -91,4 +91,4 @@ TEST_F(GlbTest, AnEmptyMeshIsAnEmptyScene) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

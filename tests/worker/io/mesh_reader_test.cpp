@@ -7,7 +7,7 @@
 #include "worker/io/glb_writer.hpp"
 #include "worker/io/ply.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
@@ -50,9 +50,9 @@ const std::string& triangle_buffer() {
 }
 
 TEST_F(MeshReaderTest, OurOwnGlbComesBackInTheWorldOfTheMesh) {
-    const Mesh mesh = tetrahedron();
+    const types::Mesh mesh = tetrahedron();
     write_glb(file("mesh.glb"), mesh);
-    const Mesh read = read_mesh(file("mesh.glb"));
+    const types::Mesh read = read_mesh(file("mesh.glb"));
     ASSERT_EQ(read.vertices.size(), 4U);
     for (std::size_t i = 0; i < 4; ++i)
         EXPECT_LT((read.vertices[i] - mesh.vertices[i]).norm(), 1e-6F);
@@ -60,7 +60,7 @@ TEST_F(MeshReaderTest, OurOwnGlbComesBackInTheWorldOfTheMesh) {
 }
 
 TEST_F(MeshReaderTest, NodesMoveTheirMeshAndUpIsZ) {
-    const Mesh mesh = parse_glb(glb(triangle_document(), triangle_buffer()), "a.glb");
+    const types::Mesh mesh = parse_glb(glb(triangle_document(), triangle_buffer()), "a.glb");
     // glTF (x, y, z) is our (x, -z, y)
     EXPECT_LT((mesh.vertices[2] - Eigen::Vector3f(0, -2, 1)).norm(), 1e-6F);
     ASSERT_EQ(mesh.triangles.size(), 1U);
@@ -92,19 +92,20 @@ TEST_F(MeshReaderTest, AHostileGlbIsRefused) {
 }
 
 TEST_F(MeshReaderTest, AnObjOfPolygonsAndNegativeIndicesIsCutIntoFans) {
-    const Mesh mesh = read_mesh(write("a.obj",
-                                      "# a square\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\n"
-                                      "v 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3 -1\n"));
+    const types::Mesh mesh =
+        read_mesh(write("a.obj",
+                        "# a square\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\r\nv 1 1 0\n"
+                        "v 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3 -1\n"));
     ASSERT_EQ(mesh.vertices.size(), 4U);
     const std::vector<std::array<std::uint32_t, 3>> fan = {{0, 1, 2}, {0, 2, 3}};
     EXPECT_EQ(mesh.triangles, fan);
 }
 
 TEST_F(MeshReaderTest, PointsAloneAreACloudWithTheirColours) {
-    const Mesh cloud = parse_obj("v 1 2 3 1 0 0.5\nv 4 5 6 0 1 0\n", "a.obj");
+    const types::Mesh cloud = parse_obj("v 1 2 3 1 0 0.5\nv 4 5 6 0 1 0\n", "a.obj");
     EXPECT_TRUE(cloud.triangles.empty());
     ASSERT_EQ(cloud.colors.size(), 2U);
-    EXPECT_EQ(cloud.colors[0], (Color{255, 0, 128}));
+    EXPECT_EQ(cloud.colors[0], (types::Color{255, 0, 128}));
 }
 
 TEST_F(MeshReaderTest, AnObjThatIsWrongNamesTheLine) {
@@ -125,4 +126,4 @@ TEST_F(MeshReaderTest, APlyIsToldByItsFirstBytes) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -2,7 +2,7 @@
 
 #include "tests/worker/io/test_files.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 class PlyTest : public FileTest {};
@@ -12,9 +12,9 @@ const char kHeaderOfOneTriangle[] =
     "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
 TEST_F(PlyTest, AMeshSurvivesTheWayThroughAFile) {
-    const Mesh written = tetrahedron();
+    const types::Mesh written = tetrahedron();
     write_ply(file("mesh.ply"), written);
-    const Mesh mesh = read_ply(file("mesh.ply"));
+    const types::Mesh mesh = read_ply(file("mesh.ply"));
     EXPECT_EQ(mesh.vertices, written.vertices);
     EXPECT_EQ(mesh.colors, written.colors);
     EXPECT_EQ(mesh.sigma_m, written.sigma_m);
@@ -31,10 +31,10 @@ TEST_F(PlyTest, VerticesTakeThirtyNineBytesAndTrianglesThirteen) {
 }
 
 TEST_F(PlyTest, WrittenNormalsAreUnitLengthEvenWhereTheMeshHasNone) {
-    Mesh written = tetrahedron();
+    types::Mesh written = tetrahedron();
     written.normals.clear();
     write_ply(file("mesh.ply"), written);
-    const Mesh mesh = read_ply(file("mesh.ply"));
+    const types::Mesh mesh = read_ply(file("mesh.ply"));
     ASSERT_EQ(mesh.normals.size(), 4U);
     for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
         EXPECT_NEAR(mesh.normals[i].norm(), 1.0F, 1e-6F);
@@ -44,18 +44,18 @@ TEST_F(PlyTest, WrittenNormalsAreUnitLengthEvenWhereTheMeshHasNone) {
 
 TEST_F(PlyTest, ACloudKeepsItsPointsAndColours) {
     const std::vector<Eigen::Vector3f> points{{1, 2, 3}, {4, 5, 6}};
-    const std::vector<Color> colors{{1, 2, 3}, {4, 5, 6}};
+    const std::vector<types::Color> colors{{1, 2, 3}, {4, 5, 6}};
     CloudPlyWriter cloud(file("cloud.ply"), 2);
     for (int i = 0; i < 2; ++i) cloud.add(points[i], colors[i]);
     cloud.commit();
-    const Mesh mesh = read_ply(file("cloud.ply"));
+    const types::Mesh mesh = read_ply(file("cloud.ply"));
     EXPECT_EQ(mesh.vertices, points);
     EXPECT_EQ(mesh.colors, colors);
     EXPECT_TRUE(mesh.triangles.empty());
 }
 
 TEST_F(PlyTest, ReadsAsciiWithUnknownPropertiesAndPolygons) {
-    const Mesh mesh = parse_ply(
+    const types::Mesh mesh = parse_ply(
         "ply\r\nformat ascii 1.0\r\ncomment a square\r\nelement vertex 4\r\nproperty double x\r\n"
         "property float quality\r\nproperty double y\r\nproperty double z\r\n"
         "element face 1\r\nproperty list uchar int vertex_index\r\nproperty uchar flags\r\n"
@@ -110,7 +110,7 @@ TEST_F(PlyTest, ASecondListOfVerticesIsRefused) {
 }
 
 TEST_F(PlyTest, ANumberOfObservationsThatIsNoneIsZero) {
-    const Mesh mesh = parse_ply(
+    const types::Mesh mesh = parse_ply(
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
         "property float z\nproperty float num_observations\nend_header\n0 0 0 nan\n",
         "nan.ply");
@@ -118,11 +118,11 @@ TEST_F(PlyTest, ANumberOfObservationsThatIsNoneIsZero) {
 }
 
 TEST_F(PlyTest, ATriangleOfMissingVerticesIsNotWritten) {
-    Mesh mesh = tetrahedron();
+    types::Mesh mesh = tetrahedron();
     mesh.triangles[0][0] = 4;
     EXPECT_EQ(error_of([&] { write_ply(file("mesh.ply"), mesh); }).code(),
               ErrorCode::InvalidArgument);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

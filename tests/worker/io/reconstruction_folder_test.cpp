@@ -4,7 +4,7 @@
 #include "worker/io/ply.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 class ReconstructionFolderTest : public FileTest {
@@ -23,7 +23,7 @@ protected:
 
 TEST_F(ReconstructionFolderTest, GivesBackWhatWasWritten) {
     write_ply(file("mesh.ply"), tetrahedron());
-    Trajectory trajectory(2);
+    types::Trajectory trajectory(2);
     trajectory[1].timestamp_ns = 1'600'000'000'000'000'001;
     trajectory[1].T_world_imu.translation() = Eigen::Vector3d(1.5, -2.0, 0.25);
     write_tum(file("trajectory.tum"), trajectory);
@@ -75,4 +75,4 @@ TEST_F(ReconstructionFolderTest, AQuaternionThatIsNoRotationIsRefused) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -10,7 +10,7 @@
 #include "schemas/error.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 
 // A folder of the running test's own, removed with it.
 class FileTest : public testing::Test {
@@ -54,8 +54,8 @@ Error error_of(Act&& act) {
 }
 
 // A tetrahedron with every attribute, wound outward.
-inline Mesh tetrahedron() {
-    Mesh mesh;
+inline types::Mesh tetrahedron() {
+    types::Mesh mesh;
     mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     mesh.normals = {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     mesh.colors = {{0, 10, 20}, {255, 0, 0}, {0, 255, 0}, {188, 188, 188}};
@@ -66,4 +66,4 @@ inline Mesh tetrahedron() {
     return mesh;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

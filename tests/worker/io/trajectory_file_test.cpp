@@ -2,13 +2,13 @@
 
 #include "tests/worker/io/test_files.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::io {
 namespace {
 
 class TrajectoryFileTest : public FileTest {};
 
-Trajectory turning_path() {
-    Trajectory trajectory;
+types::Trajectory turning_path() {
+    types::Trajectory trajectory;
     for (int i = 0; i < 5; ++i) {
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
         pose.rotate(Eigen::AngleAxisd(0.3 * i, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -19,7 +19,7 @@ Trajectory turning_path() {
 }
 
 TEST_F(TrajectoryFileTest, ATumFileKeepsNanosecondsAndPoses) {
-    const Trajectory written = turning_path();
+    const types::Trajectory written = turning_path();
     write_tum(file("t.tum"), written);
     const TrajectoryFile result = read_trajectory(file("t.tum"));
     EXPECT_EQ(result.format, TrajectoryFormat::Tum);
@@ -32,7 +32,7 @@ TEST_F(TrajectoryFileTest, ATumFileKeepsNanosecondsAndPoses) {
 
 TEST_F(TrajectoryFileTest, TumQuaternionsEndWithW) {
     const auto path = write("t.tum", "# comment\n1.5 1 2 3 0 0 0.70710678 0.70710678\n");
-    const StampedPose pose = read_trajectory(path).poses.at(0);
+    const types::StampedPose pose = read_trajectory(path).poses.at(0);
     EXPECT_EQ(pose.timestamp_ns, 1'500'000'000);
     const Eigen::Vector3d turned = pose.T_world_imu.linear() * Eigen::Vector3d::UnitX();
     EXPECT_LT((turned - Eigen::Vector3d::UnitY()).norm(), 1e-7);
@@ -87,4 +87,4 @@ TEST_F(TrajectoryFileTest, NoPoseAtAllIsAnError) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::io

@@ -8,7 +8,7 @@
 
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 namespace {
 
 class KeyframeImagesTest : public testing::Test {
@@ -18,7 +18,7 @@ protected:
         rig_.height_px = 480;
         rig_.focal_px = 500.0;
         for (const int frame_index : {3, 12}) {
-            Keyframe keyframe;
+            types::Keyframe keyframe;
             keyframe.frame_index = frame_index;
             keyframe.timestamp_ns = 1'403'636'579'763'555'584 + frame_index;
             keyframe.T_world_cam.translation().x() = frame_index;
@@ -27,14 +27,14 @@ protected:
     }
 
     TemporaryFolder folder_;
-    RectifiedRig rig_;
-    std::vector<Keyframe> keyframes_;
+    types::RectifiedRig rig_;
+    std::vector<types::Keyframe> keyframes_;
     KeyframeStore store_{folder_ / "store",
                          [](int) { return cv::Mat(480, 640, CV_8UC3, cv::Scalar(40, 80, 120)); }};
 };
 
 TEST_F(KeyframeImagesTest, EveryKeyframeHasAPoseAndASmallImage) {
-    write_keyframe_images(folder_.path(), rig_, keyframes_, store_, 2, ignore_progress);
+    write_keyframe_images(folder_.path(), rig_, keyframes_, store_, 2, base::ignore_progress);
     const auto json = nlohmann::json::parse(std::ifstream(folder_ / "keyframes.json"));
     ASSERT_EQ(json["keyframes"].size(), 2U);
     const auto& second = json["keyframes"][1];
@@ -52,4 +52,4 @@ TEST_F(KeyframeImagesTest, StopsWhenTheCallbackCancels) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

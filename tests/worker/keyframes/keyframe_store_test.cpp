@@ -8,11 +8,11 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 namespace {
 
-DepthMap slope() {
-    DepthMap depth;
+types::DepthMap slope() {
+    types::DepthMap depth;
     depth.disparity_px = cv::Mat(48, 64, CV_32F);
     depth.sigma_disparity_px = cv::Mat(48, 64, CV_32F, cv::Scalar(0.25));
     for (int y = 0; y < 48; ++y)
@@ -27,9 +27,9 @@ cv::Mat image_of(int frame_index) { return {48, 64, CV_8UC3, cv::Scalar(10, 20, 
 TEST(KeyframeStore, KeepsDisparityToAnEighthOfTheStereoNoise) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder / "keyframes");
-    const DepthMap written = slope();
+    const types::DepthMap written = slope();
     store.write(7, written);
-    const DepthMap read = store.read(7).depth;
+    const types::DepthMap read = store.read(7).depth;
 
     EXPECT_LE(cv::norm(read.disparity_px, written.disparity_px, cv::NORM_INF), 0.5 / 128.0);
     EXPECT_LE(cv::norm(read.sigma_disparity_px, written.sigma_disparity_px, cv::NORM_INF),
@@ -62,4 +62,4 @@ TEST(KeyframeStore, AMissingOrShortenedFileIsATypedError) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

@@ -9,14 +9,14 @@
 #include "tests/synthetic/ideal_rig.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::keyframes {
 namespace {
 
-RectifiedRig small_rig() { return synthetic::ideal_rig(160, 120, 120.0); }
+types::RectifiedRig small_rig() { return synthetic::ideal_rig(160, 120, 120.0); }
 
 // A wall of noise at a disparity of 12 px.
-RectifiedFrame wall(int index) {
-    RectifiedFrame frame;
+types::RectifiedFrame wall(int index) {
+    types::RectifiedFrame frame;
     frame.index = index;
     cv::Mat wide(120, 200, CV_8U);
     cv::RNG random(7);
@@ -27,8 +27,8 @@ RectifiedFrame wall(int index) {
     return frame;
 }
 
-DescribedKeypoints view_of(int num_points) {
-    DescribedKeypoints view(static_cast<std::size_t>(num_points));
+features::DescribedKeypoints view_of(int num_points) {
+    features::DescribedKeypoints view(static_cast<std::size_t>(num_points));
     for (int i = 0; i < num_points; ++i) {
         view[static_cast<std::size_t>(i)].u_px = static_cast<float>(i);
         view[static_cast<std::size_t>(i)].descriptor.fill(0x9E3779B97F4A7C15ULL >> i);
@@ -39,7 +39,7 @@ DescribedKeypoints view_of(int num_points) {
 TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
-    TaskPool task_pool(2);
+    base::TaskPool task_pool(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
     for (int i = 0; i < 5; ++i) {
         KeyframeWriter::Seen seen;
@@ -50,7 +50,7 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     for (int i = 0; i < 5; ++i)
         EXPECT_NEAR(store.read(i).depth.disparity_px.at<float>(60, 100), 12.0F, 0.1F);
     EXPECT_LT(cv::norm(store.read_left(2), wall(2).left, cv::NORM_INF), 20.0);
-    const DescribedKeypoints view = store.read_keypoints(4);
+    const features::DescribedKeypoints view = store.read_keypoints(4);
     ASSERT_EQ(view.size(), 4U);
     EXPECT_EQ(view[3].u_px, 3.0F);
     EXPECT_EQ(view[3].descriptor, view_of(4)[3].descriptor);
@@ -62,9 +62,9 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
 TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
-    TaskPool task_pool(2);
+    base::TaskPool task_pool(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
-    DepthMap depth;
+    types::DepthMap depth;
     depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
     depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
     writer.write(wall(3), depth, {});
@@ -75,7 +75,7 @@ TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
 TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyImageAlone) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
-    TaskPool task_pool(2);
+    base::TaskPool task_pool(2);
     ReconstructionOptions options;
     options.surface = false;
     KeyframeWriter writer(small_rig(), options, store, task_pool);
@@ -90,11 +90,11 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     const auto gone = folder / "keyframes";
     const KeyframeStore store(gone);
     std::filesystem::remove(gone);
-    TaskPool task_pool(2);
+    base::TaskPool task_pool(2);
     KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
     writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     EXPECT_THROW(writer.finish(), Error);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::keyframes

@@ -7,7 +7,7 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/loops/find_loops.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 using synthetic::SeaFloor;
@@ -40,13 +40,13 @@ struct Swim {
         double way_m = 0.0;
         for (std::size_t k = 0; k < path.size(); ++k) {
             if (k > 0) way_m += (path[k].translation() - path[k - 1].translation()).norm();
-            Keyframe keyframe;
+            types::Keyframe keyframe;
             keyframe.frame_index = static_cast<int>(k);
             keyframe.timestamp_ns = static_cast<std::int64_t>(k) * 1'000'000'000;
             keyframe.T_world_cam = path[k];
             keyframe.T_world_cam.translation().x() += drift * way_m;
             track.keyframes.push_back(keyframe);
-            const KeyframeImages images = floor.look(path[k]);
+            const types::KeyframeImages images = floor.look(path[k]);
             cv::Mat left;
             cv::extractChannel(images.left_color, left, 0);
             store.write_left(static_cast<int>(k), left);
@@ -59,7 +59,7 @@ struct Swim {
     void start_landmark(std::size_t k, double u_px, double v_px, std::size_t life) {
         const Eigen::Vector3d p_cam = SeaFloor::seen_at(T_world_cam[k], u_px, v_px);
         p_true.push_back(T_world_cam[k] * p_cam);
-        Landmark landmark;
+        types::Landmark landmark;
         landmark.p_world = track.keyframes[k].T_world_cam * p_cam;
         for (std::size_t i = k; i < std::min(k + life, T_world_cam.size()); ++i) {
             const Eigen::Vector3d px = true_px(p_true.size() - 1, i);
@@ -72,14 +72,14 @@ struct Swim {
     }
 
     Eigen::Vector3d true_px(std::size_t landmark, std::size_t keyframe) const {
-        return project_px(track.rig, T_world_cam[keyframe].inverse() * p_true[landmark]);
+        return types::project_px(track.rig, T_world_cam[keyframe].inverse() * p_true[landmark]);
     }
 
-    LoopStatistics close() {
+    types::LoopStatistics close() {
         keyframes = track.keyframes;
         landmarks = track.landmarks;
         const DriftModel drift(keyframes, landmarks, nullptr);
-        const FoundLoops found = find_loops(track, drift, store, 1, ignore_progress);
+        const FoundLoops found = find_loops(track, drift, store, 1, base::ignore_progress);
         close_loops(track.rig, found.loops, drift, keyframes, landmarks);
         return found.statistics;
     }
@@ -101,17 +101,17 @@ struct Swim {
     }
 
     TemporaryFolder folder;
-    KeyframeStore store{folder.path()};
+    keyframes::KeyframeStore store{folder.path()};
     Path T_world_cam;                     // true
     std::vector<Eigen::Vector3d> p_true;  // landmarks, in the world
-    Track track;
-    std::vector<Keyframe> keyframes;
-    std::vector<Landmark> landmarks;
+    types::Track track;
+    std::vector<types::Keyframe> keyframes;
+    std::vector<types::Landmark> landmarks;
 };
 
 TEST(CloseLoopsTest, LandmarksOfBothVisitsAreSeenAgainWhereTheyAre) {
     Swim swim(SeaFloor(), there_and_back(), 0.001);
-    const LoopStatistics loops = swim.close();
+    const types::LoopStatistics loops = swim.close();
     EXPECT_GE(loops.num_accepted, 3);
     const auto [rms_px, num] = swim.error_of_new_observations_px();
     EXPECT_GE(num, 100);
@@ -120,7 +120,7 @@ TEST(CloseLoopsTest, LandmarksOfBothVisitsAreSeenAgainWhereTheyAre) {
 
 TEST(CloseLoopsTest, ATrackThatHasRunFarOffIsBroughtBackFirst) {
     Swim swim(SeaFloor(), there_and_back(), 0.02);
-    const LoopStatistics loops = swim.close();
+    const types::LoopStatistics loops = swim.close();
     EXPECT_GE(loops.num_accepted, 3);
     EXPECT_GT(loops.largest_correction_m, 0.15);
     EXPECT_LT(
@@ -133,7 +133,7 @@ TEST(CloseLoopsTest, PlacesThatLookTheSameAreNotJoined) {
     Path straight;
     for (int i = 0; i < 22; ++i) straight.push_back(above(0.25 * i, 0.0, 0.0));
     Swim swim(SeaFloor(1.5), straight, 0.001);
-    const LoopStatistics loops = swim.close();
+    const types::LoopStatistics loops = swim.close();
     EXPECT_GT(loops.num_matched, 0);  // the pictures are the same
     EXPECT_EQ(loops.num_accepted, 0);
     EXPECT_EQ(swim.error_of_new_observations_px().second, 0);
@@ -148,4 +148,4 @@ TEST(CloseLoopsTest, GivesTheSameBitsAgain) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -8,7 +8,7 @@
 #include "worker/loops/pose_graph.hpp"
 #include "worker/loops/strongest_loops.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 constexpr std::size_t kLap = 60;
@@ -35,7 +35,7 @@ struct Laps {
         for (std::size_t k = 0; k + 1 < keyframes.size(); ++k) {
             if (k + 1 == blind_at) continue;
             for (int i = 0; i < 10; ++i) {
-                Landmark landmark;
+                types::Landmark landmark;
                 landmark.p_world = keyframes[k].T_world_cam * Eigen::Vector3d(0.1 * i, 0.0, 2.0);
                 landmark.observations = {{static_cast<std::int32_t>(k)},
                                          {static_cast<std::int32_t>(k + 1)}};
@@ -62,8 +62,8 @@ struct Laps {
     }
 
     std::vector<Eigen::Isometry3d> truth;
-    std::vector<Keyframe> keyframes;
-    std::vector<Landmark> landmarks;
+    std::vector<types::Keyframe> keyframes;
+    std::vector<types::Landmark> landmarks;
 };
 
 TEST(ConsistentLoopsTest, TrueLoopsStayAndFalseOnesGo) {
@@ -116,7 +116,7 @@ TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
     const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     optimise_pose_graph({laps.loop(0, 60)}, drift, laps.keyframes, laps.landmarks);
     ASSERT_FALSE(laps.landmarks.empty());
-    for (const Landmark& landmark : laps.landmarks) {
+    for (const types::Landmark& landmark : laps.landmarks) {
         const auto anchor = static_cast<std::size_t>(landmark.observations.front().keyframe);
         const Eigen::Vector3d p_cam =
             laps.keyframes[anchor].T_world_cam.inverse() * landmark.p_world;
@@ -147,4 +147,4 @@ TEST(StrongestLoopsTest, WhatJoinsOtherPiecesIsNeverDropped) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

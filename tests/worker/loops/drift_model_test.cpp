@@ -5,7 +5,7 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 // Twelve keyframes half a second apart; before the seventh the scene was out of sight for
@@ -15,7 +15,7 @@ struct Dive {
         double now_s = 0.0;
         for (int k = 0; k < 12; ++k) {
             if (k > 0) now_s += k == 6 ? blind_s : 0.5;
-            Keyframe keyframe;
+            types::Keyframe keyframe;
             keyframe.frame_index = k;
             keyframe.timestamp_ns = std::llround(1e9 * now_s);
             keyframe.T_world_cam = synthetic::T_world_cam(10.0 * now_s);
@@ -23,18 +23,18 @@ struct Dive {
             for (int i = 0; i < 20 && k > 0 && k != 6; ++i)
                 landmarks.push_back({Eigen::Vector3d::Zero(), {{k - 1}, {k}}});
         }
-        recording.its_rig.imu_noise = ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
+        recording.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         recording.its_imu = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, now_s, {});
     }
 
     DriftModel with_inertia() const {
-        const InertialPrior inertial(recording, {});
+        const imu::InertialPrior inertial(recording, {});
         return {keyframes, landmarks, &inertial};
     }
     DriftModel without() const { return {keyframes, landmarks, nullptr}; }
 
-    std::vector<Keyframe> keyframes;
-    std::vector<Landmark> landmarks;
+    std::vector<types::Keyframe> keyframes;
+    std::vector<types::Landmark> landmarks;
     synthetic::SensorRecording recording;
 };
 
@@ -55,11 +55,11 @@ TEST(DriftModelTest, NotOverTenAndNotWithoutSensors) {
 
 TEST(DriftModelTest, NotOverAGapInTheSamples) {
     Dive dive(3.0);
-    std::erase_if(dive.recording.its_imu, [](const ImuSample& sample) {
+    std::erase_if(dive.recording.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 3'500'000'000 && sample.timestamp_ns < 4'000'000'000;
     });
     EXPECT_FALSE(dive.with_inertia().follows(6));
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

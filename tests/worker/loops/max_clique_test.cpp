@@ -5,7 +5,7 @@
 #include <bit>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 using Graph = std::vector<std::vector<bool>>;
@@ -59,4 +59,4 @@ TEST(MaxCliqueTest, FindsSixtyThatAgreeAmongTwoHundredThatDoNot) {
 TEST(MaxCliqueTest, OfNothingIsNothing) { EXPECT_TRUE(max_clique({}).empty()); }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -5,7 +5,7 @@
 #include "tests/synthetic/pose_near.hpp"
 #include "tests/synthetic/sea_floor.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 using synthetic::SeaFloor;
@@ -46,7 +46,7 @@ TEST(SearchByProjectionTest, FindsPointsFromAGuessThatIsTwoPixelsOff) {
 
 TEST(SearchByProjectionTest, ThirtyPixelsOffTakeAnApproachInSmallerImages) {
     TwoImages images(0.24);
-    const RectifiedRig rig = synthetic::small_rig();
+    const types::RectifiedRig rig = synthetic::small_rig();
     Eigen::Isometry3d without = images.T_to_from;
     EXPECT_FALSE(search_by_projection(rig, images.from, images.points, images.to, without));
     refine_coarse_to_fine(rig, images.from, images.points, images.to, 3, images.T_to_from);
@@ -67,4 +67,4 @@ TEST(SearchByProjectionTest, NothingIsFoundAtAnotherPlace) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::loops {
 namespace {
 
 // Nine keyframes, a second and 0.2 m apart, twice as long before the fourth and the seventh; all
@@ -13,7 +13,7 @@ struct Dive {
         for (int k = 0; k < 9; ++k) {
             const bool lost = k == 3 || k == 6;
             now_ns += lost ? 2'000'000'000 : 1'000'000'000;
-            Keyframe keyframe;
+            types::Keyframe keyframe;
             keyframe.frame_index = k;
             keyframe.timestamp_ns = now_ns;
             keyframe.T_world_cam.translation().x() = 0.2 * k;
@@ -26,12 +26,12 @@ struct Dive {
     std::vector<std::int32_t> number(const std::vector<Loop>& loops) {
         number_segments(DriftModel(keyframes, landmarks, nullptr), loops, keyframes);
         std::vector<std::int32_t> segments;
-        for (const Keyframe& keyframe : keyframes) segments.push_back(keyframe.segment);
+        for (const types::Keyframe& keyframe : keyframes) segments.push_back(keyframe.segment);
         return segments;
     }
 
-    std::vector<Keyframe> keyframes;
-    std::vector<Landmark> landmarks;
+    std::vector<types::Keyframe> keyframes;
+    std::vector<types::Landmark> landmarks;
 };
 
 using Numbers = std::vector<std::int32_t>;
@@ -72,4 +72,4 @@ TEST(LayApartTest, OnePieceStaysWhereItIs) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::loops

@@ -5,14 +5,14 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/dive/marker_plan.hpp"
 #include "worker/markers/tag_layout.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 
-inline RectifiedRig test_rig() {
-    RectifiedRig rig;
+inline types::RectifiedRig test_rig() {
+    types::RectifiedRig rig;
     rig.width_px = 640;
     rig.height_px = 480;
     rig.focal_px = 500.0;
@@ -24,15 +24,16 @@ inline RectifiedRig test_rig() {
 
 // A tag on white board, the true place of its frame `marker`.
 struct DrawnTag {
-    MarkerFamily family = MarkerFamily::Tag36h11;
+    dive::MarkerFamily family = dive::MarkerFamily::Tag36h11;
     int id = 0;
     double size_m = 0.12;
     Eigen::Isometry3d T_world_marker = Eigen::Isometry3d::Identity();
 
-    Eigen::Vector3d corner_world(TagCorner corner) const {
+    Eigen::Vector3d corner_world(dive::TagCorner corner) const {
         const double half = 0.5 * size_m;
-        const bool right = corner == TagCorner::BottomRight || corner == TagCorner::TopRight;
-        const bool top = corner == TagCorner::TopRight || corner == TagCorner::TopLeft;
+        const bool right =
+            corner == dive::TagCorner::BottomRight || corner == dive::TagCorner::TopRight;
+        const bool top = corner == dive::TagCorner::TopRight || corner == dive::TagCorner::TopLeft;
         return T_world_marker * Eigen::Vector3d(right ? half : -half, top ? half : -half, 0.0);
     }
 };
@@ -48,7 +49,7 @@ struct Spoiling {
 // Ray by ray, 6 x 6 a pixel: what an ideal camera sees of the tags before a mottled ground.
 inline cv::Mat draw(const std::vector<DrawnTag>& tags,
                     const Eigen::Isometry3d& T_world_cam,
-                    const RectifiedRig& rig,
+                    const types::RectifiedRig& rig,
                     const Spoiling& spoiling = {}) {
     constexpr int kSub = 6;
     std::mt19937 random(spoiling.seed);
@@ -117,4 +118,4 @@ inline Eigen::Isometry3d looking_at_origin(double height_m, double yaw, double t
     return looking_down(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * aside, yaw, tilt);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

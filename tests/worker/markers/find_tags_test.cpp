@@ -4,20 +4,20 @@
 
 #include "tests/worker/markers/drawn_tags.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 double max_error_px(const Tag& found, const DrawnTag& tag, const Eigen::Isometry3d& T_world_cam) {
     double largest = 0.0;
-    for (std::size_t i = 0; i < kNumTagCorners; ++i) {
+    for (std::size_t i = 0; i < dive::kNumTagCorners; ++i) {
         const Eigen::Vector3d p_cam =
-            T_world_cam.inverse() * tag.corner_world(static_cast<TagCorner>(i));
+            T_world_cam.inverse() * tag.corner_world(static_cast<dive::TagCorner>(i));
         largest = std::max(largest, (found.corners_px[i] - test_rig().pixel(p_cam)).norm());
     }
     return largest;
 }
 
-class FindTagsTest : public testing::TestWithParam<MarkerFamily> {
+class FindTagsTest : public testing::TestWithParam<dive::MarkerFamily> {
 protected:
     FindTagsTest() {
         tag_.family = GetParam();
@@ -55,9 +55,9 @@ TEST_P(FindTagsTest, GroundWithoutTagsHasNone) {
 
 INSTANTIATE_TEST_SUITE_P(Families,
                          FindTagsTest,
-                         testing::Values(MarkerFamily::Tag36h11,
-                                         MarkerFamily::Tag25h9,
-                                         MarkerFamily::TagStandard41h12));
+                         testing::Values(dive::MarkerFamily::Tag36h11,
+                                         dive::MarkerFamily::Tag25h9,
+                                         dive::MarkerFamily::TagStandard41h12));
 
 TEST(FindTagsInBadImagesTest, ATagWithASoiledCellIsNone) {
     DrawnTag tag{.id = 3};
@@ -77,4 +77,4 @@ TEST(FindTagsInBadImagesTest, ATagWithASoiledCellIsNone) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -8,7 +8,7 @@
 #include "worker/markers/survey_markers.hpp"
 #include "worker/markers/world_scale.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::markers {
 namespace {
 
 // A swim over tags on the ground: what every keyframe sees of them, with the error of reading.
@@ -27,7 +27,7 @@ public:
             tags_.push_back(tag);
         }
         for (int i = 0; i < 4 * num_tags; ++i) {
-            Keyframe keyframe;
+            types::Keyframe keyframe;
             keyframe.frame_index = i;
             keyframe.timestamp_ns = i;
             keyframe.T_world_cam =
@@ -44,9 +44,9 @@ public:
                 for (const bool is_right : {false, true}) {
                     TagView view{tag.id, k, is_right, {}};
                     bool inside = true;
-                    for (std::size_t i = 0; i < kNumTagCorners; ++i) {
+                    for (std::size_t i = 0; i < dive::kNumTagCorners; ++i) {
                         const auto pixel =
-                            seen(k, is_right, tag.corner_world(static_cast<TagCorner>(i)));
+                            seen(k, is_right, tag.corner_world(static_cast<dive::TagCorner>(i)));
                         inside = inside && pixel.x() > 0 && pixel.x() < 640 && pixel.y() > 0 &&
                                  pixel.y() < 480;
                         view.corners_px[i] =
@@ -57,22 +57,23 @@ public:
         return result;
     }
 
-    MarkerPlan plan() const {
-        MarkerPlan plan;
+    dive::MarkerPlan plan() const {
+        dive::MarkerPlan plan;
         for (std::size_t i = 0; i + 1 < tags_.size(); ++i)
-            plan.scale_bars.push_back({.name = "bar " + std::to_string(i),
-                                       .from = {static_cast<int>(i), std::nullopt},
-                                       .to = {static_cast<int>(i) + 1, TagCorner::TopLeft},
-                                       .distance_m = (tags_[i].T_world_marker.translation() -
-                                                      tags_[i + 1].corner_world(TagCorner::TopLeft))
-                                                         .norm()});
+            plan.scale_bars.push_back(
+                {.name = "bar " + std::to_string(i),
+                 .from = {static_cast<int>(i), std::nullopt},
+                 .to = {static_cast<int>(i) + 1, dive::TagCorner::TopLeft},
+                 .distance_m = (tags_[i].T_world_marker.translation() -
+                                tags_[i + 1].corner_world(dive::TagCorner::TopLeft))
+                                   .norm()});
         return plan;
     }
 
     // The poses err by themselves, as those of a reconstruction do.
     void shake_poses(double position_m, double rotation_rad) {
         std::normal_distribution<double> error;
-        for (Keyframe& keyframe : keyframes_) {
+        for (types::Keyframe& keyframe : keyframes_) {
             const Eigen::Vector3d axis(error(random_), error(random_), error(random_));
             keyframe.T_world_cam.translation() +=
                 position_m * Eigen::Vector3d(error(random_), error(random_), error(random_));
@@ -83,8 +84,8 @@ public:
 
     MarkerWorld world() const { return {rig_, keyframes_, trajectory_, covariances_}; }
     const std::vector<DrawnTag>& tags() const { return tags_; }
-    std::vector<Keyframe>& keyframes() { return keyframes_; }
-    RectifiedRig& rig() { return rig_; }
+    std::vector<types::Keyframe>& keyframes() { return keyframes_; }
+    types::RectifiedRig& rig() { return rig_; }
 
 private:
     Eigen::Vector2d seen(std::size_t k, bool is_right, const Eigen::Vector3d& p_world) const {
@@ -94,11 +95,11 @@ private:
     }
 
     std::mt19937 random_;
-    RectifiedRig rig_ = test_rig();
+    types::RectifiedRig rig_ = test_rig();
     std::vector<DrawnTag> tags_;
-    std::vector<Keyframe> keyframes_;
-    Trajectory trajectory_;
-    CovarianceTrack covariances_;
+    std::vector<types::Keyframe> keyframes_;
+    types::Trajectory trajectory_;
+    types::CovarianceTrack covariances_;
 };
 
 std::vector<std::string> codes(const MarkerMetrics& metrics) {
@@ -222,7 +223,7 @@ TEST(MeasureBarsTest, LeaveOneOutIsTheErrorWithTheScaleOfTheOthers) {
 
 TEST(MeasureBarsTest, ABarThatIsWrongIsToldAndTheScaleIsOfTheOthers) {
     MarkerSwim swim(6);
-    MarkerPlan plan = swim.plan();
+    dive::MarkerPlan plan = swim.plan();
     plan.scale_bars[2].distance_m += 0.02;
 
     const auto metrics = measure_markers(swim.views(0.1), plan, swim.world());
@@ -237,7 +238,7 @@ TEST(MeasureBarsTest, ABarThatIsWrongIsToldAndTheScaleIsOfTheOthers) {
 TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
     MarkerSwim swim(6);
     const auto views = swim.views(0.05);
-    Trajectory trajectory(1);
+    types::Trajectory trajectory(1);
     trajectory[0].T_world_imu = swim.keyframes()[0].T_world_cam;
     const WorldScale smaller(0.99, Eigen::Isometry3d::Identity());
     swim.keyframes() = smaller.applied(swim.keyframes(), trajectory);
@@ -260,14 +261,14 @@ TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
 // arm the body has; its first pose stays.
 TEST(WorldScaleTest, MovesCamerasAndLeavesTheArmOfTheBody) {
     Eigen::Isometry3d T_imu_cam = looking_down({0.1, -0.2, 0.05}, 0.4, 0.2);
-    Trajectory trajectory(2);
+    types::Trajectory trajectory(2);
     trajectory[0].T_world_imu = looking_down({1, 2, 3}, 0.1, 0.0);
     trajectory[1].T_world_imu = looking_down({2, 4, 3.5}, 0.9, 0.3);
 
-    const Trajectory scaled = WorldScale(1.1, T_imu_cam).applied(trajectory);
+    const types::Trajectory scaled = WorldScale(1.1, T_imu_cam).applied(trajectory);
 
     EXPECT_TRUE(scaled[0].T_world_imu.isApprox(trajectory[0].T_world_imu, 1e-12));
-    const auto cameras = [&](const Trajectory& poses) {
+    const auto cameras = [&](const types::Trajectory& poses) {
         return Eigen::Vector3d(((poses[1].T_world_imu * T_imu_cam).translation() -
                                 (poses[0].T_world_imu * T_imu_cam).translation()));
     };
@@ -276,11 +277,12 @@ TEST(WorldScaleTest, MovesCamerasAndLeavesTheArmOfTheBody) {
 }
 
 TEST(WorldScaleTest, TheRigOfAScaledReconstructionHasItsBaseline) {
-    Rig rig;
+    types::Rig rig;
     rig.T_imu_cam0.translation() = Eigen::Vector3d(1.0, 0.0, 0.0);
     rig.T_imu_cam1.translation() = Eigen::Vector3d(1.2, 0.0, 0.0);
 
-    const Rig scaled = rig_as_scaled(rig, {{"markers", {{"scale_correction", {{"factor", 1.5}}}}}});
+    const types::Rig scaled =
+        rig_as_scaled(rig, {{"markers", {{"scale_correction", {{"factor", 1.5}}}}}});
 
     EXPECT_NEAR(scaled.baseline_m(), 0.3, 1e-12);
     EXPECT_EQ(scaled.T_imu_cam0.translation(), rig.T_imu_cam0.translation());
@@ -289,4 +291,4 @@ TEST(WorldScaleTest, TheRigOfAScaledReconstructionHasItsBaseline) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::markers

@@ -7,10 +7,10 @@
 
 #include "worker/fusion/signed_distance_field.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 
 // A signed distance given as a function, known within a band around its zero.
-class AnalyticField : public SignedDistanceField {
+class AnalyticField : public fusion::SignedDistanceField {
 public:
     using Distance = std::function<double(const Eigen::Vector3d&)>;
 
@@ -24,17 +24,18 @@ public:
     }
 
     double voxel_m() const override { return voxel_m_; }
-    const std::vector<BlockCoordinate>& blocks() const override { return blocks_; }
+    const std::vector<fusion::BlockCoordinate>& blocks() const override { return blocks_; }
     void read_distances(std::size_t block, float* distances_m) const override {
-        for (int i = 0; i < kBlockSamples; ++i) distances_m[i] = distance_m(block, i);
+        for (int i = 0; i < fusion::kBlockSamples; ++i) distances_m[i] = distance_m(block, i);
     }
     float distance_m(std::size_t block, int i) const override {
         const Eigen::Vector3i sample =
-            first_sample(blocks_[block]) + Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6);
+            fusion::first_sample(blocks_[block]) + Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6);
         const double distance = distance_(voxel_m_ * sample.cast<double>());
-        return std::abs(distance) < band_m_ ? static_cast<float>(distance) : kUnknownDistance;
+        return std::abs(distance) < band_m_ ? static_cast<float>(distance)
+                                            : fusion::kUnknownDistance;
     }
-    SampleAttributes attributes(std::size_t, int) const override {
+    fusion::SampleAttributes attributes(std::size_t, int) const override {
         return {{10, 20, 30}, true, sigma_m, 5};
     }
 
@@ -44,11 +45,11 @@ private:
     Distance distance_;
     double voxel_m_;
     double band_m_;
-    std::vector<BlockCoordinate> blocks_;
+    std::vector<fusion::BlockCoordinate> blocks_;
 };
 
 inline AnalyticField::Distance sphere(const Eigen::Vector3d& center, double radius) {
     return [=](const Eigen::Vector3d& p) { return (p - center).norm() - radius; };
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -5,15 +5,15 @@
 #include "tests/worker/mesh/analytic_field.hpp"
 #include "worker/mesh/surface_nets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr float kCell_m = 0.1F;
 
 // Cells of kCell_m in the plane z = 0 where `present(x, y)`.
 template <typename Present>
-Mesh flat_cells(std::uint32_t num_x, std::uint32_t num_y, Present&& present) {
-    Mesh mesh;
+types::Mesh flat_cells(std::uint32_t num_x, std::uint32_t num_y, Present&& present) {
+    types::Mesh mesh;
     for (std::uint32_t y = 0; y <= num_y; ++y)
         for (std::uint32_t x = 0; x <= num_x; ++x)
             mesh.vertices.emplace_back(
@@ -29,7 +29,8 @@ Mesh flat_cells(std::uint32_t num_x, std::uint32_t num_y, Present&& present) {
 }
 
 TEST(MeshBorders, AClosedSurfaceHasNone) {
-    const Mesh mesh = surface_nets(AnalyticField(sphere({0.01, 0.02, 0.0}, 0.15), 0.01, 3), {});
+    const types::Mesh mesh =
+        surface_nets(AnalyticField(sphere({0.01, 0.02, 0.0}, 0.15), 0.01, 3), {});
     const MeshBorders borders = find_borders(mesh);
     EXPECT_EQ(borders.num_holes, 0);
     EXPECT_EQ(borders.outer_edge_m, 0.0);
@@ -69,4 +70,4 @@ TEST(MeshBorders, EachPartHasItsOwnOuterEdge) {
 TEST(MeshBorders, AnEmptyMeshHasNone) { EXPECT_EQ(find_borders({}).num_holes, 0); }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -10,7 +10,7 @@
 #include "worker/mesh/mesh_components.hpp"
 #include "worker/mesh/surface_nets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -18,7 +18,7 @@ constexpr double kVoxel_m = 0.01;
 
 class BothMeshers : public testing::TestWithParam<std::string> {
 protected:
-    static Mesh mesh(const SignedDistanceField& field, int num_threads = 1) {
+    static types::Mesh mesh(const fusion::SignedDistanceField& field, int num_threads = 1) {
         MeshingSettings settings;
         settings.num_threads = num_threads;
         return GetParam() == "surface_nets" ? surface_nets(field, settings)
@@ -26,7 +26,7 @@ protected:
     }
 };
 
-void expect_closed_manifold(const Mesh& mesh, std::int64_t euler_characteristic) {
+void expect_closed_manifold(const types::Mesh& mesh, std::int64_t euler_characteristic) {
     const MeshTopology topology = check_topology(mesh);
     EXPECT_EQ(topology.num_border_edges, 0);
     EXPECT_EQ(topology.num_nonmanifold_edges, 0);
@@ -37,7 +37,7 @@ void expect_closed_manifold(const Mesh& mesh, std::int64_t euler_characteristic)
 TEST_P(BothMeshers, ASphereAcrossBlocksIsClosedOrientedAndOfItsAreaAndVolume) {
     const Eigen::Vector3d center(0.013, -0.007, 0.021);
     const double radius = 0.15;
-    const Mesh surface = mesh(AnalyticField(sphere(center, radius), kVoxel_m, 3));
+    const types::Mesh surface = mesh(AnalyticField(sphere(center, radius), kVoxel_m, 3));
     expect_closed_manifold(surface, 2);
     const MeshTopology topology = check_topology(surface);
     EXPECT_NEAR(topology.area_m2 / (4.0 * kPi * radius * radius), 1.0, 0.005);
@@ -51,7 +51,7 @@ TEST_P(BothMeshers, ASphereAcrossBlocksIsClosedOrientedAndOfItsAreaAndVolume) {
 
 TEST_P(BothMeshers, TwoSpheresAreTwoComponents) {
     const auto a = sphere({-0.1, 0.0, 0.0}, 0.06), b = sphere({0.1, 0.01, 0.0}, 0.05);
-    const Mesh surface = mesh(
+    const types::Mesh surface = mesh(
         AnalyticField([=](const Eigen::Vector3d& p) { return std::min(a(p), b(p)); }, kVoxel_m, 3));
     EXPECT_EQ(find_components(surface).area_m2.size(), 2U);
     expect_closed_manifold(surface, 4);
@@ -62,7 +62,7 @@ TEST_P(BothMeshers, ATorusHasEulerNumberZero) {
     const auto torus = [](const Eigen::Vector3d& p) {
         return std::hypot(std::hypot(p.x(), p.y()) - 0.12, p.z() - 0.004) - 0.05;
     };
-    const Mesh surface = mesh(AnalyticField(torus, kVoxel_m, 3));
+    const types::Mesh surface = mesh(AnalyticField(torus, kVoxel_m, 3));
     expect_closed_manifold(surface, 0);
     EXPECT_NEAR(
         check_topology(surface).volume_m3 / (2.0 * kPi * kPi * 0.12 * 0.05 * 0.05), 1.0, 0.02);
@@ -70,7 +70,7 @@ TEST_P(BothMeshers, ATorusHasEulerNumberZero) {
 
 TEST_P(BothMeshers, ATiltedPlaneIsFlatAndFacesThePositiveSide) {
     const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.5, 0.8).normalized();
-    const Mesh surface = mesh(AnalyticField(
+    const types::Mesh surface = mesh(AnalyticField(
         [=](const Eigen::Vector3d& p) { return normal.dot(p) - 0.0123; }, kVoxel_m, 2));
     ASSERT_GT(surface.triangles.size(), 500U);
     EXPECT_EQ(check_topology(surface).num_misoriented_edges, 0);
@@ -95,7 +95,7 @@ TEST_P(BothMeshers, RandomSignsGiveAClosedOrientedManifold) {
             if (i.minCoeff() <= 0 || i.maxCoeff() >= 31) return 1.0;
             return values[(i.z() * 32 + i.y()) * 32 + i.x()];
         };
-        const Mesh surface = mesh(AnalyticField(noise, kVoxel_m, 2));
+        const types::Mesh surface = mesh(AnalyticField(noise, kVoxel_m, 2));
         const MeshTopology topology = check_topology(surface);
         EXPECT_EQ(topology.num_border_edges, 0);
         EXPECT_EQ(topology.num_nonmanifold_edges, 0);
@@ -108,7 +108,7 @@ TEST_P(BothMeshers, LeaveAHoleWhereTheFieldIsUnknown) {
     const auto disc = [](const Eigen::Vector3d& p) {
         return std::hypot(p.x(), p.y()) < 0.1 ? p.z() - 0.003 : std::nan("");
     };
-    const Mesh surface = mesh(AnalyticField(disc, kVoxel_m, 3));
+    const types::Mesh surface = mesh(AnalyticField(disc, kVoxel_m, 3));
     EXPECT_GT(check_topology(surface).num_border_edges, 20);
     EXPECT_NEAR(check_topology(surface).area_m2, kPi * 0.1 * 0.1, 0.3 * kPi * 0.1 * 0.1);
     for (const auto& vertex : surface.vertices) EXPECT_LT(vertex.head<2>().norm(), 0.1F);
@@ -116,8 +116,8 @@ TEST_P(BothMeshers, LeaveAHoleWhereTheFieldIsUnknown) {
 
 TEST_P(BothMeshers, OneThreadAndTwoGiveTheSameBytes) {
     const AnalyticField field(sphere({0.0, 0.01, 0.02}, 0.14), kVoxel_m, 3);
-    const Mesh one = mesh(field, 1);
-    const Mesh two = mesh(field, 2);
+    const types::Mesh one = mesh(field, 1);
+    const types::Mesh two = mesh(field, 2);
     EXPECT_EQ(one.vertices, two.vertices);
     EXPECT_EQ(one.normals, two.normals);
     EXPECT_EQ(one.triangles, two.triangles);
@@ -140,7 +140,7 @@ TEST(SurfaceNets, RelaxWithinTheNoiseOfTheField) {
     };
     AnalyticField field(rough, kVoxel_m, 3);
     const auto rms = [&] {
-        const Mesh surface = surface_nets(field, {.num_threads = 1});
+        const types::Mesh surface = surface_nets(field, {.num_threads = 1});
         double sum = 0.0;
         for (const auto& vertex : surface.vertices) sum += std::pow(vertex.z() - 0.004, 2);
         return std::sqrt(sum / static_cast<double>(surface.vertices.size()));
@@ -152,4 +152,4 @@ TEST(SurfaceNets, RelaxWithinTheNoiseOfTheField) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -8,19 +8,19 @@
 #include "worker/mesh/mesh_components.hpp"
 #include "worker/mesh/surface_nets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRadius_m = 0.3;
 
-Mesh ball() {
+types::Mesh ball() {
     return surface_nets(AnalyticField(sphere({0.013, -0.007, 0.021}, kRadius_m), 0.01, 6), {});
 }
 
 TEST(SimplifyMesh, ABallOfATenthOfItsTrianglesKeepsShapeTopologyAndAttributes) {
-    const Mesh mesh = ball();
-    const Mesh fewer = simplify_mesh(mesh, {.share = 0.1});
+    const types::Mesh mesh = ball();
+    const types::Mesh fewer = simplify_mesh(mesh, {.share = 0.1});
     EXPECT_LE(fewer.triangles.size(), mesh.triangles.size() / 10 + 1);
     EXPECT_GE(fewer.triangles.size(), mesh.triangles.size() / 11);
     const MeshTopology topology = check_topology(fewer);
@@ -37,9 +37,9 @@ TEST(SimplifyMesh, ABallOfATenthOfItsTrianglesKeepsShapeTopologyAndAttributes) {
 }
 
 TEST(SimplifyMesh, TheLimitOfErrorEndsItSooner) {
-    const Mesh mesh = ball();
-    const Mesh tight = simplify_mesh(mesh, {.share = 0.01, .max_error_m = 0.0002});
-    const Mesh loose = simplify_mesh(mesh, {.share = 0.01, .max_error_m = 0.002});
+    const types::Mesh mesh = ball();
+    const types::Mesh tight = simplify_mesh(mesh, {.share = 0.01, .max_error_m = 0.0002});
+    const types::Mesh loose = simplify_mesh(mesh, {.share = 0.01, .max_error_m = 0.002});
     EXPECT_GT(tight.triangles.size(), 2 * loose.triangles.size());
     EXPECT_GT(loose.triangles.size(), mesh.triangles.size() / 100 + 1);
 }
@@ -49,4 +49,4 @@ TEST(SimplifyMesh, AnEmptyMeshStaysEmpty) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

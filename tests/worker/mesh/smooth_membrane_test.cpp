@@ -11,16 +11,16 @@
 #include "tests/worker/mesh/analytic_field.hpp"
 #include "worker/mesh/surface_nets.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr double kVoxel_m = 0.01;
 
 // Cells of a voxel in the plane z = 0; corners displaced by noise of `sigma_m` along z.
-Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
+types::Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
     std::mt19937 random(1);
     std::normal_distribution<float> noise(0.0F, sigma_m);
-    Mesh mesh;
+    types::Mesh mesh;
     for (std::uint32_t y = 0; y <= num_cells; ++y)
         for (std::uint32_t x = 0; x <= num_cells; ++x) {
             mesh.vertices.emplace_back(
@@ -38,7 +38,7 @@ Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
 }
 
 // Of the vertices that are `margin` cells or more from every border.
-double rms_height_m(const Mesh& mesh, std::uint32_t num_cells, std::uint32_t margin) {
+double rms_height_m(const types::Mesh& mesh, std::uint32_t num_cells, std::uint32_t margin) {
     double sum = 0.0;
     int num = 0;
     for (std::uint32_t y = margin; y <= num_cells - margin; ++y)
@@ -51,15 +51,15 @@ double rms_height_m(const Mesh& mesh, std::uint32_t num_cells, std::uint32_t mar
 // these triangles. Used twice it leaves of white noise of variance sigma^2 the part
 // (4 - 2 + 1/3) / (4 pi L^2 sqrt(det q)) (integral over wave numbers k): 0.080 sigma.
 TEST(SmoothMembrane, WhiteNoiseOnAPlaneGoesDownAsTheMembraneSays) {
-    Mesh mesh = noisy_plane(200, 0.02F);
+    types::Mesh mesh = noisy_plane(200, 0.02F);
     smooth_membrane(mesh, kVoxel_m, 2);
     EXPECT_NEAR(rms_height_m(mesh, 200, 70) / 0.02, 0.080, 0.012);
     EXPECT_GT(mesh.normals[100 * 201 + 100].z(), 0.95F);
 }
 
 TEST(SmoothMembrane, WhatIsKnownWellStaysPut) {
-    const Mesh sharp = noisy_plane(40, 0.004F);
-    Mesh mesh = sharp;
+    const types::Mesh sharp = noisy_plane(40, 0.004F);
+    types::Mesh mesh = sharp;
     smooth_membrane(mesh, kVoxel_m, 1);
     EXPECT_EQ(mesh.vertices, sharp.vertices);
 }
@@ -70,7 +70,7 @@ struct AtRest {
 };
 
 // Where the membrane comes to rest, by a direct solution.
-AtRest at_rest(const Mesh& mesh) {
+AtRest at_rest(const types::Mesh& mesh) {
     const auto num = static_cast<Eigen::Index>(mesh.vertices.size());
     Eigen::MatrixXi arrives = Eigen::MatrixXi::Zero(num, num);  // triangles that go from i to j
     for (const auto& t : mesh.triangles)
@@ -100,7 +100,7 @@ AtRest at_rest(const Mesh& mesh) {
 TEST(SmoothMembrane, ComesToRestOnATornSurface) {
     constexpr std::uint32_t kCells = 22;
     for (unsigned seed = 1; seed <= 10; ++seed) {
-        Mesh mesh = noisy_plane(kCells, 0.02F);
+        types::Mesh mesh = noisy_plane(kCells, 0.02F);
         std::mt19937 random(seed);
         std::erase_if(mesh.triangles, [&](const auto&) { return random() % 5 == 0; });
         const AtRest expected = at_rest(mesh);
@@ -114,8 +114,8 @@ TEST(SmoothMembrane, ComesToRestOnATornSurface) {
 }
 
 TEST(SmoothMembrane, BordersAreEvenedOutButKeepTheirOutline) {
-    const Mesh before = noisy_plane(100, 0.02F);
-    Mesh mesh = before;
+    const types::Mesh before = noisy_plane(100, 0.02F);
+    types::Mesh mesh = before;
     smooth_membrane(mesh, kVoxel_m, 1);
     double heights = 0.0;
     for (std::uint32_t i = 10; i <= 90; ++i) {
@@ -127,8 +127,8 @@ TEST(SmoothMembrane, BordersAreEvenedOutButKeepTheirOutline) {
 
 TEST(SmoothMembrane, ABallKeepsItsSize) {
     const Eigen::Vector3f center(0.013F, -0.007F, 0.021F);
-    Mesh mesh = surface_nets(AnalyticField(sphere(center.cast<double>(), 0.3), kVoxel_m, 6),
-                             {.num_threads = 2});
+    types::Mesh mesh = surface_nets(AnalyticField(sphere(center.cast<double>(), 0.3), kVoxel_m, 6),
+                                    {.num_threads = 2});
     mesh.sigma_m.assign(mesh.vertices.size(), 0.02F);
     smooth_membrane(mesh, kVoxel_m, 2);
     double sum_m = 0.0;
@@ -137,16 +137,16 @@ TEST(SmoothMembrane, ABallKeepsItsSize) {
 }
 
 TEST(SmoothMembrane, NothingMovesFartherThanThreeSigmas) {
-    const Mesh before = noisy_plane(60, 0.02F);
-    Mesh mesh = before;
+    const types::Mesh before = noisy_plane(60, 0.02F);
+    types::Mesh mesh = before;
     mesh.vertices[30 * 61 + 30].z() = 0.5F;
     smooth_membrane(mesh, kVoxel_m, 1);
     EXPECT_NEAR(mesh.vertices[30 * 61 + 30].z(), 0.5F - 0.06F, 1e-4F);
 }
 
 TEST(SmoothMembrane, OneThreadAndTwoGiveTheSameBytes) {
-    Mesh one = noisy_plane(100, 0.02F);
-    Mesh two = one;
+    types::Mesh one = noisy_plane(100, 0.02F);
+    types::Mesh two = one;
     smooth_membrane(one, kVoxel_m, 1);
     smooth_membrane(two, kVoxel_m, 2);
     EXPECT_EQ(one.vertices, two.vertices);
@@ -154,4 +154,4 @@ TEST(SmoothMembrane, OneThreadAndTwoGiveTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

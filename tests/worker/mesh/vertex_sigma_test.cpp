@@ -6,15 +6,15 @@
 #include <cmath>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::mesh {
 namespace {
 
 constexpr int kEdge = 21;
 constexpr double kVoxel_m = 0.01;
 
 // A sheet of vertices a voxel apart, bent about y with a radius; 0: flat.
-Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
-    Mesh mesh;
+types::Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
+    types::Mesh mesh;
     for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
             const double along = kVoxel_m * (x - kEdge / 2);
@@ -39,7 +39,7 @@ Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
     return mesh;
 }
 
-float at_middle(const Mesh& mesh) { return mesh.sigma_m[kEdge * kEdge / 2]; }
+float at_middle(const types::Mesh& mesh) { return mesh.sigma_m[kEdge * kEdge / 2]; }
 
 TEST(VertexSigmaTest, OfAPlaneSeenByViewsThatErrPartlyAlikeIsTheSpreadOfManyTrials) {
     constexpr int kNumViews = 30;
@@ -55,7 +55,7 @@ TEST(VertexSigmaTest, OfAPlaneSeenByViewsThatErrPartlyAlikeIsTheSpreadOfManyTria
         squares += std::pow(kMetrePerPx * mean_px, 2.0) / kNumTrials;
     }
 
-    Mesh plane = sheet(
+    types::Mesh plane = sheet(
         0.0, static_cast<float>(kMetrePerPx * kOne_px / std::sqrt(double{kNumViews})), kNumViews);
     finish_sigma(plane, kVoxel_m, 0.0);
     EXPECT_NEAR(at_middle(plane), std::sqrt(squares), 0.05 * std::sqrt(squares));
@@ -70,14 +70,14 @@ TEST(VertexSigmaTest, OfABendIsWhatAveragingAcrossItTakesOff) {
         const double x = kReach_m * (i + 0.5) / kNum;
         sagged_m += (kRadius_m - std::sqrt(kRadius_m * kRadius_m - x * x)) / kNum;
     }
-    Mesh bend = sheet(kRadius_m, 0.0F, 5);
+    types::Mesh bend = sheet(kRadius_m, 0.0F, 5);
     finish_sigma(bend, kVoxel_m, 0.0);
     EXPECT_NEAR(at_middle(bend), sagged_m, 0.15 * sagged_m);
 }
 
 TEST(VertexSigmaTest, HoldsWhatThePosesErrByAndLeavesTheShape) {
-    const Mesh before = sheet(0.0, 0.003F, 1);
-    Mesh after = before;
+    const types::Mesh before = sheet(0.0, 0.003F, 1);
+    types::Mesh after = before;
     finish_sigma(after, kVoxel_m, 0.004);
     EXPECT_NEAR(at_middle(after), 0.005, 1e-6);
     EXPECT_NEAR(after.sigma_local_m[kEdge * kEdge / 2], 0.003, 1e-6);
@@ -87,11 +87,11 @@ TEST(VertexSigmaTest, HoldsWhatThePosesErrByAndLeavesTheShape) {
 }
 
 TEST(VertexSigmaTest, AMeshWithoutSigmaStaysWithout) {
-    Mesh bare = sheet(0.0, 0.0F, 1);
+    types::Mesh bare = sheet(0.0, 0.0F, 1);
     bare.sigma_m.clear();
     finish_sigma(bare, kVoxel_m, 0.004);
     EXPECT_TRUE(bare.sigma_m.empty());
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::mesh

@@ -10,10 +10,11 @@
 
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::mosaic {
 namespace {
 
-void add_rectangle(Mesh& mesh, Eigen::Vector2f low, Eigen::Vector2f high, float z, Color color) {
+void add_rectangle(
+    types::Mesh& mesh, Eigen::Vector2f low, Eigen::Vector2f high, float z, types::Color color) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(),
                          {{low.x(), low.y(), z},
@@ -26,8 +27,8 @@ void add_rectangle(Mesh& mesh, Eigen::Vector2f low, Eigen::Vector2f high, float 
 }
 
 // A floor of 4 x 2 m, blue, with a red plate of 1 x 1 m half a metre above its north-west corner.
-Mesh floor_with_plate() {
-    Mesh mesh;
+types::Mesh floor_with_plate() {
+    types::Mesh mesh;
     add_rectangle(mesh, {1, 1}, {5, 3}, 0.0F, {0, 0, 200});
     add_rectangle(mesh, {1, 2}, {2, 3}, 0.5F, {200, 0, 0});
     return mesh;
@@ -65,7 +66,7 @@ TEST(Mosaic, NoPixelBetweenNeighbouringTrianglesStaysEmpty) {
 }
 
 TEST(Mosaic, AHugeMeshGetsCoarserPixelsAndNotAHugeImage) {
-    Mesh mesh = floor_with_plate();
+    types::Mesh mesh = floor_with_plate();
     add_rectangle(mesh, {-900, -900}, {900, 900}, -1.0F, {0, 0, 0});
     MosaicOptions options = pixels_of(0.001);
     options.max_side_px = 500;
@@ -81,7 +82,7 @@ TEST(Mosaic, AnEmptyMeshIsOneTransparentPixel) {
 }
 
 TEST(Mosaic, TheHeightImageAndItsScaleGiveTheHeightBack) {
-    Mesh mesh = floor_with_plate();
+    types::Mesh mesh = floor_with_plate();
     add_rectangle(mesh, {7, 1}, {8, 3}, -1.25F, {9, 9, 9});  // leaves a gap from x = 5 to 7
     const TemporaryFolder folder;
     write_mosaic(folder.path(), render_mosaic(mesh, pixels_of(0.1)));
@@ -103,7 +104,7 @@ TEST(Mosaic, TheHeightImageAndItsScaleGiveTheHeightBack) {
 }
 
 TEST(Mosaic, TheThumbnailIsSmallAndWhiteWhereThereIsNothing) {
-    Mesh mesh;
+    types::Mesh mesh;
     mesh.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
     mesh.colors = {{50, 50, 50}, {50, 50, 50}, {50, 50, 50}};
     mesh.triangles = {{0, 1, 2}};
@@ -115,4 +116,4 @@ TEST(Mosaic, TheThumbnailIsSmallAndWhiteWhereThereIsNothing) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::mosaic

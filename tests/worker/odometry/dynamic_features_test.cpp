@@ -9,22 +9,24 @@
 #include "tests/synthetic/stereo_world.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 TEST(DynamicFeaturesTest, FishAreFollowedOnAndTakenOutOfTheTracks) {
     synthetic::World world(1.0, 0.2, 3);
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     DynamicFeatures dynamic(rig);
-    Features scene = world.see(synthetic::T_world_cam(10), 10, 0.1);
+    types::Features scene = world.see(synthetic::T_world_cam(10), 10, 0.1);
     for (int frame = 11; frame < 14; ++frame) {
-        const Features before = dynamic.with_dynamic(scene);
-        const Features all = world.see(synthetic::T_world_cam(frame), frame, 0.1);
-        Features tracks;
-        std::copy_if(all.begin(), all.end(), std::back_inserter(tracks), [&](const Feature& f) {
-            return std::any_of(
-                before.begin(), before.end(), [&](const Feature& b) { return b.id == f.id; });
-        });
+        const types::Features before = dynamic.with_dynamic(scene);
+        const types::Features all = world.see(synthetic::T_world_cam(frame), frame, 0.1);
+        types::Features tracks;
+        std::copy_if(
+            all.begin(), all.end(), std::back_inserter(tracks), [&](const types::Feature& f) {
+                return std::any_of(before.begin(), before.end(), [&](const types::Feature& b) {
+                    return b.id == f.id;
+                });
+            });
         dynamic.take_dynamic(tracks);
         const PointPairs pairs = with_depth_at_both_times(rig, scene, tracks);
         const Registration motion =
@@ -36,12 +38,12 @@ TEST(DynamicFeaturesTest, FishAreFollowedOnAndTakenOutOfTheTracks) {
                 *std::find_if(all.begin(), all.end(), [&](auto& f) { return f.id == pair.id; }));
     }
     ASSERT_GE(dynamic.now().size(), 15U);
-    for (const Feature& feature : dynamic.now()) EXPECT_TRUE(world.is_fish(feature.id));
+    for (const types::Feature& feature : dynamic.now()) EXPECT_TRUE(world.is_fish(feature.id));
 }
 
 // A wall at a disparity of 20 px with a fish of 60 x 30 px at 40 px in front of it.
-DepthMap wall_and_fish() {
-    DepthMap depth;
+types::DepthMap wall_and_fish() {
+    types::DepthMap depth;
     depth.disparity_px = cv::Mat(240, 320, CV_32F, cv::Scalar(20.0));
     depth.disparity_px(cv::Rect(100, 80, 60, 30)).setTo(40.0F);
     depth.sigma_disparity_px = cv::Mat(240, 320, CV_32F, cv::Scalar(0.2));
@@ -49,7 +51,7 @@ DepthMap wall_and_fish() {
 }
 
 TEST(LeaveOutMovingTest, TakesOutTheFishAndLeavesTheWall) {
-    DepthMap depth = wall_and_fish();
+    types::DepthMap depth = wall_and_fish();
     mask_dynamic_features({{7, {120.0, 90.0}, 40.3}}, {{3, {50.0, 90.0}, 20.0}}, depth);
     EXPECT_EQ(depth.disparity_px.at<float>(95, 130), 0.0F);
     EXPECT_EQ(depth.disparity_px.at<float>(78, 130), 0.0F);  // its rim
@@ -58,7 +60,7 @@ TEST(LeaveOutMovingTest, TakesOutTheFishAndLeavesTheWall) {
 }
 
 TEST(LeaveOutMovingTest, ATrackThatSlippedTakesNothingOfTheScene) {
-    DepthMap depth = wall_and_fish();
+    types::DepthMap depth = wall_and_fish();
     mask_dynamic_features({{7, {250.0, 90.0}, 20.2}, {8, {120.0, 90.0}, 33.0}}, {}, depth);
     EXPECT_EQ(cv::norm(depth.disparity_px, wall_and_fish().disparity_px, cv::NORM_INF), 0.0);
     mask_dynamic_features({{7, {120.0, 90.0}, 40.0}}, {{3, {150.0, 100.0}, 40.0}}, depth);
@@ -66,7 +68,7 @@ TEST(LeaveOutMovingTest, ATrackThatSlippedTakesNothingOfTheScene) {
 }
 
 TEST(LeaveOutMovingTest, EachOfTwoFishGoesHoweverManyTracksAreOnThemAndOnTheWall) {
-    DepthMap depth = wall_and_fish();
+    types::DepthMap depth = wall_and_fish();
     depth.disparity_px(cv::Rect(200, 150, 40, 40)).setTo(30.0F);
     mask_dynamic_features({{1, {250.0, 90.0}, 20.2},
                            {2, {120.0, 90.0}, 40.3},
@@ -83,4 +85,4 @@ TEST(LeaveOutMovingTest, EachOfTwoFishGoesHoweverManyTracksAreOnThemAndOnTheWall
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

@@ -6,7 +6,7 @@
 #include "tests/synthetic/sensor_recording.hpp"
 #include "tests/synthetic/stereo_world.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 constexpr int kNumFrames = 100;
@@ -20,17 +20,17 @@ Eigen::Isometry3d T_world_imu_at(double t_s) {
 
 // A dive whose unit sits as calibrated. `landmark_error`: by how much of each turn, about which
 // axes of the camera, the landmarks that the registration used stand askew.
-ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
-    const RectifiedRig rig = synthetic::rig();
+types::ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
+    const types::RectifiedRig rig = synthetic::rig();
     synthetic::SensorRecording recording;
-    recording.its_rig.imu_noise = ImuNoise{};
+    recording.its_rig.imu_noise = types::ImuNoise{};
     recording.its_imu = synthetic::imu_along(T_world_imu_at, -0.5, 11.0, {});
-    InertialPrior inertial(recording, preset_options("standard"));
+    imu::InertialPrior inertial(recording, preset_options("standard"));
     ImuAligner aligner(recording);
     synthetic::World world(14.0, 0.0, 3);
-    Features before = world.see(T_world_cam_at(0.0), 0, 0.1);
+    types::Features before = world.see(T_world_cam_at(0.0), 0, 0.1);
     for (int k = 1; k <= kNumFrames; ++k) {
-        const Features now = world.see(T_world_cam_at(0.1 * k), k, 0.1);
+        const types::Features now = world.see(T_world_cam_at(0.1 * k), k, 0.1);
         const PointPairs measured = with_depth_at_both_times(rig, before, now);
         Registration vision;
         vision.found = true;
@@ -38,11 +38,11 @@ ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
             T_world_cam_at(0.1 * k).inverse() * T_world_cam_at(0.1 * (k - 1));
         vision.inliers = measured;
         const Eigen::Vector3d rotation =
-            vector_from_rotation(Eigen::Quaterniond(vision.T_current_previous.linear()));
-        const Eigen::Quaterniond askew = rotation_from_vector(landmark_error.cross(rotation));
+            base::vector_from_rotation(Eigen::Quaterniond(vision.T_current_previous.linear()));
+        const Eigen::Quaterniond askew = base::rotation_from_vector(landmark_error.cross(rotation));
         for (PointPair& pair : vision.inliers) {
             pair.p_previous = askew * pair.p_previous;
-            pair.previous_px = project_px(rig, pair.p_previous);
+            pair.previous_px = types::project_px(rig, pair.p_previous);
         }
         aligner.watch(rig,
                       measured,
@@ -56,16 +56,16 @@ ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
 }
 
 TEST(ImuAlignerTest, AUnitThatSitsAsCalibratedIsLeftAlone) {
-    const ImuAlignment found = alignment_found({0.0, 0.0, 0.0});
+    const types::ImuAlignment found = alignment_found({0.0, 0.0, 0.0});
     EXPECT_EQ(found.time_offset_s, 0.0);
     EXPECT_EQ(found.q_body_imu.angularDistance(Eigen::Quaterniond::Identity()), 0.0);
 }
 
 TEST(ImuAlignerTest, LandmarksThatAMisalignedUnitHasPlacedDoNotConfirmIt) {
-    const ImuAlignment found = alignment_found({0.05, 0.05, -0.05});
+    const types::ImuAlignment found = alignment_found({0.05, 0.05, -0.05});
     EXPECT_EQ(found.time_offset_s, 0.0);
     EXPECT_EQ(found.q_body_imu.angularDistance(Eigen::Quaterniond::Identity()), 0.0);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

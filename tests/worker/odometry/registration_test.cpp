@@ -4,11 +4,11 @@
 #include "tests/synthetic/stereo_world.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
-#include "worker/optimisation/refine_pose_by_ceres.hpp"
 #include "worker/odometry/register_points.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
+#include "worker/optimisation/refine_pose_by_ceres.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::odometry {
 namespace {
 
 using synthetic::IsPoseWithin;
@@ -18,14 +18,14 @@ Eigen::Isometry3d true_motion() {
 }
 
 PointPairs pairs(synthetic::World& world, double noise_px) {
-    const Features previous = world.see(synthetic::T_world_cam(10), 10, noise_px);
-    const Features current = world.see(synthetic::T_world_cam(11), 11, noise_px);
+    const types::Features previous = world.see(synthetic::T_world_cam(10), 10, noise_px);
+    const types::Features current = world.see(synthetic::T_world_cam(11), 11, noise_px);
     return with_depth_at_both_times(synthetic::rig(), previous, current);
 }
 
 TEST(WithDepthAtBothTimesTest, KeepsWhatHasDepthTwice) {
-    const Features previous = {{1, {10, 10}, 20.0}, {2, {20, 10}, 0.0}, {4, {40, 10}, 20.0}};
-    const Features current = {
+    const types::Features previous = {{1, {10, 10}, 20.0}, {2, {20, 10}, 0.0}, {4, {40, 10}, 20.0}};
+    const types::Features current = {
         {1, {11, 10}, 21.0}, {2, {21, 10}, 20.0}, {3, {30, 10}, 20.0}, {4, {41, 10}, 0.0}};
 
     const PointPairs kept = with_depth_at_both_times(synthetic::rig(), previous, current);
@@ -77,7 +77,7 @@ TEST(RegisterPointsTest, FindsNothingWhereNothingAgrees) {
 TEST(RegisterWithTurnTest, FindsTheMotionAmongSixtyPercentFish) {
     synthetic::World world(1.0, 0.6, 3);
     const PointPairs all = pairs(world, 0.2);
-    const KnownRotation rotation{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+    const types::KnownRotation rotation{Eigen::Quaterniond(true_motion().linear()), 1e-3};
 
     const Registration motion = register_with_rotation(
         synthetic::rig(), all, rotation, Eigen::Isometry3d::Identity(), 2.0, 1);
@@ -92,9 +92,9 @@ TEST(RegisterWithTurnTest, FindsTheMotionAmongSixtyPercentFish) {
 TEST(RegisterWithTurnTest, FallsBackToHornWhenTheTurnIsUnknownOrWrong) {
     synthetic::World world(1.0, 0.3, 3);
     const PointPairs all = pairs(world, 0.2);
-    const KnownRotation wrong{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())),
-                              1e-3};
-    for (const auto& rotation : {std::optional<KnownRotation>(), std::optional(wrong)}) {
+    const types::KnownRotation wrong{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ())), 1e-3};
+    for (const auto& rotation : {std::optional<types::KnownRotation>(), std::optional(wrong)}) {
         const Registration motion = register_with_rotation(
             synthetic::rig(), all, rotation, Eigen::Isometry3d::Identity(), 2.0, 1);
         ASSERT_TRUE(motion.found);
@@ -104,22 +104,22 @@ TEST(RegisterWithTurnTest, FallsBackToHornWhenTheTurnIsUnknownOrWrong) {
 
 TEST(RegisterWithTurnTest, TellsWhenThePairsLeaveTheMotionOpen) {
     synthetic::World world(1.0, 0.0, 8);
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     PointPairs line;  // a chain that hangs in open water
     for (int i = 0; i < 30; ++i) {
         const Eigen::Vector3d p_previous(0.3, -0.6 + 0.04 * i, 2.0);
         const auto measured = [&](const Eigen::Vector3d& p_cam) {
             const Eigen::Vector3d m =
-                project_px(rig, p_cam) +
+                types::project_px(rig, p_cam) +
                 0.1 * Eigen::Vector3d(world.normal(), world.normal(), world.normal());
-            return Feature{i, m.head<2>(), m.z()};
+            return types::Feature{i, m.head<2>(), m.z()};
         };
-        const Features previous = {measured(p_previous)};
-        const Features current = {measured(true_motion() * p_previous)};
+        const types::Features previous = {measured(p_previous)};
+        const types::Features current = {measured(true_motion() * p_previous)};
         const PointPair pair = with_depth_at_both_times(rig, previous, current)[0];
         line.push_back(pair);
     }
-    const KnownRotation rotation{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+    const types::KnownRotation rotation{Eigen::Quaterniond(true_motion().linear()), 1e-3};
 
     const Registration blind =
         register_with_rotation(rig, line, std::nullopt, true_motion(), 2.0, 1);
@@ -134,7 +134,7 @@ TEST(RegisterWithTurnTest, TellsWhenThePairsLeaveTheMotionOpen) {
 TEST(PredictOrientationTest, TakesTheInertialTurnAndTheTranslationThatGoesWithIt) {
     synthetic::World world(1.0, 0.0, 5);
     const Registration motion = register_points(synthetic::rig(), pairs(world, 0.2), 2.0, 1);
-    const KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 1e-4};
+    const types::KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 1e-4};
 
     const MotionGuess guess = predict_orientation(known, motion);
 
@@ -157,13 +157,14 @@ TEST(RefinePoseTest, FindsWhatCeresFinds) {
         synthetic::World world(1.0, 0.1, 7);
         const PointPairs all = pairs(world, noise_px);
         const Registration motion = register_points(synthetic::rig(), all, 2.0, 1);
-        const KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 1e-3};
-        for (const auto& rotation : {std::optional<KnownRotation>(), std::optional(known)}) {
+        const types::KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 1e-3};
+        for (const auto& rotation : {std::optional<types::KnownRotation>(), std::optional(known)}) {
             const MotionGuess guess = predict_orientation(rotation, motion);
-            EXPECT_THAT(
-                refine_pose(synthetic::rig(), motion.inliers, guess),
-                IsPoseWithin(
-                    refine_pose_by_ceres(synthetic::rig(), motion.inliers, guess), 0.01, 5e-4));
+            EXPECT_THAT(refine_pose(synthetic::rig(), motion.inliers, guess),
+                        IsPoseWithin(optimisation::refine_pose_by_ceres(
+                                         synthetic::rig(), motion.inliers, guess),
+                                     0.01,
+                                     5e-4));
         }
     }
 }
@@ -171,7 +172,7 @@ TEST(RefinePoseTest, FindsWhatCeresFinds) {
 TEST(RefinePoseTest, GainsByAKnownRotation) {
     synthetic::World world(1.0, 0.0, 6);
     const Registration motion = register_points(synthetic::rig(), pairs(world, 0.2), 2.0, 1);
-    const KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 5e-5};
+    const types::KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 5e-5};
 
     const Eigen::Isometry3d refined =
         refine_pose(synthetic::rig(), motion.inliers, predict_orientation(known, motion));
@@ -180,4 +181,4 @@ TEST(RefinePoseTest, GainsByAKnownRotation) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::odometry

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr int kNumPositions = 40;
@@ -64,7 +64,7 @@ double share_below(const std::vector<double>& values, double limit) {
 
 TEST(PathUncertaintyTest, BoundsTheErrorsOfRandomWalksAfterAlignment) {
     const Path truth = curved_path();
-    const PathUncertainty path = after_alignment(truth, random_walk_covariance());
+    const types::PathUncertainty path = after_alignment(truth, random_walk_covariance());
     std::mt19937 random(1);
     std::vector<double> errors_m2;
     double mean_m2 = 0.0;
@@ -125,9 +125,9 @@ TEST(PathUncertaintyTest, AFactorOfHeightsErrsAsItsSigmaSays) {
 }
 
 TEST(PathUncertaintyTest, FramesBetweenKeyframesAddWhatFollowingAdds) {
-    CovarianceTrack keyframes(2);
+    types::CovarianceTrack keyframes(2);
     keyframes[1].timestamp_ns = 100;
-    CovarianceTrack frames(4);
+    types::CovarianceTrack frames(4);
     for (std::size_t i = 0; i < frames.size(); ++i)
         frames[i].timestamp_ns = 25 * static_cast<std::int64_t>(i);
     frames[1].position_m2 = 4.0 * Eigen::Matrix3d::Identity();
@@ -137,4 +137,4 @@ TEST(PathUncertaintyTest, FramesBetweenKeyframesAddWhatFollowingAdds) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

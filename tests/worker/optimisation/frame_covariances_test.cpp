@@ -10,7 +10,7 @@
 #include "tests/synthetic/sensor_recording.hpp"
 #include "worker/optimisation/global_bundle_adjustment.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr int kNumRuns = 100;
@@ -24,7 +24,7 @@ constexpr std::int64_t kEveryNthPoint = 5;
 class NoisyDive {
 public:
     NoisyDive() {
-        recording_.its_rig.imu_noise = ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
+        recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         exact_ = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, kDuration_s, {});
     }
 
@@ -36,32 +36,32 @@ public:
             return Eigen::Vector3d(normal(random), normal(random), normal(random));
         };
         recording_.its_imu = exact_;
-        const ImuNoise sigma = InertialPrior(recording_, {}).noise();
+        const types::ImuNoise sigma = imu::InertialPrior(recording_, {}).noise();
         const double root_rate = std::sqrt(200.0);
         const Eigen::Vector3d gyroscope_bias = 0.005 * noise();
         const Eigen::Vector3d accelerometer_bias = 0.05 * noise();
-        for (ImuSample& sample : recording_.its_imu) {
+        for (types::ImuSample& sample : recording_.its_imu) {
             sample.angular_velocity_imu +=
                 gyroscope_bias + sigma.gyroscope_noise_density * root_rate * noise();
             sample.acceleration_imu +=
                 accelerometer_bias + sigma.accelerometer_noise_density * root_rate * noise();
         }
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, seed);
-        std::vector<Keyframe> keyframes;
-        std::map<std::int64_t, Landmark> seen;
+        std::vector<types::Keyframe> keyframes;
+        std::map<std::int64_t, types::Landmark> seen;
         for (int k = 0; k <= kNumKeyframes; ++k) {
             const int frame = kStep * k;
             const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(frame);
             keyframes.push_back({frame, 100'000'000LL * frame, T_world_cam});
             if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
-            for (Feature feature : world.see(T_world_cam, frame, 0.0)) {
+            for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
                 const Eigen::Vector3d error = kFeatureSigma_px.cwiseProduct(noise());
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
                 const Eigen::Vector3d p =
-                    keyframes.back().T_world_cam * point_cam(synthetic::rig(), feature);
-                seen.try_emplace(feature.id, Landmark{p, {}})
+                    keyframes.back().T_world_cam * types::point_cam(synthetic::rig(), feature);
+                seen.try_emplace(feature.id, types::Landmark{p, {}})
                     .first->second.observations.push_back(
                         {k,
                          static_cast<float>(feature.pixel.x()),
@@ -69,20 +69,24 @@ public:
                          static_cast<float>(feature.disparity_px)});
             }
         }
-        std::vector<Landmark> landmarks;
+        std::vector<types::Landmark> landmarks;
         for (auto& [id, landmark] : seen)
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
-        RectifiedRig rig = synthetic::rig();
+        types::RectifiedRig rig = synthetic::rig();
         rig.baseline_m *= 1.0 + 0.001 * normal(random);
-        const GlobalBundleAdjustment adjusted = adjust_globally(
-            rig, InertialPrior(recording_, {}), keyframes, landmarks, ignore_progress, {});
+        const GlobalBundleAdjustment adjusted = adjust_globally(rig,
+                                                                imu::InertialPrior(recording_, {}),
+                                                                keyframes,
+                                                                landmarks,
+                                                                base::ignore_progress,
+                                                                {});
         return normalised(rig, keyframes, adjusted.covariances);
     }
 
 private:
-    static double normalised(const RectifiedRig& rig,
-                             const std::vector<Keyframe>& keyframes,
-                             const CovarianceTrack& covariances) {
+    static double normalised(const types::RectifiedRig& rig,
+                             const std::vector<types::Keyframe>& keyframes,
+                             const types::CovarianceTrack& covariances) {
         const auto relative = [&](const Eigen::Isometry3d& first, const Eigen::Isometry3d& last) {
             const Eigen::Isometry3d T_cam_imu = rig.T_imu_cam.inverse();
             return Eigen::Vector3d(
@@ -95,7 +99,7 @@ private:
     }
 
     synthetic::SensorRecording recording_;
-    std::vector<ImuSample> exact_;
+    std::vector<types::ImuSample> exact_;
 };
 
 TEST(PoseCovarianceTest, IsAsLargeAsTheErrorsOfAHundredRuns) {
@@ -119,7 +123,7 @@ struct Followed {
             odometry[i].T_world_imu.translation().y() = i < 5 ? 0.0 : i < 10 ? miss_m : 2 * miss_m;
         }
         for (const std::int64_t i : {0, 5, 10}) {
-            Keyframe keyframe;
+            types::Keyframe keyframe;
             keyframe.timestamp_ns = 100 * i;
             keyframe.T_world_cam.translation().x() = static_cast<double>(i);
             keyframes.push_back(keyframe);
@@ -128,17 +132,17 @@ struct Followed {
                                    Eigen::Matrix3d::Identity()});
         }
     }
-    CovarianceTrack at_frames() const {
+    types::CovarianceTrack at_frames() const {
         return covariances_at(covariances, odometry, keyframes, Eigen::Isometry3d::Identity());
     }
 
-    Trajectory odometry;
-    std::vector<Keyframe> keyframes;
-    CovarianceTrack covariances;
+    types::Trajectory odometry;
+    std::vector<types::Keyframe> keyframes;
+    types::CovarianceTrack covariances;
 };
 
 TEST(PoseCovarianceTest, OfFramesLiesBetweenThoseOfTheKeyframes) {
-    const CovarianceTrack at = Followed(0.0).at_frames();
+    const types::CovarianceTrack at = Followed(0.0).at_frames();
     ASSERT_EQ(at.size(), 11U);
     EXPECT_EQ(at[0].position_m2(0, 0), 0.0);
     EXPECT_NEAR(at[2].position_m2(0, 0), 0.8, 1e-12);
@@ -147,7 +151,7 @@ TEST(PoseCovarianceTest, OfFramesLiesBetweenThoseOfTheKeyframes) {
 }
 
 TEST(PoseCovarianceTest, FramesBetweenKeyframesErrAsTheirOdometryDoes) {
-    const CovarianceTrack at = Followed(0.3).at_frames();
+    const types::CovarianceTrack at = Followed(0.3).at_frames();
     // Per axis 0.3^2 / 3 over five steps; the median of three is below the mean.
     const double whole = 0.03 * 3.0 / 2.366;
     EXPECT_NEAR(at[2].position_m2(0, 0) - 0.8, 0.4 * 0.6 * whole, 1e-9);
@@ -155,4 +159,4 @@ TEST(PoseCovarianceTest, FramesBetweenKeyframesErrAsTheirOdometryDoes) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -8,26 +8,26 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr int kNumKeyframes = 20;
 constexpr int kStep = 4;  // frames of 0.1 s from keyframe to keyframe
-const ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
-const Eigen::Quaterniond kTilt = rotation_from_vector({0.07, -0.09, 0.0});  // 6.5 degrees
+const imu::ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
+const Eigen::Quaterniond kTilt = base::rotation_from_vector({0.07, -0.09, 0.0});  // 6.5 degrees
 
 double seconds(std::int64_t time_ns) { return 1e-9 * static_cast<double>(time_ns); }
 
 // The way of stereo_world.hpp, its keyframes in a world that is tilted against the vertical.
 struct TiltedDive {
     synthetic::SensorRecording recording;
-    std::vector<Keyframe> keyframes;
+    std::vector<types::Keyframe> keyframes;
     std::vector<BodyState> states;
     std::map<std::int64_t, Eigen::Vector3d> landmarks;
 
     TiltedDive() {
         const double length_s = 0.1 * kStep * kNumKeyframes;
-        recording.its_rig.imu_noise = ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
+        recording.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         recording.its_imu = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, length_s, kBias);
         for (int k = 0; k <= kNumKeyframes; ++k) {
             const std::int64_t time_ns = 100'000'000LL * kStep * k;
@@ -38,31 +38,33 @@ struct TiltedDive {
     }
 
     // By what its cameras see and what its sensors feel.
-    WorldReference adjust(const InertialPrior& inertial) {
+    WorldReference adjust(const imu::InertialPrior& inertial) {
         BundleAdjustment bundle_adjustment(synthetic::rig());
         see(bundle_adjustment, 0.1);
         return solve(bundle_adjustment, inertial);
     }
 
-    WorldReference solve(BundleAdjustment& bundle_adjustment, const InertialPrior& inertial) {
+    WorldReference solve(BundleAdjustment& bundle_adjustment, const imu::InertialPrior& inertial) {
         WorldReference reference;
         add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
-        bundle_adjustment.solve_sparse(15, ignore_progress, {});
+        bundle_adjustment.solve_sparse(15, base::ignore_progress, {});
         return reference;
     }
 
     void see(BundleAdjustment& bundle_adjustment, double noise_px) {
-        const RectifiedRig rig = synthetic::rig();
+        const types::RectifiedRig rig = synthetic::rig();
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, 3);
         for (std::size_t k = 0; k < states.size(); ++k) {
             bundle_adjustment.add_state(states[k], k == 0);
             const int frame = kStep * static_cast<int>(k);
-            for (const Feature& feature :
+            for (const types::Feature& feature :
                  world.see(synthetic::T_world_cam(frame), frame, noise_px)) {
                 const auto landmark = landmarks.try_emplace(
-                    feature.id, keyframes[k].T_world_cam * point_cam(rig, feature));
-                bundle_adjustment.add_observation(
-                    states[k], landmark.first->second, measurement_px(feature), kFeatureSigma_px);
+                    feature.id, keyframes[k].T_world_cam * types::point_cam(rig, feature));
+                bundle_adjustment.add_observation(states[k],
+                                                  landmark.first->second,
+                                                  types::measurement_px(feature),
+                                                  types::kFeatureSigma_px);
             }
         }
     }
@@ -75,7 +77,7 @@ double tilt_deg(const Eigen::Quaterniond& q) {
 
 TEST(InertialFactorsTest, FindTheVerticalOfATiltedWorldWithTheVelocitiesAndBiases) {
     TiltedDive dive;
-    const InertialPrior inertial(dive.recording, {});
+    const imu::InertialPrior inertial(dive.recording, {});
     const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_GT(tilt_deg(kTilt), 6.0);
@@ -90,10 +92,10 @@ TEST(InertialFactorsTest, FindTheVerticalOfATiltedWorldWithTheVelocitiesAndBiase
 
 TEST(InertialFactorsTest, CarryOnBehindAGapInTheSamples) {
     TiltedDive dive;
-    std::erase_if(dive.recording.its_imu, [](const ImuSample& sample) {
+    std::erase_if(dive.recording.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 3'300'000'000 && sample.timestamp_ns < 3'700'000'000;
     });
-    const InertialPrior inertial(dive.recording, {});
+    const imu::InertialPrior inertial(dive.recording, {});
     const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.4);
@@ -103,12 +105,12 @@ TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
     TiltedDive dive;
     dive.recording.its_rig.imu_noise.reset();
     dive.recording.its_imu.clear();
-    for (const Keyframe& keyframe : dive.keyframes)
+    for (const types::Keyframe& keyframe : dive.keyframes)
         dive.recording.its_ahrs.push_back(
             {keyframe.timestamp_ns,
              Eigen::Quaterniond(
                  synthetic::T_world_imu_at(seconds(keyframe.timestamp_ns)).linear())});
-    const InertialPrior inertial(dive.recording, {});
+    const imu::InertialPrior inertial(dive.recording, {});
     const WorldReference reference = dive.adjust(inertial);
 
     EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.1);
@@ -117,8 +119,8 @@ TEST(InertialFactorsTest, AnAhrsAloneLevelsTheWorld) {
 TEST(InertialFactorsTest, TakeTheDepthBetweenReadingsButNotAcrossAGap) {
     synthetic::SensorRecording recording;
     recording.its_pressure = {{0, 5.0}, {100'000'000, 6.0}, {2'000'000'000, 9.0}};
-    const InertialPrior inertial(recording, {});
-    const SensorReadings readings = inertial.readings(0, 25'000'000);
+    const imu::InertialPrior inertial(recording, {});
+    const imu::SensorReadings readings = inertial.readings(0, 25'000'000);
 
     ASSERT_TRUE(readings.depth_m);
     EXPECT_NEAR(*readings.depth_m, 5.25, 1e-12);
@@ -139,7 +141,7 @@ TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndS
         dive.recording.its_pressure.push_back({dive.keyframes[k].timestamp_ns, 8.0 - p.z()});
     }
     dive.recording.its_rig.imu_noise.reset();
-    const InertialPrior inertial(dive.recording, {});
+    const imu::InertialPrior inertial(dive.recording, {});
     const WorldReference reference = dive.solve(bundle_adjustment, inertial);
 
     EXPECT_LT(tilt_deg(gravity_alignment(inertial, reference) * kTilt), 0.5);
@@ -147,4 +149,4 @@ TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndS
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -8,21 +8,21 @@
 #include "tests/synthetic/sensor_recording.hpp"
 #include "worker/optimisation/sliding_window.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 using synthetic::IsPoseWithin;
 using Way = std::function<Eigen::Isometry3d(double)>;  // T_world_imu at a time in s
 
 constexpr double kNoise_px = 0.2;
-const ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
-const Eigen::Quaterniond kTilt = rotation_from_vector({0.07, -0.09, 0.0});  // 6.5 degrees
+const imu::ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
+const Eigen::Quaterniond kTilt = base::rotation_from_vector({0.07, -0.09, 0.0});  // 6.5 degrees
 
 // Keyframes at given times, tracked to some millimetres, in a world that the vertical is tilted in.
 struct Swim {
     Swim(Way the_way, double length_s)
         : way(std::move(the_way)), world(0.3 * length_s, 0.0, 11), window(synthetic::rig(), {}) {
-        recording.its_rig.imu_noise = ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
+        recording.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         recording.its_imu = synthetic::imu_along(way, 0.0, length_s, kBias);
     }
 
@@ -42,16 +42,16 @@ struct Swim {
                           truth(1e-9 * static_cast<double>(before_ns)).inverse() * truth(t_s);
             T_world_cam.translate(0.004 * Eigen::Vector3d(world.normal(), world.normal(), 0.0));
         }
-        Features features = world.see(kTilt.conjugate() * truth(t_s), 0, kNoise_px);
-        for (Feature& feature : features) feature.id += first_id;
-        InertialPrior sensors = inertial();
+        types::Features features = world.see(kTilt.conjugate() * truth(t_s), 0, kNoise_px);
+        for (types::Feature& feature : features) feature.id += first_id;
+        imu::InertialPrior sensors = inertial();
         if (!window.empty()) sensors.set_bias(window.state().bias, 1e-3);
         window.add_keyframe(
             {0, now_ns, T_world_cam}, features, sensors.readings(before_ns, now_ns));
         window.adjust();
     }
 
-    InertialPrior inertial() const { return {recording, {}}; }
+    imu::InertialPrior inertial() const { return {recording, {}}; }
     double tilt_error_deg() const {
         const double cosine =
             window.reference().gravity_direction_world.dot(kTilt * -Eigen::Vector3d::UnitZ());
@@ -83,7 +83,7 @@ TEST(InertialWindowTest, FindsTheVerticalTheVelocityAndTheBiasesOnTheWay) {
 
 TEST(InertialWindowTest, CarriesOnBehindAGapInTheSamples) {
     Swim swim(synthetic::T_world_imu_at, 10.0);
-    std::erase_if(swim.recording.its_imu, [](const ImuSample& sample) {
+    std::erase_if(swim.recording.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 5'000'000'000 && sample.timestamp_ns < 5'300'000'000;
     });
     for (int k = 0; k <= 24; ++k) swim.add_keyframe(0.4 * k);
@@ -116,4 +116,4 @@ TEST(InertialWindowTest, DoesNotRunAwayWhenAllFeaturesChangeWhileItStands) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

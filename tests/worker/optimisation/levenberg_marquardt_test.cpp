@@ -9,21 +9,21 @@
 #include "tests/synthetic/sensor_recording.hpp"
 #include "worker/optimisation/inertial_factors.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr int kNumKeyframes = 7;
 constexpr int kStep = 4;  // frames of 0.1 s from keyframe to keyframe
-const ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
+const imu::ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
 
 // A window of the way of stereo_world.hpp with noise and some wild measurements, its poses
 // millimetres off.
 struct NoisyWindow {
     NoisyWindow() {
-        recording.its_rig.imu_noise = ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
+        recording.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         recording.its_imu = synthetic::imu_along(
             synthetic::T_world_imu_at, 0.0, 0.1 * kStep * kNumKeyframes, kBias);
-        const RectifiedRig rig = synthetic::rig();
+        const types::RectifiedRig rig = synthetic::rig();
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.05, 3);
         for (int k = 0; k < kNumKeyframes; ++k) {
             const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(kStep * k);
@@ -31,9 +31,9 @@ struct NoisyWindow {
             if (k > 0) T_off.translate(0.004 * Eigen::Vector3d(world.normal(), world.normal(), 0));
             keyframes.push_back({k, 100'000'000LL * kStep * k, T_off});
             states.push_back(BodyState::at(T_off * rig.T_imu_cam.inverse(), {}));
-            for (const Feature& feature : world.see(T_world_cam, kStep * k, 0.3)) {
-                points.try_emplace(feature.id, T_off * point_cam(rig, feature));
-                seen[feature.id].emplace_back(k, measurement_px(feature));
+            for (const types::Feature& feature : world.see(T_world_cam, kStep * k, 0.3)) {
+                points.try_emplace(feature.id, T_off * types::point_cam(rig, feature));
+                seen[feature.id].emplace_back(k, types::measurement_px(feature));
             }
         }
     }
@@ -49,14 +49,14 @@ struct NoisyWindow {
                     bundle_adjustment.add_observation(states[static_cast<std::size_t>(k)],
                                                       points.at(id),
                                                       measured,
-                                                      kFeatureSigma_px);
+                                                      types::kFeatureSigma_px);
         add_inertial_factors(
-            bundle_adjustment, InertialPrior(recording, {}), keyframes, states, reference);
+            bundle_adjustment, imu::InertialPrior(recording, {}), keyframes, states, reference);
         solve(bundle_adjustment);
     }
 
     synthetic::SensorRecording recording;
-    std::vector<Keyframe> keyframes;
+    std::vector<types::Keyframe> keyframes;
     std::vector<BodyState> states;
     std::map<std::int64_t, Eigen::Vector3d> points;
     std::map<std::int64_t, std::vector<std::pair<int, Eigen::Vector3d>>> seen;
@@ -70,7 +70,7 @@ TEST(LevenbergMarquardtTest, EndsWhereCeresEnds) {
     });
     NoisyWindow theirs;
     theirs.adjust([](BundleAdjustment& bundle_adjustment) {
-        for (int i = 0; i < 4; ++i) bundle_adjustment.solve_sparse(30, ignore_progress, {});
+        for (int i = 0; i < 4; ++i) bundle_adjustment.solve_sparse(30, base::ignore_progress, {});
     });
 
     ASSERT_FALSE(own.states.empty());
@@ -109,4 +109,4 @@ TEST(LevenbergMarquardtTest, GivesTheSameBitsAgain) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

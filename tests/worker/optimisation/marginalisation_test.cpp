@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/optimisation/bundle_adjustment.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/optimisation/bundle_adjustment.hpp"
 #include "worker/optimisation/residuals/gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/orientation_prior.hpp"
 #include "worker/optimisation/residuals/random_walk.hpp"
 #include "worker/optimisation/residuals/vector_prior.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 constexpr std::size_t kNum = 5;
@@ -92,15 +92,15 @@ TEST(MarginalisationTest, ALinearProblemWithoutItsOldestHasTheEstimateAndCovaria
 // Two orientations and the gyroscope between them; the first leaves.
 struct Turns {
     Eigen::Quaterniond q_world_ahrs = Eigen::Quaterniond::Identity();
-    Eigen::Quaterniond q_first = rotation_from_vector({0.3, 0.1, -0.2});
-    Eigen::Quaterniond q_second = rotation_from_vector({0.35, 0.05, 0.1});
+    Eigen::Quaterniond q_first = base::rotation_from_vector({0.3, 0.1, -0.2});
+    Eigen::Quaterniond q_second = base::rotation_from_vector({0.35, 0.05, 0.1});
     Eigen::Vector3d bias = Eigen::Vector3d(0.01, 0.0, -0.01);
     ceres::EigenQuaternionManifold rotation;
 
     void add_first(FactorGraph& graph) {
-        GyroscopeIntegral gyro_rotation;
+        imu::GyroscopeIntegral gyro_rotation;
         gyro_rotation.duration_s = 0.5;
-        gyro_rotation.q_from_to = rotation_from_vector({0.05, -0.06, 0.31});
+        gyro_rotation.q_from_to = base::rotation_from_vector({0.05, -0.06, 0.31});
         gyro_rotation.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
         gyro_rotation.sigma_rad = 0.01;
         graph.add_block(q_first.coeffs().data(), 4, &rotation);
@@ -109,7 +109,7 @@ struct Turns {
             GyroRotationCost::create(gyro_rotation),
             {q_first.coeffs().data(), q_second.coeffs().data(), bias.data()});
         add(graph, VectorPrior::create({Eigen::Vector3d::Zero(), 0.02}), {bias.data()});
-        add_orientation(graph, q_first, rotation_from_vector({0.31, 0.11, -0.21}));
+        add_orientation(graph, q_first, base::rotation_from_vector({0.31, 0.11, -0.21}));
     }
     void add_second(FactorGraph& graph) {
         graph.add_block(q_second.coeffs().data(), 4, &rotation);
@@ -128,7 +128,7 @@ struct Turns {
 TEST(MarginalisationTest, AtItsMinimumANonlinearProblemKeepsItWhenAStateLeaves) {
     Turns all;
     Turns rest;
-    const Eigen::Quaterniond seen = rotation_from_vector({0.34, 0.06, 0.12});
+    const Eigen::Quaterniond seen = base::rotation_from_vector({0.34, 0.06, 0.12});
     FactorGraph whole(1.0);
     all.add_first(whole);
     all.add_orientation(whole, all.q_second, seen);
@@ -140,7 +140,7 @@ TEST(MarginalisationTest, AtItsMinimumANonlinearProblemKeepsItWhenAStateLeaves) 
     FactorGraph leaving(1.0);
     rest.add_first(leaving);
     const LinearPrior prior = marginalise(leaving, {rest.q_first.coeffs().data()});
-    rest.q_second = rest.q_second * rotation_from_vector({0.002, -0.001, 0.003});
+    rest.q_second = rest.q_second * base::rotation_from_vector({0.002, -0.001, 0.003});
     FactorGraph window(1.0);
     rest.add_second(window);
     rest.add_orientation(window, rest.q_second, seen);
@@ -157,7 +157,7 @@ TEST(MarginalisationTest, KeepsTheFirstEstimateOfWhatItHeldBefore) {
     rotations.add_first(leaving);
     const LinearPrior prior = marginalise(leaving, {rotations.q_first.coeffs().data()});
     const Eigen::Vector4d before = rotations.q_second.coeffs();
-    rotations.q_second = rotations.q_second * rotation_from_vector({0.1, -0.1, 0.05});
+    rotations.q_second = rotations.q_second * base::rotation_from_vector({0.1, -0.1, 0.05});
 
     FactorGraph again(1.0);
     rotations.add_second(again);
@@ -180,7 +180,7 @@ TEST(MarginalisationTest, KeepsTheFirstEstimateOfWhatItHeldBefore) {
 
 // Three keyframes that see some points each; the first leaves with the points.
 TEST(MarginalisationTest, LandmarksLeaveAsTheyWouldByTheSchurComplementOfCeres) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     synthetic::World world(1.0, 0.0, 5);
     std::vector<BodyState> states;
     std::map<std::int64_t, Eigen::Vector3d> points;
@@ -190,10 +190,10 @@ TEST(MarginalisationTest, LandmarksLeaveAsTheyWouldByTheSchurComplementOfCeres) 
     for (std::size_t k = 0; k < 3; ++k) {
         const auto T_world_cam = synthetic::T_world_cam(8.0 * static_cast<double>(k));
         states.push_back(BodyState::at(T_world_cam * rig.T_imu_cam.inverse(), {}));
-        for (const Feature& feature : world.see(T_world_cam, 0, 0.3)) {
+        for (const types::Feature& feature : world.see(T_world_cam, 0, 0.3)) {
             if (feature.id % 8 != 0) continue;
-            points.try_emplace(feature.id, T_world_cam * point_cam(rig, feature));
-            seen[feature.id].emplace_back(k, measurement_px(feature));
+            points.try_emplace(feature.id, T_world_cam * types::point_cam(rig, feature));
+            seen[feature.id].emplace_back(k, types::measurement_px(feature));
         }
     }
     for (std::size_t k = 0; k < 3; ++k) {
@@ -203,7 +203,7 @@ TEST(MarginalisationTest, LandmarksLeaveAsTheyWouldByTheSchurComplementOfCeres) 
     for (auto& [id, observations] : seen)
         for (const auto& [k, measured] : observations)
             if (observations.size() > 1)
-                graph.add_observation({rig, measured, kFeatureSigma_px},
+                graph.add_observation({rig, measured, types::kFeatureSigma_px},
                                       states[k].q_world_imu.coeffs().data(),
                                       states[k].p_world_imu.data(),
                                       points.at(id));
@@ -231,4 +231,4 @@ TEST(MarginalisationTest, LandmarksLeaveAsTheyWouldByTheSchurComplementOfCeres) 
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -3,9 +3,9 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/numeric_jacobian.hpp"
 #include "tests/synthetic/stereo_world.hpp"
+#include "worker/calibration/lens_reprojection.hpp"
 #include "worker/optimisation/residuals/gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/imu_preintegration_cost.hpp"
-#include "worker/calibration/lens_reprojection.hpp"
 #include "worker/optimisation/residuals/misaligned_gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/orientation_prior.hpp"
 #include "worker/optimisation/residuals/point_transfer.hpp"
@@ -15,7 +15,7 @@
 #include "worker/optimisation/residuals/stereo_reprojection.hpp"
 #include "worker/optimisation/residuals/vector_prior.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 using synthetic::expect_true_jacobians;
@@ -32,13 +32,13 @@ double max_residual(const ceres::CostFunction& cost, std::vector<std::vector<dou
 }
 
 TEST(StereoReprojectionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(20);
     const Eigen::Isometry3d T_world_imu = T_world_cam * rig.T_imu_cam.inverse();
     const Eigen::Vector3d p_cam(0.3, -0.2, 1.7);
     const Eigen::Vector3d p_world = T_world_cam * p_cam;
-    const CostFunction cost(
-        StereoReprojection::create({rig, project_px(rig, p_cam), Eigen::Vector3d(0.3, 0.3, 0.2)}));
+    const CostFunction cost(StereoReprojection::create(
+        {rig, types::project_px(rig, p_cam), Eigen::Vector3d(0.3, 0.3, 0.2)}));
     const Eigen::Vector3d t = T_world_imu.translation();
     const std::vector<std::vector<double>> blocks = {
         block(Eigen::Quaterniond(T_world_imu.linear())),
@@ -50,19 +50,19 @@ TEST(StereoReprojectionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
 }
 
 TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDerivatives) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(20);
     const Eigen::Isometry3d T_world_imu = T_world_cam * rig.T_imu_cam.inverse();
     const Eigen::Vector3d p_cam(0.3, -0.2, 1.7);
     const Eigen::Vector3d p_world = T_world_cam * p_cam;
-    LensReprojection reprojection;
+    calibration::LensReprojection reprojection;
     reprojection.shift_px.setRandom();
-    Eigen::Matrix<double, LensReprojection::kNumChanges, 1> change;
+    Eigen::Matrix<double, calibration::LensReprojection::kNumChanges, 1> change;
     change.setLinSpaced(-0.2, 0.3);
     reprojection.stereo = {rig,
-                           project_px(rig, p_cam) + reprojection.shift_px * change,
+                           types::project_px(rig, p_cam) + reprojection.shift_px * change,
                            Eigen::Vector3d(0.3, 0.3, 0.2)};
-    const CostFunction cost(LensReprojection::create(reprojection));
+    const CostFunction cost(calibration::LensReprojection::create(reprojection));
     const Eigen::Vector3d t = T_world_imu.translation();
     const std::vector<std::vector<double>> blocks = {
         block(Eigen::Quaterniond(T_world_imu.linear())),
@@ -77,12 +77,12 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
 TEST(MisalignedTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     MisalignedGyroRotationCost rotation;
     rotation.integral.duration_s = 0.5;
-    rotation.integral.q_from_to = rotation_from_vector({0.1, -0.05, 0.2});
+    rotation.integral.q_from_to = base::rotation_from_vector({0.1, -0.05, 0.2});
     rotation.integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
     rotation.integral.sigma_rad = 1e-3;
     rotation.d_rotation_d_time = Eigen::Vector3d(0.1, -0.2, 0.05);
     rotation.time_offset_s = 0.004;
-    const Eigen::Quaterniond q_i = rotation_from_vector({0.4, 0.1, 0.9});
+    const Eigen::Quaterniond q_i = base::rotation_from_vector({0.4, 0.1, 0.9});
     const Eigen::Vector3d m(0.01, -0.02, 0.015);
     const Eigen::Quaterniond M = MisalignedGyroRotationCost::small(m);
     const Eigen::Quaterniond q_j = q_i * (M * rotation.integral.q_from_to * M.conjugate());
@@ -93,70 +93,73 @@ TEST(MisalignedTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
         1e-9);
     expect_true_jacobians(*cost,
                           {block(q_i),
-                           block(q_j * rotation_from_vector({0.01, 0.0, 0.02})),
+                           block(q_j * base::rotation_from_vector({0.01, 0.0, 0.02})),
                            {0.01, -0.02, 0.005},
                            {0.02, 0.01, -0.01},
                            {0.006}});
 }
 
 TEST(PointTransferTest, VanishesAtTheTruthAndHasTrueDerivatives) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     const Eigen::Vector3d w(0.02, -0.03, 0.01);
     const Eigen::Vector3d t(0.05, -0.02, 0.03);
     const Eigen::Vector3d p_previous(-0.4, 0.3, 2.1);
-    const CostFunction cost(
-        PointTransfer::create({rig,
-                               project_px(rig, p_previous),
-                               project_px(rig, rotation_from_vector(w) * p_previous + t),
-                               kFeatureSigma_px,
-                               kFeatureSigma_px}));
+    const CostFunction cost(PointTransfer::create(
+        {rig,
+         types::project_px(rig, p_previous),
+         types::project_px(rig, base::rotation_from_vector(w) * p_previous + t),
+         types::kFeatureSigma_px,
+         types::kFeatureSigma_px}));
 
     EXPECT_LT(max_residual(*cost, {{w.x(), w.y(), w.z()}, {t.x(), t.y(), t.z()}}), 1e-9);
     expect_true_jacobians(*cost, {{0.03, -0.01, 0.0}, {0.06, -0.02, 0.05}});
 }
 
 TEST(RotationPriorTest, HasTrueDerivatives) {
-    const CostFunction cost(RotationPrior::create(rotation_from_vector({0.1, 0.2, -0.1}), 0.01));
+    const CostFunction cost(
+        RotationPrior::create(base::rotation_from_vector({0.1, 0.2, -0.1}), 0.01));
 
     EXPECT_LT(max_residual(*cost, {{0.1, 0.2, -0.1}}), 1e-9);
     expect_true_jacobians(*cost, {{0.11, 0.18, -0.13}});
 }
 
 TEST(KnownOrientationTest, HasTrueDerivatives) {
-    const Eigen::Quaterniond q = rotation_from_vector({0.5, 1.2, -0.4});
-    const Eigen::Quaterniond q_world_ahrs = rotation_from_vector({0.02, -0.03, 0.7});
+    const Eigen::Quaterniond q = base::rotation_from_vector({0.5, 1.2, -0.4});
+    const Eigen::Quaterniond q_world_ahrs = base::rotation_from_vector({0.02, -0.03, 0.7});
     const CostFunction cost(OrientationPrior::create({q, 0.02}));
 
     EXPECT_LT(max_residual(*cost, {block(q_world_ahrs), block(q_world_ahrs * q)}), 1e-9);
-    expect_true_jacobians(*cost,
-                          {block(q_world_ahrs),
-                           block(q_world_ahrs * q * rotation_from_vector({0.01, -0.02, 0.005}))});
+    expect_true_jacobians(
+        *cost,
+        {block(q_world_ahrs),
+         block(q_world_ahrs * q * base::rotation_from_vector({0.01, -0.02, 0.005}))});
 }
 
 TEST(GyroscopeTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
-    GyroscopeIntegral integral;
+    imu::GyroscopeIntegral integral;
     integral.duration_s = 0.5;
-    integral.q_from_to = rotation_from_vector({0.1, -0.05, 0.2});
+    integral.q_from_to = base::rotation_from_vector({0.1, -0.05, 0.2});
     integral.d_rotation_d_bias = -0.5 * Eigen::Matrix3d::Identity();
     integral.sigma_rad = 1e-3;
-    const Eigen::Quaterniond q_i = rotation_from_vector({0.4, 0.1, 0.9});
+    const Eigen::Quaterniond q_i = base::rotation_from_vector({0.4, 0.1, 0.9});
     const CostFunction cost(GyroRotationCost::create(integral));
 
     EXPECT_LT(max_residual(*cost, {block(q_i), block(q_i * integral.q_from_to), {0, 0, 0}}), 1e-9);
     expect_true_jacobians(
         *cost,
         {block(q_i),
-         block(q_i * integral.q_from_to * rotation_from_vector({0.01, 0.0, 0.02})),
+         block(q_i * integral.q_from_to * base::rotation_from_vector({0.01, 0.0, 0.02})),
          {0.01, -0.02, 0.005}});
 }
 
 TEST(InertialMotionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     const auto motion = [](double t_s) { return synthetic::T_world_imu_at(t_s); };
-    const ImuBias bias{{0.01, -0.02, 0.005}, {0.05, 0.1, -0.08}};
+    const imu::ImuBias bias{{0.01, -0.02, 0.005}, {0.05, 0.1, -0.08}};
     const auto samples = synthetic::imu_along(motion, 0.0, 1.0, bias);
-    const auto result = preintegrate(samples, 203'000'000, 703'000'000, bias, ImuNoise{});
-    ASSERT_TRUE(std::holds_alternative<PreintegratedImu>(result));
-    const CostFunction cost(ImuPreintegrationCost::create(std::get<PreintegratedImu>(result)));
+    const auto result =
+        imu::preintegrate(samples, 203'000'000, 703'000'000, bias, types::ImuNoise{});
+    ASSERT_TRUE(std::holds_alternative<imu::PreintegratedImu>(result));
+    const CostFunction cost(ImuPreintegrationCost::create(std::get<imu::PreintegratedImu>(result)));
     const auto blocks_of = [&](double t_s) {
         const Eigen::Vector3d p = motion(t_s).translation();
         const Eigen::Vector3d v = synthetic::velocity(motion, t_s);
@@ -200,4 +203,4 @@ TEST(VectorPriorTest, HasTrueDerivatives) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -4,11 +4,11 @@
 
 #include "tests/synthetic/pose_near.hpp"
 #include "tests/synthetic/stereo_world.hpp"
-#include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_points.hpp"
+#include "worker/optimisation/follow_keyframes.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 using synthetic::IsPoseWithin;
@@ -16,17 +16,17 @@ using synthetic::IsPoseWithin;
 constexpr int kStep = 6;  // frames from keyframe to keyframe
 constexpr int kNumKeyframes = 20;
 
-SensorReadings perfect_rotation(int from, int to) {
+imu::SensorReadings perfect_rotation(int from, int to) {
     const auto R_world_imu = [](int frame) {
         return Eigen::Quaterniond(synthetic::T_world_cam(frame).linear() *
                                   synthetic::rig().T_imu_cam.linear().transpose());
     };
-    GyroscopeIntegral rotation;
+    imu::GyroscopeIntegral rotation;
     rotation.duration_s = 0.1 * (to - from);
     rotation.q_from_to = R_world_imu(from).conjugate() * R_world_imu(to);
     rotation.d_rotation_d_bias = -rotation.duration_s * Eigen::Matrix3d::Identity();
     rotation.sigma_rad = 2e-4;
-    SensorReadings readings;
+    imu::SensorReadings readings;
     readings.interval_s = rotation.duration_s;
     readings.rotation = rotation;
     return readings;
@@ -35,30 +35,32 @@ SensorReadings perfect_rotation(int from, int to) {
 // Swims along the wall: RANSAC against what was seen last, landmarks once they are known, a
 // keyframe every kStep frames.
 SlidingWindow swim(double noise_px, double fish_share, bool gyroscope) {
-    const RectifiedRig rig = synthetic::rig();
+    const types::RectifiedRig rig = synthetic::rig();
     synthetic::World world(0.03 * kStep * kNumKeyframes, fish_share, 11);
-    SlidingWindow window(rig, ImuNoise{2e-4, 1e-5});
-    Features before = world.see(synthetic::T_world_cam(0), 0, noise_px);
+    SlidingWindow window(rig, types::ImuNoise{2e-4, 1e-5});
+    types::Features before = world.see(synthetic::T_world_cam(0), 0, noise_px);
     window.add_keyframe({0, 0, synthetic::T_world_cam(0)}, before, {});
     for (int k = 1; k <= kNumKeyframes; ++k) {
         const int frame = kStep * k;
-        const Features now = world.see(synthetic::T_world_cam(frame), frame, noise_px);
-        PointPairs pairs = with_depth_at_both_times(rig, before, now);
+        const types::Features now = world.see(synthetic::T_world_cam(frame), frame, noise_px);
+        odometry::PointPairs pairs = odometry::with_depth_at_both_times(rig, before, now);
         window.use_landmarks(window.T_world_cam(), pairs);
-        const Registration motion = register_points(rig, pairs, 3.0, 1);
-        const Eigen::Isometry3d T_now_before =
-            refine_pose(rig, motion.inliers, predict_orientation(std::nullopt, motion));
-        const Keyframe keyframe{
+        const odometry::Registration motion = odometry::register_points(rig, pairs, 3.0, 1);
+        const Eigen::Isometry3d T_now_before = odometry::refine_pose(
+            rig, motion.inliers, odometry::predict_orientation(std::nullopt, motion));
+        const types::Keyframe keyframe{
             frame, frame * 100'000'000LL, window.T_world_cam() * T_now_before.inverse()};
-        Features kept;
-        for (const Feature& feature : now) {
-            const auto is = [&](const PointPair& pair) { return pair.id == feature.id; };
+        types::Features kept;
+        for (const types::Feature& feature : now) {
+            const auto is = [&](const odometry::PointPair& pair) { return pair.id == feature.id; };
             const bool paired = std::any_of(pairs.begin(), pairs.end(), is);
             if (!paired || std::any_of(motion.inliers.begin(), motion.inliers.end(), is))
                 kept.push_back(feature);
         }
         window.add_keyframe(
-            keyframe, kept, gyroscope ? perfect_rotation(frame - kStep, frame) : SensorReadings{});
+            keyframe,
+            kept,
+            gyroscope ? perfect_rotation(frame - kStep, frame) : imu::SensorReadings{});
         window.adjust();
         before = now;
     }
@@ -90,19 +92,20 @@ TEST(WindowTest, GivesTheSameBitsAgain) {
 }
 
 TEST(FollowKeyframesTest, FramesGoWithTheKeyframesAroundThem) {
-    Trajectory odometry;
+    types::Trajectory odometry;
     for (int i = 0; i <= 10; ++i) {
-        StampedPose pose;
+        types::StampedPose pose;
         pose.timestamp_ns = 100 * i;
         pose.T_world_imu.translation().x() = i;
         odometry.push_back(pose);
     }
-    std::vector<Keyframe> keyframes = {{0, 0}, {5, 500}, {10, 1000}};
+    std::vector<types::Keyframe> keyframes = {{0, 0}, {5, 500}, {10, 1000}};
     keyframes[0].T_world_cam.translation() << 0.0, 0.0, 0.0;
     keyframes[1].T_world_cam.translation() << 5.0, 1.0, 0.0;
     keyframes[2].T_world_cam.translation() << 10.0, 1.0, 0.0;
 
-    const Trajectory frames = follow_keyframes(odometry, keyframes, Eigen::Isometry3d::Identity());
+    const types::Trajectory frames =
+        follow_keyframes(odometry, keyframes, Eigen::Isometry3d::Identity());
 
     ASSERT_EQ(frames.size(), odometry.size());
     EXPECT_NEAR(frames[2].T_world_imu.translation().y(), 0.4, 1e-9);
@@ -112,4 +115,4 @@ TEST(FollowKeyframesTest, FramesGoWithTheKeyframesAroundThem) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

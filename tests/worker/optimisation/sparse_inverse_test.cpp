@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 namespace {
 
 // A chain of blocks of three with some loops, as the poses of a dive are.
@@ -53,4 +53,4 @@ TEST(SparseInverseTest, RefusesAMatrixThatIsNotPositiveDefinite) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -7,7 +7,7 @@
 #include "schemas/content_hash.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ void BlobStageStore::store(const std::string& key,
 
 void BlobStageStore::drop(const std::string& key) { blobs_.remove_prefix(folder_of(key)); }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -7,7 +7,7 @@
 #include "storage/blob_store.hpp"
 #include "worker/pipeline/stage_store.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 
 // The store of stages over blobs alone, as far as tests need it: a blob for each file, and a list
 // with their hashes that is written last. It never links, and knows no folder of its own.
@@ -29,4 +29,4 @@ private:
     storage::BlobStore& blobs_;
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <memory>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 // What binutils reads from this program.
@@ -27,4 +27,4 @@ TEST(BuildIdTest, IsThatOfTheProgram) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -8,15 +8,15 @@
 
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
-#include "worker/dive/dive.hpp"
 #include "worker/camera/rectifier.hpp"
-#include "worker/keyframes/keyframe_store.hpp"
+#include "worker/dive/dive.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/io/trajectory_file.hpp"
+#include "worker/keyframes/keyframe_store.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 // Whether a surface lies near a point.
 class SurfaceCells {
 public:
-    SurfaceCells(const Mesh& mesh, double cell_m) : cell_m_(cell_m) {
+    SurfaceCells(const types::Mesh& mesh, double cell_m) : cell_m_(cell_m) {
         for (const Eigen::Vector3f& vertex : mesh.vertices)
             cells_.insert(cell(vertex.cast<double>()));
     }
@@ -66,33 +66,33 @@ struct Pixels {
 class MovingThingsTest : public testing::Test {
 protected:
     MovingThingsTest() {
-        simulate({.scene = SceneKind::Barge,
-                  .out = dive_folder_,
-                  .length_m = 1.5,
-                  .seed = 3,
-                  .truth = true,
-                  .width_px = 320,
-                  .height_px = 240});
+        simulator::simulate({.scene = simulator::SceneKind::Barge,
+                             .out = dive_folder_,
+                             .length_m = 1.5,
+                             .seed = 3,
+                             .truth = true,
+                             .width_px = 320,
+                             .height_px = 240});
         fs::remove(dive_folder_ / "reference.ply");  // a million samples take too long here
         const auto metrics =
             reconstruct_dive({.dive = dive_folder_,
                               .out = folder_ / "out",
                               .scratch = folder_ / "scratch",
                               .options = make_options("standard", {{"texture", false}})},
-                             ignore_progress);
-        const SurfaceCells surface(read_ply(folder_ / "out/mesh.ply"),
+                             base::ignore_progress);
+        const SurfaceCells surface(io::read_ply(folder_ / "out/mesh.ply"),
                                    metrics.at("mesh").at("voxel_m").get<double>());
-        const auto dive = Dive::open(dive_folder_, folder_ / "opened");
-        const Rectifier rectifier(dive->rig());
-        const KeyframeStore store(folder_ / "scratch/keyframes");
-        const Trajectory path = read_trajectory(folder_ / "out/trajectory.tum").poses;
+        const auto dive = dive::Dive::open(dive_folder_, folder_ / "opened");
+        const camera::Rectifier rectifier(dive->rig());
+        const keyframes::KeyframeStore store(folder_ / "scratch/keyframes");
+        const types::Trajectory path = io::read_trajectory(folder_ / "out/trajectory.tum").poses;
         for (std::size_t i = 0; i < path.size(); ++i)
             if (const auto depth = depth_of(store, static_cast<int>(i)))
                 compare(path[i], *depth, rectifier, surface);
     }
 
     // Nothing where the frame was not fused.
-    static std::optional<cv::Mat> depth_of(const KeyframeStore& store, int frame_index) {
+    static std::optional<cv::Mat> depth_of(const keyframes::KeyframeStore& store, int frame_index) {
         try {
             return store.read(frame_index).depth.disparity_px;
         } catch (const Error&) {
@@ -100,9 +100,9 @@ protected:
         }
     }
 
-    void compare(const StampedPose& pose,
+    void compare(const types::StampedPose& pose,
                  const cv::Mat& disparity_px,
-                 const Rectifier& rectifier,
+                 const camera::Rectifier& rectifier,
                  const SurfaceCells& surface) {
         const auto truth = [&](const std::string& kind) {
             const auto name = std::to_string(pose.timestamp_ns) + ".png";
@@ -112,7 +112,7 @@ protected:
         const cv::Mat fish = truth("fish");
         const cv::Mat snow = truth("snow");
         const cv::Mat scene_mm = truth("depth");
-        const RectifiedRig& rig = rectifier.rig();
+        const types::RectifiedRig& rig = rectifier.rig();
         const Eigen::Isometry3d T_world_cam = pose.T_world_imu * rig.T_imu_cam;
         for (int v = 0; v < disparity_px.rows; ++v) {
             for (int u = 0; u < disparity_px.cols; ++u) {
@@ -153,4 +153,4 @@ TEST_F(MovingThingsTest, FishAndSnowAreKeptOutOfTheSurface) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -5,7 +5,7 @@
 #include "tests/worker/fusion/synthetic_views.hpp"
 #include "worker/pipeline/reconstruct.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 // Four views of a bump, in the store.
@@ -23,15 +23,15 @@ protected:
         options_.num_threads = GetParam();
     }
 
-    FusedMap fuse(const ProgressCallback& progress) const {
-        return worker::fuse(small_rig(), frames_, 1.2, options_, store_, folder_ / "", progress);
+    FusedMap fuse(const base::ProgressCallback& progress) const {
+        return pipeline::fuse(small_rig(), frames_, 1.2, options_, store_, folder_ / "", progress);
     }
 
     TemporaryFolder folder_;
     std::vector<cv::Mat> images_;
-    KeyframeStore store_{folder_ / "keyframes",
-                         [this](int frame_index) { return images_.at(frame_index); }};
-    std::vector<Keyframe> frames_;
+    keyframes::KeyframeStore store_{folder_ / "keyframes",
+                                    [this](int frame_index) { return images_.at(frame_index); }};
+    std::vector<types::Keyframe> frames_;
     ReconstructionOptions options_;
 };
 
@@ -55,7 +55,7 @@ TEST_P(FuseOnThreads, IsCancelledAtAnyFrame) {
 TEST_P(FuseOnThreads, AKeyframeThatIsNotInTheStoreIsATypedError) {
     frames_.back().frame_index = 77;
     try {
-        fuse(ignore_progress);
+        fuse(base::ignore_progress);
         ADD_FAILURE() << "fused a frame that is not there";
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::NotFound);
@@ -65,4 +65,4 @@ TEST_P(FuseOnThreads, AKeyframeThatIsNotInTheStoreIsATypedError) {
 INSTANTIATE_TEST_SUITE_P(Threads, FuseOnThreads, testing::Values(1, 2));
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -11,7 +11,7 @@
 
 #include "tests/paths.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 using nlohmann::json;
@@ -25,8 +25,8 @@ bool is_valid(const json& document) {
         schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
 }
 
-Rig rig() {
-    Rig rig;
+types::Rig rig() {
+    types::Rig rig;
     rig.cam0 = {640, 480, 490.0, 491.0, 320.0, 240.0};
     rig.cam1 = rig.cam0;
     rig.T_imu_cam1.translation().x() = 0.12;
@@ -46,14 +46,14 @@ MetricsInput plain_dive() {
     return input;
 }
 
-MarkerMetrics marker_metrics() {
-    MarkerMetrics metrics;
-    Marker marker{.id = 7, .num_views = 8, .num_keyframes = 4};
+markers::MarkerMetrics marker_metrics() {
+    markers::MarkerMetrics metrics;
+    markers::Marker marker{.id = 7, .num_views = 8, .num_keyframes = 4};
     marker.corners_world.fill(Eigen::Vector3d::Ones());
     metrics.markers = {marker};
     metrics.bars = {{.name = "a",
                      .from = {7, std::nullopt},
-                     .to = {8, TagCorner::TopLeft},
+                     .to = {8, dive::TagCorner::TopLeft},
                      .known_m = 1.0,
                      .measured_m = 1.01,
                      .own_sigma_m = 0.002,
@@ -62,42 +62,42 @@ MarkerMetrics marker_metrics() {
                      .leave_one_out_sigma_m = 0.002},
                     {.name = "size of 7", .is_printed_size = true, .from = {7}, .known_m = 0.1},
                     {.name = "not seen", .known_m = 0.5}};
-    metrics.scale = MarkerScale{0.99, 0.001, 1, {"a"}};
-    metrics.correction = ScaleCorrection{true, *metrics.scale};
+    metrics.scale = markers::MarkerScale{0.99, 0.001, 1, {"a"}};
+    metrics.correction = markers::ScaleCorrection{true, *metrics.scale};
     metrics.findings = {{Severity::Warning, "scale_off", "markers.json", "long", "calibrate"}};
     return metrics;
 }
 
 MetricsInput dive_with_everything() {
     MetricsInput input = plain_dive();
-    input.rig.imu_noise = ImuNoise{};
+    input.rig.imu_noise = types::ImuNoise{};
     input.track.dense = {100, 12'800, 4000, 20, 30};
-    input.gravity = GravityCheck{9.8, 0.1};
+    input.gravity = evaluation::GravityCheck{9.8, 0.1};
     input.end_covariance_m2 = 1e-6 * Eigen::Matrix3d::Identity();
-    input.evaluation.covariance = CovarianceCheck{100, 3.1, 0.94};
+    input.evaluation.covariance = evaluation::CovarianceCheck{100, 3.1, 0.94};
     input.refined.time_offset_sigma_s = 1e-4;
     for (auto& sigmas : input.refined.lens_sigmas) sigmas.setConstant(0.01);
-    input.evaluation.trajectory = TrajectoryError{};
+    input.evaluation.trajectory = evaluation::TrajectoryError{};
     input.evaluation.trajectory->segments = {{1.0, 10, 0.5, 0.6, 0.1, 0.2}};
-    input.evaluation.trajectory->revisit = RevisitError{40, 0.01, 0.02, 0.3};
+    input.evaluation.trajectory->revisit = evaluation::RevisitError{40, 0.01, 0.02, 0.3};
     input.evaluation.causal = input.evaluation.trajectory;
-    SurfaceError surface;
+    evaluation::SurfaceError surface;
     for (const double threshold : {0.005, 0.01, 0.02, 0.05})
         surface.scores.push_back({threshold, 0.5, 0.5, 0.5});
-    surface.relative = RelativeDistance{0.001, 0.004};
-    surface.near_completeness = DistanceSummary{};
+    surface.relative = evaluation::RelativeDistance{0.001, 0.004};
+    surface.near_completeness = evaluation::DistanceSummary{};
     input.evaluation.surface = surface;
     input.mesh = MeshMetrics{.num_vertices = 3,
                              .num_triangles = 1,
                              .area_m2 = 0.5,
-                             .simplification = SimplificationError{9, 0.001, 0.002},
+                             .simplification = mesh::SimplificationError{9, 0.001, 0.002},
                              .voxel_m = 0.01};
-    KnownDistanceErrors known;
+    evaluation::KnownDistanceErrors known;
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;
     input.evaluation.known_distances = known;
     input.markers = marker_metrics();
-    ExpectedAccuracy expected;
+    evaluation::ExpectedAccuracy expected;
     for (auto* value : {&expected.end_bound_m,
                         &expected.end_expected_m,
                         &expected.ate_bound_m,
@@ -107,8 +107,9 @@ MetricsInput dive_with_everything() {
                         &expected.reprojection_rms_px})
         *value = 0.01;
     expected.covariance_scale = 1.0;
-    expected.accelerometer = expected.pressure = expected.known_distances = ScaleCheck{1.01, 0.02};
-    expected.surface = ExpectedSurface{0.1, 0.2, 0.7, 0.003, 0.02, 0.01};
+    expected.accelerometer = expected.pressure = expected.known_distances =
+        evaluation::ScaleCheck{1.01, 0.02};
+    expected.surface = evaluation::ExpectedSurface{0.1, 0.2, 0.7, 0.003, 0.02, 0.01};
     expected.left_out = {{"trajectory.loops", "none"}};
     input.expected = expected;
     input.evaluation.findings = {{Severity::Info, "x", "", "seen", ""}};
@@ -185,4 +186,4 @@ TEST(MetricsDocument, PeakMemoryCountsWhatWasGivenBack) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -14,10 +14,10 @@
 #include "tests/worker/pipeline/blob_stage_store.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/reconstruction_stages.hpp"
-#include "worker/simulator/simulate.hpp"
 #include "worker/pipeline/stage_key_file.hpp"
+#include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,12 +36,12 @@ std::set<std::string> names_in(const fs::path& folder) {
 class ReconstructDiveTest : public testing::Test {
 protected:
     ReconstructDiveTest() {
-        simulate({.scene = SceneKind::Tank,
-                  .out = folder_ / "dive",
-                  .length_m = 0.2,
-                  .rate_hz = 8.0,
-                  .width_px = 160,
-                  .height_px = 120});
+        simulator::simulate({.scene = simulator::SceneKind::Tank,
+                             .out = folder_ / "dive",
+                             .length_m = 0.2,
+                             .rate_hz = 8.0,
+                             .width_px = 160,
+                             .height_px = 120});
         fs::remove(folder_ / "dive" / "reference.ply");  // a million samples take too long here
     }
     ReconstructionRequest request(const std::string& name, const nlohmann::json& overrides) const {
@@ -64,7 +64,7 @@ protected:
         return metrics;
     }
     nlohmann::json reconstruct(const std::string& name, const nlohmann::json& overrides) {
-        return with_progress([&](const ProgressCallback& progress) {
+        return with_progress([&](const base::ProgressCallback& progress) {
             return reconstruct_dive(request(name, overrides), progress);
         });
     }
@@ -151,7 +151,7 @@ TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchF
 bool load_count(Reconstruction& made, const std::string& key) {
     return has_stage_key(made.scratch("count.stage"), key);
 }
-void run_count(Reconstruction& made, const ProgressCallback&) {
+void run_count(Reconstruction& made, const base::ProgressCallback&) {
     std::ofstream(made.scratch("count.txt")) << made.surface.mesh.triangles.size();
 }
 void save_count(Reconstruction& made, const std::string& key) {
@@ -181,7 +181,7 @@ TEST_F(ReconstructDiveTest, AStageMoreAndAStoreOfBlobsMakeTheSameFiles) {
     const auto blobs = storage::open_blob_store(folder_ / "blobs");
     BlobStageStore store(*blobs);
     const auto counted = [&](const std::string& name) {
-        return with_progress([&](const ProgressCallback& progress) {
+        return with_progress([&](const base::ProgressCallback& progress) {
             return reconstruct_dive(request(name, options), stages_with_count(), store, progress);
         });
     };
@@ -197,4 +197,4 @@ TEST_F(ReconstructDiveTest, AStageMoreAndAStoreOfBlobsMakeTheSameFiles) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -11,7 +11,7 @@
 #include "tests/paths.hpp"
 #include "worker/pipeline/stage_keys.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -69,4 +69,4 @@ TEST(ReconstructionStagesTest, WhatAStageLeavesIsItsOwnAndIsBothSavedAndLoaded) 
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -11,7 +11,7 @@
 #include "worker/base/binary_file.hpp"
 #include "worker/pipeline/stage_cache.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ struct Numbers {
 };
 
 bool load_number(const fs::path& file, const std::string& key, double& number) {
-    BinaryReader reader(file);
+    base::BinaryReader reader(file);
     if (!reader.ok() || reader.get_text() != key) return false;
     const auto stored = reader.get<double>();
     if (!reader.at_end()) return false;
@@ -38,7 +38,7 @@ bool load_number(const fs::path& file, const std::string& key, double& number) {
 }
 
 void save_number(const fs::path& file, const std::string& key, double number) {
-    BinaryWriter writer(file);
+    base::BinaryWriter writer(file);
     writer.put_text(key);
     writer.put(number);
     writer.commit();
@@ -47,7 +47,7 @@ void save_number(const fs::path& file, const std::string& key, double number) {
 bool load_root(Numbers& numbers, const std::string& key) {
     return load_number(numbers.scratch / "root.stage", key, numbers.root);
 }
-void run_root(Numbers& numbers, const ProgressCallback& progress) {
+void run_root(Numbers& numbers, const base::ProgressCallback& progress) {
     numbers.run.push_back("root");
     progress({.fraction = 0.5});
     numbers.root = numbers.options.num_features;
@@ -59,7 +59,7 @@ void save_root(Numbers& numbers, const std::string& key) {
 bool load_sum(Numbers& numbers, const std::string& key) {
     return load_number(numbers.scratch / "sum.stage", key, numbers.sum);
 }
-void run_sum(Numbers& numbers, const ProgressCallback&) {
+void run_sum(Numbers& numbers, const base::ProgressCallback&) {
     numbers.run.push_back("sum");
     numbers.sum = numbers.root + numbers.square + numbers.options.voxel_m;
 }
@@ -67,7 +67,7 @@ void save_sum(Numbers& numbers, const std::string& key) {
     save_number(numbers.scratch / "sum.stage", key, numbers.sum);
 }
 
-void run_tell(Numbers& numbers, const ProgressCallback&) { numbers.run.push_back("tell"); }
+void run_tell(Numbers& numbers, const base::ProgressCallback&) { numbers.run.push_back("tell"); }
 
 std::vector<Stage<Numbers>> small_stages() {
     return {{.spec = {.name = "root", .share = 0.5, .files = {"root.stage"}},
@@ -86,7 +86,7 @@ bool square_wanted(const Numbers& numbers) { return numbers.options.surface; }
 bool load_square(Numbers& numbers, const std::string& key) {
     return load_number(numbers.scratch / "squares/1.stage", key, numbers.square);
 }
-void run_square(Numbers& numbers, const ProgressCallback& progress) {
+void run_square(Numbers& numbers, const base::ProgressCallback& progress) {
     numbers.run.push_back("square");
     progress({.fraction = 0.25});
     numbers.square = std::pow(numbers.root, 2) + numbers.options.simplify;
@@ -258,4 +258,4 @@ TEST_F(RunStagesTest, ARunThatIsNotResumableLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 // A pyramid of 0.3 m over a square of 2 m, and the square alone.
-Mesh square(bool with_apex) {
-    Mesh mesh;
+types::Mesh square(bool with_apex) {
+    types::Mesh mesh;
     mesh.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
     if (!with_apex) {
         mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -20,16 +20,16 @@ Mesh square(bool with_apex) {
     return mesh;
 }
 
-TEST(SimplificationError, IsTheHeightOfWhatWasCutOff) {
+TEST(mesh::SimplificationError, IsTheHeightOfWhatWasCutOff) {
     const auto error = simplification_error(square(true), square(false), 2);
     EXPECT_EQ(error.num_triangles_before, 4);
     EXPECT_NEAR(error.max_m, 0.3, 1e-6);
     EXPECT_NEAR(error.rms_m, 0.3 / std::sqrt(5.0), 1e-6);
 }
 
-TEST(SimplificationError, IsNothingWhereNothingChanged) {
+TEST(mesh::SimplificationError, IsNothingWhereNothingChanged) {
     EXPECT_NEAR(simplification_error(square(true), square(true), 1).max_m, 0.0, 1e-7);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -10,7 +10,7 @@
 
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -163,4 +163,4 @@ TEST_F(StageCacheTest, ManyAtOnceSeeWholeEntriesAlone) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

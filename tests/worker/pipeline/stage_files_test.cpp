@@ -6,21 +6,21 @@
 
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
-Track small_track() {
-    Track track;
+types::Track small_track() {
+    types::Track track;
     track.rig.focal_px = 480.0;
     track.rig.T_imu_cam.translation() = Eigen::Vector3d(0.1, 0.2, 0.3);
     for (int i = 0; i < 3; ++i) {
-        StampedPose pose{.timestamp_ns = 1000 + i};
+        types::StampedPose pose{.timestamp_ns = 1000 + i};
         pose.T_world_imu.translate(Eigen::Vector3d(i, 0.0, 0.0));
         track.causal.push_back(pose);
     }
     track.keyframes.push_back({.frame_index = 2, .timestamp_ns = 1002});
     track.mapped = {{.frame_index = 1, .timestamp_ns = 1001}, track.keyframes[0]};
-    Landmark landmark;
+    types::Landmark landmark;
     landmark.p_world = Eigen::Vector3d(1.0, 2.0, 3.0);
     landmark.observations = {{.keyframe = 0, .u_px = 10.5F, .v_px = 20.5F, .disparity_px = 33.0F}};
     track.landmarks.push_back(landmark);
@@ -30,7 +30,7 @@ Track small_track() {
 
 TEST(StageFiles, ATrackSurvivesTheDisk) {
     const TemporaryFolder folder;
-    const Track written = small_track();
+    const types::Track written = small_track();
     save_track(folder / "track.stage", "key", written);
     const auto read = load_track(folder / "track.stage", "key");
 
@@ -67,12 +67,12 @@ TEST(StageFiles, AFileCutAtAnyByteIsNotLoaded) {
 TEST(StageFiles, AMeshSurvivesTheDisk) {
     const TemporaryFolder folder;
     Surface surface;
-    Mesh& mesh = surface.mesh;
+    types::Mesh& mesh = surface.mesh;
     mesh.vertices = {{0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};
     mesh.sigma_m = {0.001F, 0.002F, 0.003F};
     mesh.sigma_local_m = {0.0005F, 0.001F, 0.002F};
     mesh.triangles = {{0, 1, 2}};
-    surface.simplification = SimplificationError{7, 0.001, 0.002};
+    surface.simplification = mesh::SimplificationError{7, 0.001, 0.002};
     save_surface(folder / "mesh.stage", "key", surface);
     const auto read = load_surface(folder / "mesh.stage", "key");
 
@@ -88,4 +88,4 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

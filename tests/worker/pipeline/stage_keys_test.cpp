@@ -8,7 +8,7 @@
 
 #include "worker/pipeline/reconstruction_stages.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 const std::map<std::string, std::string> kOtherWords = {{"stereo", "block"},
@@ -162,4 +162,4 @@ TEST(StageKeysTest, AnOptionThatNoStageNamesCountsAsReadByTheFirst) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 TEST(StageProgress, TheWholeIsTheSumOfTheStagesShares) {
@@ -46,4 +46,4 @@ TEST(StageProgress, WhatTheCallbackThrowsReachesTheStage) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -12,7 +12,7 @@
 #include "worker/pipeline/stage_cache.hpp"
 
 // What every store of stages promises, asked of each implementation.
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ TYPED_TEST(StageStoreTest, AnEntryWithoutOneOfItsFilesIsNotKept) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

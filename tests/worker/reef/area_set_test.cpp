@@ -8,7 +8,7 @@
 #include "schemas/error.hpp"
 #include "worker/reef/area_plane.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -117,4 +117,4 @@ TEST(AreaSet, MovingKeepsTheGroundBelowTheAreas) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

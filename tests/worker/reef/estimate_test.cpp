@@ -17,7 +17,7 @@
 #include "worker/reef/surface_noise.hpp"
 #include "worker/reef/terrain.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 constexpr double kSigma_m = 0.004;
@@ -77,7 +77,8 @@ struct Setting {
 };
 
 SurfacePatch exact_patch(const Setting& setting) {
-    Mesh mesh = sheet(0.66, 0.015, [](double x, double y) { return sine(x - 0.03, y - 0.03); });
+    types::Mesh mesh =
+        sheet(0.66, 0.015, [](double x, double y) { return sine(x - 0.03, y - 0.03); });
     for (Eigen::Vector3f& vertex : mesh.vertices) vertex -= Eigen::Vector3f(0.03F, 0.03F, 0.0F);
     mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
     return cut_patch(mesh, setting.plane, 0.05);
@@ -91,7 +92,7 @@ SurfacePatch noisy_patch(const Setting& setting, std::uint64_t seed) {
     return patch;
 }
 
-TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
+TEST(stats::Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     const Setting setting;
     const SurfacePatch exact = exact_patch(setting);
     const std::vector<double> truth = setting.metrics(exact, {exact.vertices});
@@ -108,7 +109,7 @@ TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
             });
         raised += (simulated[0].measured - truth[0]) / kNumSeeds;
         for (std::size_t k = 0; k < truth.size(); ++k) {
-            const Estimate estimated = estimate(simulated[k], 0.0);
+            const stats::Estimate estimated = stats::estimate(simulated[k], 0.0);
             if (estimated.low <= truth[k] && truth[k] <= estimated.high) ++num_held[k];
         }
     }
@@ -119,36 +120,37 @@ TEST(Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     }
 }
 
-TEST(Estimate, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
-    const Estimate exact = estimate({1.5, 1.5, {}, {}}, 0.25);
+TEST(stats::Estimate, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
+    const stats::Estimate exact = stats::estimate({1.5, 1.5, {}, {}}, 0.25);
     EXPECT_EQ(exact.value, 1.5);
     EXPECT_EQ(exact.low, 1.5);
     EXPECT_EQ(exact.high, 1.5);
 }
 
-TEST(Estimate, WhatSharpeningPutBackIsDoubted) {
-    const Estimate sharper = estimate({1.40, 1.45, {}, {}}, 0.25);
+TEST(stats::Estimate, WhatSharpeningPutBackIsDoubted) {
+    const stats::Estimate sharper = stats::estimate({1.40, 1.45, {}, {}}, 0.25);
     EXPECT_NEAR(sharper.value, 1.45, 1e-12);
     EXPECT_NEAR(sharper.high - sharper.low, 2.0 * 1.96 * 0.05, 1e-4);
 }
 
-TEST(Estimate, ErrorsThatAllVerticesShareWidenTheIntervalAndMoveNothing) {
-    const Estimate area = estimate({2.0, 2.0, {}, {}}, 0.25, {0.003, 0.008});
+TEST(stats::Estimate, ErrorsThatAllVerticesShareWidenTheIntervalAndMoveNothing) {
+    const stats::Estimate area = stats::estimate({2.0, 2.0, {}, {}}, 0.25, {0.003, 0.008});
     EXPECT_EQ(area.value, 2.0);
     EXPECT_NEAR(area.high - area.low, 2.0 * 1.96 * 0.01, 1e-4);
 }
 
-TEST(Estimate, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFirstStep) {
+TEST(stats::Estimate, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFirstStep) {
     const auto parabola = [](double t) { return 2.0 - 0.3 * t + 0.05 * t * t; };
-    EXPECT_NEAR(sharpened(parabola(1.0), parabola(2.0), parabola(3.0)), parabola(0.0), 1e-12);
-    EXPECT_NEAR(sharpened(1.4, 1.3, 1.1), 1.5, 1e-12);
-    EXPECT_NEAR(sharpened(1.4, 1.3, 1.35), 1.6, 1e-12);
-    EXPECT_EQ(sharpened(1.4, 1.4, 1.4), 1.4);
+    EXPECT_NEAR(
+        stats::sharpened(parabola(1.0), parabola(2.0), parabola(3.0)), parabola(0.0), 1e-12);
+    EXPECT_NEAR(stats::sharpened(1.4, 1.3, 1.1), 1.5, 1e-12);
+    EXPECT_NEAR(stats::sharpened(1.4, 1.3, 1.35), 1.6, 1e-12);
+    EXPECT_EQ(stats::sharpened(1.4, 1.4, 1.4), 1.4);
 }
 
 // A mesh of ground that no camera resolves: sines as fine as the blur's side and finer. What is
 // left of the truth's rugosity is brought back closer than Tukey's twicing does.
-TEST(Estimate, SharpeningBringsBackRugosityThatABlurTook) {
+TEST(stats::Estimate, SharpeningBringsBackRugosityThatABlurTook) {
     constexpr double kSide_m = 0.03;
     GridShape shape{Eigen::Vector2d::Zero(), 0.002, 401, 401};
     HeightGrid ground{shape, std::vector<double>(shape.num_nodes())};
@@ -166,7 +168,8 @@ TEST(Estimate, SharpeningBringsBackRugosityThatABlurTook) {
     const HeightGrid once = blurred(ground, kSide_m);
     const HeightGrid twice = blurred(once, kSide_m);
     const double measured = at_5_cm(once);
-    const double sharp = sharpened(measured, at_5_cm(twice), at_5_cm(blurred(twice, kSide_m)));
+    const double sharp =
+        stats::sharpened(measured, at_5_cm(twice), at_5_cm(blurred(twice, kSide_m)));
     EXPECT_LT(measured, 0.98 * truth);
     EXPECT_LT(std::abs(sharp - truth), 0.5 * std::abs(2.0 * measured - at_5_cm(twice) - truth));
 }
@@ -201,7 +204,7 @@ TEST(HeightGrid, BlurringIsTheMeanOfWhatIsSeenWithinTheSquare) {
 // Of a patch whose noise is a share of the one that its vertices state.
 double noise_level_share(const HeightOf& height, double noise_share) {
     const Setting setting;
-    Mesh mesh = sheet(0.66, 0.01, height);
+    types::Mesh mesh = sheet(0.66, 0.01, height);
     mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
     SurfacePatch patch = cut_patch(mesh, setting.plane, 0.05);
     patch.vertices =
@@ -239,4 +242,4 @@ TEST(NoiseField, HasVarianceOneAndFallsToOneOverEAtItsLength) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -6,7 +6,7 @@
 
 #include "worker/reef/complexity_relation.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 double uniform(std::uint64_t& state) {
@@ -78,4 +78,4 @@ TEST(ComplexityRelation, GivesThePublishedExample) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

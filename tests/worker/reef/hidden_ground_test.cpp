@@ -11,7 +11,7 @@
 #include "worker/reef/measure_areas.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -97,8 +97,8 @@ TEST(MoveSteps, GroundBelowFortyFiveDegreesStays) {
 
 // Blocks of 10 cm on flat ground, and the same as a camera sees it from one side: a strip of ground
 // of 3 cm behind each block, and its wall there, are missing.
-Mesh blocks(bool is_seen_from_one_side) {
-    Mesh mesh;
+types::Mesh blocks(bool is_seen_from_one_side) {
+    types::Mesh mesh;
     const auto floor = [&](double x0, double x1, double y0, double y1) {
         add_face(mesh, {Eigen::Vector3d(x0, y0, 0.0), {x1, y0, 0.0}, {x1, y1, 0.0}, {x0, y1, 0.0}});
     };
@@ -119,7 +119,7 @@ Mesh blocks(bool is_seen_from_one_side) {
     return mesh;
 }
 
-json measured(const Mesh& mesh) {
+json measured(const types::Mesh& mesh) {
     return measure_areas(mesh, {AreaFrame::World, {quadrat("q", 0.0, 1.0)}}, {});
 }
 
@@ -139,8 +139,8 @@ TEST(HiddenGround, BehindBlocksIsPartOfTheMetricsOfAnArea) {
 
 TEST(HiddenGround, FlatGroundThatWasNotSwumOverChangesNothing) {
     const auto waves = [](double x, double) { return 0.02 * std::sin(40.0 * x); };
-    const Mesh whole = sheet(1.0, 0.01, waves);
-    Mesh holed = whole;
+    const types::Mesh whole = sheet(1.0, 0.01, waves);
+    types::Mesh holed = whole;
     holed.triangles.clear();
     for (const auto& triangle : whole.triangles) {
         const Eigen::Vector3f& corner = whole.vertices[triangle[0]];
@@ -153,7 +153,7 @@ TEST(HiddenGround, FlatGroundThatWasNotSwumOverChangesNothing) {
 }
 
 TEST(HiddenGround, AChainRunsStraightOverIt) {
-    Mesh mesh = blocks(true);
+    types::Mesh mesh = blocks(true);
     Area line;
     line.name = "t";
     line.kind = AreaKind::Transect;
@@ -169,4 +169,4 @@ TEST(HiddenGround, AChainRunsStraightOverIt) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -10,7 +10,7 @@
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/reef/surface_noise.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -26,7 +26,7 @@ MeasureOptions few_replicates() {
 AreaSet set_of(std::vector<Area> areas) { return {AreaFrame::World, std::move(areas)}; }
 
 TEST(MeasureAreas, MetricsOfAKnownShapeComeWithUnitResolutionIntervalAndMethod) {
-    const Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
+    const types::Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
     const json measured = measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), {});
     EXPECT_NEAR(metric_of(measured, "q", "planar_area")["value"].get<double>(), 0.09, 1e-6);
     EXPECT_NEAR(metric_of(measured, "q", "surface_area")["value"].get<double>(),
@@ -49,7 +49,7 @@ TEST(MeasureAreas, MetricsOfAKnownShapeComeWithUnitResolutionIntervalAndMethod) 
 }
 
 TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailMetricsAreRefusedWithTheReason) {
-    Mesh mesh = sheet(0.4, 0.01, hills);
+    types::Mesh mesh = sheet(0.4, 0.01, hills);
     mesh.sigma_m.assign(mesh.vertices.size(), 0.005F);
     MeasureOptions options = few_replicates();
     options.min_detail_m = 0.04;
@@ -64,7 +64,7 @@ TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailMetricsAreRefusedWithTheReaso
 }
 
 TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
-    Mesh mesh = sheet(0.4, 0.01, hills);
+    types::Mesh mesh = sheet(0.4, 0.01, hills);
     const double exact = metric_of(measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), {}),
                                    "q",
                                    "rugosity",
@@ -79,7 +79,7 @@ TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
 }
 
 TEST(MeasureAreas, WhatAllOfTheSurfaceErrsByIsInTheIntervals) {
-    const Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
+    const types::Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
     MeasureOptions options;
     options.scale_sigma = 0.01;
     options.sigma_shared_m = 0.002;
@@ -94,7 +94,7 @@ TEST(MeasureAreas, WhatAllOfTheSurfaceErrsByIsInTheIntervals) {
 }
 
 TEST(MeasureAreas, TheBorderOfWhatWasSeenIsInTheIntervalOfItsArea) {
-    Mesh mesh = sheet(0.5, 0.01, hills);
+    types::Mesh mesh = sheet(0.5, 0.01, hills);
     MeasureOptions options = few_replicates();
     options.min_detail_m = 0.02;
     options.scale_sigma = 0.0;
@@ -105,7 +105,7 @@ TEST(MeasureAreas, TheBorderOfWhatWasSeenIsInTheIntervalOfItsArea) {
 }
 
 TEST(MeasureAreas, FlatGroundHasNoFractalDimensionAndSaysWhy) {
-    Mesh noisy = sheet(0.6, 0.01, [](double, double) { return 0.0; });
+    types::Mesh noisy = sheet(0.6, 0.01, [](double, double) { return 0.0; });
     noisy.sigma_m.assign(noisy.vertices.size(), 0.003F);
     const SurfacePatch patch = cut_patch(noisy, plane_of(quadrat("q", 0.0, 0.6)), 0.1);
     const auto moved = with_noise(patch, patch.sigma_local_m, NoiseField(0.02, 4), 1.0);
@@ -122,7 +122,7 @@ TEST(MeasureAreas, FlatGroundHasNoFractalDimensionAndSaysWhy) {
 }
 
 TEST(MeasureAreas, CoarseCamerasMakeCoarseMetrics) {
-    const Mesh mesh = sheet(0.4, 0.01, hills);
+    const types::Mesh mesh = sheet(0.4, 0.01, hills);
     MeasureOptions options = few_replicates();
     options.focal_px = 500.0;
     options.camera_positions_world = {{0.2, 0.2, 2.05}};
@@ -133,7 +133,7 @@ TEST(MeasureAreas, CoarseCamerasMakeCoarseMetrics) {
 }
 
 TEST(MeasureAreas, WhatWasNotSeenIsStatedAndNothingIsSaidOfTheArea) {
-    const Mesh mesh = sheet(0.4, 0.01, hills);
+    const types::Mesh mesh = sheet(0.4, 0.01, hills);
     const json measured = measure_areas(
         mesh, set_of({quadrat("edge", 0.2, 0.6), quadrat("outside", 1.0, 1.2)}), few_replicates());
     EXPECT_NEAR(measured["areas"][1]["coverage"].get<double>(), 0.25, 0.01);
@@ -145,7 +145,7 @@ TEST(MeasureAreas, WhatWasNotSeenIsStatedAndNothingIsSaidOfTheArea) {
 }
 
 TEST(MeasureAreas, ThreeQuartersSeenGiveRatiosButNoExtremes) {
-    const Mesh mesh = sheet(0.4, 0.01, hills);
+    const types::Mesh mesh = sheet(0.4, 0.01, hills);
     Area area = quadrat("q", 0.1, 0.5);
     area.points[2].y() = area.points[3].y() = 0.4;
     const json measured = measure_areas(mesh, set_of({area}), few_replicates());
@@ -155,7 +155,7 @@ TEST(MeasureAreas, ThreeQuartersSeenGiveRatiosButNoExtremes) {
 }
 
 TEST(MeasureAreas, ATransectIsAsLongAsTheTrianglesBelowIt) {
-    const Mesh roof =
+    const types::Mesh roof =
         sheet(1.0, 0.5, [](double x, double) { return 0.3 - 0.6 * std::abs(x - 0.5); });
     Area line;
     line.name = "t";
@@ -170,7 +170,7 @@ TEST(MeasureAreas, ATransectIsAsLongAsTheTrianglesBelowIt) {
 }
 
 TEST(MeasureAreas, LabelsGiveDensityCoverAndSizesOverTheQuadrats) {
-    const Mesh mesh = sheet(1.0, 0.05, [](double, double) { return 0.0; });
+    const types::Mesh mesh = sheet(1.0, 0.05, [](double, double) { return 0.0; });
     std::vector<Area> areas = {quadrat("q", 0.0, 0.8)};
     for (int i = 0; i < 5; ++i) {
         areas.push_back(quadrat("colony " + std::to_string(i), 0.1 * i + 0.1, 0.1 * i + 0.15));
@@ -188,7 +188,7 @@ TEST(MeasureAreas, LabelsGiveDensityCoverAndSizesOverTheQuadrats) {
 }
 
 TEST(MeasureAreas, TheNumberOfThreadsChangesNoMetric) {
-    Mesh mesh = sheet(0.4, 0.02, hills);
+    types::Mesh mesh = sheet(0.4, 0.02, hills);
     mesh.sigma_m.assign(mesh.vertices.size(), 0.002F);
     MeasureOptions options = few_replicates();
     options.num_threads = 1;
@@ -225,4 +225,4 @@ TEST(MetricsCsv, QuotesWhatHoldsCommasAndDisarmsFormulas) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

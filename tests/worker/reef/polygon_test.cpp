@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 const Polygon kLetterL = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
@@ -40,4 +40,4 @@ TEST(Polygon, LongestDiameterIsBetweenTheFarthestCorners) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

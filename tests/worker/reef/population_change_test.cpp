@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 std::vector<Individual> individuals(std::size_t num, const Individual& each) {
@@ -14,7 +14,7 @@ std::vector<Individual> individuals(std::size_t num, const Individual& each) {
 TEST(PopulationChange, WithNoneGoneTheCountHasThePoissonIntervalOfWhatIsNew) {
     auto colonies = individuals(10, {std::nullopt, 0.01});
     for (const Individual& old : individuals(50, {0.02, 0.03})) colonies.push_back(old);
-    const Estimate change = count_change(colonies);
+    const stats::Estimate change = count_change(colonies);
     EXPECT_DOUBLE_EQ(change.value, 10.0);
     EXPECT_NEAR(change.high, 18.391, 0.02);  // Garwood's for a count of 10
     // Of none gone Garwood's upper limit is 3.689; with 10 - 4.795 beside it (MOVER).
@@ -22,7 +22,7 @@ TEST(PopulationChange, WithNoneGoneTheCountHasThePoissonIntervalOfWhatIsNew) {
 }
 
 TEST(PopulationChange, WhatStayedAsItWasLeavesTheCoverAsItWas) {
-    const Estimate change = sum_change(individuals(40, {0.02, 0.02}));
+    const stats::Estimate change = sum_change(individuals(40, {0.02, 0.02}));
     EXPECT_DOUBLE_EQ(change.value, 0.0);
     EXPECT_DOUBLE_EQ(change.low, 0.0);
     EXPECT_DOUBLE_EQ(change.high, 0.0);
@@ -31,7 +31,7 @@ TEST(PopulationChange, WhatStayedAsItWasLeavesTheCoverAsItWas) {
 TEST(PopulationChange, SumsVaryByTheSquaresOfTheDifferences) {
     auto colonies = individuals(9, {0.02, 0.03});
     colonies.push_back({0.05, std::nullopt});
-    const Estimate change = sum_change(colonies);
+    const stats::Estimate change = sum_change(colonies);
     EXPECT_NEAR(change.value, 0.04, 1e-12);
     EXPECT_NEAR(change.high - change.value, 1.96 * std::sqrt(9 * 1e-4 + 25e-4), 1e-4);
 }
@@ -53,4 +53,4 @@ TEST(PopulationChange, AMedianOfNoneIsNotSaid) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 // Garwood's limits for counts of 10 and 1, as tables of the Poisson distribution print them.
@@ -25,7 +25,7 @@ TEST(Population, CoverIsTheShareOfTheGroundAndAFewLargeColoniesMakeItLessCertain
 }
 
 TEST(Population, QuartilesAreThoseOfTheSizes) {
-    const Estimate median = size_quantile({5, 1, 4, 2, 3}, 0.5, 1);
+    const stats::Estimate median = size_quantile({5, 1, 4, 2, 3}, 0.5, 1);
     EXPECT_DOUBLE_EQ(median.value, 3.0);
     EXPECT_GE(median.low, 1.0);
     EXPECT_LE(median.high, 5.0);
@@ -34,4 +34,4 @@ TEST(Population, QuartilesAreThoseOfTheSizes) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -11,16 +11,16 @@
 #include "worker/reef/surface_patch.hpp"
 #include "worker/reef/terrain.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
-HeightGrid grid_of(const Mesh& mesh, const Area& area, double spacing_m) {
+HeightGrid grid_of(const types::Mesh& mesh, const Area& area, double spacing_m) {
     const AreaPlane plane = plane_of(area);
     const SurfacePatch patch = cut_patch(mesh, plane, 0.0);
     return sample_heights(patch.vertices, patch.triangles, grid_over(plane.outline, spacing_m));
 }
 
-double mesh_area(const Mesh& mesh, const Area& area) {
+double mesh_area(const types::Mesh& mesh, const Area& area) {
     const SurfacePatch patch = cut_patch(mesh, plane_of(area), 0.05);
     return surface_area_m2(patch, patch.vertices);
 }
@@ -30,9 +30,9 @@ void expect_near_share(double value, double truth, double share) {
 }
 
 TEST(ReefMetrics, APlaneHasRugosityOneWhereverItLies) {
-    const Mesh flat = sheet(1.0, 0.1, [](double, double) { return 0.2; });
+    const types::Mesh flat = sheet(1.0, 0.1, [](double, double) { return 0.2; });
     EXPECT_NEAR(rugosity(grid_of(flat, quadrat("q", 0.0, 1.0), 0.05)).value(), 1.0, 1e-9);
-    const Mesh tilted = sheet(1.0, 0.1, [](double x, double) { return 0.5 * x; });
+    const types::Mesh tilted = sheet(1.0, 0.1, [](double x, double) { return 0.5 * x; });
     Area along = quadrat("q", 0.0, 1.0);
     for (Eigen::Vector3d& corner : along.points) corner.z() = 0.5 * corner.x();
     EXPECT_NEAR(rugosity(grid_of(tilted, along, 0.05)).value(), 1.0, 1e-6);
@@ -59,14 +59,14 @@ TEST(ReefMetrics, ASineSheetHasTheAreaOfItsIntegral) {
     const auto height = [](double x, double) {
         return 0.05 * std::sin(2.0 * std::numbers::pi * x / 0.5);
     };
-    const Mesh mesh = sheet(1.0, 0.005, height);
+    const types::Mesh mesh = sheet(1.0, 0.005, height);
     const double truth = wave_length(0.05, 0.5) / 0.5;
     expect_near_share(mesh_area(mesh, quadrat("q", 0.0, 1.0)), truth, 1e-3);
     expect_near_share(rugosity(grid_of(mesh, quadrat("q", 0.0, 1.0), 0.01)).value(), truth, 1e-3);
 }
 
 TEST(ReefMetrics, AHemisphereAddsItsOwnAreaAndVolume) {
-    Mesh mesh;
+    types::Mesh mesh;
     constexpr int kRings = 200;
     constexpr int kSides = 400;
     const auto at = [&](int ring, int side) {
@@ -88,7 +88,7 @@ TEST(ReefMetrics, AHemisphereAddsItsOwnAreaAndVolume) {
 }
 
 TEST(ReefMetrics, ABoxOnAPlaneHasItsWalls) {
-    Mesh mesh = sheet(1.0, 0.1, [](double, double) { return 0.0; });
+    types::Mesh mesh = sheet(1.0, 0.1, [](double, double) { return 0.0; });
     add_box(mesh, {0.305, 0.305}, {0.705, 0.705}, 0.2);
     // Plane, hidden under the box too; top; four walls.
     expect_near_share(mesh_area(mesh, quadrat("q", 0.0, 1.0)), 1.0 + 0.16 + 4 * 0.4 * 0.2, 1e-3);
@@ -104,7 +104,7 @@ TEST(ReefMetrics, ABoxOnAPlaneHasItsWalls) {
 }
 
 TEST(ReefMetrics, AConeAndAPyramidHaveTheVolumeAndSlopeOfTheBooks) {
-    const Mesh cone = sheet(1.0, 0.005, [](double x, double y) {
+    const types::Mesh cone = sheet(1.0, 0.005, [](double x, double y) {
         return std::max(0.0, 0.2 * (1.0 - std::hypot(x - 0.5, y - 0.5) / 0.4));
     });
     const HeightGrid grid = grid_of(cone, quadrat("q", 0.0, 1.0), 0.005);
@@ -112,7 +112,7 @@ TEST(ReefMetrics, AConeAndAPyramidHaveTheVolumeAndSlopeOfTheBooks) {
     const double side = std::numbers::pi * 0.4 * std::hypot(0.4, 0.2);
     expect_near_share(
         mesh_area(cone, quadrat("q", 0.0, 1.0)), 1.0 - std::numbers::pi * 0.16 + side, 1e-3);
-    Mesh pyramid;
+    types::Mesh pyramid;
     const std::array<Eigen::Vector3d, 4> base = {
         Eigen::Vector3d(0, 0, 0), {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     for (int i = 0; i < 4; ++i) add_triangle(pyramid, base[i], base[(i + 1) % 4], {0.5, 0.5, 0.3});
@@ -122,7 +122,7 @@ TEST(ReefMetrics, AConeAndAPyramidHaveTheVolumeAndSlopeOfTheBooks) {
 }
 
 TEST(ReefMetrics, ATiltedPlaneHasItsSlopeNoCurvatureAndNoRuggedness) {
-    const Mesh mesh = sheet(1.0, 0.1, [](double x, double y) { return 0.3 * x - 0.4 * y; });
+    const types::Mesh mesh = sheet(1.0, 0.1, [](double x, double y) { return 0.3 * x - 0.4 * y; });
     const HeightGrid grid = grid_of(mesh, quadrat("q", 0.0, 1.0), 0.05);
     const Terrain measured = terrain(grid).value();
     EXPECT_NEAR(measured.mean_slope, std::atan(0.5), 1e-6);
@@ -132,7 +132,7 @@ TEST(ReefMetrics, ATiltedPlaneHasItsSlopeNoCurvatureAndNoRuggedness) {
 }
 
 TEST(ReefMetrics, AParabolaHasTheCurvatureOfItsSecondDerivatives) {
-    const Mesh mesh = sheet(1.0, 0.05, [](double x, double y) {
+    const types::Mesh mesh = sheet(1.0, 0.05, [](double x, double y) {
         return -2.0 * (x - 0.5) * (x - 0.5) - 1.0 * (y - 0.5) * (y - 0.5);
     });
     const Terrain measured = terrain(grid_of(mesh, quadrat("q", 0.0, 1.0), 0.05)).value();
@@ -162,7 +162,7 @@ TEST(ReefMetrics, AChainOverARidgeIsAsLongAsItsSides) {
 }
 
 TEST(ReefMetrics, TheHighestOfTwoSheetsIsSeen) {
-    Mesh mesh = sheet(1.0, 0.1, [](double, double) { return 0.0; });
+    types::Mesh mesh = sheet(1.0, 0.1, [](double, double) { return 0.0; });
     add_face(mesh,
              {Eigen::Vector3d(0.2, 0.2, 0.5), {0.4, 0.2, 0.5}, {0.4, 0.4, 0.5}, {0.2, 0.4, 0.5}});
     const HeightGrid grid = grid_of(mesh, quadrat("q", 0.0, 1.0), 0.1);
@@ -172,4 +172,4 @@ TEST(ReefMetrics, TheHighestOfTwoSheetsIsSeen) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -10,7 +10,7 @@
 #include "worker/reef/rugosity.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -24,7 +24,7 @@ protected:
             GTEST_SKIP() << "no shared data";
     }
 
-    static HeightGrid grid_of(const Mesh& mesh, const json& patch, double spacing_m) {
+    static HeightGrid grid_of(const types::Mesh& mesh, const json& patch, double spacing_m) {
         Area area;
         area.name = patch["name"];
         const auto vector = [](const json& v) {
@@ -44,7 +44,7 @@ protected:
 };
 
 TEST_F(ReferenceAreas, TheDeckHasItsPublishedRugosity) {
-    const Mesh mesh = read_ply(shared_data("barge") / "reference.ply");
+    const types::Mesh mesh = io::read_ply(shared_data("barge") / "reference.ply");
     const json deck = patch_of("barge", 0);
     for (const int mm : {5, 10, 20}) {
         const double truth = deck["rugosity_dem_" + std::to_string(mm) + "mm"];
@@ -54,9 +54,9 @@ TEST_F(ReferenceAreas, TheDeckHasItsPublishedRugosity) {
 }
 
 TEST_F(ReferenceAreas, TheFloorOfTheTankIsFlat) {
-    const Mesh mesh = read_ply(shared_data("tank") / "reference.ply");
+    const types::Mesh mesh = io::read_ply(shared_data("tank") / "reference.ply");
     EXPECT_NEAR(rugosity(grid_of(mesh, patch_of("tank", 0), 0.01)).value(), 1.0, 1e-6);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -10,13 +10,13 @@
 #include "worker/reef/area_set.hpp"
 #include "worker/types/mesh.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 
 using HeightOf = std::function<double(double x, double y)>;
 
 // A height field over [0, size] x [0, size], cells of `cell` cut in two, m.
-inline Mesh sheet(double size, double cell, const HeightOf& height) {
-    Mesh mesh;
+inline types::Mesh sheet(double size, double cell, const HeightOf& height) {
+    types::Mesh mesh;
     const auto num = static_cast<std::uint32_t>(std::lround(size / cell));
     for (std::uint32_t y = 0; y <= num; ++y)
         for (std::uint32_t x = 0; x <= num; ++x)
@@ -31,7 +31,7 @@ inline Mesh sheet(double size, double cell, const HeightOf& height) {
     return mesh;
 }
 
-inline void add_triangle(Mesh& mesh,
+inline void add_triangle(types::Mesh& mesh,
                          const Eigen::Vector3d& a,
                          const Eigen::Vector3d& b,
                          const Eigen::Vector3d& c) {
@@ -40,13 +40,16 @@ inline void add_triangle(Mesh& mesh,
     mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
-inline void add_face(Mesh& mesh, const std::array<Eigen::Vector3d, 4>& corners) {
+inline void add_face(types::Mesh& mesh, const std::array<Eigen::Vector3d, 4>& corners) {
     add_triangle(mesh, corners[0], corners[1], corners[2]);
     add_triangle(mesh, corners[0], corners[2], corners[3]);
 }
 
 // Top and four walls from z = 0, no bottom.
-inline void add_box(Mesh& mesh, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double h) {
+inline void add_box(types::Mesh& mesh,
+                    const Eigen::Vector2d& low,
+                    const Eigen::Vector2d& high,
+                    double h) {
     const std::array<Eigen::Vector2d, 4> base = {
         low, {high.x(), low.y()}, high, {low.x(), high.y()}};
     std::array<Eigen::Vector3d, 4> top;
@@ -79,4 +82,4 @@ inline nlohmann::json metric_of(const nlohmann::json& measured,
     return nullptr;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -11,7 +11,7 @@
 #include "worker/reef/surface_noise.hpp"
 #include "worker/reef/surface_patch.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::reef {
 namespace {
 
 using nlohmann::json;
@@ -24,8 +24,8 @@ double hills(double x, double y) {
 }
 
 // Hills whose vertices err as bends do: alike over the detail.
-Mesh bent_hills(std::uint64_t seed) {
-    Mesh mesh = sheet(0.16, 0.0025, hills);
+types::Mesh bent_hills(std::uint64_t seed) {
+    types::Mesh mesh = sheet(0.16, 0.0025, hills);
     mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
     mesh.sigma_local_m.assign(mesh.vertices.size(), 1e-6F);
     const NoiseField field(kDetail_m, seed);
@@ -34,7 +34,7 @@ Mesh bent_hills(std::uint64_t seed) {
     return mesh;
 }
 
-json flatten_metrics(const Mesh& mesh, const MeasureOptions& options) {
+json flatten_metrics(const types::Mesh& mesh, const MeasureOptions& options) {
     const AreaPlane plane = plane_of(quadrat("q", 0.02, 0.14));
     return {{"figures", measure_outline(mesh, {"q", "", "quadrat"}, plane, options).metrics}};
 }
@@ -78,4 +78,4 @@ TEST(SystematicUncertainty, WhereAStepLiesCountsForItsVolume) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::reef

@@ -16,7 +16,7 @@
 #include "worker/io/ply.hpp"
 #include "worker/io/trajectory_file.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -33,8 +33,8 @@ bool is_valid(const json& report) {
 }
 
 // A square of 2 m in cells of 0.1 m.
-Mesh square(float z_m) {
-    Mesh mesh;
+types::Mesh square(float z_m) {
+    types::Mesh mesh;
     constexpr std::uint32_t kSide = 21;
     for (std::uint32_t row = 0; row < kSide; ++row)
         for (std::uint32_t column = 0; column < kSide; ++column)
@@ -50,8 +50,8 @@ Mesh square(float z_m) {
 }
 
 // A rig 1 m above the square, swaying about all axes; `offset_s`: of the clock it is told on.
-Trajectory sway(double offset_s, const Eigen::Vector3d& lever_m) {
-    Trajectory trajectory;
+types::Trajectory sway(double offset_s, const Eigen::Vector3d& lever_m) {
+    types::Trajectory trajectory;
     for (int i = 0; i < 400; ++i) {
         const double t = 0.1 * i;
         Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -94,17 +94,17 @@ protected:
                {{{"name", kHostileName}, {"known_m", 1.0}, {"measured_m", 1.002}},
                 {{"name", "unseen"}, {"known_m", 1.0}, {"measured_m", nullptr}}}}}}};
         std::ofstream(folder_ / "result/metrics.json") << metrics;
-        write_tum(folder_ / "result/trajectory.tum", sway(0.0, Eigen::Vector3d::Zero()));
-        write_ply(folder_ / "result/mesh.ply", square(0.003F));
-        write_tum(folder_ / "truth.tum", sway(0.0, Eigen::Vector3d::Zero()));
-        write_ply(folder_ / "reference.ply", square(0.0F));
+        io::write_tum(folder_ / "result/trajectory.tum", sway(0.0, Eigen::Vector3d::Zero()));
+        io::write_ply(folder_ / "result/mesh.ply", square(0.003F));
+        io::write_tum(folder_ / "truth.tum", sway(0.0, Eigen::Vector3d::Zero()));
+        io::write_ply(folder_ / "reference.ply", square(0.0F));
         request_.reconstruction = folder_ / "result";
         request_.out = folder_ / "out";
         request_.scratch = folder_ / "scratch";
         request_.num_threads = 1;
     }
 
-    json make() { return make_accuracy_report(request_, ignore_progress); }
+    json make() { return make_accuracy_report(request_, base::ignore_progress); }
     void give_truth() {
         request_.ground_truth = folder_ / "truth.tum";
         request_.reference = folder_ / "reference.ply";
@@ -151,7 +151,7 @@ TEST_F(AccuracyReportTest, WithoutTruthTheMetricsOfTheReconstructionRemain) {
 TEST_F(AccuracyReportTest, AnExternalTrackersLeverArmAndClockAreSolvedAndStated) {
     give_truth();
     const Eigen::Vector3d lever_m(0.2, -0.1, 0.15);
-    write_tum(folder_ / "truth.tum", sway(2.5, lever_m));
+    io::write_tum(folder_ / "truth.tum", sway(2.5, lever_m));
     request_.truth.solve_lever_arm = true;
     request_.truth.solve_time_offset = true;
     const json report = make();
@@ -170,9 +170,9 @@ TEST_F(AccuracyReportTest, AnExternalTrackersLeverArmAndClockAreSolvedAndStated)
 
 TEST_F(AccuracyReportTest, ACloudAsReferenceSaysHowDenseItIs) {
     give_truth();
-    Mesh cloud = square(0.0F);
+    types::Mesh cloud = square(0.0F);
     cloud.triangles.clear();
-    write_ply(folder_ / "reference.ply", cloud);
+    io::write_ply(folder_ / "reference.ply", cloud);
     const json report = make();
     EXPECT_NEAR(metric(report, "surface.reference_spacing_m")["value"].get<double>(), 0.1, 1e-4);
     EXPECT_NEAR(
@@ -207,7 +207,7 @@ TEST_F(AccuracyReportTest, AreasGiveReefMetricsWithIntervalsToRequire) {
 
 TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoMetric) {
     give_truth();
-    write_tum(folder_ / "truth.tum", sway(5000.0, Eigen::Vector3d::Zero()));
+    io::write_tum(folder_ / "truth.tum", sway(5000.0, Eigen::Vector3d::Zero()));
     request_.requirements = {"ate_rmse_m<=1"};
     const json report = make();
     EXPECT_TRUE(is_valid(report));
@@ -259,4 +259,4 @@ TEST_F(AccuracyReportTest, ACancelledReportLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -11,13 +11,13 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/mosaic/mosaic.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 // 40 x 20 pixels of 0.1 m from (1, 3): a floor at -2 m, its north-west quarter at -1.5 m, nothing
 // in the south-east.
-Mosaic stepped_floor() {
-    Mosaic mosaic;
+mosaic::Mosaic stepped_floor() {
+    mosaic::Mosaic mosaic;
     mosaic.color = cv::Mat(20, 40, CV_8UC4, cv::Scalar(200, 0, 0, 255));
     mosaic.height_m = cv::Mat(20, 40, CV_32F, cv::Scalar(-2.0));
     mosaic.height_m(cv::Rect(0, 0, 20, 10)) = -1.5;
@@ -36,7 +36,7 @@ protected:
             << nlohmann::json{{"dive", {{"name", "</script><b>reef"}}}};
     }
     nlohmann::json data() const {
-        const std::string page = drawing_page(ReconstructionFolder(folder_.path()));
+        const std::string page = drawing_page(io::ReconstructionFolder(folder_.path()));
         const std::string begin = R"(<script id="data" type="application/json">)";
         const auto from = page.find(begin) + begin.size();
         return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
@@ -46,7 +46,7 @@ protected:
 };
 
 TEST_F(DrawingPageTest, HoldsWhereTheImageIsAndHowHighTheSurface) {
-    write_mosaic(folder_.path(), stepped_floor());
+    mosaic::write_mosaic(folder_.path(), stepped_floor());
     const nlohmann::json data = this->data();
     EXPECT_EQ(data["title"], "</script><b>reef");
     EXPECT_EQ(data["corner_x_m"], 1.0);
@@ -73,7 +73,7 @@ TEST_F(DrawingPageTest, HoldsWhereTheImageIsAndHowHighTheSurface) {
 
 TEST_F(DrawingPageTest, SaysWhatIsMissingWithoutAMosaic) {
     try {
-        drawing_page(ReconstructionFolder(folder_.path()));
+        drawing_page(io::ReconstructionFolder(folder_.path()));
         FAIL() << "made a page of nothing";
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::NotFound);
@@ -82,10 +82,10 @@ TEST_F(DrawingPageTest, SaysWhatIsMissingWithoutAMosaic) {
 }
 
 TEST_F(DrawingPageTest, RefusesAnImageThatIsNone) {
-    write_mosaic(folder_.path(), stepped_floor());
+    mosaic::write_mosaic(folder_.path(), stepped_floor());
     std::ofstream(folder_ / "mosaic_height.png") << "no picture";
-    EXPECT_THROW(drawing_page(ReconstructionFolder(folder_.path())), Error);
+    EXPECT_THROW(drawing_page(io::ReconstructionFolder(folder_.path())), Error);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

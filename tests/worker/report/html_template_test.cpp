@@ -6,7 +6,7 @@
 
 #include "worker/report/html_parts.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -88,4 +88,4 @@ TEST(HtmlTemplate, TablesWithoutARowAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

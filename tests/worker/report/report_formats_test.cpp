@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -87,4 +87,4 @@ TEST(ReportJunit, IsWellFormedWhateverTheNames) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

@@ -6,13 +6,13 @@
 
 #include "worker/report/svg_plot.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
 
-Trajectory path() {
-    Trajectory trajectory;
+types::Trajectory path() {
+    types::Trajectory trajectory;
     for (int i = 0; i < 50; ++i)
         trajectory.push_back({i * std::int64_t{100'000'000},
                               Eigen::Isometry3d(Eigen::Translation3d(0.1 * i, 0.0, 1.0))});
@@ -91,4 +91,4 @@ TEST(SvgPlot, NamesThatHaveNoRoomInARowStandBelowOneAnother) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

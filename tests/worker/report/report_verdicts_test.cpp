@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
@@ -86,4 +86,4 @@ TEST(Regressions, TwoEarlierValuesSayNothing) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::report

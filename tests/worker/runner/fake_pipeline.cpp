@@ -21,7 +21,7 @@
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,7 +65,7 @@ void write_settings(const fs::path& file, const ReconstructionOptions& options) 
         << options.num_threads << ' ' << options.fusion_memory_bytes << '\n';
 }
 
-void fill_scratch(const fs::path& scratch, const ProgressCallback& progress) {
+void fill_scratch(const fs::path& scratch, const base::ProgressCallback& progress) {
     std::ofstream file(scratch / "volume");
     for (const std::string block(1 << 20, 'x');;) {
         progress({.stage = "fuse"});
@@ -77,8 +77,9 @@ void fill_scratch(const fs::path& scratch, const ProgressCallback& progress) {
 // As a child would that a recording has taken over.
 void talk() {
     for (int i = 0; i < 20'000; ++i) {
-        const std::string line = encode_message(Progress{.stage = "fuse", .frames_done = i});
-        if (write(kAttemptPipe, line.data(), line.size()) < 0) return;
+        const std::string line =
+            attempt::encode_message(Progress{.stage = "fuse", .frames_done = i});
+        if (write(attempt::kAttemptPipe, line.data(), line.size()) < 0) return;
     }
 }
 
@@ -99,7 +100,7 @@ std::string program_of_others() {
     return status == 0 ? "processes" : "no processes";
 }
 
-void write_limits(const ReconstructionRequest& request) {
+void write_limits(const pipeline::ReconstructionRequest& request) {
     std::ofstream file(request.out / "limits.txt");
     for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CPU}) {
         rlimit limit{};
@@ -112,7 +113,7 @@ void write_limits(const ReconstructionRequest& request) {
 }
 
 // The first attempt waits for the file MARKER.go; the next ones, which find the marker, do not.
-void wait_once(const fs::path& marker, const ProgressCallback& progress) {
+void wait_once(const fs::path& marker, const base::ProgressCallback& progress) {
     if (fs::exists(marker)) return;
     write_pid(marker);
     while (!fs::exists(marker.string() + ".go")) {
@@ -123,7 +124,9 @@ void wait_once(const fs::path& marker, const ProgressCallback& progress) {
 
 }  // namespace
 
-IntakeReport examine_dive(const fs::path&, const fs::path&, const ProgressCallback& progress) {
+dive::IntakeReport examine_dive(const fs::path&,
+                                const fs::path&,
+                                const base::ProgressCallback& progress) {
     progress({.stage = "intake", .fraction = 1.0});
     return {.findings = {{.severity = Severity::Info, .code = "fake"}},
             .name = "fake",
@@ -133,8 +136,8 @@ IntakeReport examine_dive(const fs::path&, const fs::path&, const ProgressCallba
             .thumbnail_jpeg = "jpeg"};
 }
 
-nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
-                                const ProgressCallback& progress) {
+nlohmann::json reconstruct_dive(const pipeline::ReconstructionRequest& request,
+                                const base::ProgressCallback& progress) {
     const Script script = read_script(request.dive);
     progress({.stage = "track", .fraction = 0.1});
     if (script.word == "wait-once") wait_once(script.marker, progress);
@@ -167,7 +170,8 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
             {"calibration", {{"sha256", "fake calibration"}}}};
 }
 
-nlohmann::json compare_reconstructions(const CompareRequest& request, const ProgressCallback&) {
+nlohmann::json compare_reconstructions(const compare::CompareRequest& request,
+                                       const base::ProgressCallback&) {
     if (!fs::exists(request.a / "mesh.ply") || !fs::exists(request.b / "mesh.ply"))
         throw Error(ErrorCode::Unavailable, "a mesh is missing");
     if (request.options.reach_m > 10.0) throw Error(ErrorCode::Conflict, "other ground");
@@ -180,7 +184,8 @@ std::string problem_of_truth(TruthKind, const fs::path& file) {
 }
 
 // Says what it was given: the mesh, the truth, the findings, the history.
-nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const ProgressCallback&) {
+nlohmann::json make_accuracy_report(const report::AccuracyReportRequest& request,
+                                    const base::ProgressCallback&) {
     if (request.ground_truth && fs::file_size(*request.ground_truth) == 0)
         throw Error(ErrorCode::BadData, "the truth is empty");
     std::ofstream file(request.out / "report.json");
@@ -203,4 +208,4 @@ nlohmann::json make_accuracy_report(const AccuracyReportRequest& request, const 
             {"regressions", nlohmann::json::array()}};
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -24,7 +24,7 @@
 #include "tests/end_to_end/process.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::runner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -541,4 +541,4 @@ TEST_F(JobRunnerTest, TwoWorkersShareTheJobsAndEachRunsOnce) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::runner

@@ -6,7 +6,7 @@
 
 #include "schemas/error.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kStep_s = 1e-4;
@@ -104,4 +104,4 @@ TEST(DiverMotionTest, LapThatDoesNotFitTheSceneIsRefused) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

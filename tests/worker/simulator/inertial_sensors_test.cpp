@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 // Midpoint rule from the first sample's state.
@@ -14,8 +14,8 @@ double position_error_after_integration_m(const std::vector<ImuRecord>& records)
     Eigen::Vector3d velocity = records.front().truth.velocity_world;
     const double dt_s = 1.0 / kImuRateHz;
     for (std::size_t i = 0; i + 1 < records.size(); ++i) {
-        const ImuSample& a = records[i].sample;
-        const ImuSample& b = records[i + 1].sample;
+        const types::ImuSample& a = records[i].sample;
+        const types::ImuSample& b = records[i + 1].sample;
         const Eigen::Vector3d rotation =
             0.5 * dt_s * (a.angular_velocity_imu + b.angular_velocity_imu);
         const Eigen::Quaterniond q_next =
@@ -40,7 +40,8 @@ TEST(InertialSensorsTest, IntegratingTheExactImuForTenSecondsReturnsToTheTruth) 
 
 TEST(InertialSensorsTest, NoiseHasTheDensityThatIsStated) {
     const auto motion = DiverMotion::open_path({}, 20.0, 5);
-    const ImuNoise noise{.gyroscope_noise_density = 2e-4, .accelerometer_noise_density = 2e-3};
+    const types::ImuNoise noise{.gyroscope_noise_density = 2e-4,
+                                .accelerometer_noise_density = 2e-3};
     const auto exact = simulate_imu(motion, 60.0, nullptr, 5);
     const auto noisy = simulate_imu(motion, 60.0, &noise, 5);
     double gyroscope = 0.0;
@@ -69,7 +70,7 @@ TEST(InertialSensorsTest, OrientationIsWrongByAThirdToHalfADegree) {
     const auto motion = DiverMotion::open_path({}, 40.0, 5);
     double sum = 0.0;
     const auto samples = simulate_ahrs(motion, 150.0, true, 5);
-    for (const OrientationSample& sample : samples) {
+    for (const types::OrientationSample& sample : samples) {
         const double t_s = static_cast<double>(sample.timestamp_ns - kFirstFrame_ns) * 1e-9;
         const Eigen::Quaterniond truth(motion.at(t_s).T_world_imu.linear());
         sum += std::pow(truth.angularDistance(sample.q_world_imu), 2);
@@ -84,11 +85,11 @@ TEST(InertialSensorsTest, DepthIsCountedDownwardsFromTheSurface) {
     const auto motion = DiverMotion::open_path({}, 1.0, 5);
     const auto samples = simulate_pressure(motion, 2.0, 9.0, false, 5);
     ASSERT_FALSE(samples.empty());
-    for (const PressureSample& sample : samples) {
+    for (const types::PressureSample& sample : samples) {
         const double t_s = static_cast<double>(sample.timestamp_ns - kFirstFrame_ns) * 1e-9;
         EXPECT_NEAR(sample.depth_m, 9.0 - motion.at(t_s).T_world_imu.translation().z(), 1e-6);
     }
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

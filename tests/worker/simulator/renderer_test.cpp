@@ -8,7 +8,7 @@
 #include "worker/camera/projection.hpp"
 #include "worker/simulator/draw_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr int kWidth_px = 80;
@@ -54,18 +54,18 @@ double analytic_t(const Eigen::Vector3d& origin,
 
 void expect_analytic_depth(double box_height_m) {
     const Scene scene = make_floor_with_box(static_cast<float>(box_height_m));
-    const Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
+    const types::Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
     Renderer renderer(scene, rig, {.water = make_water(WaterKind::None), .exact_depth = true});
     for (const int index : {0, 1}) {
         const Rendering rendering = renderer.render(index, look_down(), 0.0);
-        const Camera& camera = index == 0 ? rig.cam0 : rig.cam1;
+        const types::Camera& camera = index == 0 ? rig.cam0 : rig.cam1;
         const Eigen::Isometry3d T_world_cam =
             look_down() * (index == 0 ? rig.T_imu_cam0 : rig.T_imu_cam1);
         int num_wrong = 0;
         for (int v = 0; v < kHeight_px; ++v)
             for (int u = 0; u < kWidth_px; ++u) {
                 const Eigen::Vector3d direction =
-                    T_world_cam.linear() * unproject(camera, Eigen::Vector2d(u, v));
+                    T_world_cam.linear() * camera::unproject(camera, Eigen::Vector2d(u, v));
                 const double expected =
                     analytic_t(T_world_cam.translation(), direction, box_height_m);
                 if (std::abs(rendering.depth.at<float>(v, u) - expected) > 1e-4) ++num_wrong;
@@ -80,7 +80,7 @@ TEST(RendererTest, DepthOfABoxIsTheAnalyticIntersection) { expect_analytic_depth
 
 TEST(RendererTest, FishIsWhereItSwimsInBothCameras) {
     const Scene scene = make_floor_with_box(0.0F);
-    const Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
+    const types::Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
     SurveyPath path;
     path.center_world.z() = 1.5;
     path.look_pitch = 1.4;
@@ -93,13 +93,13 @@ TEST(RendererTest, FishIsWhereItSwimsInBothCameras) {
         const Eigen::Isometry3d T_world_imu = motion.at(t_s).T_world_imu;
         for (const int index : {0, 1}) {
             const Rendering rendering = renderer.render(index, T_world_imu, t_s);
-            const Camera& camera = index == 0 ? rig.cam0 : rig.cam1;
+            const types::Camera& camera = index == 0 ? rig.cam0 : rig.cam1;
             const Eigen::Isometry3d T_world_cam =
                 T_world_imu * (index == 0 ? rig.T_imu_cam0 : rig.T_imu_cam1);
             for (const Fish& fish : school) {
                 const Eigen::Vector3d p_world = fish.at(t_s).center_world.cast<double>();
-                const auto pixel = project(camera, T_world_cam.inverse() * p_world);
-                if (!pixel || !contains(camera, *pixel) || p_world.z() < 0.1) continue;
+                const auto pixel = camera::project(camera, T_world_cam.inverse() * p_world);
+                if (!pixel || !camera::contains(camera, *pixel) || p_world.z() < 0.1) continue;
                 if ((T_world_cam.inverse() * p_world).z() < 0.5) continue;
                 ++num_seen;
                 EXPECT_EQ(
@@ -113,7 +113,7 @@ TEST(RendererTest, FishIsWhereItSwimsInBothCameras) {
 }
 
 TEST(RendererTest, SnowIsLeftOutBehindTheSceneAndMarkedInItsMask) {
-    const Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
+    const types::Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
     const MarineSnow snow(3000.0, 5);
     const auto draw = [&](float wall_m) {
         cv::Mat radiance(kHeight_px, kWidth_px, CV_32FC3, cv::Scalar::all(0));
@@ -130,4 +130,4 @@ TEST(RendererTest, SnowIsLeftOutBehindTheSceneAndMarkedInItsMask) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -8,7 +8,7 @@
 
 #include "worker/simulator/ray_caster.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 constexpr double kPath_m = 12.0;
@@ -135,4 +135,4 @@ TEST(TransectScene, ALongerPathSeesTheSamePlaceAndMore) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

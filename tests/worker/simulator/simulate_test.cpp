@@ -13,14 +13,14 @@
 
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
-#include "worker/dive/dive.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/dive/dive.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/scene.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,9 +82,9 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
     auto options = small_dive(folder / "dive");
     options.truth = true;
     simulate(options);
-    const Mesh reference = read_ply(options.out / "reference.ply");
+    const types::Mesh reference = io::read_ply(options.out / "reference.ply");
     ASSERT_GT(reference.triangles.size(), 1000U);
-    const Rig rig = draw_rig(options.width_px, options.height_px, options.seed);
+    const types::Rig rig = draw_rig(options.width_px, options.height_px, options.seed);
     const auto frames = rows_of(options.out / "mav0/cam0/data.csv");
     std::map<std::string, std::vector<std::string>> truth;
     for (const auto& row : rows_of(options.out / "mav0/state_groundtruth_estimate0/data.csv"))
@@ -98,7 +98,7 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
             Eigen::Quaterniond(
                 std::stod(row[4]), std::stod(row[5]), std::stod(row[6]), std::stod(row[7]))
                 .toRotationMatrix();
-        const Camera& camera = index == 0 ? rig.cam0 : rig.cam1;
+        const types::Camera& camera = index == 0 ? rig.cam0 : rig.cam1;
         const Eigen::Isometry3d T_cam_world =
             (T_world_imu * (index == 0 ? rig.T_imu_cam0 : rig.T_imu_cam1)).inverse();
         const cv::Mat depth_mm =
@@ -112,8 +112,8 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
         int num_all = 0;
         for (const Eigen::Vector3f& vertex : reference.vertices) {
             const Eigen::Vector3d p_cam = T_cam_world * vertex.cast<double>();
-            const auto pixel = project(camera, p_cam);
-            if (!pixel || !contains(camera, *pixel)) continue;
+            const auto pixel = camera::project(camera, p_cam);
+            if (!pixel || !camera::contains(camera, *pixel)) continue;
             const cv::Rect around = cv::Rect(static_cast<int>(std::lround(pixel->x())) - 1,
                                              static_cast<int>(std::lround(pixel->y())) - 1,
                                              3,
@@ -189,11 +189,11 @@ TEST(SimulateTest, DiveReaderFindsNothingWrongWithItAndReadsTheRigThatTookIt) {
     auto options = small_dive(folder / "dive");
     options.scene = SceneKind::Reef;
     simulate(options);
-    const auto dive = Dive::open(options.out, folder / "scratch");
+    const auto dive = dive::Dive::open(options.out, folder / "scratch");
     while (dive->next_frame()) continue;
     for (const Finding& finding : dive->findings())
         EXPECT_NE(finding.severity, Severity::Error) << finding.message;
-    const Rig rig = draw_rig(options.width_px, options.height_px, options.seed);
+    const types::Rig rig = draw_rig(options.width_px, options.height_px, options.seed);
     EXPECT_TRUE(dive->rig().T_imu_cam0.isApprox(rig.T_imu_cam0, 1e-9));
     EXPECT_TRUE(dive->rig().T_imu_cam1.isApprox(rig.T_imu_cam1, 1e-9));
     EXPECT_NEAR(dive->rig().cam1.fx_px, rig.cam1.fx_px, 1e-6);
@@ -211,7 +211,7 @@ TEST(SimulateTest, TransectIsADiveWithReferenceAndKnownLengths) {
     options.length_m = 3.0;
     options.rate_hz = 1.0;
     simulate(options);
-    const auto dive = Dive::open(options.out, folder / "scratch");
+    const auto dive = dive::Dive::open(options.out, folder / "scratch");
     while (dive->next_frame()) continue;
     for (const Finding& finding : dive->findings())
         EXPECT_NE(finding.severity, Severity::Error) << finding.message;
@@ -258,4 +258,4 @@ TEST(SimulateTest, BadOptionsAreRefusedBeforeAnythingIsWritten) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 // A plane with a box half sunk into it in its middle, and one beside it that comes or goes.
@@ -46,4 +46,4 @@ TEST(SurfaceChange, WhatIsGoneIsLost) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::simulator {
 namespace {
 
 TEST(WaterTest, ContrastFallsExponentiallyWithRange) {
@@ -38,4 +38,4 @@ TEST(WaterTest, AirChangesNothing) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::simulator

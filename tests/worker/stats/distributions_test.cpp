@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 namespace {
 
 // Values as printed in the NIST/SEMATECH handbook, sections 1.3.6.7.2 and 1.3.6.7.4.
@@ -46,4 +46,4 @@ TEST(DistributionsTest, NoDegreesOfFreedomGiveNoNumber) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 namespace {
 
 TEST(MedianTest, OfAnOddNumberItIsTheMiddleValue) {
@@ -27,4 +27,4 @@ TEST(MedianTest, OfNoValuesItIsZero) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace divemesh::worker {
+namespace divemesh::stats {
 namespace {
 
 // numpy.quantile([1, 2, 4, 8], q) with method "linear" (the default) and "lower".
@@ -39,4 +39,4 @@ TEST(QuantileTest, OfOneValueItIsThatValueAndOfNoneZero) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stats

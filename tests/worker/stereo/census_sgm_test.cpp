@@ -5,7 +5,7 @@
 #include "tests/worker/stereo/reference_sgm.hpp"
 #include "tests/worker/stereo/warped_pair.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 // A bed, a step in it, and water without texture above it: what is ambiguous must agree too.
@@ -26,9 +26,9 @@ TEST(CensusSgm, IsToTheBitThePlainMethodOverCostVolumes) {
     for (const int range : {32, 64, 96, 128, 160}) {
         const cv::Mat plain = reference_sgm(left, right, range);
         EXPECT_GT(cv::countNonZero(plain), 1500);
-        for (int set = 0; set <= static_cast<int>(best_instructions()); ++set) {
+        for (int set = 0; set <= static_cast<int>(base::best_instructions()); ++set) {
             const cv::Mat own =
-                CensusSgm(range, static_cast<Instructions>(set)).compute(left, right);
+                CensusSgm(range, static_cast<base::Instructions>(set)).compute(left, right);
             EXPECT_EQ(cv::norm(plain, own, cv::NORM_INF), 0.0) << range << " set " << set;
         }
     }
@@ -39,11 +39,11 @@ TEST(CensusSgm, EveryInstructionSetGivesTheSameIntegers) {
     for (const int width : {317, 320})  // whole vectors, and a rest
         for (const int range : {32, 64, 96, 128, 288}) {
             const cv::Rect part(0, 0, width, 101);
-            const cv::Mat plain =
-                CensusSgm(range, Instructions::Baseline).compute(pair.left(part), pair.right(part));
+            const cv::Mat plain = CensusSgm(range, base::Instructions::Baseline)
+                                      .compute(pair.left(part), pair.right(part));
             EXPECT_GT(cv::countNonZero(plain), 5000);
-            for (int set = 1; set <= static_cast<int>(best_instructions()); ++set) {
-                const cv::Mat wide = CensusSgm(range, static_cast<Instructions>(set))
+            for (int set = 1; set <= static_cast<int>(base::best_instructions()); ++set) {
+                const cv::Mat wide = CensusSgm(range, static_cast<base::Instructions>(set))
                                          .compute(pair.left(part), pair.right(part));
                 EXPECT_EQ(cv::norm(plain, wide, cv::NORM_INF), 0.0) << width << " " << range;
             }
@@ -51,4 +51,4 @@ TEST(CensusSgm, EveryInstructionSetGivesTheSameIntegers) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -6,18 +6,18 @@
 #include <vector>
 
 #include "tests/worker/stereo/warped_pair.hpp"
-#include "worker/stereo/disparity_search_range.hpp"
-#include "worker/stereo/match_stereo.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/coarse_disparity_search.hpp"
+#include "worker/stereo/disparity_search_range.hpp"
+#include "worker/stereo/match_stereo.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 double slanted(double x, double y) { return 40.0 + 0.05 * x + 0.03 * y; }
 
-Features features_from(double least_px, double max_px, int num) {
-    Features features;
+types::Features features_from(double least_px, double max_px, int num) {
+    types::Features features;
     for (int i = 0; i < num; ++i)
         features.push_back(
             {i, Eigen::Vector2d::Zero(), least_px + (max_px - least_px) * i / (num - 1)});
@@ -25,7 +25,7 @@ Features features_from(double least_px, double max_px, int num) {
 }
 
 TEST(ChooseRange, HoldsTheFeaturesWithRoomAroundThem) {
-    const DisparityRange range = disparity_search_range(features_from(40.0, 60.0, 100), 256);
+    const types::DisparityRange range = disparity_search_range(features_from(40.0, 60.0, 100), 256);
     EXPECT_EQ(range.num_px, 64);
     EXPECT_LE(range.first_px, 30);
     EXPECT_GE(range.first_px + range.num_px, 80);
@@ -38,7 +38,8 @@ TEST(ChooseRange, IsTheWholeOneWhereFeaturesAreFewOrFarApart) {
 }
 
 TEST(ChooseRange, StaysWithinTheWholeOne) {
-    const DisparityRange near = disparity_search_range(features_from(110.0, 126.0, 100), 128);
+    const types::DisparityRange near =
+        disparity_search_range(features_from(110.0, 126.0, 100), 128);
     EXPECT_EQ(near.first_px + near.num_px, 128);
     EXPECT_EQ(disparity_search_range(features_from(2.0, 10.0, 100), 128).first_px, 0);
 }
@@ -74,30 +75,30 @@ TEST(CoarseDisparitySearch, FindsWhereThePatchesLie) {
 TEST(CoarseDisparitySearch, CountsWhatNoSearchWithinTheRangeCanFind) {
     const WarpedPair pair = make_warped_pair([](double, double) { return 60.0; }, kLarge);
     const auto patches = CoarseDisparitySearch(128).survey(pair.left, pair.right);
-    const SearchOutcome too_near = outcome_of({9, 32}, patches);
+    const types::SearchOutcome too_near = outcome_of({9, 32}, patches);
     EXPECT_GT(too_near.num_patches, 8'000);
     EXPECT_GT(100 * too_near.num_too_near, 98 * too_near.num_patches);
     EXPECT_EQ(too_near.num_too_far, 0);
-    const SearchOutcome too_far = outcome_of({80, 48}, patches);
+    const types::SearchOutcome too_far = outcome_of({80, 48}, patches);
     EXPECT_GT(100 * too_far.num_too_far, 98 * too_far.num_patches);
-    const SearchOutcome held = outcome_of({32, 64}, patches);
+    const types::SearchOutcome held = outcome_of({32, 64}, patches);
     EXPECT_LT(held.num_too_near + held.num_too_far, held.num_patches / 50);
 }
 
 TEST(CoarseDisparitySearch, SeesBeyondTheWholeRange) {
     const WarpedPair pair = make_warped_pair([](double, double) { return 100.0; }, kLarge);
     const auto patches = CoarseDisparitySearch(64).survey(pair.left, pair.right);
-    const SearchOutcome outcome = outcome_of({0, 64}, patches);
+    const types::SearchOutcome outcome = outcome_of({0, 64}, patches);
     EXPECT_GT(outcome.num_patches, 8'000);
     EXPECT_GT(100 * outcome.num_too_near, 98 * outcome.num_patches);
 }
 
 TEST(CoarseDisparitySearch, WidensARangeToHoldWhatItShows) {
     std::vector<float> patches(1'000, 30.0F);
-    const auto holds = [](const DisparityRange& range, int px) {
+    const auto holds = [](const types::DisparityRange& range, int px) {
         return range.first_px < px && px < range.first_px + range.num_px - 1;
     };
-    const DisparityRange narrow{10, 64};
+    const types::DisparityRange narrow{10, 64};
     EXPECT_EQ(widen(narrow, patches, 256).num_px, 64);
     EXPECT_EQ(widen(narrow, {}, 256).first_px, 10);
     std::fill(patches.end() - 10, patches.end(), 200.0F);  // one in a hundred may be wrong
@@ -108,7 +109,7 @@ TEST(CoarseDisparitySearch, WidensARangeToHoldWhatItShows) {
     EXPECT_LT(widen(narrow, patches, 256).num_px, 256);
     EXPECT_EQ(widen(narrow, patches, 96).num_px, 96);
     std::fill(patches.begin(), patches.begin() + 100, 5.0F);
-    const DisparityRange both = widen({20, 64}, patches, 256);
+    const types::DisparityRange both = widen({20, 64}, patches, 256);
     EXPECT_TRUE(holds(both, 5) && holds(both, 120));
 }
 
@@ -119,7 +120,7 @@ TEST(StereoMatcher, FindsWhatTheRangeLeavesOut) {
         ReconstructionOptions options;
         options.stereo = stereo;
         options.num_disparities_px = 128;
-        const DepthMap depth =
+        const types::DepthMap depth =
             StereoMatcher({}, options).match({0, 0, pair.left, pair.right}, {0, 64});
         EXPECT_EQ(depth.search.range.num_px, 128) << stereo;
         EXPECT_GT(depth.search.num_patches, 8'000) << stereo;
@@ -134,7 +135,7 @@ TEST(StereoMatcher, TellsWhatIsTooNearForAllItSearches) {
     const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
     ReconstructionOptions options;
     options.num_disparities_px = 64;
-    const DepthMap depth = StereoMatcher({}, options).match({0, 0, pair.left, pair.right});
+    const types::DepthMap depth = StereoMatcher({}, options).match({0, 0, pair.left, pair.right});
     EXPECT_NEAR(static_cast<double>(depth.search.num_too_near) /
                     static_cast<double>(depth.search.num_patches),
                 1.0 / 3.0,
@@ -143,15 +144,15 @@ TEST(StereoMatcher, TellsWhatIsTooNearForAllItSearches) {
 
 TEST(CensusSgm, EveryInstructionSetGivesTheSameWithinARange) {
     const WarpedPair pair = make_warped_pair(slanted);
-    const auto within = [&](Instructions set) {
+    const auto within = [&](base::Instructions set) {
         return CensusSgm(128, set).compute(pair.left, pair.right, {27, 64});
     };
-    for (int set = 1; set <= static_cast<int>(best_instructions()); ++set)
-        EXPECT_EQ(cv::norm(within(Instructions::Baseline),
-                           within(static_cast<Instructions>(set)),
+    for (int set = 1; set <= static_cast<int>(base::best_instructions()); ++set)
+        EXPECT_EQ(cv::norm(within(base::Instructions::Baseline),
+                           within(static_cast<base::Instructions>(set)),
                            cv::NORM_INF),
                   0.0);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

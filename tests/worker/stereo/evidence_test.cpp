@@ -7,17 +7,17 @@
 #include "tests/worker/stereo/warped_pair.hpp"
 #include "worker/stereo/match_stereo.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kFirstColumn = 70;  // to the right of all disparities
 
 double slanted(double x, double y) { return 14.0 + 0.05 * x + 0.03 * y; }
 
-DepthMap match(const WarpedPair& pair) {
+types::DepthMap match(const WarpedPair& pair) {
     ReconstructionOptions options;
     options.num_disparities_px = 64;
-    RectifiedFrame frame;
+    types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
     return StereoMatcher({}, options).match(frame);
@@ -25,7 +25,7 @@ DepthMap match(const WarpedPair& pair) {
 
 TEST(StereoMatcher, SeesASurfaceUpToTheBorder) {
     const WarpedPair pair = make_warped_pair(slanted);
-    const DepthMap depth = match(pair);
+    const types::DepthMap depth = match(pair);
     cv::Mat border(pair.left.size(), CV_8U, cv::Scalar(255));
     border(cv::Rect(kFirstColumn, 4, pair.left.cols - kFirstColumn - 4, pair.left.rows - 8))
         .setTo(0);
@@ -41,7 +41,7 @@ TEST(StereoMatcher, TellsHowLittleWeakTextureSaysOfADisparity) {
     options.contrast = 0.03;
     options.noise = 1.0;
     const WarpedPair pair = make_warped_pair(slanted, options);
-    const DepthMap depth = match(pair);
+    const types::DepthMap depth = match(pair);
     double sum = 0.0;
     int num = 0;
     int num_wrong = 0;
@@ -64,4 +64,4 @@ TEST(StereoMatcher, TellsHowLittleWeakTextureSaysOfADisparity) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -16,22 +16,22 @@
 #include "worker/stereo/smooth_on_plane.hpp"
 #include "worker/stereo/speckles.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 double slanted(double x, double y) { return 14.0 + 0.05 * x + 0.03 * y; }
 
-DepthMap match(const std::string& matcher,
-               const cv::Mat& left,
-               const cv::Mat& right,
-               int num_disparities) {
+types::DepthMap match(const std::string& matcher,
+                      const cv::Mat& left,
+                      const cv::Mat& right,
+                      int num_disparities) {
     ReconstructionOptions options;
     options.stereo = matcher;
     options.num_disparities_px = num_disparities;
-    RectifiedRig rig;
+    types::RectifiedRig rig;
     rig.width_px = left.cols;
     rig.height_px = left.rows;
-    RectifiedFrame frame;
+    types::RectifiedFrame frame;
     frame.left = left;
     frame.right = right;
     return StereoMatcher(rig, options).match(frame);
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Matchers,
 
 TEST(BlockMatcher, EveryInstructionSetGivesTheSameIntegers) {
     const auto pair = make_warped_pair(slanted);
-    const cv::Mat a = BlockMatcher(64, Instructions::Baseline).compute(pair.left, pair.right);
+    const cv::Mat a = BlockMatcher(64, base::Instructions::Baseline).compute(pair.left, pair.right);
     const cv::Mat b = BlockMatcher(64).compute(pair.left, pair.right);
     EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
 }
@@ -92,7 +92,7 @@ TEST(RefineDisparity, EveryInstructionSetGivesTheSameBytes) {
     cv::Mat a = CensusSgm(64).compute(pair.left, pair.right);
     cv::Mat b = a.clone();
     const cv::Mat sigma_a =
-        DisparityRefiner(Instructions::Baseline).refine(pair.left, pair.right, a);
+        DisparityRefiner(base::Instructions::Baseline).refine(pair.left, pair.right, a);
     const cv::Mat sigma_b = DisparityRefiner().refine(pair.left, pair.right, b);
     EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
     EXPECT_EQ(cv::norm(sigma_a, sigma_b, cv::NORM_INF), 0.0);
@@ -231,4 +231,4 @@ TEST(Middlebury, SgmIsAtLeastAsAccurateAndDenseAsOpenCv) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -11,24 +11,24 @@
 #include "worker/simulator/renderer.hpp"
 #include "worker/stereo/match_stereo.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr float kFarEdge_m = 3.5F;
 constexpr int kReach_px = 14;  // of the matcher's windows, and a little
 
 // A bed with a boulder that ends 3.5 m ahead; behind and above it nothing but water.
-Scene bed_before_open_water() {
-    SceneBuilder builder(3, 1, place_at({0, 0, 0}));
+simulator::Scene bed_before_open_water() {
+    simulator::SceneBuilder builder(3, 1, simulator::place_at({0, 0, 0}));
     builder.add("bed",
-                Material::Coral,
-                make_height_field(
+                simulator::Material::Coral,
+                simulator::make_height_field(
                     {-1.0F, kFarEdge_m, -4.0F, 4.0F}, 0.1F, [](float, float) { return 0.0F; }),
-                place_at({0, 0, 0}));
+                simulator::place_at({0, 0, 0}));
     builder.add("boulder",
-                Material::Rock,
-                make_ellipsoid({0.3F, 0.3F, 0.4F}, 0.05F),
-                place_at({1.8F, 0.3F, 0.1F}));
+                simulator::Material::Rock,
+                simulator::make_ellipsoid({0.3F, 0.3F, 0.4F}, 0.05F),
+                simulator::place_at({1.8F, 0.3F, 0.1F}));
     return builder.finish({}, 8.0);
 }
 
@@ -40,38 +40,40 @@ Eigen::Isometry3d look_ahead() {
     return T_world_imu;
 }
 
-using ChangeLight = std::function<void(Rendering& rendering)>;
+using ChangeLight = std::function<void(simulator::Rendering& rendering)>;
 
 struct Look {
-    DepthMap depth;
+    types::DepthMap depth;
     cv::Mat open_water;  // CV_8U, 255: nothing within the matcher's reach but water
     cv::Mat surface;     // the same of the scene
 };
 
-cv::Mat developed(const Rendering& rendering, int camera, const Water& water) {
-    const SensorOptions sensor{.exposure = water.exposure, .seed = 5};
+cv::Mat developed(const simulator::Rendering& rendering,
+                  int camera,
+                  const simulator::Water& water) {
+    const simulator::SensorOptions sensor{.exposure = water.exposure, .seed = 5};
     const cv::Mat color =
-        develop(rendering.radiance, static_cast<std::uint64_t>(camera), 0.0, sensor);
+        simulator::develop(rendering.radiance, static_cast<std::uint64_t>(camera), 0.0, sensor);
     std::vector<std::uint8_t> jpeg;
     cv::imencode(".jpg", color, jpeg, {cv::IMWRITE_JPEG_QUALITY, 93});
     return cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE);
 }
 
-Look look(WaterKind kind, const ChangeLight& change_light) {
-    const Scene scene = bed_before_open_water();
-    const Rig rig = draw_rig(640, 480, 4);
-    const Water water = make_water(kind);
-    const auto snow = std::make_shared<MarineSnow>(200.0, 6);
-    Renderer renderer(scene, rig, {.water = water, .snow = snow, .exact_depth = true});
-    StereoFrame frame;
+Look look(simulator::WaterKind kind, const ChangeLight& change_light) {
+    const simulator::Scene scene = bed_before_open_water();
+    const types::Rig rig = simulator::draw_rig(640, 480, 4);
+    const simulator::Water water = simulator::make_water(kind);
+    const auto snow = std::make_shared<simulator::MarineSnow>(200.0, 6);
+    simulator::Renderer renderer(scene, rig, {.water = water, .snow = snow, .exact_depth = true});
+    types::StereoFrame frame;
     cv::Mat truth;
     for (const int camera : {0, 1}) {
-        Rendering rendering = renderer.render(camera, look_ahead(), 0.0);
+        simulator::Rendering rendering = renderer.render(camera, look_ahead(), 0.0);
         change_light(rendering);
         (camera == 0 ? frame.left : frame.right) = developed(rendering, camera, water);
         if (camera == 0) truth = rendering.depth > 0.0F;
     }
-    const Rectifier rectifier(rig);
+    const camera::Rectifier rectifier(rig);
     const cv::Mat there = rectifier.rectify_left(truth);
     const cv::Mat reach = cv::Mat::ones(2 * kReach_px + 1, 2 * kReach_px + 1, CV_8U);
     Look result;
@@ -83,22 +85,23 @@ Look look(WaterKind kind, const ChangeLight& change_light) {
     return result;
 }
 
-double share_known(const DepthMap& depth, const cv::Mat& where) {
+double share_known(const types::DepthMap& depth, const cv::Mat& where) {
     const cv::Mat known = depth.disparity_px > 0.0F;
     return static_cast<double>(cv::countNonZero(known & where)) /
            static_cast<double>(cv::countNonZero(where));
 }
 
-void leave(Rendering&) {}
+void leave(simulator::Rendering&) {}
 
 // All of the scene as bright as everything else: vignetting, noise and JPEG's blocks alone are
 // seen.
-void without_pattern(Rendering& rendering) {
+void without_pattern(simulator::Rendering& rendering) {
     rendering.radiance.setTo(cv::Scalar::all(0.2), rendering.depth > 0.0F);
 }
 
 TEST(StereoMatcher, SeesTheBedAndNothingInTheOpenWaterBehindIt) {
-    for (const WaterKind kind : {WaterKind::Clear, WaterKind::Green}) {
+    for (const simulator::WaterKind kind :
+         {simulator::WaterKind::Clear, simulator::WaterKind::Green}) {
         const Look seen = look(kind, leave);
         EXPECT_GT(cv::countNonZero(seen.open_water), 30'000);
         EXPECT_LT(share_known(seen.depth, seen.open_water), 0.005) << to_string(kind);
@@ -107,10 +110,10 @@ TEST(StereoMatcher, SeesTheBedAndNothingInTheOpenWaterBehindIt) {
 }
 
 TEST(StereoMatcher, GivesASurfaceWithoutPatternNoDepth) {
-    const Look seen = look(WaterKind::None, without_pattern);
+    const Look seen = look(simulator::WaterKind::None, without_pattern);
     EXPECT_GT(cv::countNonZero(seen.surface), 80'000);
     EXPECT_LT(share_known(seen.depth, seen.surface), 0.005);
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

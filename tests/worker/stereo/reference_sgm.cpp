@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 namespace {
 
 constexpr int kSmallStep = 6;  // P1
@@ -156,4 +156,4 @@ cv::Mat reference_sgm(const cv::Mat& left, const cv::Mat& right, int num_dispari
     return disparity;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-namespace divemesh::worker {
+namespace divemesh::stereo {
 
 // A rectified pair whose disparity is known exactly: the left image is the right one's texture, a
 // continuous function, seen through a disparity given as a function of the left pixel.
@@ -107,4 +107,4 @@ inline DisparityError compare_disparity(const cv::Mat& estimate,
     return error;
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::stereo

@@ -13,12 +13,12 @@
 #include "worker/pipeline/reconstruct.hpp"
 #include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 // The pictures between two times are blank, as in a cloud of silt.
 synthetic::AlteredRecording::Alter blank(double from_s, double to_s) {
-    return [=, first_ns = std::optional<std::int64_t>()](StereoFrame& frame) mutable {
+    return [=, first_ns = std::optional<std::int64_t>()](types::StereoFrame& frame) mutable {
         if (!first_ns) first_ns = frame.timestamp_ns;
         const double time_s = 1e-9 * static_cast<double>(frame.timestamp_ns - *first_ns);
         if (time_s < from_s || time_s >= to_s) return;
@@ -32,40 +32,40 @@ class LostSightTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {
         folder_ = std::make_unique<TemporaryFolder>();
-        simulate({.scene = SceneKind::Tank,
-                  .out = *folder_ / "dive",
-                  .length_m = 1.6,
-                  .rate_hz = 8.0,
-                  .laps = 2,
-                  .width_px = 320,
-                  .height_px = 240});
+        simulator::simulate({.scene = simulator::SceneKind::Tank,
+                             .out = *folder_ / "dive",
+                             .length_m = 1.6,
+                             .rate_hz = 8.0,
+                             .laps = 2,
+                             .width_px = 320,
+                             .height_px = 240});
     }
     static void TearDownTestSuite() { folder_.reset(); }
 
-    OptimisedTrack swim(double from_s, double to_s, const nlohmann::json& overrides) {
+    types::OptimisedTrack swim(double from_s, double to_s, const nlohmann::json& overrides) {
         synthetic::AlteredRecording blanked(*dive_, blank(from_s, to_s));
         nlohmann::json all = overrides;
         all["surface"] = false;
         const ReconstructionOptions options = make_options("standard", all);
-        const KeyframeStore store(*folder_ / "keyframes");
-        const Track track = worker::track(blanked, options, store, ignore_progress);
+        const keyframes::KeyframeStore store(*folder_ / "keyframes");
+        const types::Track track = pipeline::track(blanked, options, store, base::ignore_progress);
         num_tracked_ = track.statistics.num_frames_tracked;
-        return optimise(track, blanked, options, store, ignore_progress);
+        return pipeline::optimise(track, blanked, options, store, base::ignore_progress);
     }
-    std::size_t num_segments(const OptimisedTrack& track) const {
-        return segments_of(track.trajectory, track.keyframes).size();
+    std::size_t num_segments(const types::OptimisedTrack& track) const {
+        return evaluation::segments_of(track.trajectory, track.keyframes).size();
     }
-    double ate_m(const OptimisedTrack& track) const {
-        return trajectory_error(track.trajectory, dive_->ground_truth()).ate_rmse_m;
+    double ate_m(const types::OptimisedTrack& track) const {
+        return evaluation::trajectory_error(track.trajectory, dive_->ground_truth()).ate_rmse_m;
     }
 
     static inline std::unique_ptr<TemporaryFolder> folder_;
-    std::unique_ptr<Dive> dive_ = Dive::open(*folder_ / "dive", *folder_ / "scratch");
+    std::unique_ptr<dive::Dive> dive_ = dive::Dive::open(*folder_ / "dive", *folder_ / "scratch");
     std::int64_t num_tracked_ = 0;
 };
 
 TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankImages) {
-    const OptimisedTrack track = swim(2.0, 4.0, {});
+    const types::OptimisedTrack track = swim(2.0, 4.0, {});
     EXPECT_LE(num_tracked_, dive_->num_frames() - 16);
     EXPECT_EQ(num_segments(track), 1U);
     EXPECT_LT(ate_m(track), 0.02);
@@ -74,18 +74,18 @@ TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankImages) {
 }
 
 TEST_F(LostSightTest, WithoutInertiaItIsJoinedWhereItComesByAgain) {
-    const OptimisedTrack track = swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}});
+    const types::OptimisedTrack track = swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}});
     EXPECT_EQ(num_segments(track), 1U);
     EXPECT_LT(ate_m(track), 0.02);
     EXPECT_TRUE(track.calibration.is_known());
 }
 
 TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
-    const OptimisedTrack track =
+    const types::OptimisedTrack track =
         swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}});
     EXPECT_EQ(num_segments(track), 2U);
     EXPECT_TRUE(track.calibration.is_known());
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

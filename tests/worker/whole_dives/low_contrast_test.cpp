@@ -13,7 +13,7 @@
 #include "worker/pipeline/reconstruct.hpp"
 #include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 using Look = cv::Mat (*)(const cv::Mat& image);
@@ -47,33 +47,34 @@ class LowContrastTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {
         folder_ = std::make_unique<TemporaryFolder>();
-        simulate({.scene = SceneKind::Barge,
-                  .out = *folder_ / "dive",
-                  .length_m = 1.5,
-                  .water = WaterKind::Green,
-                  .width_px = 320,
-                  .height_px = 240});
+        simulator::simulate({.scene = simulator::SceneKind::Barge,
+                             .out = *folder_ / "dive",
+                             .length_m = 1.5,
+                             .water = simulator::WaterKind::Green,
+                             .width_px = 320,
+                             .height_px = 240});
     }
     static void TearDownTestSuite() { folder_.reset(); }
 
     struct Swim {
-        TrackStatistics tracking;
+        types::TrackStatistics tracking;
         double ate_m = 0.0;
     };
     Swim swim(Look look, Look equalise) {
-        synthetic::AlteredRecording altered(*dive_, [=](StereoFrame& frame) {
+        synthetic::AlteredRecording altered(*dive_, [=](types::StereoFrame& frame) {
             for (cv::Mat* image : {&frame.left, &frame.right}) *image = equalise(look(*image));
         });
-        const KeyframeStore store(*folder_ / "keyframes");
+        const keyframes::KeyframeStore store(*folder_ / "keyframes");
         const auto options = make_options("standard", {{"surface", false}, {"num_threads", 1}});
-        const Track track = worker::track(altered, options, store, ignore_progress);
-        const OptimisedTrack path = optimise(track, altered, options, store, ignore_progress);
+        const types::Track track = pipeline::track(altered, options, store, base::ignore_progress);
+        const types::OptimisedTrack path =
+            pipeline::optimise(track, altered, options, store, base::ignore_progress);
         return {track.statistics,
-                trajectory_error(path.trajectory, dive_->ground_truth()).ate_rmse_m};
+                evaluation::trajectory_error(path.trajectory, dive_->ground_truth()).ate_rmse_m};
     }
 
     static inline std::unique_ptr<TemporaryFolder> folder_;
-    std::unique_ptr<Dive> dive_ = Dive::open(*folder_ / "dive", *folder_ / "scratch");
+    std::unique_ptr<dive::Dive> dive_ = dive::Dive::open(*folder_ / "dive", *folder_ / "scratch");
 };
 
 // Patches without the brightness of their surroundings, with a gain and a bias of their own: the
@@ -89,4 +90,4 @@ TEST_F(LowContrastTest, TheDiveIsFollowedAsWellAsOverEqualisedImages) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

@@ -10,14 +10,14 @@
 
 #include "tests/temporary_folder.hpp"
 #include "worker/compare/marker_positions.hpp"
-#include "worker/markers/world_scale.hpp"
 #include "worker/io/reconstruction_folder.hpp"
+#include "worker/markers/world_scale.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/simulate.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,17 +31,17 @@ class MarkedDiveTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {
         folder_ = std::make_unique<TemporaryFolder>();
-        simulate({.scene = SceneKind::Barge,
-                  .out = *folder_ / "dive",
-                  .length_m = 2.5,
-                  .water = WaterKind::Green,
-                  .width_px = kWidth_px,
-                  .height_px = kHeight_px,
-                  .num_markers = 6,
-                  .marker_size_m = 0.16});
-        const Rig rig = WorldScale(kStatedTooLong, Eigen::Isometry3d::Identity())
-                            .applied(draw_rig(kWidth_px, kHeight_px, 1));
-        write_camera_files(*folder_ / "stated", rig.cam1, rig.T_imu_cam1, 10.0, {});
+        simulator::simulate({.scene = simulator::SceneKind::Barge,
+                             .out = *folder_ / "dive",
+                             .length_m = 2.5,
+                             .water = simulator::WaterKind::Green,
+                             .width_px = kWidth_px,
+                             .height_px = kHeight_px,
+                             .num_markers = 6,
+                             .marker_size_m = 0.16});
+        const types::Rig rig = markers::WorldScale(kStatedTooLong, Eigen::Isometry3d::Identity())
+                                   .applied(simulator::draw_rig(kWidth_px, kHeight_px, 1));
+        simulator::write_camera_files(*folder_ / "stated", rig.cam1, rig.T_imu_cam1, 10.0, {});
         fs::copy_file(*folder_ / "stated" / "sensor.yaml",
                       *folder_ / "dive" / "mav0" / "cam1" / "sensor.yaml",
                       fs::copy_options::overwrite_existing);
@@ -49,12 +49,12 @@ protected:
     static void TearDownTestSuite() { folder_.reset(); }
 
     static nlohmann::json reconstruct(const std::string& name, const nlohmann::json& options) {
-        return reconstruct_dive({.dive = *folder_ / "dive",
-                                 .out = *folder_ / name,
-                                 .scratch = *folder_ / (name + "_scratch"),
-                                 .resumable = false,
-                                 .options = make_options("standard", options)},
-                                ignore_progress);
+        return pipeline::reconstruct_dive({.dive = *folder_ / "dive",
+                                           .out = *folder_ / name,
+                                           .scratch = *folder_ / (name + "_scratch"),
+                                           .resumable = false,
+                                           .options = make_options("standard", options)},
+                                          base::ignore_progress);
     }
 
     static inline std::unique_ptr<TemporaryFolder> folder_;
@@ -86,11 +86,11 @@ TEST_F(MarkedDiveTest, CorrectedLengthsAreRightInEverythingThatIsGivenOut) {
     EXPECT_GE(num_long_bars, 1);
     // The path by the ground truth's own scale.
     EXPECT_NEAR(metrics["trajectory"]["final"]["sim3_scale"].get<double>(), 1.0, 0.004);
-    const ReconstructionFolder folder(*folder_ / "corrected");
-    const Mesh mesh = folder.mesh();
-    const auto positions = marker_positions(folder);
+    const io::ReconstructionFolder folder(*folder_ / "corrected");
+    const types::Mesh mesh = folder.mesh();
+    const auto positions = compare::marker_positions(folder);
     ASSERT_FALSE(positions.empty());
-    for (const MarkerPosition& marker : positions) {
+    for (const compare::MarkerPosition& marker : positions) {
         float nearest_m = std::numeric_limits<float>::max();
         for (const Eigen::Vector3f& vertex : mesh.vertices)
             nearest_m = std::min(nearest_m, (vertex - marker.p_world.cast<float>()).norm());
@@ -98,7 +98,7 @@ TEST_F(MarkedDiveTest, CorrectedLengthsAreRightInEverythingThatIsGivenOut) {
     }
 }
 
-double length_m(const Trajectory& path, std::size_t first, std::size_t last) {
+double length_m(const types::Trajectory& path, std::size_t first, std::size_t last) {
     double sum = 0.0;
     for (std::size_t i = first + 1; i < last; ++i)
         sum += (path.at(i).T_world_imu.translation() - path.at(i - 1).T_world_imu.translation())
@@ -144,8 +144,10 @@ TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
     ASSERT_EQ(corrected["pieces"].size(), 2U);
     ASSERT_TRUE(corrected["markers"]["scale_correction"]["applied"]);
     const double factor = corrected["markers"]["scale_correction"]["factor"];
-    const Trajectory before = ReconstructionFolder(*folder_ / "pieces_as_stated").trajectory();
-    const Trajectory after = ReconstructionFolder(*folder_ / "pieces_corrected").trajectory();
+    const types::Trajectory before =
+        io::ReconstructionFolder(*folder_ / "pieces_as_stated").trajectory();
+    const types::Trajectory after =
+        io::ReconstructionFolder(*folder_ / "pieces_corrected").trajectory();
     const auto ratio = [&](std::size_t first, std::size_t last) {
         return length_m(after, first, last) / length_m(before, first, last);
     };
@@ -160,4 +162,4 @@ TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
 }
 
 }  // namespace
-}  // namespace divemesh::worker
+}  // namespace divemesh::pipeline

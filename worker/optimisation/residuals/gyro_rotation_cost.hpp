@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <ceres/autodiff_cost_function.h>
 
-#include "worker/imu/gyroscope_integral.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/imu/gyroscope_integral.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The turn between two keyframes by the gyroscope:
 //
@@ -15,7 +15,7 @@ namespace divemesh::worker {
 // Blocks: q_world_imu of i and j (x y z w), bias of i (rad/s). The logarithm is that of small
 // rotations: the rest is far below the noise.
 struct GyroRotationCost {
-    GyroscopeIntegral integral;
+    imu::GyroscopeIntegral integral;
 
     template <typename T>
     bool operator()(const T* const q_i,
@@ -29,17 +29,17 @@ struct GyroRotationCost {
         const Vector correction =
             integral.d_rotation_d_bias.cast<T>() * (bias - integral.bias.cast<T>());
         const Eigen::Quaternion<T> rotation =
-            integral.q_from_to.cast<T>() * rotation_from_small_vector<T>(correction);
+            integral.q_from_to.cast<T>() * base::rotation_from_small_vector<T>(correction);
         const Eigen::Quaternion<T> error = rotation.conjugate() * (from.conjugate() * to);
         Eigen::Map<Vector> r(residual);
-        r = vector_from_small_rotation(error) / T(integral.sigma_rad);
+        r = base::vector_from_small_rotation(error) / T(integral.sigma_rad);
         return true;
     }
 
-    static ceres::CostFunction* create(const GyroscopeIntegral& integral) {
+    static ceres::CostFunction* create(const imu::GyroscopeIntegral& integral) {
         return new ceres::AutoDiffCostFunction<GyroRotationCost, 3, 4, 4, 3>(
             new GyroRotationCost{integral});
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

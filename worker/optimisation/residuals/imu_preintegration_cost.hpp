@@ -4,10 +4,10 @@
 #include <Eigen/Geometry>
 #include <ceres/autodiff_cost_function.h>
 
-#include "worker/imu/preintegration.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/imu/preintegration.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The inertial unit between two keyframes i and j, dt apart (Forster et al. 2017, eq. 45), with
 // g = kGravity_m_s2 * down:
@@ -22,11 +22,10 @@ namespace divemesh::worker {
 // rotations: the rest is far below the noise.
 class ImuPreintegrationCost {
 public:
-    explicit ImuPreintegrationCost(const PreintegratedImu& integral)
+    explicit ImuPreintegrationCost(const imu::PreintegratedImu& integral)
         : integral_(integral),
-          sqrt_information_(
-              integral.covariance.llt().matrixL().solve(PreintegratedImu::Covariance::Identity())) {
-    }
+          sqrt_information_(integral.covariance.llt().matrixL().solve(
+              imu::PreintegratedImu::Covariance::Identity())) {}
 
     template <typename T>
     bool operator()(const T* const q_i,
@@ -44,17 +43,17 @@ public:
         const Eigen::Map<const Eigen::Quaternion<T>> from(q_i);
         const Eigen::Map<const Eigen::Quaternion<T>> to(q_j);
         const double dt = integral_.rotation.duration_s;
-        const Vector g = T(kGravity_m_s2) * ConstVector(gravity_direction_world);
+        const Vector g = T(imu::kGravity_m_s2) * ConstVector(gravity_direction_world);
         const Vector gyroscope = ConstVector(gyroscope_bias) - integral_.rotation.bias.cast<T>();
         const Vector accelerometer =
             ConstVector(accelerometer_bias) - integral_.accelerometer_bias.cast<T>();
 
         const Vector correction = integral_.rotation.d_rotation_d_bias.cast<T>() * gyroscope;
-        const Eigen::Quaternion<T> rotation =
-            integral_.rotation.q_from_to.cast<T>() * rotation_from_small_vector<T>(correction);
+        const Eigen::Quaternion<T> rotation = integral_.rotation.q_from_to.cast<T>() *
+                                              base::rotation_from_small_vector<T>(correction);
         const Eigen::Quaternion<T> error = rotation.conjugate() * (from.conjugate() * to);
         Eigen::Matrix<T, 9, 1> e;
-        e.template head<3>() = vector_from_small_rotation(error);
+        e.template head<3>() = base::vector_from_small_rotation(error);
         e.template segment<3>(3) =
             from.conjugate() * Vector(ConstVector(v_j) - ConstVector(v_i) - g * T(dt)) -
             (integral_.delta_velocity.cast<T>() +
@@ -70,14 +69,14 @@ public:
         return true;
     }
 
-    static ceres::CostFunction* create(const PreintegratedImu& integral) {
+    static ceres::CostFunction* create(const imu::PreintegratedImu& integral) {
         return new ceres::AutoDiffCostFunction<ImuPreintegrationCost, 9, 4, 3, 3, 3, 3, 4, 3, 3, 3>(
             new ImuPreintegrationCost(integral));
     }
 
 private:
-    PreintegratedImu integral_;
-    PreintegratedImu::Covariance sqrt_information_;  // L^-1
+    imu::PreintegratedImu integral_;
+    imu::PreintegratedImu::Covariance sqrt_information_;  // L^-1
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

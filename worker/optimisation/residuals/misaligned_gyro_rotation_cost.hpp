@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <ceres/autodiff_cost_function.h>
 
-#include "worker/imu/gyroscope_integral.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/imu/gyroscope_integral.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The turn between two keyframes by a gyroscope that sits askew by m and whose clock is off by dt:
 //
@@ -16,7 +16,7 @@ namespace divemesh::worker {
 // rates at its two ends. Blocks: q_world_body of i and j (x y z w), bias of i (rad/s, imu), m
 // (rad), dt (s). Logarithms are those of small rotations; m stays within some degrees.
 struct MisalignedGyroRotationCost {
-    GyroscopeIntegral integral;
+    imu::GyroscopeIntegral integral;
     Eigen::Vector3d d_rotation_d_time = Eigen::Vector3d::Zero();  // rad/s
     double time_offset_s = 0.0;                                   // dt_0
 
@@ -37,12 +37,12 @@ struct MisalignedGyroRotationCost {
             integral.d_rotation_d_bias.cast<T>() * (bias - integral.bias.cast<T>()) +
             d_rotation_d_time.cast<T>() * (time_offset[0] - T(time_offset_s));
         const Quaternion rotation_imu =
-            integral.q_from_to.cast<T>() * rotation_from_small_vector<T>(change);
-        const Quaternion M = rotation_from_small_vector<T>(m);
+            integral.q_from_to.cast<T>() * base::rotation_from_small_vector<T>(change);
+        const Quaternion M = base::rotation_from_small_vector<T>(m);
         const Quaternion rotation = M * rotation_imu * M.conjugate();
         const Quaternion error = rotation.conjugate() * (from.conjugate() * to);
         Eigen::Map<Vector> r(residual);
-        r = vector_from_small_rotation(error) / T(integral.sigma_rad);
+        r = base::vector_from_small_rotation(error) / T(integral.sigma_rad);
         return true;
     }
 
@@ -52,4 +52,4 @@ struct MisalignedGyroRotationCost {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -5,7 +5,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // An orientation of the body that a sensor (AHRS) states in a world of its own, to sigma per axis:
 //
@@ -23,7 +23,7 @@ struct OrientationPrior {
         const Eigen::Quaternion<T> error =
             q_ahrs_imu.conjugate().cast<T>() * (world.conjugate() * q);
         Eigen::Map<Eigen::Matrix<T, 3, 1>> r(residual);
-        r = vector_from_small_rotation(error) / T(sigma_rad);
+        r = base::vector_from_small_rotation(error) / T(sigma_rad);
         return true;
     }
 
@@ -33,4 +33,4 @@ struct OrientationPrior {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -7,7 +7,7 @@
 
 #include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // A point measured by the stereo camera at both times, m = (u, v, disparity). The point of t-1,
 // moved and projected, against what was seen at t:
@@ -19,7 +19,7 @@ namespace divemesh::worker {
 // with (R, T), keeps that noise from shrinking the motion (errors in variables; Matthies and
 // Shafer, "Error modeling in stereo navigation", 1987).
 struct PointTransfer {
-    RectifiedRig rig;
+    types::RectifiedRig rig;
     Eigen::Vector3d previous_px;
     Eigen::Vector3d current_px;
     Eigen::Vector3d previous_sigma_px;  // of u, v, disparity
@@ -68,4 +68,4 @@ struct PointTransfer {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

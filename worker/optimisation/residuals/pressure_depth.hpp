@@ -2,7 +2,7 @@
 
 #include <ceres/autodiff_cost_function.h>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // How deep the body is below the surface by its pressure:
 //
@@ -31,4 +31,4 @@ struct PressureDepth {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -2,7 +2,7 @@
 
 #include <ceres/autodiff_cost_function.h>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // A vector that walks at random from one keyframe to the next, such as a sensor's bias:
 //
@@ -21,4 +21,4 @@ struct RandomWalk {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

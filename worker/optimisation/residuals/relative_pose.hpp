@@ -5,7 +5,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // The motion between two poses, known to sigma per axis:
 //
@@ -34,7 +34,7 @@ struct RelativePose {
         const Eigen::Quaternion<T> error = q_a_b.conjugate().cast<T>() * (q_a.conjugate() * q_b);
         Eigen::Map<Eigen::Matrix<T, 6, 1>> r(residual);
         r.template head<3>() = (q_a.conjugate() * (p_b - p_a) - p_a_b.cast<T>()) / T(sigma_m);
-        r.template tail<3>() = vector_from_small_rotation(error) / T(sigma_rad);
+        r.template tail<3>() = base::vector_from_small_rotation(error) / T(sigma_rad);
         return true;
     }
 
@@ -49,4 +49,4 @@ struct RelativePose {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

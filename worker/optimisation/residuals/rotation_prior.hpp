@@ -4,7 +4,7 @@
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/rotation.h>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // A rotation that is known from elsewhere (IMU, AHRS) to sigma per axis:
 //
@@ -32,4 +32,4 @@ struct RotationPrior {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <ceres/sized_cost_function.h>
 
-#include "worker/types/rectified_rig.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // A landmark against what the rectified pair measured of it, m = (u, v, disparity):
 //
@@ -17,7 +17,7 @@ namespace divemesh::worker {
 // independent. Without disparity the third row is 0. Blocks: q_world_imu (x y z w), p_world_imu
 // (m), p_world (m).
 struct StereoReprojection {
-    RectifiedRig rig;
+    types::RectifiedRig rig;
     Eigen::Vector3d measured_px;
     Eigen::Vector3d sigma_px;
 
@@ -53,7 +53,7 @@ struct StereoReprojection {
         const Eigen::Map<const Eigen::Quaterniond> q(q_world_imu);
         const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(p_world) -
                                   Eigen::Map<const Eigen::Vector3d>(p_world_imu);
-        const Eigen::Matrix3d U = -cross_matrix(q.vec());
+        const Eigen::Matrix3d U = -base::cross_matrix(q.vec());
         jacobian_world = jacobian_of_point(q.conjugate() * d) *
                          (Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U);
         return true;
@@ -101,9 +101,9 @@ public:
         const Eigen::Vector3d u = -q.vec();
         Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> jacobian_q(jacobians[0]);
         jacobian_q.leftCols<3>() =
-            jacobian_imu *
-            (2.0 * q.w() * cross_matrix(d) - 2.0 * (u.dot(d) * Eigen::Matrix3d::Identity() +
-                                                    u * d.transpose() - 2.0 * d * u.transpose()));
+            jacobian_imu * (2.0 * q.w() * base::cross_matrix(d) -
+                            2.0 * (u.dot(d) * Eigen::Matrix3d::Identity() + u * d.transpose() -
+                                   2.0 * d * u.transpose()));
         jacobian_q.col(3) = jacobian_imu * (2.0 * u.cross(d));
         return true;
     }
@@ -120,4 +120,4 @@ inline ceres::CostFunction* StereoReprojection::create(const StereoReprojection&
     return new StereoReprojectionCost(reprojection);
 }
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <ceres/autodiff_cost_function.h>
 
-namespace divemesh::worker {
+namespace divemesh::optimisation {
 
 // A vector that is known beforehand to sigma per axis, such as a gyroscope's bias:
 //
@@ -23,4 +23,4 @@ struct VectorPrior {
     }
 };
 
-}  // namespace divemesh::worker
+}  // namespace divemesh::optimisation
