@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "worker/base/binary_file.hpp"
 #include "worker/fusion/point_octree.hpp"
 #include "worker/fusion/tsdf_volume.hpp"
 
@@ -24,7 +25,7 @@ public:
 
     const PointOctree& octree() const { return octree_; }
 
-    static std::unique_ptr<OctreeVolume> load(class BinaryReader& file, SpillSettings spill);
+    static std::unique_ptr<OctreeVolume> load(base::BinaryReader& file, SpillSettings spill);
 
 private:
     int min_views() const;

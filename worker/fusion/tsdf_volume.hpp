@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "worker/base/binary_file.hpp"
 #include "worker/fusion/block_coordinate.hpp"
 #include "worker/fusion/fusion_volume.hpp"
 #include "worker/fusion/spill_store.hpp"
@@ -34,7 +35,7 @@ public:
     std::int64_t memory_bytes() const override;
     void trim() const override { samples_.trim(); }
 
-    static std::unique_ptr<TsdfVolume> load(class BinaryReader& file, SpillSettings spill);
+    static std::unique_ptr<TsdfVolume> load(base::BinaryReader& file, SpillSettings spill);
 
 private:
     friend class TsdfField;

@@ -7,6 +7,7 @@
 #include "worker/markers/marker_metrics.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/pose_covariance.hpp"
+#include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::markers {
@@ -23,7 +24,7 @@ struct TagView {
 struct MarkerWorld {
     const types::RectifiedRig& rig;
     const std::vector<types::Keyframe>& keyframes;
-    const Trajectory& trajectory;               // T_world_imu, final
+    const types::Trajectory& trajectory;        // T_world_imu, final
     const types::CovarianceTrack& covariances;  // of the same; empty: not known
 };
 

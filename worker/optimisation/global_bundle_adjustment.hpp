@@ -8,6 +8,7 @@
 #include "worker/types/landmark.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
+#include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::optimisation {
 
@@ -21,7 +22,7 @@ struct GlobalBundleAdjustment {
 // All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays where it is. Landmarks are
 // thinned evenly so that an hour's dive stays solvable.
-GlobalBundleAdjustment adjust_globally(const RectifiedRig& rig,
+GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,

@@ -17,7 +17,7 @@ namespace divemesh::simulator {
 
 // clang-format off
 enum class Material { Deck, Timber, Iron, Sand, Rock, Coral, BranchCoral, Sponge,
-                      Brick, Carpet, Cardboard, Wood, Drum, dive::ScaleBar, Marker };
+                      Brick, Carpet, Cardboard, Wood, Drum, ScaleBar, Marker };
 // clang-format on
 
 // One thing in the scene; its texture is fixed to its own coordinates.
