@@ -19,7 +19,7 @@ constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
 constexpr std::size_t kMinCells = 8;  // of the picture that hold one
 // The left picture alone says nothing of disparity.
-const Eigen::Vector3d kLeftSigma_px(kFeatureSigma_px.x(), kFeatureSigma_px.y(), 1e4);
+const Eigen::Vector3d kLeftSigma_px(types::kFeatureSigma_px.x(), types::kFeatureSigma_px.y(), 1e4);
 
 types::Features look_for(const types::RectifiedRig& rig,
                          const cv::Mat& from,

@@ -14,7 +14,7 @@ constexpr std::size_t kMaxWindowKeyframes = 12;  // with those where the camera 
 constexpr int kMaxIterations = 6;
 constexpr double kOutlier = 5.0;     // in sigmas, per measurement
 constexpr double kMinShift = 0.002;  // of the picture's width, median: less is standing still
-const Eigen::Vector3d kLandmarkSigma_px = 0.5 * kFeatureSigma_px;  // of an adjusted landmark
+const Eigen::Vector3d kLandmarkSigma_px = 0.5 * types::kFeatureSigma_px;  // of an adjusted landmark
 
 Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
