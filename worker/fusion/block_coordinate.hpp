@@ -12,6 +12,7 @@ namespace divemesh::fusion {
 inline constexpr int kBlockEdge = 8;
 inline constexpr int kBlockSamples = kBlockEdge * kBlockEdge * kBlockEdge;
 
+// Index of a block: its first sample is lattice point 8 * (x, y, z).
 struct BlockCoordinate {
     std::int32_t x = 0;
     std::int32_t y = 0;
@@ -38,7 +39,8 @@ struct BlockCoordinateHash {
 
 inline int sample_index(int x, int y, int z) { return (z * kBlockEdge + y) * kBlockEdge + x; }
 
-// The block of a lattice point, and its place in it (arithmetic shift: negative ones too).
+// Return the block of a lattice point and the point's index in it. The arithmetic shift handles
+// negative coordinates too.
 inline BlockCoordinate block_of(const Eigen::Vector3i& sample) {
     return {sample.x() >> 3, sample.y() >> 3, sample.z() >> 3};
 }
