@@ -10,11 +10,11 @@ namespace divemesh::mesh {
 //
 //     sigma^2 = (1 + (n - 1) r) / W  +  (c v theta)^2  +  sigma_poses^2
 //
-// 1. The errors of views of one place are correlated, by a share r of their variance: of the 0.15 px
-//    that a disparity is never better than, interpolation (pixel locking), calibration and slant
-//    leave some 0.035 px that does not change from view to view, r = (0.035 / 0.15)^2 = 0.05. The
-//    mean of n such views has 1 + (n - 1) r times the variance of independent ones (Kish's design
-//    effect, 1965).
+// 1. The errors of views of one place are correlated, by a share r of their variance: of the
+//    0.15 px that a disparity is never better than, interpolation (pixel locking), calibration and
+//    slant leave some 0.035 px that does not change from view to view, r = (0.035 / 0.15)^2 = 0.05.
+//    The mean of n such views has 1 + (n - 1) r times the variance of independent ones (Kish's
+//    design effect, 1965).
 // 2. Matching (a window of 7 px, 1.4 v to either side) and truncation (3 v) flatten curved surface:
 //    the mean of a curve of curvature k over R to either side is off by k R^2 / 6. theta is how far
 //    the normals around a vertex spread, twice over its neighbours, k 0.84 v; so c = 4.4^2 / 6 /
