@@ -5,12 +5,13 @@
 namespace divemesh::fusion {
 namespace {
 
-constexpr float kMaxDepthRatio = 3.0F;  // of a pixel's depth: what is seen at a graze has no end
+// limit in shares of a pixel's depth, as surface seen at a grazing angle has no end
+constexpr float kMaxDepthRatio = 3.0F;
 
-// How far before and behind its surface a pixel changes samples, along the optical axis. They lie
-// anywhere in the pixel, so the surface may be as near and as far as at its corners. The noise, and
-// so the truncation, grows with the square of the depth: behind, z - depth = noise z^2 is where it
-// ends, if it does.
+// Returns the range along the optical axis in which a pixel changes samples. Samples lie anywhere
+// in the pixel, so the surface counts as near and as far as at the pixel's corners. The noise, and
+// so the truncation, grows with the square of the depth: behind the surface it ends where z - depth
+// = noise z^2, if there is a solution.
 DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     const float most = kMaxDepthRatio * pixel.depth_m;
     const float across = pixel.offset_m / pixel.depth_m;  // metres across the plane, per metre of z
