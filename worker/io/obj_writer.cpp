@@ -78,7 +78,7 @@ private:
     std::unique_ptr<archive, Free> archive_;
 };
 
-// Text in pieces, so that a mesh of gigabytes takes no more memory than itself.
+// Writes text in chunks, so that a mesh of gigabytes needs no additional memory.
 class ObjText {
 public:
     explicit ObjText(ZipWriter& zip) : zip_(zip) {}
