@@ -20,6 +20,7 @@ namespace divemesh::attempt {
 inline constexpr int kAttemptPipe = 3;                 // file descriptor in the child
 inline constexpr std::size_t kMaxLineBytes = 4 << 20;  // a longer line means a broken child
 
+// The contents of the request file.
 struct AttemptRequest {
     JobKind kind = JobKind::Reconstruct;
     std::filesystem::path dive;     // archive on this machine
@@ -49,6 +50,7 @@ struct IntakeAnswer {
     bool has_thumbnail = false;
 };
 
+// Text for the log of the job.
 struct LogText {
     std::string text;
 };

@@ -9,6 +9,7 @@
 
 namespace divemesh::dive {
 
+// A camera and its pose on the body.
 struct CalibratedCamera {
     types::Camera camera;
     Eigen::Isometry3d T_body_cam = Eigen::Isometry3d::Identity();
@@ -26,6 +27,8 @@ std::optional<Eigen::Isometry3d> rigid_motion(const SensorYaml& yaml,
                                               const std::string& file,
                                               FindingLog& findings);
 
+// Returns the IMU noise that sensor.yaml states. Missing or invalid values are replaced by those of
+// a small MEMS, with a finding.
 types::ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings);
 
 // Checks the poses of the two cameras relative to each other and to the body: baseline, left and

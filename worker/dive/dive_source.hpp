@@ -13,6 +13,7 @@
 
 namespace divemesh::dive {
 
+// A file of a dive.
 struct SourceFile {
     std::string path;  // checked by entry_name_problem()
     std::int64_t size_bytes = 0;

@@ -27,6 +27,7 @@ struct HandEye {
     bool best_is_determined = false;  // the motion has more than one rotation axis
 };
 
+// Compares the rates of gyro and vision under the mounting R_imu_cam0.
 HandEye compare_rotations(const std::vector<RotationPair>& pairs,
                           const Eigen::Matrix3d& R_imu_cam0);
 

@@ -7,6 +7,7 @@
 
 namespace divemesh::evaluation {
 
+// The alignment of an estimate with a reference.
 struct Alignment {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // scale 1
     double sim3_scale = 1.0;  // best-fitting scale for the same rotation

@@ -38,6 +38,7 @@ struct Evaluation {
     std::vector<Finding> findings;
 };
 
+// Compares a reconstruction with all ground truth of its dive.
 Evaluation evaluate_reconstruction(const EvaluationInput& input);
 
 }  // namespace divemesh::evaluation

@@ -54,6 +54,7 @@ struct ExpectedAccuracy {
     std::vector<Finding> findings;  // checks that contradict the cameras, large bounds
 };
 
+// Estimates the accuracy of a reconstruction; metrics that cannot be given are in `left_out`.
 ExpectedAccuracy expected_accuracy(const ExpectedAccuracyInput& input);
 
 nlohmann::json to_metrics(const ExpectedAccuracy& expected);

@@ -18,6 +18,7 @@ namespace divemesh::evaluation {
 // Relative sigma of all lengths: baseline and focal length of a careful calibration.
 inline constexpr double kCalibrationSigma = 0.001;
 
+// A known distance and its measurement.
 struct MeasuredDistance {
     std::string name;
     double known_m = 0.0;
@@ -44,6 +45,7 @@ struct KnownPath {
     const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
 };
 
+// Ground truth by which mark_point() finds the keyframes that show a point.
 struct MarkingInput {
     const types::Rig& rig;
     const types::Trajectory& ground_truth;  // T_world_imu of the truth's world

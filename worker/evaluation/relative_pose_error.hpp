@@ -8,6 +8,7 @@
 
 namespace divemesh::evaluation {
 
+// The length of the compared motions and how they are chosen.
 struct RelativePoseOptions {
     enum class Pairs {
         Consecutive,  // each pair begins where the one before ended

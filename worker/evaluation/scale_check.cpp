@@ -23,13 +23,13 @@ constexpr std::int64_t kPressureBin_ns = 500'000'000;
 constexpr std::size_t kMinBins = 20;
 constexpr double kMaxCorrelation = 0.95;
 
-// A window's equation: own = s seen + unknowns, see the header.
+// A window's equation: accelerated = s seen + unknowns, see the header.
 struct Equation {
     // integral w (R a + g) dt, with g as known
     Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();
     Eigen::Vector3d seen = Eigen::Vector3d::Zero();  // integral w'' p dt
     Eigen::Matrix<double, 3, 6> unknowns =
-        Eigen::Matrix<double, 3, 6>::Zero();  // of g's rest and b
+        Eigen::Matrix<double, 3, 6>::Zero();  // of the deviation of g, and of b
 };
 
 struct Window {
@@ -230,7 +230,7 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSam
     // A smooth column takes as many degrees of freedom from correlated residuals as `times` columns
     // from white ones.
     const double degrees_of_freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
-    const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z alone
+    const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z only
     const double variance = residuals.squaredNorm() / degrees_of_freedom * times * inverse;
     const double sigma = std::hypot(std::sqrt(variance), sigma_by_poses);
     if (sigma <= 0.0) return std::nullopt;

@@ -10,6 +10,7 @@
 
 namespace divemesh::evaluation {
 
+// How two surfaces are compared.
 struct SurfaceErrorInput {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // from the poses
     std::vector<Eigen::Vector3d>
@@ -46,6 +47,7 @@ struct RelativeDistance {
     double p80 = 0.0;
 };
 
+// The distances between our surface and the reference, in both directions.
 struct SurfaceError {
     DistanceSummary accuracy;      // ours -> reference
     DistanceSummary completeness;  // reference -> ours, over the whole reference

@@ -8,6 +8,7 @@
 
 namespace divemesh::evaluation {
 
+// Returns the sum of the triangles' areas.
 double surface_area_m2(const types::Mesh& mesh);
 
 // Returns points distributed uniformly over the area: one in each of num_samples equal shares of

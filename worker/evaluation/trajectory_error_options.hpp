@@ -4,6 +4,7 @@
 
 namespace divemesh::evaluation {
 
+// How estimated and true poses are paired.
 struct TrajectoryErrorOptions {
     // Pose of the estimate's body in the reference's body; the identity if both follow the same
     // body. Without it, aligning a camera's path with an IMU's is wrong as soon as the rig rotates.

@@ -17,6 +17,7 @@ struct PosePair {
     Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
 };
 
+// Returns a pair for every estimated pose with ground truth; the others are left out.
 std::vector<PosePair> pair_poses(const types::Trajectory& estimate,
                                  const types::Trajectory& reference,
                                  const TrajectoryErrorOptions& options);

@@ -41,6 +41,8 @@ struct RegisteredTruth {
     types::Trajectory poses;
     TrajectoryErrorOptions options;
 };
+
+// Registers the truth and moves it to the estimate's clock. Throws as register_truth() does.
 RegisteredTruth registered_truth(const types::Trajectory& estimate,
                                  types::Trajectory truth,
                                  const TruthOptions& options);

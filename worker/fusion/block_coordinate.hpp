@@ -37,6 +37,7 @@ struct BlockCoordinateHash {
     }
 };
 
+// Returns the index of a sample in its block, x running fastest; coordinates are 0 to 7.
 inline int sample_index(int x, int y, int z) { return (z * kBlockEdge + y) * kBlockEdge + x; }
 
 // Return the block of a lattice point and the point's index in it. The arithmetic shift handles
@@ -47,6 +48,8 @@ inline BlockCoordinate block_of(const Eigen::Vector3i& sample) {
 inline int index_in_block(const Eigen::Vector3i& sample) {
     return sample_index(sample.x() & 7, sample.y() & 7, sample.z() & 7);
 }
+
+// Returns the lattice point of a block's first sample.
 inline Eigen::Vector3i first_sample(const BlockCoordinate& block) {
     return Eigen::Vector3i(block.x, block.y, block.z) * kBlockEdge;
 }

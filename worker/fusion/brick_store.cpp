@@ -36,7 +36,7 @@ int find_place(const std::uint16_t* places, int num, int place) {
     const base::Shorts wanted = base::Shorts{} + static_cast<std::uint16_t>(place);
     for (int i = 0; i < num; i += base::kLanes) {
         const auto equal = base::load_lanes<base::Shorts>(places + i) == wanted;
-        std::array<std::uint64_t, 2> halves;  // all 16 bits of a lane that is equal
+        std::array<std::uint64_t, 2> halves;  // an equal lane has all 16 bits set
         std::memcpy(halves.data(), &equal, sizeof halves);
         if ((halves[0] | halves[1]) == 0) continue;
         const int lane = halves[0] != 0 ? std::countr_zero(halves[0]) / 16

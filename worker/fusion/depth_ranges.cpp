@@ -14,7 +14,7 @@ constexpr float kMaxDepthRatio = 3.0F;
 // = noise z^2, if there is a solution.
 DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     const float most = kMaxDepthRatio * pixel.depth_m;
-    const float across = pixel.offset_m / pixel.depth_m;  // metres across the plane, per metre of z
+    const float across = pixel.offset_m / pixel.depth_m;  // metres along its normal, per metre of z
     const float to_corner =
         0.5F * (std::abs(pixel.normal[0]) + std::abs(pixel.normal[1])) / view.focal_px;
     if (across <= to_corner) return {0.0F, most};
@@ -22,8 +22,8 @@ DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     if (!makes_surface(view, pixel)) return {pixel.depth_m, std::min(most, far_depth)};
     const float near_depth = pixel.offset_m / (across + to_corner);
     const float least = kTruncation_voxels * view.voxel_m;
-    const float noise =
-        kTruncation_sigmas * (pixel.sigma_disparity_px * view.depth_sigma_scale);  // 1/m, across
+    const float noise = kTruncation_sigmas * (pixel.sigma_disparity_px *
+                                              view.depth_sigma_scale);  // 1/m, along the normal
     const float nearest = std::max(least, noise * near_depth * near_depth) / (across + to_corner);
     const float root = 1.0F - 4.0F * noise * far_depth / (across - to_corner);
     const float noise_ends = root <= 0.0F ? most : 2.0F * far_depth / (1.0F + std::sqrt(root));

@@ -17,6 +17,7 @@ namespace divemesh::fusion {
 
 class OctreeVolume;
 
+// The rig whose keyframes are fused, the sampling of space and the limits of a volume.
 struct VolumeSettings {
     types::RectifiedRig rig;
     double voxel_m = 0.01;

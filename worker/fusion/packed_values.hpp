@@ -28,9 +28,13 @@ struct PackedTriple {
     // Returns how many steps of that channel's mean make one grey value.
     static constexpr std::int32_t steps_per_grey(int i) { return 1 << (kBits[i] - 8); }
 };
+
+// Returns the i-th mean of a triple, in its own steps.
 inline std::int32_t unpack(std::uint32_t triple, int i) {
     return static_cast<std::int32_t>(triple >> PackedTriple::kShift[i]) & PackedTriple::largest(i);
 }
+
+// Returns a mean shifted to its place in a triple; combine the three with OR.
 inline std::uint32_t packed(std::int32_t value, int i) {
     return static_cast<std::uint32_t>(value) << PackedTriple::kShift[i];
 }

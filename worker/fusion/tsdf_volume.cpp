@@ -13,7 +13,7 @@ namespace divemesh::fusion {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kMaxStep_voxels = 6.0F;        // between rays that miss no block
+constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
 constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
 constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
 // Max distance of a confirmed point from the surface. Where as many views looked through the point

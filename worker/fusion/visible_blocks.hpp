@@ -32,6 +32,7 @@ private:
     float slack_y_;
 };
 
+// A block that a view may change, by its number in BlockRegions::add().
 struct VisibleBlock {
     std::uint32_t number;
     BlockPlace place;

@@ -21,7 +21,8 @@ enum class ExportFormat { Kitti, Euroc, Obj, Geotiff };
 // Parses format names separated by commas. Throws Error{InvalidArgument} that lists the valid ones.
 std::vector<ExportFormat> export_formats(std::string_view list);
 
-// Returns the geographic position of the reconstruction's world, from its dive.json.
+// Returns the geographic position of the reconstruction's world, from its dive.json; nullopt if it
+// has none. Throws Error{BadData} if the position cannot be read.
 std::optional<types::GeographicPosition> position_of(const ReconstructionFolder& reconstruction);
 
 // Writes the formats into `out` and returns the names of the files. Throws Error{InvalidArgument}

@@ -13,6 +13,7 @@ enum class TrajectoryFormat { Tum, Euroc, Kitti };
 
 std::string_view to_string(TrajectoryFormat format);
 
+// A trajectory as read, with the format of its file.
 struct TrajectoryFile {
     TrajectoryFormat format = TrajectoryFormat::Tum;
     types::Trajectory poses;  // kitti: timestamp_ns is the index of the pose

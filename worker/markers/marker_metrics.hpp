@@ -78,6 +78,7 @@ struct ScaleCorrection {
     MarkerScale scale;  // as measured before the scaling, if applied
 };
 
+// All results of the markers: markers, bars, scale and findings.
 struct MarkerMetrics {
     dive::MarkerFamily family = dive::MarkerFamily::Tag36h11;
     std::vector<Marker> markers;  // by segment, then id

@@ -31,6 +31,7 @@ inline constexpr int kNoFace = 6;
 // corners behind are joined instead of kept apart. There are 256 masks, and 6 faces or kNoFace.
 const CellTopology& cell_topology(int mask, int joined_face = kNoFace);
 
+// The corners at the ends of a cell's edge.
 struct CellEdge {
     std::uint8_t from;  // corner with the smaller coordinate
     std::uint8_t to;

@@ -39,7 +39,7 @@ std::vector<BorderEdge> border_edges(const types::Mesh& mesh) {
     std::vector<std::uint32_t> greater(3 * mesh.triangles.size());
     for_each_edge(mesh, [&](std::size_t, std::uint32_t from, std::uint32_t to) {
         greater[bucket_end[std::min(from, to)]++] = std::max(from, to);
-    });  // bucket_end[v] has moved from the begin to the end of v's bucket
+    });  // bucket_end[v] has moved from the start to the end of v's bucket
     const MeshComponents components = find_components(mesh);
     std::vector<BorderEdge> border;
     for_each_edge(mesh, [&](std::size_t triangle, std::uint32_t from, std::uint32_t to) {

@@ -31,6 +31,8 @@ struct MeshTopology {
     double area_m2 = 0.0;
     double volume_m3 = 0.0;  // signed; positive for a closed surface that faces outward
 };
+
+// Measures the topology of a mesh, which may be open or non-manifold.
 MeshTopology check_topology(const types::Mesh& mesh);
 
 }  // namespace divemesh::mesh

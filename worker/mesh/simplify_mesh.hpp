@@ -6,6 +6,7 @@
 
 namespace divemesh::mesh {
 
+// When simplification stops, whichever limit is reached first.
 struct SimplifyLimits {
     double share = 1.0;        // of the triangles to keep
     double max_error_m = 0.0;  // quadric error at which collapsing stops early; 0: no limit

@@ -20,6 +20,7 @@ struct Mosaic {
     double corner_y_m = 0.0;
 };
 
+// The resolution of a mosaic and limits of its size.
 struct MosaicOptions {
     double pixel_m = 0.0;  // 0: half the mean edge of the mesh
     int max_side_px = 8192;

@@ -219,8 +219,8 @@ void AttemptRunner::read_lines(std::string& buffer) {
         throw Error(ErrorCode::Unavailable, "an attempt sent a line without an end");
 }
 
-// Stores a message until report_pending(), so that a child with many messages does not keep the
-// catalog's only writer busy: the latest progress, and as much of the log as is kept.
+// Stores progress and log until report_pending(), so that a child with many messages does not keep
+// the catalog's only writer busy: the latest progress, and as much of the log as is kept.
 void AttemptRunner::take(const attempt::AttemptMessage& message) {
     heard_ = Clock::now();
     if (const auto* progress = std::get_if<Progress>(&message)) {

@@ -13,6 +13,7 @@ namespace divemesh::runner {
 // Minimum scratch space of an attempt, beyond min_free_bytes.
 inline constexpr std::int64_t kMinScratch_bytes = std::int64_t{64} << 20;
 
+// Configuration of a worker: where its data is, and the limits of its attempts.
 struct WorkerConfig {
     std::string catalog_url;
     std::string blobs_url;

@@ -5,6 +5,7 @@
 
 namespace divemesh::simulator {
 
+// Properties of a simulated image sensor.
 struct SensorOptions {
     float exposure = 1.0F;
     bool noise = true;          // shot noise and read noise

@@ -24,6 +24,8 @@ struct SurveyPath {
     double max_scale = 1.5;  // how much a closed lap may be enlarged
 };
 
+// Pose, velocity (m/s), acceleration (m/s^2, without gravity) and rate of rotation (rad/s) of the
+// body.
 struct MotionState {
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
     Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();

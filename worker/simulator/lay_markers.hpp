@@ -32,6 +32,7 @@ std::vector<LaidMarker> unmoved_markers(const std::vector<LaidMarker>& markers,
                                         const Scene& before,
                                         const Scene& after);
 
+// Adds the boards of the markers to a scene.
 void put_markers(const std::vector<LaidMarker>& markers,
                  const SimulateOptions& options,
                  Scene& scene);

@@ -19,6 +19,7 @@
 
 namespace divemesh::simulator {
 
+// What is rendered besides the scene.
 struct RenderOptions {
     Water water;
     bool caustics = false;

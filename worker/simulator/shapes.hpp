@@ -34,6 +34,7 @@ Shape make_height_field(const Rectangle& area,
 // A bush of tapering arms that fork twice; it stands on the origin.
 Shape make_branches(float height_m, int num_arms, float step_m, std::uint64_t seed);
 
+// Appends the vertices and triangles of `other`.
 void append(Shape& shape, const Shape& other);
 // Moves vertices by solid noise of up to about `amplitude_m`; closed shapes stay closed.
 void roughen(Shape& shape, const NoiseField& noise, float amplitude_m, float wavelength_m);

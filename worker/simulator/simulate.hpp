@@ -22,6 +22,7 @@ std::string_view to_string(WaterKind kind);
 SceneKind scene_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 WaterKind water_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
+// Options of a simulated dive.
 struct SimulateOptions {
     SceneKind scene = SceneKind::Barge;
     std::filesystem::path out;       // created; must not contain a dive yet

@@ -11,7 +11,7 @@ namespace divemesh::simulator {
 // A connected region where the surface seen from above rose or sank. Space under an overhang counts
 // as filled, as in the comparison of two surveys.
 struct SurfaceChange {
-    std::vector<std::string> names;  // the changed objects that stand or stood in it
+    std::vector<std::string> names;  // changed objects in it, before or after
     bool grown = false;              // else lost
     double area_m2 = 0.0;            // seen from above
     double volume_m3 = 0.0;          // between the two surfaces

@@ -26,6 +26,7 @@ struct Water {
     }
 };
 
+// Returns the optical properties of a kind of water.
 Water make_water(WaterKind kind);
 
 }  // namespace divemesh::simulator
