@@ -14,7 +14,8 @@ constexpr float kMaxDepthRatio = 3.0F;
 // = noise z^2, if there is a solution.
 DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     const float most = kMaxDepthRatio * pixel.depth_m;
-    const float across = pixel.offset_m / pixel.depth_m;  // metres along its normal, per metre of z
+    const float across =
+        pixel.offset_m / pixel.depth_m;  // along the plane's normal, per metre of z
     const float to_corner =
         0.5F * (std::abs(pixel.normal[0]) + std::abs(pixel.normal[1])) / view.focal_px;
     if (across <= to_corner) return {0.0F, most};
