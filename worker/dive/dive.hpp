@@ -78,13 +78,13 @@ public:
     virtual const std::string& content_sha256() const = 0;     // of the sorted (path, sha256) list
     virtual double duration_s() const = 0;
 
-    virtual const types::Trajectory& ground_truth()
-        const = 0;  // T_world_imu of its own world; empty: no ground truth
+    // Returns T_world_imu of the ground truth's own world; empty without ground truth.
+    virtual const types::Trajectory& ground_truth() const = 0;
     virtual const std::vector<KnownDistance>& known_distances() const = 0;
     // Returns the contents of markers.json; nullopt if the file is missing.
     virtual const std::optional<MarkerPlan>& markers() const = 0;
-    virtual std::optional<types::Mesh> read_reference_mesh()
-        const = 0;  // in the ground truth's world
+    // Returns the reference mesh in the ground truth's world.
+    virtual std::optional<types::Mesh> read_reference_mesh() const = 0;
 };
 
 }  // namespace divemesh::dive

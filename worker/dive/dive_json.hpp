@@ -8,7 +8,7 @@
 
 namespace divemesh::dive {
 
-// finding for a file that is not valid JSON
+// Code of the finding for a file that is not valid JSON.
 inline constexpr const char* kJsonUnreadable = "json_unreadable";
 
 // Parse dive.json and measurements.json; what cannot be read is left out with a warning.

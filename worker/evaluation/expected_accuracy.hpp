@@ -48,7 +48,7 @@ struct ExpectedAccuracy {
     std::optional<double> imu_vision_disagreement_deg;  // RMS per frame
     std::optional<double> reprojection_rms_px;
     std::optional<ExpectedSurface> surface;
-    // part of the sigma by which the poses move the whole surface
+    // Part of the sigma by which the poses move the whole surface.
     std::optional<double> surface_shared_m;
     std::vector<LeftOut> left_out;
     std::vector<Finding> findings;  // checks that contradict the cameras, large bounds

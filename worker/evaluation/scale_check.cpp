@@ -25,7 +25,7 @@ constexpr double kMaxCorrelation = 0.95;
 
 // A window's equation: accelerated = s seen + unknowns, see the header.
 struct Equation {
-    // integral w (R a + g) dt, with g as known
+    // Integral w (R a + g) dt, with g as known.
     Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();
     Eigen::Vector3d seen = Eigen::Vector3d::Zero();  // integral w'' p dt
     Eigen::Matrix<double, 3, 6> unknowns =

@@ -39,7 +39,7 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSam
 // The error of two distant places on the path relative to each other, along a line.
 struct PathError {
     double far_sigma_m = 0.0;
-    // of the path; below it the error grows with the square root of the length
+    // Extent of the path; below it the error grows with the square root of the length.
     double extent_m = 0.0;
 };
 

@@ -5,7 +5,7 @@
 namespace divemesh::fusion {
 namespace {
 
-// limit in shares of a pixel's depth, as surface seen at a grazing angle has no end
+// Limit in shares of a pixel's depth, as surface seen at a grazing angle has no end.
 constexpr float kMaxDepthRatio = 3.0F;
 
 // Returns the range along the optical axis in which a pixel changes samples. Samples lie anywhere

@@ -9,7 +9,7 @@
 namespace divemesh::fusion {
 namespace {
 
-// above the bricks: all below a node of that level is visited between two trims
+// Above the bricks: all below a node of that level is visited between two trims.
 constexpr int kLevelsPerTrim = 4;
 
 // Moves one of three means toward a new value by its share; values are in steps and not negative.

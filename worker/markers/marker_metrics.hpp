@@ -29,7 +29,7 @@ struct Marker {
     double reprojection_rms_px = 0.0;  // over both axes
     double range_m = 0.0;              // median, from the camera
     double pixel_m = 0.0;              // size of a pixel at that range
-    // with the poses taken as exact
+    // With the poses taken as exact.
     CornerCovariance corner_covariance_m2 = CornerCovariance::Zero();
     // Covariance of the poses that it was seen from, propagated to the centre; m^2, world axes.
     Eigen::Matrix3d drift_covariance_m2 = Eigen::Matrix3d::Zero();

@@ -10,7 +10,7 @@ namespace divemesh::markers {
 namespace {
 
 constexpr double kMinEdge_px = 12.0;
-// of an edge, at both ends, where the adjacent edge interferes
+// Share of an edge that is skipped at both ends, where the adjacent edge interferes.
 constexpr double kCornerShare = 0.12;
 constexpr double kStep_px = 0.25;  // across an edge
 constexpr double kMaxDistance_px = 4.0;

@@ -23,7 +23,7 @@ struct CornerView {
     std::optional<Eigen::Vector2d> residual_px(std::size_t corner,
                                                const Eigen::Vector3d& p_world) const;
     Eigen::Matrix<double, 2, 3> jacobian_px_per_m(const Eigen::Vector3d& p_world) const;
-    // over corners; large if one is behind the camera
+    // Returns the RMS over the corners; large if one is behind the camera.
     double rms_px(const Corners& corners_world) const;
 };
 

@@ -24,7 +24,7 @@ public:
     std::vector<types::Keyframe> applied(const std::vector<types::Keyframe>& keyframes,
                                          const types::Trajectory& trajectory) const;
     types::CovarianceTrack applied(const types::CovarianceTrack& covariances) const;
-    // moves the right camera away from the left one
+    // Moves the right camera away from the left one.
     types::Rig applied(const types::Rig& rig) const;
 
 private:

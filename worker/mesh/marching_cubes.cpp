@@ -22,7 +22,7 @@ struct EdgeVertex {
 };
 
 struct BlockEdges {
-    // in `vertices`, of [sample][axis]; empty: no edge is crossed
+    // Index in `vertices`, of [sample][axis]; empty: no edge is crossed.
     std::vector<std::uint16_t> index;
     std::vector<EdgeVertex> vertices;
     std::uint32_t first_vertex = 0;

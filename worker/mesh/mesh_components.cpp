@@ -88,7 +88,7 @@ types::Mesh keep_large_components(types::Mesh mesh, double min_area_m2) {
 
 MeshTopology check_topology(const types::Mesh& mesh) {
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
-    // sorted ends; whether the edge is traversed in that order
+    // Sorted ends; whether the edge is traversed in that order.
     std::vector<std::pair<Edge, bool>> sides;
     std::vector<bool> used(mesh.vertices.size(), false);
     MeshTopology topology;

@@ -30,8 +30,8 @@ struct WorkerConfig {
     std::chrono::milliseconds stall = std::chrono::hours(2);  // without a message from the child
     std::chrono::milliseconds cancel_grace = std::chrono::seconds(5);  // SIGTERM, then SIGKILL
     std::int64_t scratch_bytes = 0;  // of one attempt; 0: its share of the free space at its start
-    std::int64_t min_free_bytes = std::int64_t{256}
-                                  << 20;  // no attempt starts with less on the disk
+    // No attempt starts with less on the disk.
+    std::int64_t min_free_bytes = std::int64_t{256} << 20;
     ProcessLimits limits;
 };
 

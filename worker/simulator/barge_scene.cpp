@@ -29,7 +29,7 @@ Shape rough_box(const SceneBuilder& builder, const Eigen::Vector3f& size_m, floa
 void add_deck(SceneBuilder& builder) {
     const NoiseField& noise = builder.noise();
     const auto height = [&](float x, float y) {
-        // distance from the joint between planks
+        // Distance from the joint between planks.
         const float seam = std::abs(std::remainder(y + 0.12F, 0.24F));
         const float joint = seam < 0.012F ? -0.012F : 0.0F;
         const Eigen::Vector3f p(x, y, 0.0F);

@@ -71,7 +71,7 @@ void add_stick(Shape& shape,
         const float row = v * static_cast<float>(along);
         const float straight = static_cast<float>(along - 2);
         const float s = std::min(1.0F, row / straight);
-        // from 0 to 1 over the rounded end
+        // From 0 to 1 over the rounded end.
         const float cap = std::max(0.0F, (row - straight) / 2.0F);
         const float r = (radii_m[0] + (radii_m[1] - radii_m[0]) * s) * std::cos(cap * kPi / 2.0F);
         const Eigen::Vector3f middle =

@@ -191,7 +191,7 @@ Rgb print_tag(const SceneObject& object, const Eigen::Vector3f& p, float footpri
     const float half_m = std::max(0.5F * footprint_m, 1e-5F);
     const int num_cells = object.tag.cols;
     const float x = p.x() + 0.5F * static_cast<float>(num_cells) * object.cell_m;
-    // rows count downwards
+    // Rows count downwards.
     const float y = 0.5F * static_cast<float>(num_cells) * object.cell_m - p.y();
     float black = 0.0F;
     for (int row = 0; row < num_cells; ++row) {
