@@ -33,8 +33,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler
 
 void request_cancel(int) { cancel_requested = true; }
 
-// A parent that is gone is told by SIGPIPE being ignored and write() failing: then nobody waits
-// for the result.
+// If the parent has ended, SIGPIPE is ignored and write() fails: the result is not needed any more.
 void send(const AttemptMessage& message) {
     const std::string line = encode_message(message);
     for (std::size_t sent = 0; sent < line.size();) {
@@ -99,7 +98,7 @@ std::vector<MeasuredMetric> measured_metrics(const nlohmann::json& document) {
     return metrics;
 }
 
-// What a report says of itself, for the catalog.
+// Returns the metrics of a report, for the catalog.
 Measurement measurement_of(const nlohmann::json& report) {
     Measurement measured;
     for (const auto& metric : report.at("figures"))
@@ -185,7 +184,7 @@ void run_comparison(const AttemptRequest& request) {
         compare::compare_reconstructions(compare, reporter());
     } catch (const Error& error) {
         if (error.code() != ErrorCode::Conflict) throw;
-        return send(Failure{.code = ErrorCode::BadData,  // trying again cannot help
+        return send(Failure{.code = ErrorCode::BadData,  // a retry cannot succeed
                             .message = error.what(),
                             .remedy = "compare dives that show the same ground"});
     }
@@ -223,7 +222,7 @@ void run(const AttemptRequest& request) {
 int run_attempt(const std::filesystem::path& request_file) try {
     std::signal(SIGTERM, request_cancel);
     std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of write(), not the end
+    std::signal(SIGXFSZ, SIG_IGN);  // at the quota write() fails instead of ending the process
     try {
         if (!forbid_processes())
             send(LogText{"this kernel cannot forbid the attempt to start processes\n"});
@@ -239,7 +238,7 @@ int run_attempt(const std::filesystem::path& request_file) try {
                      .remedy = "if it happens again, report it together with this dive"});
     }
     return 1;
-} catch (...) {  // nobody is left to tell
+} catch (...) {  // no parent to report to
     return 1;
 }
 

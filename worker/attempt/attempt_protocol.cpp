@@ -93,7 +93,7 @@ void from_json(const json& in, AttemptRequest& request) {
 
 std::string encode_message(const AttemptMessage& message) {
     const json line = std::visit([](const auto& value) { return message_body(value); }, message);
-    // Text of a recording may be any bytes: what is not UTF-8 is replaced, never an exception.
+    // Text of a recording may contain any bytes: invalid UTF-8 is replaced instead of throwing.
     return line.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

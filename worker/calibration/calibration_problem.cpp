@@ -170,7 +170,7 @@ LensReprojection::Shift CalibrationProblem::shift_of(
 void CalibrationProblem::add_observations(ceres::Problem& problem,
                                           ceres::ParameterBlockOrdering& ordering,
                                           bool free_lenses) {
-    const Eigen::Vector3d sigma_px = (free_lenses ? kSystematic : 1.0) * kFeatureSigma_px;
+    const Eigen::Vector3d sigma_px = (free_lenses ? kSystematic : 1.0) * types::kFeatureSigma_px;
     const auto lenses = this->lenses();
     const camera::Rerectifier rerectifier(recording_.rig(), track_.rig, split(unknowns_.lenses));
     for (types::Landmark& landmark : landmarks_) {

@@ -7,7 +7,7 @@ namespace divemesh::dive {
 
 std::string archive_content_sha256(const std::filesystem::path& archive,
                                    const base::ProgressCallback& progress) {
-    constexpr auto nowhere = "";  // hashes are made while unpacking: nothing has to be kept
+    constexpr auto nowhere = "";  // hashes are made while unpacking, so no file has to be kept
     const DiveFiles files(open_archive(archive, nowhere, DiveLimits{}, progress));
     return files.content_sha256(base::ignore_progress);
 }

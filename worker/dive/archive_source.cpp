@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::int64_t kRatioCheckedFromBytes = std::int64_t{64} << 20;
 
-// libarchive takes names to the locale of the thread; this makes them UTF-8 whatever that is.
+// Sets a UTF-8 locale for the thread, as libarchive converts names to the thread's locale.
 class Utf8Names {
 public:
     Utf8Names() : locale_(::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr)) {
@@ -70,7 +70,7 @@ public:
     }
 
 private:
-    // The one pass over the archive.
+    // One pass over the archive.
     class Unpacker {
     public:
         Unpacker(ArchiveSource& source,
@@ -80,7 +80,7 @@ private:
         void run();
 
     private:
-        // "<archive> <what>" and "<archive> has an entry '<name>' <what>".
+        // Refuse with the message "<archive> <what>" or "<archive> has an entry '<name>' <what>".
         [[noreturn]] void refuse(const std::string& code,
                                  const std::string& what,
                                  const std::string& remedy) const;
@@ -88,7 +88,7 @@ private:
                                        const std::string& what,
                                        const std::string& remedy) const;
         [[noreturn]] void refuse_unreadable() const;
-        std::string reason() const;  // libarchive's words
+        std::string reason() const;  // libarchive's message
         bool next_entry();
         void check_kind() const;
         std::string checked_name();
@@ -104,7 +104,7 @@ private:
         std::int64_t archive_bytes_ = 0;
         std::unique_ptr<::archive, int (*)(::archive*)> reader_;
         archive_entry* entry_ = nullptr;
-        std::string entry_name_;  // as the archive has it
+        std::string entry_name_;  // as written in the archive
         std::int64_t num_entries_ = 0;
         std::unordered_set<std::string> folded_names_;
     };
@@ -185,7 +185,7 @@ bool ArchiveSource::Unpacker::next_entry() {
         refuse("archive_too_many_entries",
                "has more than " + std::to_string(limits_.max_entries) + " entries",
                "Pack only one dive into an archive.");
-    // Filters can be stacked, and each layer multiplies what a bomb can do.
+    // Filters can be stacked, and each layer multiplies the size of a decompression bomb.
     if (archive_filter_count(reader_.get()) > 2)
         refuse("archive_nested", "is compressed more than once", "Compress it once.");
     const char* name = archive_entry_pathname(entry_);

@@ -5,7 +5,7 @@
 
 namespace divemesh::dive {
 
-// The unsigned number in `length` bytes of a picture file, the highest first. The bytes are there.
+// Returns the unsigned big-endian number in `length` bytes of an image file. The bytes must exist.
 inline std::int64_t big_endian(std::string_view bytes, std::size_t offset, std::size_t length) {
     std::int64_t value = 0;
     for (std::size_t i = 0; i < length; ++i)

@@ -28,7 +28,7 @@ bool is_whole_in(double value, double low, double high) {
     return value >= low && value <= high && value == std::floor(value);
 }
 
-// Reads the camera's own figures; errors of one kind each.
+// Reads and checks the camera's parameters; each kind of error is reported once.
 class CameraReader {
 public:
     CameraReader(const SensorYaml& yaml, const std::string& file, FindingLog& findings)
@@ -118,7 +118,8 @@ private:
             std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
     }
 
-    // Every pixel must come from one ray: back and forth along rays to the border of the picture.
+    // Checks that every pixel belongs to exactly one ray: projects and unprojects along rays to the
+    // border of the image.
     void check_distortion() {
         const Eigen::Vector2d centre(camera_.cx_px, camera_.cy_px);
         const auto fails_at = [&](double share) {
@@ -152,7 +153,8 @@ private:
     bool good_ = true;
 };
 
-// x to the right, nearly along the baseline, and both cameras look the same way.
+// Returns whether the pair is stereo: x to the right, nearly along the baseline, and both cameras
+// face the same way.
 bool is_stereo(const Eigen::Isometry3d& T_cam0_cam1) {
     const Eigen::Vector3d baseline = T_cam0_cam1.translation();
     const double angle = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle();

@@ -9,27 +9,30 @@
 
 namespace divemesh::dive {
 
+// A camera and its pose on the body.
 struct CalibratedCamera {
     types::Camera camera;
     Eigen::Isometry3d T_body_cam = Eigen::Isometry3d::Identity();
 };
 
-// What sensor.yaml says of a camera, when it can be one. Otherwise nothing, and errors that say
-// why; a doubtful calibration is a warning.
+// Returns the camera that sensor.yaml describes; nullopt with errors that give the reason if it is
+// not valid. A doubtful calibration is a warning.
 std::optional<CalibratedCamera> calibrated_camera(const SensorYaml& yaml,
                                                   const std::string& file,
                                                   FindingLog& findings);
 
-// T_BS as a rigid motion, its rotation made exactly orthonormal; the identity when it is not
-// written. Nothing, and an error, when it is no rigid motion.
+// Returns T_BS as a rigid motion with an exactly orthonormal rotation; the identity if it is
+// missing; nullopt with an error if it is not a rigid motion.
 std::optional<Eigen::Isometry3d> rigid_motion(const SensorYaml& yaml,
                                               const std::string& file,
                                               FindingLog& findings);
 
+// Returns the IMU noise that sensor.yaml states. Missing or invalid values are replaced by those of
+// a small MEMS, with a finding.
 types::ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, FindingLog& findings);
 
-// How the two cameras stand to each other and to the body: baseline, sides, distances, and T_BS
-// written the wrong way round.
+// Checks the poses of the two cameras relative to each other and to the body: baseline, left and
+// right swapped, distances, and an inverted T_BS.
 void check_stereo(const CalibratedCamera& cam0, const CalibratedCamera& cam1, FindingLog& findings);
 
 }  // namespace divemesh::dive

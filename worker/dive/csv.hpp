@@ -8,13 +8,13 @@
 
 namespace divemesh::dive {
 
-// Calls `row` with line number (from 1) and trimmed fields of every line that is no comment, not
-// empty, and not a heading in the first place. At most 32 fields a line; the rest is not seen.
+// Calls `row` with the line number (from 1) and the trimmed fields of every line, except comments,
+// empty lines and a heading at the start. Reads at most 32 fields a line; further ones are ignored.
 void for_each_csv_row(
     std::string_view text,
     const std::function<void(std::int64_t line, std::span<const std::string_view> fields)>& row);
 
-// Nothing unless the whole field is such a number. A double may be "nan" or "inf".
+// Return nullopt unless the whole field is such a number. A double may be "nan" or "inf".
 std::optional<std::int64_t> parse_integer(std::string_view field);
 std::optional<double> parse_double(std::string_view field);
 

@@ -47,7 +47,7 @@ private:
     std::vector<CameraRow> read_camera_rows(const std::string& camera);
     std::optional<CalibratedCamera> read_camera(const std::string& camera);
     std::optional<SensorYaml> read_yaml(const std::string& file);
-    // T_BS of a sensor whose sensor.yaml may be missing.
+    // Returns T_BS of a sensor; its sensor.yaml may be missing.
     Eigen::Isometry3d mounting(const std::string& sensor);
 
     const DiveFiles& files_;
@@ -182,7 +182,7 @@ void ContentsReader::read_rig() {
                         "Record both cameras with the same resolution.");
 }
 
-// From the frames of the sensors to that of the IMU.
+// Converts samples from the frames of the sensors to that of the IMU.
 void ContentsReader::to_imu_frame(const Eigen::Isometry3d& T_body_imu) {
     if (!contents_.ahrs.empty()) {
         const Eigen::Isometry3d T_ahrs_imu = mounting("ahrs0").inverse() * T_body_imu;

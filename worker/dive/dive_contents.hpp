@@ -8,7 +8,7 @@
 
 namespace divemesh::dive {
 
-// Everything of a dive but its pictures, in the frames of Rig.
+// All contents of a dive except its images, in the frames of Rig.
 struct DiveContents {
     DiveInfo info;
     types::Rig rig;
@@ -22,7 +22,7 @@ struct DiveContents {
     std::optional<MarkerPlan> markers;
 };
 
-// What is missing or wrong is a finding.
+// Reads the contents of a dive; missing and invalid data are reported as findings.
 DiveContents read_contents(const DiveFiles& files, const DiveLimits& limits, FindingLog& findings);
 
 }  // namespace divemesh::dive

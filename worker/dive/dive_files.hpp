@@ -10,19 +10,21 @@
 
 namespace divemesh::dive {
 
-// The files of a source under the dive's own names: "mav0/cam0/data.csv", "dive.json".
+// The files of a source by their names in the dive: "mav0/cam0/data.csv", "dive.json".
 class DiveFiles {
 public:
-    // Throws Error{BadData} when there is no dive among the files.
+    // Throws Error{BadData} if the files contain no dive.
     explicit DiveFiles(std::unique_ptr<DiveSource> source);
 
     bool has(std::string_view path) const { return find(path) != nullptr; }
     std::int64_t size_bytes(std::string_view path) const;
-    // Nothing when it is not there or larger than `max_bytes`. Any thread.
+    // Returns the contents of a file; nullopt if it does not exist or is larger than `max_bytes`.
+    // Thread-safe.
     std::optional<std::string> read(std::string_view path, std::int64_t max_bytes) const;
-    // The names directly under "mav0/", sorted.
+    // Returns the names directly under "mav0/", sorted.
     std::vector<std::string> sensors() const;
-    // See schemas/content_hash.hpp. Reads every file that is not hashed yet.
+    // Returns the content hash (see schemas/content_hash.hpp). Reads every file that is not hashed
+    // yet.
     std::string content_sha256(const base::ProgressCallback& progress) const;
 
 private:

@@ -16,7 +16,7 @@ constexpr std::size_t kMaxTags = 64;
 constexpr std::size_t kMaxDistances = 100'000;
 constexpr std::size_t kMaxMarks = 10'000;  // of one end
 
-// The object in `text`; an empty one, and a warning, when there is none.
+// Returns the object in `text`; an empty object, with a warning, if there is none.
 json parse_object(std::string_view text, const std::string& file, FindingLog& findings) {
     std::string problem = "it is not a JSON object";
     try {
@@ -45,7 +45,7 @@ std::optional<double> number_at(const json& object, const char* key) {
     return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-// `water` as an object, or the figures at the top.
+// Reads `water` as an object, or the values at the top level.
 void read_water(const json& object, DiveInfo& info) {
     const auto found = object.find("water");
     const json& water = found != object.end() && found->is_object() ? *found : object;
@@ -55,8 +55,9 @@ void read_water(const json& object, DiveInfo& info) {
         if (!info.water_salinity_psu) info.water_salinity_psu = number_at(water, key);
 }
 
-// {"latitude_deg": 44.6, "longitude_deg": -63.6, "x_azimuth_deg": 90}, the azimuth optional. Half a
-// position or a wrong one would put the model elsewhere: it is left out, with a warning.
+// Parses {"latitude_deg": 44.6, "longitude_deg": -63.6, "x_azimuth_deg": 90}; the azimuth is
+// optional. An incomplete or wrong position would move the model elsewhere, so it is left out with
+// a warning.
 std::optional<types::GeographicPosition> position_at(const json& object, FindingLog& findings) {
     const auto found = object.find("position");
     if (found == object.end()) return std::nullopt;
@@ -91,7 +92,7 @@ std::optional<Eigen::Vector<double, kSize>> point_at(const json& object, const c
     return point.allFinite() ? std::optional(point) : std::nullopt;
 }
 
-// {"timestamp_ns": 1, "left": [u, v], "right": [u, v]}, the right one optional.
+// Parses {"timestamp_ns": 1, "left": [u, v], "right": [u, v]}; the right point is optional.
 std::optional<Mark> parse_mark(const json& item) {
     if (!item.is_object()) return std::nullopt;
     const auto timestamp_ns = item.find("timestamp_ns");
@@ -102,7 +103,7 @@ std::optional<Mark> parse_mark(const json& item) {
     return Mark{timestamp_ns->get<std::int64_t>(), *left, point_at<2>(item, "right")};
 }
 
-// Nothing when one of the marks is not as it should be: a length of the others would be another.
+// Returns an empty list if one of the marks is invalid: without it the length would differ.
 std::vector<Mark> marks_at(const json& object, const char* key) {
     std::vector<Mark> marks;
     const auto found = object.find(key);

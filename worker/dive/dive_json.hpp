@@ -8,13 +8,14 @@
 
 namespace divemesh::dive {
 
-inline constexpr const char* kJsonUnreadable = "json_unreadable";  // a finding: nothing of it is
+// Code of the finding for a file that is not valid JSON.
+inline constexpr const char* kJsonUnreadable = "json_unreadable";
 
-// dive.json and measurements.json; what cannot be read is a warning and left out.
+// Parse dive.json and measurements.json; what cannot be read is left out with a warning.
 DiveInfo parse_dive_info(std::string_view text, FindingLog& findings);
 std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingLog& findings);
-// markers.json; what is wrong in it is an error that names the field: a length that is not what
-// was meant would scale the result.
+// Parses markers.json. A mistake is an error that names the field, as a wrong length would scale
+// the result.
 std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findings);
 
 }  // namespace divemesh::dive

@@ -13,14 +13,15 @@
 
 namespace divemesh::dive {
 
+// A file of a dive.
 struct SourceFile {
     std::string path;  // checked by entry_name_problem()
     std::int64_t size_bytes = 0;
     std::int64_t offset_bytes = 0;  // in the pack file of an archive
-    std::string sha256;             // "" until known
+    std::string sha256;             // "" until computed
 };
 
-// The regular files of a dive, wherever they are. Reading may happen on several threads.
+// The regular files of a dive in a folder or archive. Reading is thread-safe.
 class DiveSource {
 public:
     virtual ~DiveSource() = default;
@@ -28,7 +29,8 @@ public:
     const std::vector<SourceFile>& files() const { return files_; }  // sorted by path, each once
 
     using Sink = std::function<void(std::span<const char>)>;
-    // The file in pieces of at most 1 MiB. Throws Error{Unavailable} when it cannot be read.
+    // Passes the file to `sink` in chunks of at most 1 MiB. Throws Error{Unavailable} if it cannot
+    // be read.
     virtual void read(const SourceFile& file, const Sink& sink) const = 0;
 
 protected:
@@ -37,22 +39,21 @@ protected:
     std::vector<SourceFile> files_;
 };
 
-// Links and special files are left out and reported. Throws as Dive::open() does.
+// Opens a folder. Links and special files are skipped and reported. Throws as Dive::open() does.
 std::unique_ptr<DiveSource> open_folder(const std::filesystem::path& folder,
                                         const DiveLimits& limits,
                                         const base::ProgressCallback& progress,
                                         FindingLog& findings);
 
-// Reads the archive once and keeps its files in one file of ours in `scratch` that has no name any
-// more. An entry that is no plain file or folder, or whose name is not what
-// entry_name_problem() lets through, throws Error{BadData} that names it; so does an archive that
-// exceeds the limits.
+// Reads the archive once and keeps its files in one unlinked file in `scratch`. Throws
+// Error{BadData} that names the entry if one is not a plain file or folder or has a name that
+// entry_name_problem() rejects, and Error{BadData} if the archive exceeds the limits.
 std::unique_ptr<DiveSource> open_archive(const std::filesystem::path& archive,
                                          const std::filesystem::path& scratch,
                                          const DiveLimits& limits,
                                          const base::ProgressCallback& progress);
 
-// One or the other, by what is at `path`.
+// Opens the folder or the archive at `path`.
 std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
                                         const std::filesystem::path& scratch,
                                         const DiveLimits& limits,

@@ -11,7 +11,8 @@ constexpr int kMaxFolders = 16;
 
 bool is_control(unsigned char byte) { return byte < 0x20 || byte == 0x7f; }
 
-// Length of the well-formed UTF-8 sequence at the start of `text`; 0 when there is none.
+// Returns the length of the well-formed UTF-8 sequence at the start of `text`; 0 if it is
+// malformed.
 std::size_t utf8_length(std::string_view text) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     const auto follows = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xc0) == 0x80; };

@@ -9,8 +9,8 @@
 
 namespace divemesh::dive {
 
-// Collects findings. Of one code it keeps the first ten and one more that counts the rest, so that
-// a dive of a million broken pictures is still told in few words. One thread at a time.
+// Collects findings. It keeps the first ten of each code and one more that counts the rest, so that
+// the list stays short for a dive of a million broken images. For one thread at a time.
 class FindingLog {
 public:
     void error(std::string code, std::string where, std::string message, std::string remedy);

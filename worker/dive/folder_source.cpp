@@ -18,7 +18,7 @@ constexpr std::size_t kChunkBytes = 1 << 20;
 
 std::string last_error() { return std::strerror(errno); }
 
-// Opens `path` below `root` part by part, so that no link on the way is followed.
+// Opens `path` below `root` part by part, so that no link is followed.
 FileDescriptor open_beneath(int root, std::string_view path) {
     FileDescriptor folder;
     int current = root;
@@ -36,7 +36,7 @@ FileDescriptor open_beneath(int root, std::string_view path) {
     }
 }
 
-// Walks a folder without following links.
+// Lists a folder without following links.
 class Lister {
 public:
     Lister(const std::filesystem::path& folder,

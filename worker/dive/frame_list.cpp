@@ -11,7 +11,7 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr double kMinPeriod_s = 1e-3;  // 1000 pictures a second
+constexpr double kMinPeriod_s = 1e-3;  // 1000 images a second
 constexpr std::int64_t kMaxOffset_ns = 5'000'000;
 constexpr std::int64_t kReportedOffset_ns = 1'000'000;
 
@@ -89,7 +89,7 @@ std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
     std::size_t r = 0;
     for (std::size_t l = 0; l < left.size() && r < right.size(); ++l) {
         while (r + 1 < right.size() && offset_ns(l, r + 1) <= offset_ns(l, r)) ++r;
-        // The right picture is nearer to the next left one: leave it to that.
+        // The right image is nearer to the next left one, so it is kept for that.
         const bool is_wanted_next = l + 1 < left.size() && offset_ns(l + 1, r) < offset_ns(l, r);
         if (offset_ns(l, r) > tolerance_ns || is_wanted_next) continue;
         max_offset_ns = std::max(max_offset_ns, offset_ns(l, r));

@@ -15,19 +15,20 @@ struct CameraRow {
     std::string file;  // in the dive: "mav0/cam0/data/1403636584763555584.png"
 };
 
-// A left and a right picture of one moment.
+// A left and a right image of one moment.
 struct FramePair {
-    std::int64_t timestamp_ns = 0;  // of the left one
+    std::int64_t timestamp_ns = 0;  // of the left image
     std::string left;
     std::string right;
 };
 
+// Parses a camera's data.csv; bad rows are reported as findings.
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          const std::string& camera,
                                          FindingLog& findings);
 
-// Pairs each left picture with the nearest right one, at most half a frame period and 5 ms away.
-// What has no partner is counted in a finding; no pair at all is an error.
+// Pairs each left image with the nearest right one, at most half a frame period and 5 ms away.
+// Images without a partner are counted in a finding; if there is no pair at all, that is an error.
 std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
                                    const std::vector<CameraRow>& right,
                                    FindingLog& findings);

@@ -59,7 +59,7 @@ std::optional<LoadedPair> FrameReader::next() {
 }
 
 void FrameReader::rewind() {
-    prefetched_.clear();  // waits for what is under way
+    prefetched_.clear();  // waits for running tasks
     next_to_load_ = 0;
 }
 

@@ -14,21 +14,22 @@
 
 namespace divemesh::dive {
 
-// A picture, or why there is none.
+// An image, or the reason why it could not be loaded.
 struct LoadedImage {
     cv::Mat image;
-    std::string code;     // "" when there is one, else a finding's code
-    std::string problem;  // in words
+    std::string code;     // "" if loaded, else a finding's code
+    std::string problem;  // as text
     bool was_16_bit = false;
 };
 
+// Loads an image of the camera's size; a failure is returned, not thrown.
 LoadedImage load_image(const DiveFiles& files,
                        const std::string& path,
                        const types::Camera& camera,
                        const DiveLimits& limits,
                        Channels channels);
 
-// A pair as far as it could be loaded, grey.
+// A stereo pair in grey, as far as it could be loaded.
 struct LoadedPair {
     int index = 0;
     LoadedImage left;
@@ -37,8 +38,8 @@ struct LoadedPair {
     bool is_complete() const { return !left.image.empty() && !right.image.empty(); }
 };
 
-// Hands out the pairs in order and decodes a few ahead on other threads; memory is bounded by
-// those.
+// Returns the pairs in order and decodes a few in advance on other threads, which bounds its
+// memory.
 class FrameReader {
 public:
     using Load = std::function<LoadedPair(int index)>;  // any thread

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
 constexpr std::size_t kChunkFrame = 12;  // length, type, checksum
-constexpr int kPaeth = 4;                // of the filters, the commonest in photographs
+constexpr int kPaeth = 4;                // the most common filter in photographs
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 30;
 
 struct Chunk {
@@ -21,7 +21,7 @@ struct Chunk {
     std::string_view data;
 };
 
-// Takes the next chunk off the front; nothing when it is cut short or its checksum is wrong.
+// Takes the next chunk from the front; nullopt if it is truncated or its checksum is wrong.
 std::optional<Chunk> take_chunk(std::string_view& bytes) {
     if (bytes.size() < kChunkFrame) return std::nullopt;
     const auto length = static_cast<std::size_t>(big_endian(bytes, 0, 4));
@@ -33,8 +33,8 @@ std::optional<Chunk> take_chunk(std::string_view& bytes) {
     return Chunk{checked.substr(0, 4), checked.substr(4)};
 }
 
-// PNG specification 9.4: of a, b, c (left, above, left above) the one nearest to a + b - c; without
-// branches, which noise would mispredict (as stb_image has it).
+// PNG specification 9.4: returns the one of a, b, c (left, above, left above) that is nearest to a
+// + b - c. Has no branches, which would be mispredicted on noise (as in stb_image).
 int paeth(int a, int b, int c) {
     const int low = std::min(a, b);
     const int high = std::max(a, b);
@@ -43,7 +43,7 @@ int paeth(int a, int b, int c) {
     return threshold <= low ? high : inner;
 }
 
-// One row being unfiltered: each pixel waits for the one to its left.
+// A row while its filter is undone; each pixel depends on the one to its left.
 struct PaethRow {
     const std::uint8_t* filtered;
     const std::uint8_t* above;
@@ -62,7 +62,7 @@ void undo_paeth(PaethRow row, int width) {
     for (int u = 0; u < width; ++u) row.step(u);
 }
 
-// Two rows, the lower one a pixel behind: neither waits for the other.
+// Processes two rows, the lower one a pixel behind, so that neither waits for the other.
 void undo_paeth(PaethRow upper, PaethRow lower, int width) {
     upper.step(0);
     for (int u = 1; u < width; ++u) {
@@ -72,8 +72,8 @@ void undo_paeth(PaethRow upper, PaethRow lower, int width) {
     lower.step(width - 1);
 }
 
-// Undoes a row's filter (PNG specification 9.2); `above` is black before the first row. False for
-// a filter that does not exist.
+// Undoes a row's filter (PNG specification 9.2); `above` is black before the first row. Returns
+// false if the filter does not exist.
 bool unfilter(int filter,
               const std::uint8_t* filtered,
               const std::uint8_t* above,
@@ -104,7 +104,7 @@ bool unfilter(int filter,
 bool unpack(const std::vector<char>& packed, std::vector<std::uint8_t>& raw) {
     const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
         decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
-    // No place for the size: anything but exactly `raw` is an error.
+    // Without a variable for the size, any size other than that of `raw` is an error.
     return decompressor &&
            libdeflate_zlib_decompress(
                decompressor.get(), packed.data(), packed.size(), raw.data(), raw.size(), nullptr) ==
@@ -118,7 +118,7 @@ std::optional<cv::Mat> decode_grey_png(std::string_view bytes) {
     bytes.remove_prefix(kSignature.size());
     const auto header = take_chunk(bytes);
     if (!header || header->type != "IHDR" || header->data.size() != 13) return std::nullopt;
-    // 8 bits, grey, deflate, the five filters, not interlaced.
+    // 8 bits, grey, deflate, the five standard filters, not interlaced.
     if (header->data.substr(8) != std::string_view("\x08\0\0\0\0", 5)) return std::nullopt;
     const std::int64_t width = big_endian(header->data, 0, 4);
     const std::int64_t height = big_endian(header->data, 4, 4);

@@ -6,9 +6,9 @@
 
 namespace divemesh::dive {
 
-// The commonest picture of a recording, a PNG of 8 bits grey without interlace, in half of libpng's
-// time: libdeflate unpacks it in one piece. Nothing for any other PNG and for one that is damaged
-// in any way; the caller then asks OpenCV.
+// Decodes an 8-bit grey PNG without interlace, the most common image format of recordings, in half
+// of libpng's time: libdeflate decompresses it in one call. Returns nullopt for any other or
+// damaged PNG; the caller then uses OpenCV.
 std::optional<cv::Mat> decode_grey_png(std::string_view bytes);
 
 }  // namespace divemesh::dive

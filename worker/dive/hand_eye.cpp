@@ -12,11 +12,11 @@ namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMinPairs = 6;
-constexpr double kMinMotion = 0.02;  // rad/s; below this noise decides
+constexpr double kMinMotion = 0.02;  // rad/s; below this noise dominates
 constexpr double kFits = 0.5;
 constexpr double kMaxAngle_deg = 20.0;
 
-// Median distance from the median.
+// Returns the median distance from the median.
 double spread(const std::vector<Eigen::Vector3d>& vectors) {
     Eigen::Vector3d centre;
     for (int axis = 0; axis < 3; ++axis) {
@@ -36,7 +36,7 @@ double residual(const std::vector<RotationPair>& pairs, const Eigen::Matrix3d& R
     return spread(differences);
 }
 
-// Least squares over the centred rates.
+// Returns the SVD of the least squares over the centred rates.
 Eigen::JacobiSVD<Eigen::Matrix3d> correlate(const std::vector<RotationPair>& pairs) {
     Eigen::Vector3d mean_gyro = Eigen::Vector3d::Zero();
     Eigen::Vector3d mean_vision = Eigen::Vector3d::Zero();

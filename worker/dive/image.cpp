@@ -10,11 +10,12 @@ namespace divemesh::dive {
 namespace {
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
-constexpr int kMaxJpegScans = 64;  // a progressive picture has about ten
+constexpr int kMaxJpegScans = 64;  // a progressive image has about ten
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
 
-// Signature, then IHDR: length, type, width, height, depth, colour type (PNG specification, 11.2).
+// Reads the signature, then IHDR: length, type, width, height, depth, colour type (PNG
+// specification, 11.2).
 ImageHeader read_png_header(std::string_view bytes) {
     if (bytes.size() < 33 || bytes.substr(12, 4) != "IHDR") fail("the PNG ends in its header");
     ImageHeader header;
@@ -27,7 +28,8 @@ ImageHeader read_png_header(std::string_view bytes) {
     return header;
 }
 
-// The frame header of baseline, extended and progressive pictures (ITU T.81, B.2.2).
+// Returns whether a marker is a frame header of a baseline, extended or progressive image (ITU
+// T.81, B.2.2).
 bool is_frame_marker(int marker) { return marker >= 0xc0 && marker <= 0xc2; }
 bool is_unknown_frame_marker(int marker) {
     return marker >= 0xc3 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;

@@ -9,23 +9,22 @@ namespace divemesh::dive {
 
 enum class ImageFormat { Png, Jpeg };
 
-// What the first bytes of a picture promise, read without decoding it.
+// The properties of an image according to its first bytes, read without decoding it.
 struct ImageHeader {
     ImageFormat format = ImageFormat::Png;
     std::int64_t width_px = 0;
     std::int64_t height_px = 0;
-    int num_channels = 0;  // 1 or 3: grey or colour; an alpha channel is not counted
+    int num_channels = 0;  // 1 or 3: grey or colour, without alpha
     int bits_per_channel = 8;
 };
 
-// Throws Error{BadData} for what is not a PNG or JPEG that we decode, and for a file that ends
-// early.
+// Throws Error{BadData} if the file ends early or is not a PNG or JPEG that can be decoded.
 ImageHeader read_image_header(std::string_view bytes);
 
 enum class Channels { Grey, Bgr };
 
-// 8 bit; 16 bits are reduced to the upper 8. The caller has found the size in the header
-// acceptable. Throws Error{BadData} when it does not decode.
+// Returns the image with 8 bits per channel; 16 bits are reduced to the upper 8. The caller must
+// have checked the size in the header. Throws Error{BadData} if decoding fails.
 cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels channels);
 
 }  // namespace divemesh::dive

@@ -9,7 +9,7 @@ namespace divemesh::dive {
 namespace {
 
 constexpr int kThumbnailWidth_px = 320;
-constexpr double kBlackLevel = 2.0;  // of 255, mean over the picture
+constexpr double kBlackLevel = 2.0;  // of 255, mean over the image
 
 bool is_black(const cv::Mat& image) { return cv::mean(image)[0] < kBlackLevel; }
 

@@ -9,15 +9,15 @@
 
 namespace divemesh::dive {
 
-// What the pictures of a dive look like as a whole: brightness, and one for the thumbnail.
+// Collects properties of a dive's images as a whole: brightness, and the frame for the thumbnail.
 class ImageSurvey {
 public:
     explicit ImageSurvey(int num_frames) : middle_(num_frames / 2) {}
 
     void add(const types::StereoFrame& frame);
-    // Findings on the whole; after the last frame.
+    // Reports findings on all images; call it after the last frame.
     void report(std::int64_t num_frames, FindingLog& findings) const;
-    // Of the frame nearest to the middle of the dive; nothing without a frame.
+    // Returns the index of the frame nearest to the middle of the dive; nullopt without frames.
     std::optional<int> middle_frame() const { return nearest_; }
     std::int64_t num_frames() const { return num_frames_; }
 
@@ -29,7 +29,7 @@ private:
     std::optional<int> nearest_;  // so far
 };
 
-// 320 px wide.
+// Returns a JPEG, 320 px wide.
 std::string thumbnail_jpeg(const cv::Mat& image);
 
 }  // namespace divemesh::dive

@@ -10,7 +10,7 @@
 namespace divemesh::dive {
 namespace {
 
-// Part of the whole, so that the fraction rises from 0 to 1 over all of it.
+// Returns a callback for a part of the work, so that the fraction rises from 0 to 1 over all parts.
 base::ProgressCallback part(const base::ProgressCallback& progress, double begin, double share) {
     return [&progress, begin, share](const Progress& state) {
         Progress whole = state;

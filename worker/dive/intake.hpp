@@ -10,21 +10,21 @@
 
 namespace divemesh::dive {
 
-// What `divemesh validate` prints and an intake job answers.
+// The result of `divemesh validate` and of an intake job.
 struct IntakeReport {
-    std::vector<Finding> findings;  // an error among them: refused
-    std::string name;               // dive.json's, "" when it says none
+    std::vector<Finding> findings;  // with an error among them the dive is refused
+    std::string name;               // from dive.json, "" if missing
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
     std::string content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;
-    std::string thumbnail_jpeg;  // bytes; "" when no picture decodes
+    std::string thumbnail_jpeg;  // bytes; "" if no image decodes
 };
 
-// Opens the dive and every picture of it. Bad data is findings, never an exception; what throws is
-// Error{Cancelled} and a broken machine.
+// Opens the dive and decodes every image. Bad data is reported as findings, not thrown; it throws
+// Error{Cancelled}, and errors of the machine such as a full disk.
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
                           const base::ProgressCallback& progress);

@@ -23,7 +23,7 @@ MarkerFamily marker_family_from_string(std::string_view text) {
     return enum_from_text<MarkerFamily>(kFamilyTexts, full, "marker family");
 }
 
-// As the family's authors count them: whoever reads markers.json needs no library of tags.
+// As defined by the family's authors, so that reading markers.json needs no AprilTag library.
 int num_ids(MarkerFamily family) {
     switch (family) {
         case MarkerFamily::Tag36h11: return 587;

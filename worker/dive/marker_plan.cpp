@@ -25,7 +25,7 @@ constexpr std::size_t kMaxBars = 10'000;
 constexpr std::size_t kMaxFaults = 20;
 constexpr std::size_t kMaxNameLength = 200;
 
-// Where in the document: as people write it, and as a JSON pointer.
+// A place in the document, as text for messages and as a JSON pointer.
 struct Place {
     std::string name;
     std::string pointer;
@@ -39,7 +39,7 @@ struct Place {
     }
 };
 
-// Reads the document and writes down what is wrong in it.
+// Reads the document and collects all mistakes.
 class PlanReader {
 public:
     MarkerPlan read(const json& document) {
@@ -170,7 +170,7 @@ private:
         return otherwise;
     }
 
-    // 7, or {"id": 7, "corner": "top_left"}.
+    // Reads 7, or {"id": 7, "corner": "top_left"}.
     MarkerPoint read_point(const json& item, const Place& at, const std::string& key) {
         const std::string rule = "must be an id (0 to " + std::to_string(num_ids_ - 1) +
                                  "), or {\"id\": .., \"corner\": one of bottom_left, bottom_right, "

@@ -21,7 +21,7 @@ constexpr double kMaxInterval_s = 0.5;
 constexpr double kEnough_rad = 3.0 * std::numbers::pi / 180.0;
 constexpr int kMinPoints = 25;
 
-// Two frames a little apart, and the gyro's turn between them.
+// Two frames a short time apart and the rotation between them from the gyro.
 struct Moment {
     int first = 0;
     int second = 0;
@@ -29,7 +29,7 @@ struct Moment {
     Eigen::Vector3d rotation_imu = Eigen::Vector3d::Zero();  // rad
 };
 
-// Rotation vector of imu at `end_ns` in imu at `begin_ns`.
+// Returns the rotation vector of imu at `end_ns` in imu at `begin_ns`.
 Eigen::Vector3d integrate_gyro(const std::vector<types::ImuSample>& imu,
                                std::int64_t begin_ns,
                                std::int64_t end_ns) {
@@ -47,7 +47,8 @@ Eigen::Vector3d integrate_gyro(const std::vector<types::ImuSample>& imu,
     return base::vector_from_rotation(rotation);
 }
 
-// From frame `first` on until the turn is large enough to be seen, or half a second is over.
+// Returns the moment from frame `first` until the rotation is large enough to be visible, or half a
+// second has passed.
 Moment moment_at(const DiveContents& contents, int first) {
     const auto time = [&](int i) {
         return contents.pairs[static_cast<std::size_t>(i)].timestamp_ns;
@@ -64,7 +65,7 @@ Moment moment_at(const DiveContents& contents, int first) {
     return moment;
 }
 
-// Of each twelfth of the dive the one that turns fastest.
+// Returns the fastest rotation in each twelfth of the dive.
 std::vector<Moment> choose_moments(const DiveContents& contents) {
     std::vector<Moment> moments;
     const int num_pairs = static_cast<int>(contents.pairs.size());
@@ -84,7 +85,8 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
     return moments;
 }
 
-// Points of `from` in `to`, with those that do not come back to where they were marked as lost.
+// Tracks points of `from` into `to`; `found` is false for those that do not track back to their
+// start.
 std::vector<cv::Point2f> follow(const cv::Mat& from,
                                 const cv::Mat& to,
                                 const std::vector<cv::Point2f>& points,
@@ -101,7 +103,7 @@ std::vector<cv::Point2f> follow(const cv::Mat& from,
     return there;
 }
 
-// Where the rays of both cameras are nearest.
+// The point where the rays of both cameras are nearest to each other.
 struct StereoPoint {
     Eigen::Vector3d p_cam0 = Eigen::Vector3d::Zero();
     double epipolar_error_px = 0.0;
@@ -197,7 +199,8 @@ private:
                                 inliers))
             return;
         if (std::ssize(inliers) * 2 < std::ssize(points)) return;
-        // PnP maps the first camera's coordinates to the second's; the gyro's turn is its inverse.
+        // PnP maps the first camera's coordinates to the second's; the rotation of the rig is its
+        // inverse.
         const Eigen::Vector3d rotation_cam0(
             -rotation.at<double>(0), -rotation.at<double>(1), -rotation.at<double>(2));
         rotations_.push_back(
@@ -244,7 +247,7 @@ private:
     FindingLog& findings_;
     const types::Rig swapped_rig_ = swapped(contents_.rig);
     std::vector<StereoPoint> stereo_;
-    std::vector<StereoPoint> stereo_swapped_;  // as if the pictures were those of the other camera
+    std::vector<StereoPoint> stereo_swapped_;  // with the images of the cameras swapped
     std::vector<RotationPair> rotations_;
 };
 

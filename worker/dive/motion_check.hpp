@@ -9,9 +9,9 @@
 
 namespace divemesh::dive {
 
-// Looks at a dozen moments of the dive where the gyro turns most: do left and right stand as the
-// calibration says, do gyro and pictures turn alike? Pictures without matching features say
-// nothing. `load` gives the pair of an index.
+// Checks about a dozen moments of the dive where the gyro rotates most: whether left and right
+// images fit the calibration, and whether gyro and images show the same rotation. Images without
+// matching features are ignored. `load` returns the pair of an index.
 void check_motion(const DiveContents& contents,
                   const std::function<LoadedPair(int index)>& load,
                   const base::ProgressCallback& progress,

@@ -8,16 +8,16 @@
 
 namespace divemesh::dive {
 
-// One append-only file without a name: what was read from an archive lies in it end to end, and it
-// is gone with the object, however the process ends. Without a folder it only counts the bytes.
+// An unlinked append-only file that holds the contents of an archive one after another; it is
+// deleted with the object, even if the process crashes. Without a folder it only counts the bytes.
 class PackFile {
 public:
     explicit PackFile(const std::filesystem::path& folder);
 
-    // Throws Error{OutOfSpace} when the disk is full.
+    // Throws Error{OutOfSpace} if the disk is full.
     void append(std::span<const char> bytes);
     std::int64_t size_bytes() const { return size_bytes_; }
-    // Fills `bytes` from `offset`; any thread.
+    // Fills `bytes` from `offset_bytes`. Thread-safe.
     void read(std::int64_t offset_bytes, std::span<char> bytes) const;
 
 private:

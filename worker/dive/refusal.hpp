@@ -8,7 +8,7 @@
 
 namespace divemesh::dive {
 
-// Error{BadData} for what is no dive at all, with the finding that says so.
+// Error{BadData} for input that is not a dive at all, with the finding that describes it.
 class Refusal : public Error {
 public:
     Refusal(std::string code, std::string where, const std::string& message, std::string remedy)

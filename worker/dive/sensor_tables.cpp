@@ -13,10 +13,10 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds are far below
-constexpr double kMaxReading = 1e9;    // no sensor says more, in whatever unit; squares are finite
+constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds give far shorter periods
+constexpr double kMaxReading = 1e9;  // above every sensor's range in any unit; squares stay finite
 
-// Rows of a stamp and N numbers.
+// Reads rows of a timestamp and N numbers.
 template <std::size_t N, typename Use>
 void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
     std::vector<std::int64_t> accepted_ns;
@@ -48,7 +48,7 @@ double median_of(const std::vector<types::ImuSample>& samples, const Get& get) {
     return stats::upper_median(std::move(values));
 }
 
-// The gravity check: a diver's mean specific force is that of gravity.
+// Checks the unit by gravity: the mean specific force of a diver is that of gravity.
 void check_acceleration(double median_m_s2, const std::string& file, FindingLog& findings) {
     struct Unit {
         double gravity;

@@ -8,8 +8,8 @@
 
 namespace divemesh::dive {
 
-// The data.csv of the sensors, as they stand there: in the frame of the sensor. What is wrong with
-// a row or the whole is a finding. `text` is the file, `file` its name.
+// Parse the data.csv files of the sensors; samples stay in the frame of the sensor. Problems of a
+// row or of the whole file are findings. `text` is the file's contents, `file` its name.
 std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         const std::string& file,
                                         FindingLog& findings);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kMaxDepth = 8;
 constexpr int kMaxNodes = 10000;
 
-// Walks a document without building it, and stops at what a hostile one is made of.
+// Walks through a document without building it, and stops at constructs that hostile documents use.
 class Guard : public YAML::EventHandler {
 public:
     void OnDocumentStart(const YAML::Mark&) override {}
@@ -63,14 +63,14 @@ private:
 
     struct Level {
         bool is_map;
-        bool at_key;  // what comes next in a map is one
+        bool at_key;  // the next node in a map is a key
         std::set<std::string> keys;
     };
     std::vector<Level> levels_;
     int num_nodes_ = 0;
 };
 
-// EuRoC's files have no %YAML line, OpenCV's have one that YAML does not know.
+// Removes the %YAML line, as OpenCV's files have one that is not valid YAML; EuRoC's have none.
 std::string without_directive(std::string_view text) {
     if (!text.starts_with("%YAML")) return std::string(text);
     std::string result(text);
@@ -95,7 +95,7 @@ double number(const YAML::Node& node) {
     return value;
 }
 
-// A list of numbers, or of lists of them, as one list.
+// Appends a list of numbers, or of nested lists, as one list.
 void append_numbers(const YAML::Node& node, std::vector<double>& numbers) {
     if (!node.IsSequence()) {
         numbers.push_back(number(node));

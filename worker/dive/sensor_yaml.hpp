@@ -13,7 +13,7 @@ namespace divemesh::dive {
 
 constexpr std::int64_t kMaxYamlBytes = std::int64_t{1} << 20;
 
-// A sensor.yaml as written; what is not there is empty. Nothing is judged yet.
+// A sensor.yaml as written, not validated; missing fields are empty.
 struct SensorYaml {
     std::optional<Eigen::Matrix4d> T_body_sensor;  // T_BS
     std::string camera_model;
@@ -27,8 +27,9 @@ struct SensorYaml {
     std::optional<double> accelerometer_random_walk;
 };
 
-// Nothing, and an error `calibration_unreadable` with the line, when it is not YAML of this kind.
-// Aliases, anchors and deep nesting are refused before anything is built from them.
+// Parses a sensor.yaml. Returns nullopt, with an error `calibration_unreadable` that gives the
+// line, if it is not YAML of this kind. Aliases, anchors and deep nesting are rejected before any
+// object is built.
 std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
                                             const std::string& file,
                                             FindingLog& findings);

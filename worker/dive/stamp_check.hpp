@@ -10,19 +10,21 @@
 
 namespace divemesh::dive {
 
-// Lets rows through whose stamps rise and tells of the others: one finding per kind, with how many
-// and where the first is. A few bad rows are a warning; above one in twenty the table is an error.
+// Accepts rows with rising timestamps and reports the others: one finding per kind, with their
+// number and the line of the first. A few bad rows are a warning; above one in twenty the table is
+// an error.
 class StampCheck {
 public:
-    // `sensor` starts the codes ("imu" -> "imu_gap"), `file` stands in front of line numbers.
+    // `sensor` is the prefix of the codes ("imu" -> "imu_gap"), `file` that of line numbers.
     StampCheck(std::string sensor, std::string file, FindingLog& findings)
         : sensor_(std::move(sensor)), file_(std::move(file)), findings_(findings) {}
 
-    // The stamp of a row that may be used.
+    // Returns the timestamp of a row; nullopt if the row must be skipped.
     std::optional<std::int64_t> accept(std::int64_t line, std::string_view stamp);
     void count_malformed(std::int64_t line) { count(malformed_, line); }
     void count_not_finite(std::int64_t line) { count(not_finite_, line); }
-    // After the last row. Below `min_period_s` the stamps cannot be nanoseconds.
+    // Reports the findings; call it after the last row. A period below `min_period_s` means that
+    // the timestamps are not nanoseconds.
     void report(const std::vector<std::int64_t>& accepted_ns, double min_period_s);
 
     const std::string& file() const { return file_; }
@@ -50,7 +52,7 @@ private:
     Tally backwards_;
 };
 
-// Median difference of rising stamps; 0 for fewer than two.
+// Returns the median difference of rising timestamps; 0 for fewer than two.
 std::int64_t median_period_ns(const std::vector<std::int64_t>& timestamps_ns);
 
 }  // namespace divemesh::dive

@@ -13,7 +13,7 @@ constexpr int kPrefetchedPairs = 3;
 constexpr int kImagesProbed = 5;
 constexpr const char* kReferenceMesh = "reference.ply";
 
-// At most one call in 50 ms reaches the receiver.
+// Returns a callback that passes on at most one call per 50 ms.
 base::ProgressCallback throttled(const base::ProgressCallback& progress) {
     using Clock = std::chrono::steady_clock;
     return [&progress, next = Clock::time_point()](const Progress& state) mutable {
@@ -59,7 +59,7 @@ LoadedPair StoredDive::load(int index) const {
     return pair;
 }
 
-// A calibration of another resolution shows at once; a single odd picture does not refuse a dive.
+// Detects a calibration of another resolution early; a dive is not refused for a single odd image.
 void StoredDive::check_first_images() {
     int num_other_size = 0;
     const int num_probed = std::min(kImagesProbed, num_frames());

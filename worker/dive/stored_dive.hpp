@@ -10,7 +10,7 @@
 
 namespace divemesh::dive {
 
-// A dive read from a folder or an archive: what Dive::open() gives.
+// A dive read from a folder or an archive; Dive::open() returns one.
 class StoredDive : public Dive {
 public:
     StoredDive(const std::filesystem::path& path,
@@ -41,7 +41,7 @@ public:
     const std::optional<MarkerPlan>& markers() const override { return contents_.markers; }
     std::optional<types::Mesh> read_reference_mesh() const override;
 
-    // Hashes what is not hashed yet, with progress.
+    // Hashes the files that are not hashed yet, with progress.
     void hash_contents(const base::ProgressCallback& progress) const;
     FindingLog& log() { return findings_; }
 
@@ -57,7 +57,7 @@ private:
     FrameReader reader_;  // last: its threads use the members above
     std::set<int> skipped_;
     bool has_reported_16_bit_ = false;
-    mutable std::string content_sha256_;  // computed when first asked for
+    mutable std::string content_sha256_;  // computed on first use
 };
 
 }  // namespace divemesh::dive

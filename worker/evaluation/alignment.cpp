@@ -30,14 +30,14 @@ Eigen::Matrix3d rotation_part(const std::vector<PosePair>& pairs) {
     return sum;
 }
 
-// The rotation nearest to a sum of products reference * world^T.
+// Returns the rotation nearest to a sum of products reference * world^T.
 Eigen::Matrix3d nearest_rotation(const Svd& svd) {
     Eigen::Vector3d signs = Eigen::Vector3d::Ones();
     if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
     return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-// Sums over positions about their centres.
+// Sums over the positions relative to their centres.
 struct Scatter {
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  // reference * world^T
     double world_variance = 0.0;
@@ -66,7 +66,7 @@ constexpr int kDecompose = Eigen::ComputeFullU | Eigen::ComputeFullV;
 }  // namespace
 
 Alignment align(const std::vector<PosePair>& pairs) {
-    constexpr double kLineRatio = 1e-4;  // squared extents across and along: 1 in 100
+    constexpr double kLineRatio = 1e-4;  // squared ratio of the extents across and along: 1 in 100
     const Centres centres = centres_of(pairs);
     const Scatter scatter = scatter_of(pairs, centres);
     Svd svd(scatter.products, kDecompose);

@@ -8,15 +8,15 @@
 
 namespace divemesh::evaluation {
 
-// Whether the stated covariances are honest: position relative to the first pose, nothing aligned,
-// against the truth.
+// Compares the stated covariances with the true errors of the position relative to the first pose,
+// without alignment.
 struct CovarianceCheck {
     std::int64_t num_poses = 0;  // compared
     double mean_nees = 0.0;      // normalised estimation error squared, 3 degrees of freedom
-    double share_in_95 = 0.0;    // of the poses whose 95 % ellipsoid holds the truth
+    double share_in_95 = 0.0;    // of the poses whose 95 % ellipsoid contains the truth
 };
 
-// Nothing when there are no covariances or the first pose has no truth.
+// Returns nullopt if there are no covariances or the first pose has no ground truth.
 std::optional<CovarianceCheck> check_covariances(const types::Trajectory& estimate,
                                                  const types::CovarianceTrack& covariances,
                                                  const types::Trajectory& reference);

@@ -14,24 +14,24 @@ struct TrajectoryEvaluationOptions {
     TruthOptions truth;  // of the reference; not for KITTI files
 };
 
-// `divemesh evaluate trajectory`: any pair of TUM, EuRoC and KITTI files; KITTI's are paired line
-// by line, which only works with another KITTI file. The figures of metrics.json's trajectory,
-// `relative_pose`, and `truth`: lever arm and time offset.
+// `divemesh evaluate trajectory`: returns the metrics of metrics.json's trajectory,
+// `relative_pose`, and `truth` (lever arm and time offset) for any pair of TUM, EuRoC and KITTI
+// files. KITTI files are paired line by line, which only works with another KITTI file.
 nlohmann::json evaluate_trajectory(const std::filesystem::path& estimate,
                                    const std::filesystem::path& reference,
                                    const TrajectoryEvaluationOptions& options = {});
 
 struct MeshEvaluationRequest {
     std::filesystem::path estimate;   // PLY, OBJ or GLB
-    std::filesystem::path reference;  // the same, or points alone
-    // Both: the estimate is moved by the SE(3) that lays its poses, positions and orientations, on
-    // the true ones, and what is farther than 4 m from every pose is left out. Neither: the meshes
-    // share a frame.
+    std::filesystem::path reference;  // the same formats, or only points
+    // With both trajectories, the estimate is moved by the SE(3) that aligns its poses (positions
+    // and orientations) with the true ones, and surface farther than 4 m from every pose is left
+    // out. With neither, the meshes share a frame.
     std::optional<std::filesystem::path> estimate_trajectory;
     std::optional<std::filesystem::path> reference_trajectory;
 };
 
-// `divemesh evaluate mesh`: the figures of metrics.json's surface.
+// `divemesh evaluate mesh`: returns the metrics of metrics.json's surface.
 nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request);
 
 }  // namespace divemesh::evaluation

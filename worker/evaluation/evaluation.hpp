@@ -17,17 +17,18 @@ struct EvaluationInput {
     const types::Rig& rig;
     const types::Trajectory& trajectory;  // final
     const types::Trajectory& causal;
-    const types::CovarianceTrack& covariances;  // of the final one; empty: none
+    const types::CovarianceTrack& covariances;  // of the final trajectory; empty: unknown
     const std::vector<types::Keyframe>& keyframes;
-    const types::Mesh* mesh;                // none: no surface was asked for
-    const types::Trajectory& ground_truth;  // empty: none
+    const types::Mesh* mesh;                // null: no surface was requested
+    const types::Trajectory& ground_truth;  // empty: no ground truth
     const std::vector<dive::KnownDistance>& known_distances;
     const std::optional<types::Mesh>& reference;  // in the ground truth's world
     int num_threads = 0;
 };
 
-// The result against whatever truth the dive brings. What it does not bring is not there; truth
-// that does not fit (another time) is a finding, never an exception: the reconstruction stands.
+// The result compared with the ground truth that the dive contains; parts without ground truth are
+// nullopt. Ground truth that does not fit (such as another time) is a finding, not an exception, so
+// that the reconstruction is kept.
 struct Evaluation {
     std::optional<TrajectoryError> trajectory;
     std::optional<TrajectoryError> causal;
@@ -37,6 +38,7 @@ struct Evaluation {
     std::vector<Finding> findings;
 };
 
+// Compares a reconstruction with all ground truth of its dive.
 Evaluation evaluate_reconstruction(const EvaluationInput& input);
 
 }  // namespace divemesh::evaluation

@@ -15,11 +15,11 @@ namespace {
 using nlohmann::json;
 
 constexpr double kContradicts_sigmas = 3.0;
-constexpr double kMaxScaleSigma = 0.1;  // beyond, a check says nothing
+constexpr double kMaxScaleSigma = 0.1;  // beyond it a check is not informative
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
 
-// Of standard deviations; without loops there is nothing that residuals could be of.
+// Returns the factor on standard deviations; 1 without loops, as there are no residuals then.
 double covariance_scale(const types::LoopStatistics& loops) {
     return loops.num_accepted > 0 ? std::max(1.0, loops.residual_sigmas) : 1.0;
 }
@@ -58,7 +58,8 @@ std::string percent(double share) {
     return text.str() + " %";
 }
 
-// Positions far apart err independently, each by a third of the mean square along a line.
+// Returns the error of distant positions: they err independently, each by a third of the mean
+// square along a line.
 PathError path_error(const ExpectedAccuracyInput& input) {
     Eigen::AlignedBox3d box;
     for (const types::StampedPose& pose : input.trajectory)
@@ -67,8 +68,8 @@ PathError path_error(const ExpectedAccuracyInput& input) {
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
 }
 
-// Keeps a check that says something, with what the calibration errs by in its sigma: 1 has to be
-// within. One that contradicts the cameras is a finding.
+// Returns an informative check, with the calibration error added to its sigma: 1 must be within it.
+// A check that contradicts the cameras is reported as a finding.
 std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
                                              const std::string& metric,
                                              const std::string& sensor,

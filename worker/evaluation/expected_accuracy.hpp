@@ -19,40 +19,42 @@ struct ExpectedAccuracyInput {
     const types::Recording& recording;
     const types::Trajectory& trajectory;  // final
     std::size_t num_segments = 1;
-    const types::CovarianceTrack& covariances;  // of the trajectory; empty: not known
+    const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
     const types::TrackStatistics& track;
     const types::OptimiseStatistics& optimise;
-    const KnownDistanceErrors* known_distances = nullptr;  // none: the dive brings none
-    const types::Mesh* mesh = nullptr;                     // none: no surface was asked for
+    const KnownDistanceErrors* known_distances = nullptr;  // null: the dive has none
+    const types::Mesh* mesh = nullptr;                     // null: no surface was requested
 };
 
-// What cannot be said, and why not.
+// A metric that cannot be given, and the reason.
 struct LeftOut {
     std::string metric;
     std::string reason;
 };
 
-// How accurate a reconstruction is by what it knows itself, without truth. Bounds hold in 95 of 100
-// dives. Where loops were closed and the final trajectory misses them by more than their own
-// sigma, covariances are taken to be too small by as much.
+// The accuracy of a reconstruction as estimated from its own data, without ground truth. Bounds
+// hold in 95 of 100 dives. If loops were closed and the final trajectory misses them by more than
+// their own sigma, the covariances are scaled up accordingly.
 struct ExpectedAccuracy {
-    std::optional<double> end_bound_m;      // position of the last pose relative to the first pose
-    std::optional<double> end_expected_m;   // its root mean square over many such dives
+    std::optional<double> end_bound_m;      // last position relative to the first pose
+    std::optional<double> end_expected_m;   // the same as RMS over many such dives
     std::optional<double> ate_bound_m;      // RMS over all frames after the best SE(3) of positions
-    std::optional<double> ate_expected_m;   // its root mean square over many such dives
-    std::optional<double> loop_residual_m;  // RMS over the loops that were closed
-    std::optional<double> covariance_scale;  // of standard deviations, by the loops
+    std::optional<double> ate_expected_m;   // the same as RMS over many such dives
+    std::optional<double> loop_residual_m;  // RMS over the closed loops
+    std::optional<double> covariance_scale;  // of standard deviations, from the loops
     std::optional<ScaleCheck> accelerometer;
     std::optional<ScaleCheck> pressure;
     std::optional<ScaleCheck> known_distances;
     std::optional<double> imu_vision_disagreement_deg;  // RMS per frame
     std::optional<double> reprojection_rms_px;
     std::optional<ExpectedSurface> surface;
-    std::optional<double> surface_shared_m;  // of its sigma, what the poses move all of it by
+    // Part of the sigma by which the poses move the whole surface.
+    std::optional<double> surface_shared_m;
     std::vector<LeftOut> left_out;
-    std::vector<Finding> findings;  // checks that contradict the cameras, bounds that are large
+    std::vector<Finding> findings;  // checks that contradict the cameras, large bounds
 };
 
+// Estimates the accuracy of a reconstruction; metrics that cannot be given are in `left_out`.
 ExpectedAccuracy expected_accuracy(const ExpectedAccuracyInput& input);
 
 nlohmann::json to_metrics(const ExpectedAccuracy& expected);

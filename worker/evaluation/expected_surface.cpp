@@ -12,7 +12,7 @@ namespace divemesh::evaluation {
 namespace {
 
 constexpr double kLevel = 0.95;
-// A bin of sigmas is a 16th of an octave or less wide: 4 bits of a float's fraction.
+// A bin of sigmas is at most a 16th of an octave wide: 4 bits of a float's fraction.
 constexpr int kFractionBits = 23 - 4;
 constexpr std::size_t kNumBins = std::size_t{1} << (31 - kFractionBits);
 
@@ -27,20 +27,20 @@ std::vector<float> areas_at_vertices(const types::Mesh& mesh) {
     return areas;
 }
 
-// Area by sigma.
+// The area as a function of sigma.
 class SigmaHistogram {
 public:
     void add(float sigma_m, double area) {
         bins_[std::bit_cast<std::uint32_t>(std::max(0.0F, sigma_m)) >> kFractionBits] += area;
     }
-    // The sigma below which `share` of `whole` is.
+    // Returns the sigma below which the share `share` of the area `whole` lies.
     double quantile_m(double share, double whole) const {
         double below = 0.0;
         for (std::size_t bin = 0; bin < kNumBins; ++bin)
             if (bins_[bin] > 0.0 && (below += bins_[bin]) >= share * whole) return middle_m(bin);
         return 0.0;
     }
-    // Of the area, what errs by no more than `error_m`.
+    // Returns the expected area with an error of at most `error_m`.
     double area_within(double error_m) const {
         double area = 0.0;
         for (std::size_t bin = 0; bin < kNumBins; ++bin)

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMinKeyframes = 4;
 
-// A pixel with the camera that saw it and where that was.
+// A pixel, the camera that saw it, and the camera's pose.
 struct View {
     const types::Camera& camera;
     Eigen::Isometry3d T_world_cam;
@@ -26,7 +26,7 @@ std::optional<Eigen::Vector2d> project_inside(const types::Camera& camera,
                                               const Eigen::Vector3d& p_cam) {
     const auto pixel = camera::project(camera, p_cam);
     if (!pixel || !camera::contains(camera, *pixel)) return std::nullopt;
-    // Far outside the lens's field the distortion polynomial folds back into the picture.
+    // Far outside the lens's field of view the distortion polynomial folds back into the image.
     const Eigen::Vector3d ray = camera::unproject(camera, *pixel);
     if ((ray.head<2>() - p_cam.head<2>() / p_cam.z()).norm() > 1e-3) return std::nullopt;
     return pixel;
@@ -58,7 +58,7 @@ std::vector<View> views_of(const std::vector<dive::Mark>& marks,
     return views;
 }
 
-// The point with the least sum of squared distances to all rays.
+// Returns the point with the least sum of squared distances to all rays.
 std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
     Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -76,14 +76,14 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
     return A.ldlt().solve(b);
 }
 
-// Reprojection in pixels, to second order: H = J^T J, gradient J^T r, squares r^T r.
+// Reprojection error in pixels, to second order: H = J^T J, gradient J^T r, squares r^T r.
 struct Reprojection {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     double squares_px2 = 0.0;
 };
 
-// Nothing when the point is behind a camera.
+// Returns nullopt if the point is behind a camera.
 std::optional<Reprojection> reproject(const std::vector<View>& views,
                                       const Eigen::Vector3d& point) {
     Reprojection sum;
@@ -121,10 +121,10 @@ std::optional<Eigen::Vector3d> located(const std::vector<View>& views) {
     return point;
 }
 
-// One end of a length.
+// A triangulated end of a length.
 struct End {
     Eigen::Vector3d p_world;
-    Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();  // what the marks say of themselves
+    Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();  // from the scatter of the marks
     double range_m = 0.0;                                  // mean, to the cameras
     std::int64_t timestamp_ns = 0;                         // mean of the marks
 };
@@ -154,7 +154,8 @@ double max_eigenvalue(const Eigen::Matrix3d& symmetric) {
         .maxCoeff();
 }
 
-// Variances of drift are those of its steps: of two times they differ by what lies between.
+// Returns the variance of the drift between two ends. Drift accumulates in steps, so the variances
+// at two times differ by the steps in between.
 double drift_variance_m2(const End& a, const End& b, const types::CovarianceTrack& covariances) {
     const types::PoseCovariance at_a =
         optimisation::covariance_between(covariances, a.timestamp_ns);

@@ -15,20 +15,21 @@
 
 namespace divemesh::evaluation {
 
-// Of all lengths: baseline and focal length of a careful calibration.
+// Relative sigma of all lengths: baseline and focal length of a careful calibration.
 inline constexpr double kCalibrationSigma = 0.001;
 
+// A known distance and its measurement.
 struct MeasuredDistance {
     std::string name;
     double known_m = 0.0;
-    std::optional<double> measured_m;  // nothing: an end is marked in too few keyframes
-    std::optional<double> sigma_m;     // of it; nothing: the path's covariance is not known
-    int num_keyframes_a = 0;           // that show the end, or frames it is marked in
+    std::optional<double> measured_m;  // nullopt: an end is marked in too few keyframes
+    std::optional<double> sigma_m;     // of measured_m; nullopt: the path's covariance is unknown
+    int num_keyframes_a = 0;  // keyframes that show the end, or frames in which it is marked
     int num_keyframes_b = 0;
 };
 
-// scale_error = sum(m t) / sum(t t) - 1 over measured m and known t: the one factor that maps
-// known onto measured lengths best.
+// scale_error = sum(m t) / sum(t t) - 1 over measured m and known t: the factor that best maps
+// known to measured lengths, minus 1.
 struct KnownDistanceErrors {
     std::vector<MeasuredDistance> distances;
     std::int64_t num_measured = 0;
@@ -38,37 +39,39 @@ struct KnownDistanceErrors {
     double max_abs_error_m = 0.0;
 };
 
-// A path, and how well it is known.
+// A path and its uncertainty.
 struct KnownPath {
     const types::Trajectory& trajectory;        // T_world_imu
-    const types::CovarianceTrack& covariances;  // of it; empty: not known
+    const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
 };
 
+// Ground truth by which mark_point() finds the keyframes that show a point.
 struct MarkingInput {
     const types::Rig& rig;
     const types::Trajectory& ground_truth;  // T_world_imu of the truth's world
     const std::vector<std::int64_t>& keyframe_timestamps_ns;
-    const SurfaceIndex& reference;  // what may hide a point; the truth's world
+    const SurfaceIndex& reference;  // surface that may hide a point, in the truth's world
     double max_range_m = 4.0;
     double tolerance_m = 0.03;  // nominal ends may lie this far below or above the true surface
 };
 
-// The keyframes that show a point, for dives whose truth is known: inside the left image under the
-// true pose, in range, not hidden by the reference mesh, and on it.
+// Returns marks of a point in the keyframes that show it, for dives with ground truth: it must be
+// inside the left image at the true pose, in range, on the reference mesh and not hidden by it.
 std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input);
 
-// Least squares over the rays of both cameras, then Gauss-Newton over reprojection. Nothing when
-// fewer than `min_keyframes` of the marks have a pose, or the rays do not fix a point.
+// Triangulates a point: least squares over the rays of both cameras, then Gauss-Newton on the
+// reprojection error. Returns nullopt if fewer than `min_keyframes` of the marks have a pose or the
+// rays do not determine a point.
 std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
                                            const types::Rig& rig,
                                            const types::Trajectory& trajectory,
                                            int min_keyframes = 4);
 
-// Each known distance as a photogrammetrist would take it: both ends marked, triangulated with our
-// poses, subtracted. Ends that are given as points are marked with the help of `truth`; without it
-// they count as not measured. The sigma of a length holds the scatter of the marks, what the path
-// drifted between the times at which its two ends were seen (an end turns with the path about where
-// it was seen from), and kCalibrationSigma of the length.
+// Measures each known distance as in photogrammetry: both ends are marked, triangulated with our
+// poses and subtracted. Ends given as points are marked by means of `truth`; if it is null they
+// count as not measured. The sigma of a length covers the scatter of the marks, the drift of the
+// path between the times at which its two ends were seen (an end rotates with the path about the
+// place from which it was seen), and kCalibrationSigma of the length.
 KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistance>& distances,
                                             const MarkingInput* truth,
                                             const types::Rig& rig,

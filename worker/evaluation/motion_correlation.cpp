@@ -21,7 +21,7 @@ double duration_s(const types::Trajectory& trajectory) {
            1e-9;
 }
 
-// Sampled at even steps from the first pose; NaN where it cannot be told.
+// Returns rates at equal time steps from the first pose; NaN where unknown.
 std::vector<double> rates(const types::Trajectory& trajectory, double step_s, bool of_rotation) {
     const double reach_s =
         std::max(0.05, duration_s(trajectory) / static_cast<double>(trajectory.size() - 1));
@@ -41,7 +41,7 @@ std::vector<double> rates(const types::Trajectory& trajectory, double step_s, bo
     return result;
 }
 
-// Pearson's, over the samples that both have; nothing when fewer than `least`.
+// Returns Pearson's correlation over the samples that both have; nullopt for fewer than `least`.
 std::optional<double> correlation(const std::vector<double>& a,
                                   const std::vector<double>& b,
                                   std::ptrdiff_t lag,

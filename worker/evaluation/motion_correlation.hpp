@@ -6,13 +6,14 @@
 
 namespace divemesh::evaluation {
 
-// Whether a trajectory's orientations change at all: by two degrees or more.
+// Returns whether a trajectory's orientations change at all, by two degrees or more.
 bool has_rotation(const types::Trajectory& trajectory);
 
-// Offsets (truth's clock minus the estimate's, s) at which both move most alike, best first: where
-// rates of rotation, or speeds where one has no rotations, correlate (Pearson), at least half of
-// the estimate inside the truth. Neither depends on frames; rates of rotation not on the body
-// either. Nothing where they correlate nowhere.
+// Returns the time offsets (truth's clock minus the estimate's, s) at which the motions are most
+// alike, best first: the maxima of the correlation (Pearson) of the rates of rotation, or of the
+// speeds if one trajectory has no rotations, with at least half of the estimate inside the truth.
+// Both are independent of the world frame, rates of rotation of the body frame too. Empty if they
+// correlate nowhere.
 std::vector<double> likely_time_offsets_s(const types::Trajectory& estimate,
                                           const types::Trajectory& truth);
 

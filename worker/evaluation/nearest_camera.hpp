@@ -6,13 +6,13 @@
 
 namespace divemesh::evaluation {
 
-// Distance from a point to the nearest of the cameras along a path, exactly. Cameras that follow
-// one another are near one another: boxes around runs of them are asked first.
+// Returns exact distances from a point to the nearest camera of a path. Consecutive cameras are
+// close to each other, so bounding boxes of runs of them are tested first.
 class NearestCamera {
 public:
     explicit NearestCamera(std::vector<Eigen::Vector3f> positions);
 
-    // Infinity when there is no camera.
+    // Returns infinity if there are no cameras.
     float distance_m(const Eigen::Vector3f& point) const;
 
 private:

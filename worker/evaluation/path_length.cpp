@@ -11,6 +11,4 @@ double path_length_m(const types::Trajectory& trajectory) {
     return length;
 }
 
-// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
-
 }  // namespace divemesh::evaluation

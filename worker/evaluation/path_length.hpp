@@ -4,7 +4,7 @@
 
 namespace divemesh::evaluation {
 
-// Of the straight lines from pose to pose, m.
+// Returns the sum of the straight distances from pose to pose, m.
 double path_length_m(const types::Trajectory& trajectory);
 
 }  // namespace divemesh::evaluation

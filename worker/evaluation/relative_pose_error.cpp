@@ -16,7 +16,7 @@ double step_m(const std::vector<PosePair>& poses, std::size_t i) {
     return (poses[i].T_world_body.translation() - poses[i - 1].T_world_body.translation()).norm();
 }
 
-// evo starts counting at the first pose, and its first pair begins where delta_m is reached.
+// As in evo, counting starts at the first pose, and the first pair begins where delta_m is reached.
 IndexPairs consecutive_pairs(const std::vector<PosePair>& poses, double delta_m) {
     std::vector<std::size_t> ends;
     double path_m = 0.0;

@@ -17,7 +17,7 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 double angle_rad(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle(); }
 
-// The poses so far, in cubes of kReach_m by true place.
+// The earlier poses, indexed by true position in cubes of kReach_m.
 class VisitedPlaces {
 public:
     explicit VisitedPlaces(const std::vector<PosePair>& pairs) : pairs_(pairs) {}

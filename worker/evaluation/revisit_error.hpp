@@ -8,17 +8,17 @@
 
 namespace divemesh::evaluation {
 
-// How well a path knows that it is back: frames against the nearest, in truth, of those that were
-// taken at least 10 s before them, within half a metre and 45 degrees of view. What the estimate
-// adds to the true motion between the two.
+// The error of a path at revisited places: each frame is compared with the nearest (in truth) of
+// those taken at least 10 s earlier within half a metre and 45 degrees of viewing direction. It is
+// the error of the estimated motion between the two.
 struct RevisitError {
-    std::int64_t num_frames = 0;  // that were at an earlier place again
+    std::int64_t num_frames = 0;  // that revisit a place
     double translation_rmse_m = 0.0;
     double translation_max_m = 0.0;
     double rotation_rmse_deg = 0.0;
 };
 
-// Nothing when the path never comes back.
+// Returns nullopt if the path revisits no place.
 std::optional<RevisitError> revisit_error(const std::vector<PosePair>& pairs);
 
 }  // namespace divemesh::evaluation

@@ -14,21 +14,22 @@ namespace {
 constexpr std::int64_t kWindow_ns = 2'000'000'000;
 constexpr std::int64_t kMaxGap_ns = 150'000'000;  // of samples or frames in a window
 constexpr std::ptrdiff_t kWindowsOfOneBias = 60;
-// White noise is shared by windows that overlap by half: twice the correlation of sin^4 and cos^4.
+// Windows that overlap by half share white noise: twice the correlation of sin^4 and cos^4.
 constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
-// Keeps gravity and bias apart where the rig never turns; of gravity about what it is, so that what
-// it pulls is nothing beside the residuals of a short dive.
+// Separates gravity and bias if the rig never rotates. The prior on gravity has about its true
+// uncertainty, so that its pull is negligible beside the residuals of a short dive.
 constexpr double kWeakPrior = 1e-6;
 constexpr std::int64_t kPressureBin_ns = 500'000'000;
 constexpr std::size_t kMinBins = 20;
 constexpr double kMaxCorrelation = 0.95;
 
-// A window's equation: own = s seen + unknowns, see the header.
+// A window's equation: accelerated = s seen + unknowns, see the header.
 struct Equation {
-    Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();  // integral w (R a + g) dt, g as known
-    Eigen::Vector3d seen = Eigen::Vector3d::Zero();         // integral w'' p dt
+    // Integral w (R a + g) dt, with g as known.
+    Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();
+    Eigen::Vector3d seen = Eigen::Vector3d::Zero();  // integral w'' p dt
     Eigen::Matrix<double, 3, 6> unknowns =
-        Eigen::Matrix<double, 3, 6>::Zero();  // of g's rest and b
+        Eigen::Matrix<double, 3, 6>::Zero();  // of the deviation of g, and of b
 };
 
 struct Window {
@@ -46,8 +47,8 @@ struct Window {
     std::int64_t end_ns() const { return start_ns + kWindow_ns; }
 };
 
-// The entries within a window, with what they weigh in a sum over trapezoids: w is zero at both
-// ends. Empty where a gap is among them.
+// The entries within a window, with their weights in a trapezoidal sum; w is zero at both ends.
+// Empty if there is a gap among them.
 template <typename Entry>
 struct Covered {
     const Entry* first = nullptr;
@@ -87,7 +88,8 @@ std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
     const Eigen::Vector3d way = to.T_world_imu.translation() - from.T_world_imu.translation();
     for (std::size_t i = 0; i < frames.weights_s.size(); ++i) {
         const types::StampedPose& frame = frames.first[i];
-        // w'' is blind to an even motion; without it the sum has less to be wrong about.
+        // A uniform motion does not contribute to w''; removing it reduces the numerical error of
+        // the sum.
         const double share = static_cast<double>(frame.timestamp_ns - from.timestamp_ns) /
                              static_cast<double>(to.timestamp_ns - from.timestamp_ns);
         result.seen +=
@@ -108,8 +110,8 @@ std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
     return result;
 }
 
-// What some equations that share gravity and bias say about the scale: sums of squares and products
-// of what gravity and bias leave unexplained.
+// Information of several equations with common gravity and bias about the scale: sums of squares
+// and products of the part that gravity and bias do not explain.
 struct Information {
     double seen_seen = 0.0;
     double seen_own = 0.0;
@@ -136,7 +138,7 @@ Information without_gravity_and_bias(const Equation* first, std::ptrdiff_t num) 
     return {left(0, 0), left(0, 1), left(1, 1), static_cast<double>(3 * num - 7)};
 }
 
-// Means of a bin: depth, -z and where in the level.
+// Means of a bin: depth, and the path's -z, x and y.
 struct DepthBin {
     double depth_m = 0.0;
     Eigen::Vector4d path = Eigen::Vector4d::Zero();  // -z, x, y, 1
@@ -166,7 +168,8 @@ std::vector<DepthBin> depth_bins(const std::vector<types::PressureSample>& press
     return bins;
 }
 
-// How many times over neighbouring residuals say the same thing (Bartlett 1946).
+// Returns the number of correlated residuals that count as one independent residual (Bartlett
+// 1946).
 double repetition(const Eigen::VectorXd& residuals) {
     const Eigen::Index num = residuals.size();
     const double products = residuals.head(num - 1).dot(residuals.tail(num - 1));
@@ -224,9 +227,10 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSam
     const Eigen::Vector4d solution = factor.solve(path.transpose() * depth_m);
     const Eigen::VectorXd residuals = depth_m - path * solution;
     const double times = repetition(residuals);
-    // A smooth column takes as much of correlated residuals as `times` columns of white ones.
+    // A smooth column takes as many degrees of freedom from correlated residuals as `times` columns
+    // from white ones.
     const double degrees_of_freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
-    const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z alone
+    const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z only
     const double variance = residuals.squaredNorm() / degrees_of_freedom * times * inverse;
     const double sigma = std::hypot(std::sqrt(variance), sigma_by_poses);
     if (sigma <= 0.0) return std::nullopt;

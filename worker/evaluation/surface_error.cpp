@@ -36,7 +36,7 @@ NearestCamera cameras_of(const SurfaceErrorInput& input) {
     return NearestCamera(std::move(cameras));
 }
 
-// distance_m(point) of each sample, in their order.
+// Returns distance_m(point) of each sample, in order.
 template <typename Surface>
 std::vector<double> distances(const std::vector<Eigen::Vector3f>& samples,
                               const Surface& surface,
@@ -53,7 +53,7 @@ std::vector<double> distances(const std::vector<Eigen::Vector3f>& samples,
     return result;
 }
 
-// The entries whose range is at most `limit_m`.
+// Returns the entries with a range of at most `limit_m`.
 template <typename T>
 std::vector<T> within(const std::vector<T>& entries,
                       const std::vector<double>& ranges_m,
@@ -91,7 +91,7 @@ RelativeDistance relative_to(const std::vector<double>& ranges_m,
     return {stats::quantile_of_sorted(ratios, 0.5), stats::quantile_of_sorted(ratios, 0.8)};
 }
 
-// Points of the cloud, evenly over their order, at most as many as samples of a mesh.
+// Returns points of the cloud at equal steps of their order, at most as many as samples of a mesh.
 std::vector<Eigen::Vector3f> sample_points(const types::Mesh& cloud, std::int64_t num_samples) {
     const auto step =
         std::max<std::size_t>(1,
@@ -103,7 +103,7 @@ std::vector<Eigen::Vector3f> sample_points(const types::Mesh& cloud, std::int64_
     return samples;
 }
 
-// Against every other point; points at the same place count as one.
+// Compares with every other point; points at the same position count as one.
 double spacing_m(const types::Mesh& cloud, int num_threads) {
     constexpr std::size_t kNumSamples = 256;
     const std::size_t step = std::max<std::size_t>(1, cloud.vertices.size() / kNumSamples);

@@ -10,18 +10,19 @@
 
 namespace divemesh::evaluation {
 
+// How two surfaces are compared.
 struct SurfaceErrorInput {
-    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // of the poses
+    Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // from the poses
     std::vector<Eigen::Vector3d>
-        camera_positions_world;  // of the estimate; none: no limit of range
-    double near_range_m = 1.6;   // of the reference that counts as near
+        camera_positions_world;  // of the estimate; empty: no limit of range
+    double near_range_m = 1.6;   // reference surface within this range counts as near
     double max_range_m = 4.0;    // our surface farther than this from every camera is left out
-    std::int64_t num_samples = 1'000'000;  // each way
+    std::int64_t num_samples = 1'000'000;  // in each direction
     std::uint64_t seed = 1;
-    int num_threads = 0;  // 0: all cores; never changes a figure
+    int num_threads = 0;  // 0: all cores; does not change any metric
 };
 
-// Distances one way: from samples on one surface to the nearest point of the other.
+// Distances in one direction: from samples on one surface to the nearest point of the other.
 struct DistanceSummary {
     std::int64_t num_samples = 0;
     double median_m = 0.0;
@@ -31,7 +32,7 @@ struct DistanceSummary {
 };
 
 // Precision: share of our surface within the threshold of the reference; recall: share of the
-// reference within it of ours; F1 their harmonic mean (Knapitsch et al. 2017).
+// reference within the threshold of our surface; F1: their harmonic mean (Knapitsch et al. 2017).
 struct ThresholdScore {
     double threshold_m = 0.0;
     double precision = 0.0;
@@ -39,33 +40,37 @@ struct ThresholdScore {
     double f1 = 0.0;
 };
 
-// Distance to the reference over distance to the nearest camera, as the paper states errors.
+// Distance to the reference divided by the distance to the nearest camera, as the paper states
+// errors.
 struct RelativeDistance {
     double median = 0.0;
     double p80 = 0.0;
 };
 
+// The distances between our surface and the reference, in both directions.
 struct SurfaceError {
     DistanceSummary accuracy;      // ours -> reference
     DistanceSummary completeness;  // reference -> ours, over the whole reference
-    // Both only where cameras are known.
+    // The next two are nullopt if the cameras are unknown.
     std::optional<RelativeDistance> relative;          // of accuracy
     std::optional<DistanceSummary> near_completeness;  // of the reference near a camera
-    double share_beyond_range = 0.0;                   // of our samples, left out of accuracy
-    std::vector<ThresholdScore> scores;                // 5, 10, 20, 50 mm
-    // Median distance from a point of the reference to the next; only where it is a cloud.
+    double share_beyond_range = 0.0;     // of our samples; these are excluded from accuracy
+    std::vector<ThresholdScore> scores;  // 5, 10, 20, 50 mm
+    // Median distance from a reference point to the next; only if the reference is a cloud.
     std::optional<double> reference_spacing_m;
-    // Share of our samples in bins of kErrorBin_m; the last holds all beyond. Not in to_metrics().
+    // Share of our samples in bins of kErrorBin_m; the last bin holds all larger errors. Not in
+    // to_metrics().
     std::vector<double> histogram;
 };
 
 inline constexpr double kErrorBin_m = 0.001;
 inline constexpr std::size_t kNumErrorBins = 51;
 
-// How far our mesh is from the reference mesh. No ICP: ours is moved by T_reference_world alone.
-// Samples are uniform over area; distances are to the nearest point of the nearest triangle. A
-// reference without triangles is a cloud: distances are to its nearest point, and its points are
-// the samples. Throws Error{BadData} when a mesh has no area, or the reference nothing at all.
+// Returns the error of our mesh relative to the reference mesh, without ICP: our mesh is only moved
+// by T_reference_world. Samples are uniform over the area; distances are to the nearest point of
+// the nearest triangle. A reference without triangles is a cloud: distances are to its nearest
+// point, and its points are the samples. Throws Error{BadData} if a mesh has no area or the
+// reference is empty.
 SurfaceError surface_error(const types::Mesh& mesh_world,
                            const types::Mesh& reference,
                            const SurfaceErrorInput& input);

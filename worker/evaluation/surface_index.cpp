@@ -23,7 +23,7 @@ bool find_nearest(RTCPointQueryFunctionArguments* arguments) {
 
 }  // namespace
 
-// Embree's handles and the mesh they describe.
+// Embree's handles and the mesh they index.
 struct SurfaceIndex::Implementation {
     const types::Mesh& mesh;
     RTCDevice device = nullptr;
@@ -80,7 +80,7 @@ float SurfaceIndex::distance_m(const Eigen::Vector3f& point) const {
                   &query,
                   &context,
                   find_nearest,
-                  const_cast<types::Mesh*>(&implementation_->mesh));  // read alone
+                  const_cast<types::Mesh*>(&implementation_->mesh));  // not modified
     return query.radius;
 }
 

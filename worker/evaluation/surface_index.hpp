@@ -8,8 +8,8 @@
 
 namespace divemesh::evaluation {
 
-// Nearest point and first hit on a triangle mesh, by Embree. Keeps the mesh, which may not change
-// while this lives. Thread-safe after construction.
+// Finds the nearest point and the first hit on a triangle mesh, by Embree. Keeps a reference to the
+// mesh, which must not change during its lifetime. Thread-safe after construction.
 class SurfaceIndex {
 public:
     // `is_compact`: about half the memory, somewhat slower.
@@ -18,10 +18,12 @@ public:
     SurfaceIndex(const SurfaceIndex&) = delete;
     SurfaceIndex& operator=(const SurfaceIndex&) = delete;
 
-    // To the nearest point of any triangle; infinity for a mesh without triangles.
+    // Returns the distance to the nearest point of any triangle; infinity for a mesh without
+    // triangles.
     float distance_m(const Eigen::Vector3f& point) const;
 
-    // Along a unit direction to the first triangle it meets, either side; nothing when none.
+    // Returns the distance along a unit direction to the first triangle, from either side; nullopt
+    // if there is no hit.
     std::optional<float> first_hit_m(const Eigen::Vector3f& origin,
                                      const Eigen::Vector3f& direction) const;
 
@@ -30,7 +32,8 @@ private:
     std::unique_ptr<Implementation> implementation_;
 };
 
-// Nearest point of a cloud: its vertices as triangles without extent.
+// Finds the distance to the nearest point of a cloud, whose vertices are indexed as degenerate
+// triangles.
 class PointIndex {
 public:
     explicit PointIndex(const types::Mesh& cloud);
@@ -42,7 +45,7 @@ private:
     SurfaceIndex index_;
 };
 
-// Squared distance to the nearest point of triangle abc (Ericson 2005, 5.1.5).
+// Returns the squared distance to the nearest point of triangle abc (Ericson 2005, 5.1.5).
 float squared_distance_to_triangle(const Eigen::Vector3f& point,
                                    const Eigen::Vector3f& a,
                                    const Eigen::Vector3f& b,

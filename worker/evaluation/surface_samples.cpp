@@ -15,7 +15,7 @@ double triangle_area_m2(const types::Mesh& mesh, const std::array<std::uint32_t,
     return 0.5 * (b - a).cross(c - a).norm();
 }
 
-// A number in [0, 1) that depends on its arguments alone (splitmix64; Steele et al. 2014).
+// Returns a number in [0, 1) that depends only on its arguments (splitmix64; Steele et al. 2014).
 double uniform(std::uint64_t seed, std::uint64_t index) {
     std::uint64_t z = seed * 0xd1342543de82ef95U + (index + 1) * 0x9e3779b97f4a7c15U;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;

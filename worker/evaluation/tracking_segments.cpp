@@ -5,7 +5,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-// Of every frame.
+// Returns the segment number of every frame.
 std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes) {
     std::vector<std::size_t> numbers;

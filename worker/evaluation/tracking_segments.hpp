@@ -8,7 +8,7 @@
 
 namespace divemesh::evaluation {
 
-// A part of the dive that hangs together. Where it lies against the others is not known.
+// A part of the dive with connected poses. Its pose relative to the other segments is unknown.
 struct TrackingSegment {
     struct Interval {
         std::int64_t first_ns = 0;
@@ -17,15 +17,15 @@ struct TrackingSegment {
     std::int64_t num_frames = 0;
     std::int64_t num_keyframes = 0;
     double path_length_m = 0.0;
-    std::vector<Interval> intervals;  // of the frames; more than one: joined again by a loop
+    std::vector<Interval> intervals;  // of the frames; more than one if a loop rejoined them
 };
 
-// The pieces in the order of their numbers. A frame belongs to the piece of the last keyframe
-// before it, the frames before the first keyframe to that one's.
+// Returns the segments in the order of their numbers. A frame belongs to the segment of the last
+// keyframe before it; the frames before the first keyframe belong to its segment.
 std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes);
 
-// The frames of the piece that has most of them.
+// Returns the frames of the segment that has the most.
 types::Trajectory largest_segment(const types::Trajectory& trajectory,
                                   const std::vector<types::Keyframe>& keyframes);
 

@@ -18,7 +18,7 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 double angle_deg(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle() * kDegPerRad; }
 
-// Path length up to each pair.
+// Returns the path length up to each pair.
 std::vector<double> path_lengths(const std::vector<PosePair>& pairs) {
     std::vector<double> lengths(pairs.size(), 0.0);
     for (std::size_t i = 1; i < pairs.size(); ++i)
@@ -28,7 +28,7 @@ std::vector<double> path_lengths(const std::vector<PosePair>& pairs) {
     return lengths;
 }
 
-// What the estimate adds to the true motion between two moments.
+// Returns the error of the estimated motion between two moments.
 Eigen::Isometry3d relative_error(const PosePair& from, const PosePair& to) {
     const Eigen::Isometry3d truth = from.T_reference_body.inverse() * to.T_reference_body;
     const Eigen::Isometry3d estimate = from.T_world_body.inverse() * to.T_world_body;

@@ -20,11 +20,12 @@ using Matrix10d = Eigen::Matrix<double, 10, 10>;
 using Vector10d = Eigen::Matrix<double, 10, 1>;
 
 constexpr double kDegPerRad = 57.29577951308232;
-constexpr double kMinRotationSine = 0.035;    // root mean square sine of what fixes a lever arm
-constexpr double kMinVelocity = 0.02;         // m/s, root mean square of what fixes an offset
-constexpr double kMaxOrientationRms_deg = 5;  // beyond it the truth's axes are not of this body
+constexpr double kMinRotationSine = 0.035;  // RMS sine of the rotation that determines a lever arm
+constexpr double kMinVelocity = 0.02;       // m/s, RMS of the velocity that determines an offset
+// beyond it the truth's axes do not belong to this body
+constexpr double kMaxOrientationRms_deg = 5;
 constexpr std::size_t kMinPoses = 20;
-constexpr double kReach_s = 0.2;  // each way, of a velocity
+constexpr double kReach_s = 0.2;  // in both directions, for a velocity
 
 std::int64_t nanoseconds(double seconds) {
     return static_cast<std::int64_t>(std::llround(seconds * 1e9));
@@ -35,7 +36,7 @@ types::Trajectory shifted(types::Trajectory trajectory, double offset_s) {
     return trajectory;
 }
 
-// What is looked for: rotation and translation between the worlds, lever arm, offset; parameters
+// The solved quantities: rotation and translation between the worlds, lever arm, offset; parameters
 // 0-2, 3-5, 6-8, 9 of the equations.
 struct State {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();
@@ -43,7 +44,7 @@ struct State {
     double offset_s = 0.0;
 };
 
-// A true position, what is left of it, and how that changes with each parameter.
+// The residual of a true position and its derivative with respect to each parameter.
 struct Row {
     Eigen::Vector3d residual;
     Eigen::Matrix<double, 3, 10> J = Eigen::Matrix<double, 3, 10>::Zero();
@@ -81,7 +82,8 @@ public:
         return result;
     }
 
-    // Gauss-Newton. Where poses come to lie outside of the truth on the way, nothing.
+    // Solves by Gauss-Newton. Returns nullopt if poses move outside the truth during the
+    // iterations.
     std::optional<State> solve(State state) const {
         constexpr int kMaxIterations = 50;
         const types::Trajectory here = shifted(truth_, state.offset_s);
@@ -101,8 +103,9 @@ public:
     }
 
 private:
-    // Of the marker, over a time in which it moves more than it errs. The estimate's: a tracker's
-    // noise, differentiated, would be taken for motion that tells the offset.
+    // Returns the velocity of the marker over a time in which it moves more than its error. It is
+    // the estimate's velocity, because a tracker's differentiated noise would count as motion that
+    // determines the offset.
     Eigen::Vector3d velocity_world(std::size_t i, const Eigen::Vector3d& lever_m) const {
         const types::StampedPose& before = estimate_[i - std::min(i, reach_)];
         const types::StampedPose& after = estimate_[std::min(i + reach_, estimate_.size() - 1)];
@@ -117,7 +120,7 @@ private:
             H += row.J.transpose() * row.J;
             gradient -= row.J.transpose() * row.residual;
         }
-        // What is not looked for, or not to be told, stays.
+        // Parameters that are fixed or unobservable do not change.
         return H.completeOrthogonalDecomposition().solve(gradient);
     }
 
@@ -143,8 +146,8 @@ double rms_m(const std::vector<Row>& rows) {
     return std::sqrt(sum / static_cast<double>(rows.size()));
 }
 
-// Integrated autocorrelation time of the residuals, in samples, up to the first lag at which they
-// no longer go together.
+// Returns the integrated autocorrelation time of the residuals, in samples, up to the first lag at
+// which they are no longer correlated.
 double autocorrelation_time(const std::vector<Row>& rows) {
     const auto at = [&](std::size_t lag) {
         double sum = 0.0;
@@ -163,8 +166,9 @@ double autocorrelation_time(const std::vector<Row>& rows) {
     return time;
 }
 
-// Variances as the gradients of tenths of the path scatter (cluster-robust, Liang and Zeger 1986):
-// what sways as slowly as the motion that a parameter is told by counts fully.
+// Returns the variances from the scatter of the gradients over tenths of the path (cluster-robust,
+// Liang and Zeger 1986), which fully includes errors as slow as the motion that determines a
+// parameter.
 Vector10d clustered_variances(const std::vector<Row>& rows, const Matrix10d& H) {
     constexpr std::size_t kNumClusters = 10;
     Matrix10d scatter = Matrix10d::Zero();
@@ -181,7 +185,7 @@ Vector10d clustered_variances(const std::vector<Row>& rows, const Matrix10d& H) 
     return kFewClusters * (inverse * scatter * inverse).diagonal();
 }
 
-// The information on some parameters that is left when the others are free (Schur complement).
+// Returns the information on some parameters when the others are free (Schur complement).
 Eigen::MatrixXd reduced(const Matrix10d& H, const std::vector<int>& kept) {
     std::vector<int> others;
     for (int i = 0; i < 10; ++i)
@@ -199,7 +203,8 @@ std::string vector_text(const Eigen::Vector3d& v) {
     return text;
 }
 
-// Throws when the poses do not fix what was looked for; else its standard deviations.
+// Throws if the poses do not determine the solved quantities; otherwise sets their standard
+// deviations.
 void check_observability(const std::vector<Row>& rows,
                          const TruthOptions& options,
                          TruthRegistration& result) {
@@ -212,7 +217,8 @@ void check_observability(const std::vector<Row>& rows,
     const Vector10d clustered = clustered_variances(rows, H);
     if (options.solve_lever_arm) {
         const Eigen::Matrix3d information = reduced(H, {6, 7, 8});
-        Matrix10d known_offset = H;  // as if the offset were known: its part is in the deviations
+        // With the offset taken as known; its effect is in the deviations.
+        Matrix10d known_offset = H;
         known_offset.row(9).setZero();
         known_offset.col(9).setZero();
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
@@ -239,8 +245,8 @@ void check_observability(const std::vector<Row>& rows,
     }
 }
 
-// The marker's axes on the body: the mean over all poses (chordal), and how far single ones lie
-// from it. Keeps positions alone where the truth's orientations are not those of this body.
+// Solves for the marker's axes on the body: the mean over all poses (chordal) and the scatter of
+// single poses. Keeps only the positions if the truth's orientations are not those of this body.
 void solve_axes(const types::Trajectory& estimate,
                 const types::Trajectory& truth,
                 const State& state,
@@ -292,7 +298,7 @@ TruthRegistration as_given(const TruthOptions& options) {
     return result;
 }
 
-// The best of the solutions that start at each likely offset.
+// Returns the best of the solutions that start at each likely offset.
 State best_state(const Registration& registration,
                  const types::Trajectory& estimate,
                  const types::Trajectory& truth,

@@ -11,45 +11,46 @@
 
 namespace divemesh::evaluation {
 
-// How a truth of another body and clock lies to the estimate. Standard deviations are of what was
-// solved: the larger of what residuals say when they are no more independent than their
-// autocorrelation lets them be, and of how the gradients of tenths of the path scatter.
+// The relation of a ground truth with another body and clock to the estimate. Standard deviations
+// are of the solved quantities: the larger of the one from the residuals, corrected for their
+// autocorrelation, and the one from the scatter of the gradients over tenths of the path.
 struct TruthRegistration {
     Eigen::Isometry3d T_body_marker = Eigen::Isometry3d::Identity();
     double time_offset_s = 0.0;  // the truth's clock minus the dive's
     std::optional<Eigen::Vector3d> lever_arm_sigma_m;
-    std::optional<double> rotation_sigma_deg;  // of the marker's axes; nothing: not solved
+    std::optional<double> rotation_sigma_deg;  // of the marker's axes; nullopt: not solved
     std::optional<double> time_offset_sigma_s;
-    bool has_orientation = true;  // false: the truth knows positions alone
-    std::int64_t num_poses = 0;   // that a solution was found from; 0: nothing was solved
+    bool has_orientation = true;  // false: the truth has only positions
+    std::int64_t num_poses = 0;   // used by the solution; 0: no solution was computed
     double residual_rms_m = 0.0;
 };
 
-// What the options ask to be solved, by least squares over positions together with the SE(3)
-// between the worlds (Gauss-Newton). An offset is looked for first where rates of rotation, or
-// speeds where the truth has no rotations, correlate best (over all offsets at which half of the
-// estimate lies in the truth). Throws Error{BadData} where the motion does not fix what is asked
-// for: a lever arm when the rig turned about less than two axes, an offset when its velocity did
-// not change.
+// Solves for what the options request, by least squares over positions together with the SE(3)
+// between the worlds (Gauss-Newton). The offset is initialised where rates of rotation, or speeds
+// if the truth has no rotations, correlate best, over all offsets at which half of the estimate
+// lies in the truth. Throws Error{BadData} if the motion does not determine a requested quantity: a
+// lever arm if the rig rotated about fewer than two axes, an offset if its velocity did not change.
 TruthRegistration register_truth(const types::Trajectory& estimate,
                                  const types::Trajectory& truth,
                                  const TruthOptions& options);
 
-// A truth on the estimate's clock, with the options that pair both. Where the truth has no
-// orientation it takes the estimate's, laid on the truth's world.
+// A ground truth on the estimate's clock, with the options that pair both. A truth without
+// orientations gets those of the estimate, aligned with the truth's world.
 struct RegisteredTruth {
     TruthRegistration registration;
     types::Trajectory poses;
     TrajectoryErrorOptions options;
 };
+
+// Registers the truth and moves it to the estimate's clock. Throws as register_truth() does.
 RegisteredTruth registered_truth(const types::Trajectory& estimate,
                                  types::Trajectory truth,
                                  const TruthOptions& options);
 
-// "truth" of the report: lever arm and offset with how they came about.
+// Returns "truth" of the report: lever arm and offset, and how they were determined.
 nlohmann::json to_metrics(const TruthRegistration& registration, const TruthOptions& options);
 
-// The figures of a trajectory without those that need the truth's orientations.
+// Returns the metrics of a trajectory without those that need the truth's orientations.
 nlohmann::json without_rotations(nlohmann::json trajectory);
 
 }  // namespace divemesh::evaluation

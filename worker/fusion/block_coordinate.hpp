@@ -12,6 +12,7 @@ namespace divemesh::fusion {
 inline constexpr int kBlockEdge = 8;
 inline constexpr int kBlockSamples = kBlockEdge * kBlockEdge * kBlockEdge;
 
+// Index of a block: its first sample is lattice point 8 * (x, y, z).
 struct BlockCoordinate {
     std::int32_t x = 0;
     std::int32_t y = 0;
@@ -36,15 +37,19 @@ struct BlockCoordinateHash {
     }
 };
 
+// Returns the index of a sample in its block, x running fastest; coordinates are 0 to 7.
 inline int sample_index(int x, int y, int z) { return (z * kBlockEdge + y) * kBlockEdge + x; }
 
-// The block of a lattice point, and its place in it (arithmetic shift: negative ones too).
+// Return the block of a lattice point and the point's index in it. The arithmetic shift handles
+// negative coordinates too.
 inline BlockCoordinate block_of(const Eigen::Vector3i& sample) {
     return {sample.x() >> 3, sample.y() >> 3, sample.z() >> 3};
 }
 inline int index_in_block(const Eigen::Vector3i& sample) {
     return sample_index(sample.x() & 7, sample.y() & 7, sample.z() & 7);
 }
+
+// Returns the lattice point of a block's first sample.
 inline Eigen::Vector3i first_sample(const BlockCoordinate& block) {
     return Eigen::Vector3i(block.x, block.y, block.z) * kBlockEdge;
 }

@@ -12,15 +12,16 @@
 namespace divemesh::fusion {
 namespace {
 
-// Leaves: more would lie idle where bricks hold few, fewer cost more handles.
+// Leaves per slot: more would waste memory where bricks have few leaves, fewer would cost more
+// handles.
 constexpr int kLeavesPerSlot = 2;
 constexpr std::size_t kMaxLeafSlots = kBlockSamples / kLeavesPerSlot;
-// Of a record, in words of 32 bits: owner; how many leaves and how many rooms; then the rooms'
-// handles; then the places of the leaves, two in a word.
+// Layout of a record, in words of 32 bits: owner; number of leaves and of slots; the slots'
+// handles; the places of the leaves, two per word.
 constexpr std::size_t kHeaderWords = 2;
 constexpr std::size_t kWordsPerSlot = 1 + kLeavesPerSlot / 2;
 constexpr std::uint32_t kPageWords = 1U << 10;
-constexpr std::size_t kSlackWords = 4;  // that find_place() may read behind a page
+constexpr std::size_t kSlackWords = 4;  // that find_place() may read past the end of a page
 
 constexpr std::uint32_t words_of(std::size_t num_slots) {
     return static_cast<std::uint32_t>(kHeaderWords + kWordsPerSlot * num_slots);
@@ -29,12 +30,13 @@ constexpr std::uint32_t records_per_page(std::size_t num_slots) {
     return kPageWords / words_of(num_slots);
 }
 
-// Among the first `num`, or -1. Looks at eight at once, some of them beyond.
+// Returns the index of a place among the first `num`, or -1. Compares eight at a time, some of them
+// past the end.
 int find_place(const std::uint16_t* places, int num, int place) {
     const base::Shorts wanted = base::Shorts{} + static_cast<std::uint16_t>(place);
     for (int i = 0; i < num; i += base::kLanes) {
         const auto equal = base::load_lanes<base::Shorts>(places + i) == wanted;
-        std::array<std::uint64_t, 2> halves;  // all 16 bits of a lane that is equal
+        std::array<std::uint64_t, 2> halves;  // an equal lane has all 16 bits set
         std::memcpy(halves.data(), &equal, sizeof halves);
         if ((halves[0] | halves[1]) == 0) continue;
         const int lane = halves[0] != 0 ? std::countr_zero(halves[0]) / 16
@@ -109,7 +111,7 @@ const PointLeaf* BrickStore::find(Handle brick, int place) const {
 void BrickStore::for_each(Handle brick,
                           const std::function<void(int place, const PointLeaf&)>& visit) const {
     const auto found = record(brick);
-    std::array<std::uint16_t, kBlockSamples> index{};  // of the leaf at each place that has one
+    std::array<std::uint16_t, kBlockSamples> index{};  // of the leaf at each occupied place
     std::array<std::uint64_t, kBlockSamples / 64> there{};
     for (int i = 0; i < found.num_leaves(); ++i) {
         const int place = found.places()[i];
@@ -144,7 +146,7 @@ BrickStore::Handle BrickStore::take_record(std::size_t num_slots) {
     return record_at(num_slots, num_records++);
 }
 
-// The last record of this size takes the place of one that is no longer needed.
+// Frees a record: the last record of this size moves into it.
 void BrickStore::give_back(Handle brick, std::size_t num_slots) {
     auto& [pages, num_records] = sizes_[num_slots];
     const Handle last = record_at(num_slots, --num_records);

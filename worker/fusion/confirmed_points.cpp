@@ -9,7 +9,7 @@ namespace divemesh::fusion {
 namespace {
 
 constexpr std::size_t kPointsAtOnce = std::size_t{1} << 18;
-constexpr std::size_t kSlice = 4096;  // points that a thread takes at once
+constexpr std::size_t kSlice = 4096;  // points per task of a thread
 
 }  // namespace
 

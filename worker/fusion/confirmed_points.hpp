@@ -9,11 +9,11 @@
 
 namespace divemesh::fusion {
 
-// The points of an octree that a volume confirms: what one view alone saw, or what others looked
-// through, is none. Streamed: only a bit for each point is held.
+// The points of an octree that a volume confirms: points that only one view saw or that other views
+// looked through are left out. Points are streamed; only one bit per point is held.
 class ConfirmedPoints {
 public:
-    // Both must outlive it and stay as they are.
+    // `points` and `volume` must outlive this object and must not change.
     ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads);
 
     std::int64_t size() const { return num_confirmed_; }

@@ -5,15 +5,17 @@
 namespace divemesh::fusion {
 namespace {
 
-constexpr float kMaxDepthRatio = 3.0F;  // of a pixel's depth: what is seen at a graze has no end
+// Limit in shares of a pixel's depth, as surface seen at a grazing angle has no end.
+constexpr float kMaxDepthRatio = 3.0F;
 
-// How far before and behind its surface a pixel changes samples, along the optical axis. They lie
-// anywhere in the pixel, so the surface may be as near and as far as at its corners. The noise, and
-// so the truncation, grows with the square of the depth: behind, z - depth = noise z^2 is where it
-// ends, if it does.
+// Returns the range along the optical axis in which a pixel changes samples. Samples lie anywhere
+// in the pixel, so the surface counts as near and as far as at the pixel's corners. The noise, and
+// so the truncation, grows with the square of the depth: behind the surface it ends where z - depth
+// = noise z^2, if there is a solution.
 DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     const float most = kMaxDepthRatio * pixel.depth_m;
-    const float across = pixel.offset_m / pixel.depth_m;  // metres across the plane, per metre of z
+    const float across =
+        pixel.offset_m / pixel.depth_m;  // along the plane's normal, per metre of z
     const float to_corner =
         0.5F * (std::abs(pixel.normal[0]) + std::abs(pixel.normal[1])) / view.focal_px;
     if (across <= to_corner) return {0.0F, most};
@@ -21,8 +23,8 @@ DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
     if (!makes_surface(view, pixel)) return {pixel.depth_m, std::min(most, far_depth)};
     const float near_depth = pixel.offset_m / (across + to_corner);
     const float least = kTruncation_voxels * view.voxel_m;
-    const float noise =
-        kTruncation_sigmas * (pixel.sigma_disparity_px * view.depth_sigma_scale);  // 1/m, across
+    const float noise = kTruncation_sigmas * (pixel.sigma_disparity_px *
+                                              view.depth_sigma_scale);  // 1/m, along the normal
     const float nearest = std::max(least, noise * near_depth * near_depth) / (across + to_corner);
     const float root = 1.0F - 4.0F * noise * far_depth / (across - to_corner);
     const float noise_ends = root <= 0.0F ? most : 2.0F * far_depth / (1.0F + std::sqrt(root));

@@ -9,8 +9,8 @@
 
 namespace divemesh::fusion {
 
-// The depths, along the optical axis, between which some pixels may make surface; behind the
-// farthest they change nothing. Of no pixel: nothing lies in it.
+// The range of depths along the optical axis in which some pixels may make surface; behind
+// `farthest_m` they change no sample. Empty for no pixels.
 struct DepthRange {
     float nearest_m = std::numeric_limits<float>::infinity();
     float farthest_m = 0.0F;
@@ -21,8 +21,8 @@ struct DepthRange {
     }
 };
 
-// Those of a view by square tiles of 4, 8 and 16 pixels, so that what cannot change is told without
-// a look at its pixels.
+// The depth ranges of a view, by square tiles of 4, 8 and 16 pixels. They tell what a view cannot
+// change without reading its pixels.
 class DepthRanges {
 public:
     static constexpr int kNumLevels = 3;
@@ -30,15 +30,16 @@ public:
 
     explicit DepthRanges(const TsdfView& view);
 
-    // Over some tiles of a level, ends included.
+    // Returns the range over some tiles of a level, ends included.
     DepthRange over(
         int level, int first_column, int last_column, int first_row, int last_row) const;
-    // Over a tile and the eight around it: of all that is no farther than a tile's width from any
-    // of its pixels.
+    // Returns the range over a tile and its eight neighbours, which hold every pixel no farther
+    // than a tile's width from any of its pixels.
     const DepthRange& around(int level, int column, int row) const {
         return levels_[level].around[index(levels_[level], column, row)];
     }
-    // Of each pixel, row by row: behind that it changes nothing; 0 where nothing is known.
+    // Returns for each pixel, row by row, the depth behind which it changes no sample; 0 if its
+    // depth is unknown.
     const float* farthest_m() const { return farthest_m_.data(); }
     int num_columns(int level) const { return levels_[level].num_columns; }
     int num_rows(int level) const { return levels_[level].num_rows; }

@@ -11,11 +11,11 @@
 namespace divemesh::fusion {
 namespace {
 
-constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a jump
-constexpr int kReach_px = 4;         // of the gradient, at full sampling
+constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a discontinuity
+constexpr int kReach_px = 4;         // of the gradient's pixels, at full sampling
 constexpr float kMaxBend_px = 1.0F;  // of the disparity over that reach
 constexpr float kDeadRim_px = 2.0F;
-constexpr float kFullWeight_px = 5.0F;  // from a jump or the unknown
+constexpr float kFullWeight_px = 5.0F;  // distance from a discontinuity or unknown pixel
 constexpr float kMinCosine = 0.15F;     // of the angle of incidence
 
 DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
@@ -34,8 +34,8 @@ DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
     }
 }
 
-// Slope of the disparity along one axis: differences of pixels on opposite sides, of those pairs
-// that are on one plane with the centre.
+// Slope of the disparity along one axis: differences of opposite pixels, for those pairs that are
+// in one plane with the centre.
 struct SlopeFit {
     base::Floats numerator;
     base::Floats denominator;
@@ -55,12 +55,12 @@ DIVEMESH_INLINE_BODY void add_pair(SlopeFit& fit,
     fit.denominator += base::select(on_plane, base::broadcast(4.0F * reach * reach));
 }
 
-// One row of a keyframe's depth, and the rows around it.
+// One row of a keyframe's depth with access to the rows around it.
 struct DepthRow {
-    const float* disparity;  // of the row, and `stride` floats on the next
+    const float* disparity;  // of the row; the next row is `stride` floats further
     std::ptrdiff_t stride;
     const float* sigma;
-    const float* rim;           // distance from the nearest unknown pixel or jump
+    const float* rim;           // distance from the nearest unknown pixel or discontinuity
     const std::uint8_t* image;  // BGR
     int width;
     float v;  // of the row, from the principal point
@@ -70,10 +70,11 @@ struct Optics {
     float focal;
     float focal_baseline;
     float cx;
-    int step_px;  // of the keyframe's pixels between two of these
+    int step_px;  // keyframe pixels per pixel
 };
 
-// Red, green and blue from bit 16 down, of eight pixels. Reads one byte more, so not for the last.
+// Returns the colours of eight pixels: red, green and blue from bit 16 down. Reads one byte past
+// them, so it must not be used for the last pixels.
 DIVEMESH_INLINE_BODY base::Masks colors(const std::uint8_t* bgr) {
     base::Masks packed;
     for (int i = 0; i < base::kLanes; ++i) {
@@ -84,15 +85,15 @@ DIVEMESH_INLINE_BODY base::Masks colors(const std::uint8_t* bgr) {
     return packed;
 }
 
-// The tangent planes of a row: n ~ (f d_u, f d_v, d - (u - cx) d_u - (v - cy) d_v), scaled so that
-// n . p = f b on the plane.
+// Fits the tangent planes of a row: n ~ (f d_u, f d_v, d - (u - cx) d_u - (v - cy) d_v), scaled so
+// that n . p = f b on the plane.
 DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
                                      const Optics& optics,
                                      SurfacePixel* pixels) {
     const int furthest = kReach_px / optics.step_px;
     const float bend_px = kMaxBend_px / static_cast<float>(optics.step_px);
     for (int start = furthest; start < row.width - furthest; start += base::kLanes) {
-        // The last eight overlap the ones before.
+        // The last eight pixels overlap the previous ones.
         const int u = std::min(start, row.width - furthest - base::kLanes);
         const base::Floats inside = static_cast<float>(optics.step_px) * base::load(row.rim + u);
         base::Masks good = inside > kDeadRim_px;
@@ -150,8 +151,8 @@ struct Kernels {
     void (*fit_planes)(const DepthRow&, const Optics&, SurfacePixel*);
 };
 
-// What of a row is inside still when everything loses its outermost pixels; by turns with those at
-// the corners and without, which goes inward about as fast along the diagonals as straight on.
+// Erodes a row by one pixel. Calls alternate between erosion with and without the corners, which
+// proceeds about as fast diagonally as along the axes.
 void peel_row(const std::uint8_t* __restrict above,
               const std::uint8_t* __restrict row,
               const std::uint8_t* __restrict below,
@@ -165,8 +166,8 @@ void peel_row(const std::uint8_t* __restrict above,
         out[x] &= above[x - 1] & above[x + 1] & below[x - 1] & below[x + 1];
 }
 
-// Distance of each pixel from the nearest one that is unknown or at a jump, px, no more than
-// matters.
+// Returns the distance of each pixel from the nearest one that is unknown or at a discontinuity,
+// px, limited to the largest distance that matters.
 cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
     cv::Mat inside(disparity.size(), CV_8U, cv::Scalar(0));
     for (int y = 1; y + 1 < disparity.rows; ++y)
@@ -193,15 +194,16 @@ cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
     return distance;
 }
 
-// What planes are fitted to.
+// The input of the plane fit.
 struct DepthImage {
     cv::Mat disparity;  // CV_32F
     cv::Mat sigma;      // CV_32F
-    cv::Mat rim;        // CV_32F, distance from the nearest pixel outside of a surface
+    cv::Mat rim;        // CV_32F, distance from the nearest pixel outside a surface
     cv::Mat color;      // CV_8UC3
 };
 
-// The means of two by two pixels, in units of their own width; 0 where a disparity is not known.
+// Averages 2 x 2 pixels, with the disparity in units of the larger pixels; 0 where a disparity is
+// unknown.
 void halve_row(const DepthImage& from, int row, DepthImage& to) {
     const auto* above = from.disparity.ptr<float>(2 * row);
     const auto* below = from.disparity.ptr<float>(2 * row + 1);
@@ -231,7 +233,7 @@ DepthImage halved(const DepthImage& full) {
     return half;
 }
 
-// The middle of two by two pixels is half a pixel right of and below the first one's.
+// The centre of 2 x 2 pixels is half a pixel to the right of and below the first pixel's centre.
 types::RectifiedRig halved(types::RectifiedRig rig) {
     rig.width_px /= 2;
     rig.height_px /= 2;

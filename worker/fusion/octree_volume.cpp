@@ -9,18 +9,19 @@
 namespace divemesh::fusion {
 namespace {
 
-constexpr int kMinViews = 2;  // of a leaf before it counts: what one view saw may be snow
+constexpr int kMinViews = 2;  // a leaf counts from two views on: what only one view saw may be snow
 
 }  // namespace
 
 OctreeVolume::OctreeVolume(VolumeSettings settings)
     : Volume(std::move(settings)), octree_(settings_.voxel_m, settings_.spill) {}
 
-// Where the view has one pixel for four of the keyframe's, it is one point if all four would fall
-// into one leaf, else four on its plane: leaves between them would stay empty.
+// If a pixel of the view stands for four of the keyframe, it is one point if all four would be in
+// the same leaf, else four points on its plane, as leaves between the points would stay empty
+// otherwise.
 void OctreeVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
     const double sigma_scale = 1.0 / (depth.rig().focal_px * depth.rig().baseline_m);
-    // Where a pixel of the keyframe is as wide as a leaf.
+    // The depth at which a keyframe pixel is as wide as a leaf.
     const double pixel_is_leaf_m = settings_.voxel_m * settings_.rig.focal_px;
     PointObservation point;
     point.view = static_cast<std::uint8_t>(num_views_);

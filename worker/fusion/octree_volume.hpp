@@ -10,8 +10,8 @@
 namespace divemesh::fusion {
 
 // The paper's step 7: every point that a keyframe saw goes into an octree, which keeps the weighted
-// mean of each leaf. The surface in it is the zero of the signed distance to the leaves' tangent
-// planes (Hoppe et al. 1992), averaged over the leaves nearby.
+// mean of each leaf. Its surface is the zero of the signed distance to the tangent planes of the
+// leaves (Hoppe et al. 1992), averaged over the leaves nearby.
 class OctreeVolume : public Volume {
 public:
     explicit OctreeVolume(VolumeSettings settings);

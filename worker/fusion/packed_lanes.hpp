@@ -3,7 +3,7 @@
 #include "worker/base/lanes.hpp"
 #include "worker/fusion/packed_values.hpp"
 
-// worker/fusion/packed_values.hpp for eight values at once, to the bit.
+// The functions of worker/fusion/packed_values.hpp for eight values at once, equal to the bit.
 namespace divemesh::fusion {
 
 DIVEMESH_INLINE_BODY base::Floats unpack_weights(base::Masks packed) {

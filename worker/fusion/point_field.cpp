@@ -14,7 +14,7 @@ constexpr float kReach_voxels = 1.0F;  // along the surface, beyond the last poi
 
 }  // namespace
 
-// What the points near the samples of one block add up to.
+// Sums of the points near the samples of one block.
 class PointField::Sums {
 public:
     void add(const Point& point, const Eigen::Vector3f& place) {
@@ -29,7 +29,7 @@ public:
                            Eigen::Vector3f(Eigen::Vector3i(x, y, z).cast<float>() - place));
     }
 
-    // False when the points reach no sample.
+    // Returns false if the points reach no sample.
     bool write(float voxel_m, Block& out) const {
         bool any = false;
         for (int i = 0; i < kBlockSamples; ++i) {
@@ -105,7 +105,7 @@ void PointField::collect_points(const PointOctree& octree, int min_views) {
     });
 }
 
-// Every block with points, and its neighbours.
+// Chooses every block with points and its neighbours.
 void PointField::choose_blocks() {
     for (const auto& [block, range] : ranges_)
         for (int n = 0; n < 27; ++n)

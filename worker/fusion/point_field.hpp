@@ -11,7 +11,8 @@ namespace divemesh::fusion {
 
 // The signed distance to oriented points (Hoppe et al. 1992): at each sample the mean of the
 // distances to the tangent planes of the leaves within 2.5 leaves, weighted by their certainty and
-// nearness. Known where some leaf lies within a leaf's edge of the sample's foot on its plane.
+// nearness. A sample is known if some leaf lies within a leaf's edge of the sample's projection
+// onto that leaf's plane.
 class PointField : public SignedDistanceField {
 public:
     PointField(const PointOctree& octree, int min_views, int num_threads);

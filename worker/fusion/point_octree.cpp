@@ -9,9 +9,10 @@
 namespace divemesh::fusion {
 namespace {
 
-constexpr int kLevelsPerTrim = 4;  // above the bricks: what is below such a node is visited at once
+// Above the bricks: all below a node of that level is visited between two trims.
+constexpr int kLevelsPerTrim = 4;
 
-// One of three means, moved toward a new value by its share; values in steps, not negative.
+// Moves one of three means toward a new value by its share; values are in steps and not negative.
 std::uint32_t moved(std::uint32_t means, int i, float value, float share) {
     const auto before = static_cast<float>(unpack(means, i));
     const auto after = static_cast<std::int32_t>(before + share * (value - before) + 0.5F);
@@ -25,7 +26,7 @@ PointOctree::PointOctree(double leaf_m, SpillSettings spill)
       bricks_(std::move(spill), [this](std::uint32_t owner, BrickStore::Handle brick) {
           nodes_[owner / 8][owner % 8] = brick + 1;
       }) {
-    nodes_.add(Node{});  // the root; as a child, 0 means none
+    nodes_.add(Node{});  // root; as a child, 0 means no child
 }
 
 bool PointOctree::inside(const Eigen::Vector3i& cell) {
@@ -69,11 +70,12 @@ bool PointOctree::restore(const Eigen::Vector3i& cell, const PointLeaf& leaf) {
 }
 
 // Bricks are counted from the cube's corner, so that bit kLevels - 1 - level of each coordinate
-// chooses the child at that level. Neighbouring ones go down from where their paths part.
+// selects the child at that level. The descent starts at the node where the paths of this brick and
+// the last one part.
 BrickStore::Handle PointOctree::brick_at(const Eigen::Vector3i& at) {
     const auto parted = static_cast<unsigned>((at.x() ^ last_at_.x()) | (at.y() ^ last_at_.y()) |
                                               (at.z() ^ last_at_.z()));
-    // The first level whose node is not known to be the last brick's too.
+    // The first level whose node may differ from the last brick's.
     int level =
         std::min(kLevels - 1, std::max(0, kLevels - static_cast<int>(std::bit_width(parted))));
     while (level > 0 && path_[level] == 0) --level;

@@ -22,7 +22,7 @@ struct PointObservation {
     std::uint8_t view = 0;  // number of the view, modulo 256
 };
 
-// A grow-only array in pieces: never copied, so that it never needs twice its memory.
+// A grow-only array in chunks: it is never copied, so it never needs twice its memory.
 template <typename T>
 class Pool {
 public:
@@ -43,26 +43,28 @@ private:
     std::uint32_t size_ = 0;
 };
 
-// The paper's octree of points: cubes of 2^20 leaves a side around the world's origin, halved down
-// to leaves of `leaf_m`. Nodes exist where there are points. The lowest three levels are one brick.
-// Tens of millions of leaves fit, at 19 bytes each and about 40 more for a brick and the nodes
-// above it; leaves that were not in view of late go to disk when there are many. One thread at a
+// The paper's octree of points: a cube of 2^20 leaves a side around the world's origin, halved down
+// to leaves of `leaf_m`. Nodes exist only where there are points. The lowest three levels are one
+// brick. It holds tens of millions of leaves, at 19 bytes each and about 40 more for a brick and
+// the nodes above it; leaves that were not in view lately are spilled to disk. For one thread at a
 // time.
 class PointOctree {
 public:
     explicit PointOctree(double leaf_m, SpillSettings spill = {});
-    PointOctree(const PointOctree&) = delete;  // its bricks tell it where they go
+    PointOctree(const PointOctree&) = delete;  // its bricks call back when they move
     PointOctree& operator=(const PointOctree&) = delete;
 
-    // False when the point is not finite or outside of the cube (+-524288 leaves).
+    // Adds an observation to its leaf. Returns false if the point is not finite or outside the cube
+    // (+-524288 leaves).
     bool insert(const PointObservation& observation);
-    // Puts a leaf back as it was; for loading.
+    // Restores a leaf when a volume is loaded.
     bool restore(const Eigen::Vector3i& cell, const PointLeaf& leaf);
 
-    const PointLeaf* find(const Eigen::Vector3i& cell) const;  // null: empty
-    // Every leaf with its cell, (x, y, z) / leaf_m rounded down, brick by brick in Morton order.
+    const PointLeaf* find(const Eigen::Vector3i& cell) const;  // Returns null if the leaf is empty.
+    // Visits every leaf with its cell, (x, y, z) / leaf_m rounded down, brick by brick in Morton
+    // order.
     void for_each(const std::function<void(const Eigen::Vector3i&, const PointLeaf&)>& visit) const;
-    // Leaves beyond what may be in memory go; no pointer to a leaf outlives it.
+    // Spills leaves beyond the memory limit. Invalidates all pointers to leaves.
     void trim() const { bricks_.trim(); }
 
     Eigen::Vector3d position(const Eigen::Vector3i& cell, const PointLeaf& leaf) const;
@@ -74,8 +76,8 @@ public:
 private:
     static constexpr int kLeafLevels = 20;
     static constexpr int kLevels = kLeafLevels - 3;  // of bricks
-    // Children: nodes, at the last level bricks by their handle plus one; 0: none. A brick is owned
-    // by 8 times its node plus its number there.
+    // Children of a node: nodes, at the last level handles of bricks plus one; 0: no child. The
+    // owner of a brick is 8 times its node plus its number in it.
     using Node = std::array<std::uint32_t, 8>;
     using Visit = std::function<void(const Eigen::Vector3i&, const PointLeaf&)>;
 
@@ -97,7 +99,7 @@ private:
     Eigen::Vector3i last_at_ = Eigen::Vector3i::Zero();
 };
 
-Eigen::Vector3f leaf_normal(const PointLeaf& leaf);  // its length tells how much normals agree
+Eigen::Vector3f leaf_normal(const PointLeaf& leaf);  // the better the normals agree, the longer
 types::Color leaf_color(const PointLeaf& leaf);
 
 }  // namespace divemesh::fusion

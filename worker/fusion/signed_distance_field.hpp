@@ -12,7 +12,7 @@ namespace divemesh::fusion {
 
 inline constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
 
-// What is known at a sample beside its distance.
+// The attributes of a sample besides its distance.
 struct SampleAttributes {
     types::Color color = {0, 0, 0};
     bool has_color = false;
@@ -21,20 +21,20 @@ struct SampleAttributes {
 };
 
 // A sparse signed distance to the surface: positive on the side of the cameras, unknown away from
-// the surface and where too little was seen. What both volumes are to both meshers. Calls from
-// several threads are safe, but for let_go().
+// the surface and where too little was seen. It is the interface of both volumes to both meshers.
+// Thread-safe, except for release_memory().
 class SignedDistanceField {
 public:
     virtual ~SignedDistanceField() = default;
 
     virtual double voxel_m() const = 0;
     virtual const std::vector<BlockCoordinate>& blocks() const = 0;  // sorted
-    // The 512 distances of a block, m; kUnknownDistance where unknown.
+    // Writes the 512 distances of a block, m; kUnknownDistance where unknown.
     virtual void read_distances(std::size_t block, float* distances_m) const = 0;
     virtual float distance_m(std::size_t block, int sample) const = 0;
     virtual SampleAttributes attributes(std::size_t block, int sample) const = 0;
-    // To be called now and then on a walk through the field, so that it need not be in memory
-    // whole.
+    // Spills what was read. Call it now and then on a walk through the field, so that the field
+    // need not fit into memory.
     virtual void release_memory() const {}
 };
 

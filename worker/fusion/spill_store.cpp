@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t kUnitBytes = 16;
 constexpr int kUnitBits = 16;
 static_assert(SpillStore::kChunkBytes == kUnitBytes << kUnitBits);
-constexpr std::size_t kMaxSpare = 64;  // pieces
-constexpr double kKeptShare = 0.75;  // after pieces have gone, so that not every trim() drops some
+constexpr std::size_t kMaxSpare = 64;  // chunks
+constexpr double kKeptShare = 0.75;    // after trimming, so that not every trim() spills chunks
 
 std::size_t chunk_of(SpillStore::Handle record) { return record >> kUnitBits; }
 std::size_t place_of(SpillStore::Handle record) {
@@ -43,7 +43,7 @@ int open_unnamed(const std::filesystem::path& folder) {
     return file;
 }
 
-// Calls `move` (pread or pwrite) until a whole piece has gone over.
+// Calls `move` (pread or pwrite) until a whole chunk is transferred.
 template <typename Move>
 void move_chunk(Move&& move) {
     std::size_t done = 0;
@@ -55,8 +55,8 @@ void move_chunk(Move&& move) {
     }
 }
 
-// Mapped, not from the heap: small things would settle in the gaps that pieces leave there, and the
-// heap would grow to several times what the pieces hold.
+// Maps a chunk instead of allocating it on the heap: small allocations would settle in the gaps
+// that chunks leave there, and the heap would grow to several times the size of the chunks.
 std::byte* map_chunk() {
     void* memory = mmap(nullptr,
                         SpillStore::kChunkBytes,

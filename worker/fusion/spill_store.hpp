@@ -12,16 +12,17 @@ namespace divemesh::fusion {
 
 struct SpillSettings {
     std::filesystem::path folder;   // of the scratch file; empty: all stays in memory
-    std::int64_t memory_bytes = 0;  // that may be in memory after trim()
+    std::int64_t memory_bytes = 0;  // limit after trim()
 };
 
-// Records that are made one after another and never go, in pieces of a mebibyte. Pieces that were
-// not used of late are written to a scratch file and leave memory; who asks for one of their
-// records brings them back. The file has no name: it goes with the process. Reading is safe from
-// several threads; everything else is for one at a time. Throws Error{OutOfSpace}.
+// Stores records that are allocated one after another and never freed, in chunks of 1 MiB. Chunks
+// that were not used lately are written to a scratch file and leave memory; access to one of their
+// records loads them again. The file is unlinked and ends with the process. Reading is thread-safe,
+// all else is for one thread at a time. Throws Error{OutOfSpace}.
 class SpillStore {
 public:
-    // Where a record is: its piece in the upper half, 16 bytes a unit in the lower.
+    // Address of a record: its chunk in the upper half, the offset in units of 16 bytes in the
+    // lower.
     using Handle = std::uint32_t;
     static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
@@ -30,10 +31,10 @@ public:
     SpillStore(const SpillStore&) = delete;
     SpillStore& operator=(const SpillStore&) = delete;
 
-    Handle allocate(std::size_t num_bytes);  // of zeros, aligned to 16, at most a piece
+    Handle allocate(std::size_t num_bytes);  // zeroed, aligned to 16; at most a chunk
     std::byte* write(Handle record);
     const std::byte* read(Handle record) const;
-    // Lets go of the least lately used pieces when too many are in memory. No pointer outlives it.
+    // Spills the least recently used chunks if too many are in memory. Invalidates all pointers.
     void trim() const;
 
     std::int64_t size_bytes() const;  // in memory and on disk
@@ -52,16 +53,16 @@ private:
     void spill(std::size_t chunk) const;
 
     SpillSettings settings_;
-    // Where a record is kept is not part of its value.
+    // Where a record is kept is not part of the store's value.
     mutable std::deque<Chunk> chunks_;
     mutable std::mutex loading_;
-    // Memory of pieces that were let go, for the next ones: with those in memory never more than
-    // were in memory at once.
+    // Memory of spilled chunks, to be reused: with the resident chunks never more than were
+    // resident at once.
     mutable std::vector<std::byte*> spare_;
     mutable std::uint64_t now_ = 1;
     mutable std::atomic<std::int64_t> num_resident_ = 0;
     mutable int file_ = -1;
-    std::size_t used_bytes_ = kChunkBytes;  // of the last piece
+    std::size_t used_bytes_ = kChunkBytes;  // of the last chunk
 };
 
 }  // namespace divemesh::fusion

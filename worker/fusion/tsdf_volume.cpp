@@ -13,11 +13,11 @@ namespace divemesh::fusion {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kMaxStep_voxels = 6.0F;        // between rays that miss no block
-constexpr float kMinDisparitySigma_px = 0.1F;  // less than is ever stated
+constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
+constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
 constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
-// How far from the surface a point may lie: where as many views looked through as saw something,
-// the zero is farther off.
+// Max distance of a confirmed point from the surface. Where as many views looked through the point
+// as saw a surface, the zero is farther away.
 constexpr float kConfirmed_voxels = 1.5F;
 constexpr std::uint32_t kBlocksPerTrim = 4096;
 
@@ -34,18 +34,19 @@ int rounded(float x) {
     return whole - static_cast<int>(x + 0.5F < static_cast<float>(whole));
 }
 
-// All of it: the samples of a block are in four arrays, each too short for the processor to see
-// where it goes on.
+// Prefetches the whole block: its samples are in four arrays, each too short for the processor's
+// own prefetcher.
 void prefetch(const TsdfBlock* block) {
     constexpr std::size_t kLine = 64;
     const auto* bytes = reinterpret_cast<const char*>(block);
     for (std::size_t i = 0; i < sizeof(TsdfBlock); i += kLine) __builtin_prefetch(bytes + i, 1, 2);
 }
 
-// The blocks that a view has come across of late: most pixels lie in those of their neighbours.
+// The blocks that a view has touched recently: most pixels lie in the same blocks as their
+// neighbours.
 class RecentBlocks {
 public:
-    // False when it is among them, else it is from now on.
+    // Adds a block; returns false if it is among them already.
     bool add(const BlockCoordinate& block) {
         auto& place = places_[BlockCoordinateHash()(block) % kNumPlaces];
         if (place == block) return false;
@@ -80,8 +81,8 @@ TsdfView view_of(const types::Keyframe& keyframe,
     return view;
 }
 
-// How many pixels apart rays may be that come through every block of a surface, however far it may
-// be seen.
+// Returns the pixel spacing at which rays still hit every block of a surface at any visible
+// distance.
 int allocation_step_px(const TsdfView& view) {
     const float farthest_m =
         std::min(view.max_depth_m,
@@ -112,7 +113,7 @@ void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
     ++num_views_;
 }
 
-// The blocks within the truncation distance of what the pixels saw.
+// Allocates the blocks within the truncation distance of the pixels' surface.
 void TsdfVolume::allocate(const TsdfView& view,
                           const types::Keyframe& keyframe,
                           const DepthView& depth) {
@@ -178,7 +179,7 @@ void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t*
     }
 }
 
-// What the meshers see: samples that enough views agree on.
+// The TSDF as the meshers see it: only samples that enough views confirm.
 class TsdfField : public SignedDistanceField {
 public:
     explicit TsdfField(const TsdfVolume& volume)

@@ -16,14 +16,14 @@
 
 namespace divemesh::fusion {
 
-// Truncated signed distances (Curless and Levoy 1996) in blocks that exist near the surface alone.
-// A view's distance is to its tangent plane; its weight is one over the variance of the depth that
-// it measures at the sample's own range, sigma_z = z^2 sigma_d / (f b), which leaves no bias toward
-// far readings, times a ramp at depth discontinuities and the cosine of incidence. Samples are
-// truncated at the larger of three voxels and two sigma. Views whose surface is farther behind a
-// sample than three voxels and four sigma look through it: they pull it to the front with the same
-// weight, and what was there in a few views, snow or fish, goes. Blocks that were not in view of
-// late go to disk when there are many.
+// Truncated signed distances (Curless and Levoy 1996) in blocks that exist only near the surface.
+// The distance of a view is to its tangent plane. Its weight is one over the variance of the depth
+// that it measures at the sample's own range, sigma_z = z^2 sigma_d / (f b), which avoids a bias
+// toward far readings, times a ramp at depth discontinuities and the cosine of incidence. Samples
+// are truncated at the larger of three voxels and two sigma. Views whose surface is farther behind
+// a sample than three voxels and four sigma look through it: they carve it with the same weight,
+// which removes what only a few views saw there, such as snow or fish. Blocks that were not in view
+// lately are spilled to disk.
 class TsdfVolume : public Volume {
 public:
     explicit TsdfVolume(VolumeSettings settings);
@@ -44,17 +44,17 @@ private:
     void add_block(const BlockCoordinate& block);
     TsdfBlock& block(std::uint32_t number);
     const TsdfBlock& block(std::uint32_t number) const;
-    const TsdfBlock* find(const BlockCoordinate& block) const;  // null: there is none
+    const TsdfBlock* find(const BlockCoordinate& block) const;  // null: the block does not exist
 
-    // Of a sample before it may be surface.
+    // Returns how many views a sample needs before it may be surface.
     std::uint32_t min_views() const { return std::min(kMinViews, num_views_); }
 
-    // What is far away or at the rim of a dive has depth in two views and no more: with three, 4 %
-    // of the reference within 10 mm are lost on tank and barge.
+    // Two, as surface that is far away or at the border of a dive has depth in only two views: with
+    // three, 4 % of the reference within 10 mm are lost on tank and barge.
     static constexpr std::uint32_t kMinViews = 2;
     std::uint32_t num_views_ = 0;
     std::vector<BlockCoordinate> coordinates_;  // in the order of allocation
-    BlockRegions regions_;                      // the same blocks, by where they are
+    BlockRegions regions_;                      // the same blocks, by position
     std::vector<SpillStore::Handle> blocks_;
     SpillStore samples_;
     std::unordered_map<BlockCoordinate, std::uint32_t, BlockCoordinateHash> index_;

@@ -8,19 +8,19 @@ namespace {
 
 constexpr float kColorBand_voxels = 2.0F;
 constexpr float kMinDepth_m = 0.1F;
-// A view looks through what is so far before its surface. Readings that are too near are cut off at
-// the truncation; if those as much too far counted, noise would push the surface back.
+// Distance in front of its surface beyond which a view carves. Readings that are too near are cut
+// off at the truncation; if equally wrong far readings counted, noise would push the surface back.
 constexpr float kClear_sigmas = 2.0F * kTruncation_sigmas;
 constexpr std::int32_t kFreeSteps = 2 * static_cast<std::int32_t>(kDistanceSteps);
 constexpr std::int32_t kMaxSteps_int = 0x7fff;
 constexpr float kMaxSteps = kMaxSteps_int;
 
-// What a view says about the eight samples of a row.
+// A view's observations of the eight samples of a row.
 struct Sighting {
     base::Masks updated;
-    base::Masks seen_near;  // the surface, in range
+    base::Masks seen_near;  // near the surface, in range
     base::Masks colored;
-    base::Floats share;  // of the new weight in the whole
+    base::Floats share;  // of the new weight in the sum
     base::Masks color;   // red, green and blue from bit 16 down
 };
 
@@ -45,8 +45,8 @@ DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, Tsd
     base::store(block.color.data() + sample, sighting.colored ? after : before);
 }
 
-// The samples on the line x = 0..7 of the block, whose first is at p_cam and the next by step_cam
-// on.
+// Updates the samples on the line x = 0..7 of the block; the first is at p_cam, the next ones at
+// intervals of step_cam.
 DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
                                      const DepthRanges& ranges,
                                      const Eigen::Vector3f& p_cam,
@@ -96,12 +96,13 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const base::Masks in_range =
         (depth <= view.max_depth_m) & (depth * depth * sigma_scale <= view.max_sigma_m);
     sighting.seen_near = known & ~passed_through & in_range;
-    // What is in front of the surface, and what lies behind too far a surface, changes what is
-    // there but makes nothing new.
+    // Free space, including that in front of a surface beyond the range, changes known samples but
+    // creates no new ones.
     sighting.updated = sighting.seen_near | (known & (weight_before > 0.0F) & is_free);
     if (!base::any(sighting.updated)) return;
 
-    // Behind the surface the weight falls, but not within the noise: the zero would move back.
+    // The weight falls behind the surface, but not within the noise, where that would move the zero
+    // back.
     const base::Floats certain = base::max(base::broadcast(view.voxel_m), 2.0F * sigma);
     const base::Floats full = certainty / (sigma * sigma);
     const base::Floats weight =
@@ -114,7 +115,7 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const base::Floats distance_before = __builtin_convertvector(steps_before, base::Floats);
     const base::Floats seen = within_range(steps * base::min(distance, truncation));
     const base::Floats distance_after = distance_before + sighting.share * (seen - distance_before);
-    // Rounded where all are positive: whole() cuts toward zero.
+    // Adds an offset to round positive numbers, as to_integers() truncates toward zero.
     const base::Masks steps_after =
         base::to_integers(base::select(sighting.updated, distance_after) + (kMaxSteps + 0.5F)) -
         kMaxSteps_int;
@@ -138,7 +139,7 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     if (base::any(sighting.colored)) update_color(sighting, sample, block);
 }
 
-// Whether some of eight samples is known and not well before every surface.
+// Returns whether any of eight samples is known and not far in front of every surface.
 DIVEMESH_INLINE_BODY bool can_be_carved(const TsdfBlock& block, int sample) {
     const base::Masks weights = __builtin_convertvector(
         base::load_lanes<base::Shorts>(block.weight.data() + sample), base::Masks);
@@ -147,21 +148,21 @@ DIVEMESH_INLINE_BODY bool can_be_carved(const TsdfBlock& block, int sample) {
     return base::any((weights != 0) & (steps < kFreeSteps));
 }
 
-// Where the eight rows of samples of a layer lie: a bit for each that may be changed, and for each
-// of these that lies before all surfaces.
+// The places of the eight sample rows of a layer: a bit for each row that may change, and a bit for
+// each of these in front of all surfaces.
 struct RowPlaces {
     unsigned reached = 0xff;
     unsigned before = 0;
 };
 
-// Of pixels; of what is beside the picture the nearest tile in it.
+// Returns the tile of a pixel; for positions outside the image the nearest tile.
 DIVEMESH_INLINE_BODY base::Masks tile_of(base::Floats at_px, int tile_px, int num_tiles) {
     const base::Floats tile = (at_px + 0.5F) / static_cast<float>(tile_px);
     return base::to_integers(base::min(base::max(tile, base::broadcast(0.0F)),
                                        base::broadcast(static_cast<float>(num_tiles - 1))));
 }
 
-// A row is a line in the picture too, no longer than from its first to its last sample.
+// A row is a line in the image too, no longer than from its first to its last sample.
 DIVEMESH_INLINE_BODY RowPlaces places_of_rows(const TsdfView& view,
                                               const DepthRanges& ranges,
                                               const Eigen::Vector3f& p_cam,

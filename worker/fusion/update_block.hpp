@@ -9,11 +9,11 @@
 
 namespace divemesh::fusion {
 
-// Where a block is: where the view saw a surface, or all of it before what the view saw.
+// The place of a block in a view: near a surface that the view saw, or all of it in front of it.
 enum class BlockPlace { Near, Before };
 
-// Moves the samples of the block that begins at lattice point `first` toward what the view saw.
-// What lies before all surfaces can only be carved: what is free in it already is left alone.
+// Integrates the view into the samples of the block that begins at lattice point `first`. A block
+// in front of all surfaces can only be carved: samples that are free already are left alone.
 // `ranges` are those of the view. Every instruction set gives the same bytes.
 void update_block(const TsdfView& view,
                   const DepthRanges& ranges,

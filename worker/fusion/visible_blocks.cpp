@@ -44,7 +44,7 @@ std::optional<BlockPlace> VisibleSpace::place_of(const Eigen::Vector3f& middle,
     return p.z() + radius_m < range.nearest_m ? BlockPlace::Before : BlockPlace::Near;
 }
 
-// Over the tiles that the ball may cover.
+// Returns the range over the tiles that the ball may cover.
 DepthRange VisibleSpace::range_around(const Eigen::Vector3f& p_cam, float radius_m) const {
     const float near = p_cam.z() - radius_m;
     int first_column = 0;
@@ -110,7 +110,7 @@ std::vector<VisibleBlock> BlockRegions::find(const VisibleSpace& space, float vo
     const Eigen::Array3i last = (box.max().array() * in_regions + 0.1F).floor().cast<int>();
     const Eigen::Array3d extent = (last - first + 1).cast<double>();
     std::vector<VisibleBlock> found;
-    if (extent.prod() > static_cast<double>(regions_.size())) {  // something far away was seen
+    if (extent.prod() > static_cast<double>(regions_.size())) {  // the view saw something far away
         for (const Region& region : regions_) find_in(region, space, voxel_m, found);
         return found;
     }

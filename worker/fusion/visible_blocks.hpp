@@ -12,14 +12,14 @@
 
 namespace divemesh::fusion {
 
-// What of space a view may change: in its picture, and no farther behind the surface there than
-// samples are truncated.
+// The space that a view may change: inside its image and no farther behind the surface there than
+// the truncation distance.
 class VisibleSpace {
 public:
-    // Both must outlive it.
+    // `view` and `ranges` must outlive this object.
     VisibleSpace(const TsdfView& view, const DepthRanges& ranges);
 
-    // Where a ball in the world is; nothing: the view changes none of it.
+    // Returns the place of a ball in the world; nullopt if the view changes no part of it.
     std::optional<BlockPlace> place_of(const Eigen::Vector3f& middle, float radius_m) const;
     Eigen::AlignedBox3f bounds() const;  // in the world, m
 
@@ -28,20 +28,22 @@ private:
 
     const TsdfView& view_;
     const DepthRanges& ranges_;
-    float slack_x_;  // how far, per radius, the picture's sides are let out
+    float slack_x_;  // how far the image's sides are moved out, per radius
     float slack_y_;
 };
 
+// A block that a view may change, by its number in BlockRegions::add().
 struct VisibleBlock {
     std::uint32_t number;
     BlockPlace place;
 };
 
-// Blocks by where they are, so that finding those in a view does not take a look at all of them.
+// Blocks by position, so that those in a view are found without testing each block.
 class BlockRegions {
 public:
     void add(const BlockCoordinate& block, std::uint32_t number);
-    // The blocks that may reach into a space, in an order that depends on that of add() alone.
+    // Returns the blocks that may reach into a space, in an order that depends only on that of
+    // add().
     std::vector<VisibleBlock> find(const VisibleSpace& space, float voxel_m) const;
 
 private:

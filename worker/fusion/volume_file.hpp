@@ -7,7 +7,7 @@
 
 namespace divemesh::fusion {
 
-// The first bytes of a saved volume: its kind and version, then its settings.
+// The first bytes of a saved volume: its kind and version; its settings follow.
 inline constexpr std::uint32_t kTsdfMagic = 0x32545344;    // "DST2"
 inline constexpr std::uint32_t kOctreeMagic = 0x32434f44;  // "DOC2"
 
@@ -28,7 +28,7 @@ inline void put_volume_header(base::BinaryWriter& file,
     file.put_raw(rig.T_imu_cam.matrix());
 }
 
-// What follows the magic number.
+// Reads what follows the magic number.
 inline VolumeSettings get_volume_settings(base::BinaryReader& file) {
     VolumeSettings settings;
     types::RectifiedRig& rig = settings.rig;

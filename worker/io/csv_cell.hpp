@@ -4,8 +4,8 @@
 
 namespace divemesh::io {
 
-// A text as a cell of RFC 4180, quoted where it must be. What a spreadsheet would run as a formula
-// gets an apostrophe in front.
+// Returns a text as a cell of RFC 4180, quoted if necessary. A text that a spreadsheet would run as
+// a formula is prefixed with an apostrophe.
 std::string csv_cell(std::string text);
 
 }  // namespace divemesh::io

@@ -28,7 +28,7 @@ cv::Mat read_image(const std::filesystem::path& file) {
     return image;
 }
 
-// mosaic.json and its two pictures, as write_mosaic left them.
+// mosaic.json and its two images, as written by write_mosaic.
 struct StoredMosaic {
     nlohmann::json description;
     cv::Mat color;

@@ -11,21 +11,22 @@
 
 namespace divemesh::io {
 
-// Files for other programs, made of a reconstruction's own:
-//   kitti    trajectory_kitti.txt   final poses, 3 x 4, a row a frame
-//   euroc    trajectory_euroc.csv   the same with stamps, EuRoC's columns
+// Files for other programs, made from a reconstruction:
+//   kitti    trajectory_kitti.txt   final poses, 3 x 4, a row per frame
+//   euroc    trajectory_euroc.csv   the same with timestamps, EuRoC's columns
 //   obj      mesh_obj.zip           Wavefront OBJ and MTL
 //   geotiff  mosaic.tif, mosaic_height.tif   in UTM; needs a position
 enum class ExportFormat { Kitti, Euroc, Obj, Geotiff };
 
-// Words separated by commas; throws Error{InvalidArgument} that lists them.
+// Parses format names separated by commas. Throws Error{InvalidArgument} that lists the valid ones.
 std::vector<ExportFormat> export_formats(std::string_view list);
 
-// Where the reconstruction's world lies, as its dive.json said.
+// Returns the geographic position of the reconstruction's world, from its dive.json; nullopt if it
+// has none. Throws Error{BadData} if the position cannot be read.
 std::optional<types::GeographicPosition> position_of(const ReconstructionFolder& reconstruction);
 
-// Writes into `out` and returns the names of the files. Throws Error{InvalidArgument} where a
-// format needs what is not there: a surface, a mosaic, a position.
+// Writes the formats into `out` and returns the names of the files. Throws Error{InvalidArgument}
+// if a format needs a surface, a mosaic or a position that is missing.
 std::vector<std::string> export_reconstruction(
     const ReconstructionFolder& reconstruction,
     const std::vector<ExportFormat>& formats,

@@ -6,16 +6,16 @@
 
 namespace divemesh::io {
 
-// The world's horizontal plane in Universal Transverse Mercator: (easting, northing) [m] =
-// A * (x, y, 1). Turned by the meridian's convergence and stretched by the projection's scale at
-// the origin; over 500 m both change by less than a millimetre's worth.
+// The world's horizontal plane in Universal Transverse Mercator: (easting, northing) [m] = A * (x,
+// y, 1). A contains the convergence of the meridian and the scale of the projection at the origin;
+// within 500 m the change of both has an effect of less than a millimetre.
 struct UtmFrame {
     int epsg = 0;  // 326zz north, 327zz south of the equator
     Eigen::Matrix<double, 2, 3> A = Eigen::Matrix<double, 2, 3>::Zero();
 };
 
-// A world whose azimuth is not known is taken to have its y axis to the north. Throws
-// Error{InvalidArgument} for a position that is not valid.
+// Returns the UTM frame of a position. If the azimuth is unknown, the world's y axis is assumed to
+// point north. Throws Error{InvalidArgument} for an invalid position.
 UtmFrame utm_frame(const types::GeographicPosition& position);
 
 }  // namespace divemesh::io

@@ -17,9 +17,9 @@ namespace divemesh::io {
 namespace {
 
 constexpr int kTile_px = 256;
-constexpr ttag_t kGdalNoData = 42113;  // by which GDAL and QGIS know what is not there
+constexpr ttag_t kGdalNoData = 42113;  // the tag for "no data" in GDAL and QGIS
 
-// A file in memory, which libtiff reads and writes at will; it becomes one on disk whole.
+// A file in memory, which libtiff reads and writes at random; it is written to disk as a whole.
 struct MemoryFile {
     std::string bytes;
     std::size_t position = 0;
@@ -108,7 +108,7 @@ void set_frame(TIFF* tiff, const RasterFrame& frame) {
     GTIFWriteKeys(keys.get());
 }
 
-// The tile at (column, row), beyond the raster filled with what has no data: 0.
+// Returns the tile at (column, row); outside the raster it is filled with the no-data value 0.
 cv::Mat tile_at(const cv::Mat& raster, int column, int row) {
     cv::Mat tile(kTile_px, kTile_px, raster.type(), cv::Scalar::all(0));
     const cv::Rect inside(column,

@@ -7,16 +7,17 @@
 
 namespace divemesh::io {
 
-// Where a raster lies: (easting, northing) [m] of the coordinate system `epsg` =
-// A * (column, row, 1), pixel (0, 0) with its outer corner at (0, 0).
+// Georeference of a raster: (easting, northing) [m] of the coordinate system `epsg` = A * (column,
+// row, 1); pixel (0, 0) has its outer corner at (0, 0).
 struct RasterFrame {
     int epsg = 0;  // of a projected coordinate system
     Eigen::Matrix<double, 2, 3> A = Eigen::Matrix<double, 2, 3>::Zero();
-    std::string citation;  // what a person reads of it
+    std::string citation;  // human-readable name
 };
 
-// GeoTIFF 1.0, tiled, deflated. CV_8UC4 (BGRA) becomes RGB with unassociated alpha, CV_32F one band
-// with NaN for no data. Throws as write_file does, Error{InvalidArgument} for other types.
+// Writes a GeoTIFF 1.0, tiled, deflated. CV_8UC4 (BGRA) becomes RGB with unassociated alpha, CV_32F
+// one band with NaN for no data. Throws as write_file does, and Error{InvalidArgument} for other
+// types.
 void write_geotiff(const std::filesystem::path& file,
                    const cv::Mat& raster,
                    const RasterFrame& frame);

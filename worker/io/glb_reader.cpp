@@ -28,7 +28,7 @@ constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
 constexpr int kPoints = 0;  // modes
 constexpr int kTriangles = 4;
-constexpr int kMaxDepth = 64;  // of nodes within nodes
+constexpr int kMaxDepth = 64;  // of nested nodes
 
 std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
     std::uint32_t word = 0;
@@ -36,7 +36,7 @@ std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
     return word;
 }
 
-// Values of an accessor, checked to lie within the buffer.
+// Values of an accessor, checked to be inside the buffer.
 struct Span {
     const char* data = nullptr;
     std::size_t count = 0;
@@ -204,7 +204,7 @@ private:
                 {base + corners[i], base + corners[i + 1], base + corners[i + 2]});
     }
 
-    // Nodes may show one mesh often; what comes out stays a small multiple of the file.
+    // Limits the output to a small multiple of the file size, as many nodes may show the same mesh.
     std::size_t max_entries() const { return std::min<std::size_t>(buffer_.size(), 1U << 31); }
 
     const std::string& name_;

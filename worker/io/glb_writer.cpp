@@ -32,7 +32,7 @@ std::string_view bytes_of(const std::vector<Value>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
 }
 
-// IEC 61966-2-1.
+// Converts by IEC 61966-2-1.
 std::uint16_t linear_from_srgb(std::uint8_t srgb) {
     const double s = srgb / 255.0;
     const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
@@ -50,7 +50,7 @@ std::vector<LinearColor> linear_colors(const std::vector<types::Color>& colors) 
     return linear;
 }
 
-// The document and the buffer grow together, one accessor with a buffer view of its own at a time.
+// Builds the document and the buffer together; each accessor has its own buffer view.
 class Document {
 public:
     template <typename Value>

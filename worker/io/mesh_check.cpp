@@ -26,7 +26,7 @@ std::vector<Eigen::Vector3f> normals_from_triangles(const types::Mesh& mesh) {
     return normals;
 }
 
-// The comparison is false for what is not finite.
+// The comparison is false for values that are not finite.
 bool normalise(Eigen::Vector3f& normal) {
     const float length = normal.norm();
     if (!(length > 1e-20F && length < 1e20F)) return false;

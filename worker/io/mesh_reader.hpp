@@ -8,17 +8,17 @@
 
 namespace divemesh::io {
 
-// A reference from another program: PLY, Wavefront OBJ or glTF 2.0 binary (GLB), told apart by
-// their first bytes; a mesh, or points alone. Throws Error{NotFound}, Error{TooLarge} beyond
-// 4 GiB, and Error{BadData} that names the file and what is wrong in it.
+// Reads a reference from another program, a mesh or only points: PLY, Wavefront OBJ or glTF 2.0
+// binary (GLB), distinguished by the first bytes. Throws Error{NotFound}, Error{TooLarge} beyond 4
+// GiB, and Error{BadData} that names the file and the problem.
 types::Mesh read_mesh(const std::filesystem::path& file);
 
-// v, with colours after x y z if they are there, and f, cut into fans; the other lines are passed
-// over. Indices from 1, negative ones from the last vertex backwards.
+// Parses the lines v, with colours after x y z if present, and f, split into triangle fans; other
+// lines are skipped. Indices count from 1, negative ones back from the last vertex.
 types::Mesh parse_obj(std::string_view bytes, const std::string& name);
 
-// Triangles and points of all primitives of the scene, moved by their nodes; no other buffers
-// than the one inside, no compression, no morphing. glTF's y-up metres become z-up.
+// Reads the triangles and points of all primitives of the scene, transformed by their nodes.
+// External buffers, compression and morphing are not supported. glTF's y-up metres become z-up.
 types::Mesh parse_glb(std::string_view bytes, const std::string& name);
 
 }  // namespace divemesh::io

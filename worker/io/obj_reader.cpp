@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r";
 
-// Of one line, word by word.
+// Splits a line into words.
 class Words {
 public:
     explicit Words(std::string_view line) : rest_(line) {}
@@ -34,8 +34,8 @@ class ObjReader {
 public:
     explicit ObjReader(const std::string& name) : name_(name) {}
 
-    // A mesh never takes more memory than some multiple of its text: a vertex is six bytes of it
-    // at least, a corner of a face two.
+    // A mesh never takes more memory than some multiple of its text: a vertex has at least six
+    // bytes of it, a corner of a face two.
     types::Mesh read(std::string_view bytes) {
         while (!bytes.empty()) {
             const auto end = bytes.find('\n');
@@ -88,7 +88,7 @@ private:
         mesh_.colors.push_back(color);
     }
 
-    // "7", "7/1", "7/1/3", "7//3" or counted from the end, "-1".
+    // Parses "7", "7/1", "7/1/3", "7//3", or "-1" counted from the end.
     std::optional<std::uint32_t> corner(Words& words) const {
         const auto word = words.next();
         if (word.empty()) return std::nullopt;

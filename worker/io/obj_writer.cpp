@@ -20,7 +20,7 @@ constexpr std::string_view kMaterial =
     "# the colour is that of the vertices\n"
     "newmtl surface\nKa 1 1 1\nKd 1 1 1\nillum 0\n";
 
-// A zip that grows into a file. Errors of the file come through the library as they are.
+// A zip that is written to a file. Errors of the file are passed on unchanged through the library.
 class ZipWriter {
 public:
     explicit ZipWriter(const std::filesystem::path& file)
@@ -47,7 +47,8 @@ public:
     }
 
 private:
-    static constexpr time_t kNoTime_s = 315'532'800;  // 1980-01-01, the first that zip knows
+    // 1980-01-01, the first time of the zip format
+    static constexpr time_t kNoTime_s = 315'532'800;
 
     struct Free {
         void operator()(archive* zip) const { archive_write_free(zip); }
@@ -77,7 +78,7 @@ private:
     std::unique_ptr<archive, Free> archive_;
 };
 
-// Text in pieces, so that a mesh of gigabytes takes no more memory than itself.
+// Writes text in chunks, so that a mesh of gigabytes needs no additional memory.
 class ObjText {
 public:
     explicit ObjText(ZipWriter& zip) : zip_(zip) {}

@@ -20,7 +20,7 @@ enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 
 struct Property {
     std::string name;
     Scalar type = Scalar::Float32;
-    std::optional<Scalar> count_type;  // set: a list
+    std::optional<Scalar> count_type;  // set for a list
 };
 
 struct Element {
@@ -127,7 +127,7 @@ Header parse_header(std::string_view bytes, const std::string& name) {
     fail(name, "PLY header has no end_header");
 }
 
-// Hands out the scalars of the body one by one.
+// Reads the scalars of the body one by one.
 class Body {
 public:
     Body(std::string_view bytes, Format format, const std::string& name)
@@ -179,7 +179,8 @@ private:
     const std::string& name_;
 };
 
-// The fewest bytes an element can take: what bounds a hostile count before anything is allocated.
+// Returns the minimum number of bytes of an element, which bounds a hostile count before memory is
+// allocated.
 std::size_t min_bytes(const Element& element, Format format) {
     std::size_t bytes = 0;
     for (const Property& property : element.properties)
@@ -285,7 +286,7 @@ std::uint32_t vertex_index(double value, const types::Mesh& mesh, const std::str
     return static_cast<std::uint32_t>(value);
 }
 
-// A polygon becomes a fan around its first corner.
+// Splits a polygon into a fan around its first corner.
 void read_polygon(const Property& property,
                   Body& body,
                   const std::string& name,
@@ -344,7 +345,7 @@ types::Mesh read_ply(const std::filesystem::path& file) {
     std::error_code unknown;
     const std::uintmax_t size_bytes = std::filesystem::file_size(file, unknown);
     std::string bytes;
-    if (!unknown) bytes.reserve(size_bytes);  // growing would take twice as much
+    if (!unknown) bytes.reserve(size_bytes);  // avoids twice the memory while growing
     std::vector<char> segment(1 << 20);
     while (stream.read(segment.data(), std::ssize(segment)) || stream.gcount() > 0)
         bytes.append(segment.data(), static_cast<std::size_t>(stream.gcount()));

@@ -10,7 +10,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// One record after another, as the header describes it.
+// One record at a time, as described by the header.
 class Record {
 public:
     template <typename Value>

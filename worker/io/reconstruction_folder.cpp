@@ -43,7 +43,7 @@ Eigen::Isometry3d pose_of(const json& entry) {
     return T;
 }
 
-// What reads a field of a file of ours and finds another type there.
+// Runs `read` and adds the file's name to errors, such as a field of the wrong type.
 template <typename Read>
 auto of_file(const std::filesystem::path& file, const Read& read) try {
     return read();

@@ -13,31 +13,31 @@
 
 namespace divemesh::io {
 
-// Of keyframes.json: the rectified left camera, z forward, x right.
+// A pose from keyframes.json; the camera is the rectified left one, z forward, x right.
 struct KeyframePose {
     int frame_index = 0;
     std::int64_t timestamp_ns = 0;
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
 };
 
-// A reconstruction as `divemesh reconstruct --out` or a download left it, read again by what
-// follows: reports, measurements, comparisons. Nothing but metrics.json is read before it is asked
-// for. Every reader throws Error{NotFound} that names the missing file, or Error{BadData} that says
-// what is wrong in it.
+// A reconstruction as written by `divemesh reconstruct --out` or downloaded, for reports,
+// measurements and comparisons. Only metrics.json is read by the constructor, all else on request.
+// Every reader throws Error{NotFound} that names the missing file, or Error{BadData} that describes
+// the problem.
 class ReconstructionFolder {
 public:
     explicit ReconstructionFolder(std::filesystem::path folder);
 
     const std::filesystem::path& path() const { return folder_; }
     const nlohmann::json& metrics() const { return metrics_; }  // metrics.json
-    bool has_surface() const;                                   // else --set surface=false
+    bool has_surface() const;                                   // false with --set surface=false
     types::Trajectory trajectory() const;                       // T_world_imu, final
     types::Trajectory causal_trajectory() const;
-    types::CovarianceTrack covariances() const;  // of trajectory(); empty: not known
+    types::CovarianceTrack covariances() const;  // of trajectory(); empty: unknown
     types::Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
     std::vector<KeyframePose> keyframes() const;
     nlohmann::json mosaic() const;  // mosaic.json
-    // Where the left camera sits on the body; nothing in what older versions wrote.
+    // Returns the pose of the left camera on the body; nullopt for files of older versions.
     std::optional<Eigen::Isometry3d> T_imu_cam0() const;
 
 private:

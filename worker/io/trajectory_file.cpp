@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
-// Where we are, for messages.
+// The current position, for messages.
 struct Line {
     std::string file;
     int number = 0;
@@ -60,7 +60,7 @@ std::int64_t parse_integer(std::string_view digits, const std::string& word, con
     return value;
 }
 
-// Seconds as text to nanoseconds, digit by digit: a double would lose the last hundreds of them.
+// Parses seconds to nanoseconds digit by digit: a double would lose the last few hundred of them.
 std::int64_t parse_seconds(const std::string& word, const Line& line) {
     if (word.find_first_of("eE-") != std::string::npos) {
         const double seconds = parse_number(word, line);
@@ -123,7 +123,7 @@ types::StampedPose parse_pose(const std::vector<std::string>& words,
             pose_of(position, Eigen::Quaterniond(v[3], v[4], v[5], v[6]), line)};
 }
 
-// EuRoC's column names start with '#'; other tools leave that out.
+// EuRoC's column names start with '#'; other tools omit it.
 bool holds_no_pose(const std::string& text, int line_number) {
     const std::size_t start = text.find_first_not_of(" \t\r");
     if (start == std::string::npos || text[start] == '#') return true;
@@ -136,7 +136,7 @@ Eigen::Quaterniond rotation_of(const Eigen::Isometry3d& pose) {
     return q;
 }
 
-// A row's numbers, with a separator before the first of them or not, and the end of its line.
+// Returns a row of numbers, with or without a leading separator, with a line end.
 std::string row_of(const std::vector<double>& values, char separator, bool separator_first) {
     std::string text;
     for (const double value : values) {

@@ -8,7 +8,8 @@
 namespace divemesh::markers {
 namespace {
 
-// The library lets go of a family's tables only when it is taken out of its detector.
+// A detector with its family; the library frees a family's tables only when it is removed from its
+// detector.
 class Detector {
 public:
     explicit Detector(dive::MarkerFamily family)
@@ -44,7 +45,7 @@ private:
     static Tag tag_of(const apriltag_detection_t& detection) {
         Tag tag;
         tag.id = detection.id;
-        constexpr double kCenter_px = 0.5;  // of the first pixel, for the library
+        constexpr double kCenter_px = 0.5;  // centre of the first pixel in the library's convention
         for (std::size_t i = 0; i < dive::kNumTagCorners; ++i)
             tag.corners_px[i] = {detection.p[i][0] - kCenter_px, detection.p[i][1] - kCenter_px};
         return tag;

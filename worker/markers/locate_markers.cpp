@@ -14,9 +14,9 @@
 namespace divemesh::markers {
 namespace {
 
-constexpr double kSamePlace_px = 6.0;  // how far views of one tag may disagree at first
-constexpr double kMinGate_px = 0.75;   // rms of a view over its corners that is never too much
-constexpr double kGate = 3.0;          // medians
+constexpr double kSamePlace_px = 6.0;  // max initial disagreement between views of one tag
+constexpr double kMinGate_px = 0.75;   // rms of a view over its corners that is always accepted
+constexpr double kGate = 3.0;          // in medians
 constexpr std::size_t kMaxHypotheses = 40;
 
 std::vector<double> path_lengths(const std::vector<types::Keyframe>& keyframes) {
@@ -30,7 +30,8 @@ std::vector<double> path_lengths(const std::vector<types::Keyframe>& keyframes) 
     return lengths;
 }
 
-// The views that agree with the place that two of them give; of all places tried the one with most.
+// Returns the views that agree with a place triangulated from two of them; the place with the most
+// inliers wins.
 std::vector<CornerView> inlier_views(const std::vector<CornerView>& views) {
     std::vector<CornerView> best;
     const std::size_t step = std::max<std::size_t>(1, views.size() / (kMaxHypotheses / 2));
@@ -55,7 +56,7 @@ int num_keyframes(const std::vector<CornerView>& views) {
     return num;
 }
 
-// Least squares, the views that miss by far left out, and again.
+// Triangulates by least squares, removes outlier views, and repeats.
 std::optional<Corners> settle(std::vector<CornerView>& views) {
     for (int round = 0; round < 3; ++round) {
         if (num_keyframes(views) < kMinMarkerKeyframes) return std::nullopt;
@@ -76,7 +77,7 @@ Eigen::Isometry3d pose_of(const Corners& corners) {
     const Eigen::Vector3d right = corners[1] - corners[0] + corners[2] - corners[3];
     const Eigen::Vector3d up = corners[3] - corners[0] + corners[2] - corners[1];
     const Eigen::Vector3d out = right.cross(up).normalized();
-    // The square's axes, turned as little as possible from both edges.
+    // The square's axes, rotated as little as possible from both edges.
     const Eigen::Vector3d middle = (right.normalized() + up.normalized()).normalized();
     const Eigen::Vector3d aside = (right.normalized() - up.normalized()).normalized();
     Eigen::Isometry3d T_world_marker = Eigen::Isometry3d::Identity();
@@ -98,7 +99,7 @@ const types::PoseCovariance& covariance_at(const types::CovarianceTrack& track,
     return at == track.end() ? track.back() : *at;
 }
 
-// Mean over the views of what the pose's errors do to the middle of the marker.
+// Returns the mean over the views of the covariance that the pose errors give the marker's centre.
 Eigen::Matrix3d drift_at(const std::vector<CornerView>& views,
                          const Eigen::Vector3d& p_world,
                          const MarkerWorld& world) {
@@ -191,7 +192,7 @@ std::vector<Marker> locate_markers(std::vector<TagView> views, const MarkerWorld
 double drift_rate(const MarkerWorld& world) {
     if (world.covariances.empty() || world.keyframes.empty()) return 0.0;
     const auto path_m = path_lengths(world.keyframes);
-    constexpr double kBegun = 0.05;  // of the way: nearer to the start the quotient is of noise
+    constexpr double kBegun = 0.05;  // share of the path: nearer to the start the quotient is noise
     double rate = 0.0;
     for (std::size_t i = 0; i < path_m.size(); ++i)
         if (path_m[i] > kBegun * path_m.back())

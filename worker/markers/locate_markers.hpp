@@ -12,7 +12,7 @@
 
 namespace divemesh::markers {
 
-// A tag in one rectified picture of a keyframe.
+// A tag in one rectified image of a keyframe.
 struct TagView {
     int id = 0;
     std::size_t keyframe = 0;  // index
@@ -20,24 +20,25 @@ struct TagView {
     std::array<Eigen::Vector2d, dive::kNumTagCorners> corners_px;
 };
 
-// The reconstruction that the views are laid into.
+// The reconstruction in which markers are located.
 struct MarkerWorld {
     const types::RectifiedRig& rig;
     const std::vector<types::Keyframe>& keyframes;
     const types::Trajectory& trajectory;        // T_world_imu, final
-    const types::CovarianceTrack& covariances;  // of the same; empty: not known
+    const types::CovarianceTrack& covariances;  // of the same; empty: unknown
 };
 
 inline constexpr int kMinMarkerKeyframes = 3;
 
-// Every tag that at least kMinMarkerKeyframes keyframes of a piece show in one place. Views are
-// sorted out first (what two of them say, the others agree with or not), then each corner is the
-// point of least reprojection error, poses held. The corners' covariance is White's (1980) over
-// keyframes, with the correlation of neighbouring ones (Newey and West, 1987): a pose that is
-// slightly off shifts all it sees; added to what a reading error of 0.1 px and more would do.
+// Returns every tag that at least kMinMarkerKeyframes keyframes of a tracking segment see in one
+// place. Outlier views are removed first (two views give a hypothesis that the others confirm or
+// not), then each corner is triangulated for the least reprojection error with fixed poses. The
+// corners' covariance is White's (1980) over keyframes, with the correlation of neighbouring ones
+// (Newey and West, 1987), because a pose that is slightly off shifts all that it sees; the effect
+// of a reading error of at least 0.1 px is added.
 std::vector<Marker> locate_markers(std::vector<TagView> views, const MarkerWorld& world);
 
-// Growth of the variance of the position per metre swum, at its fastest; m^2/m.
+// Returns the fastest growth of the position's variance per metre travelled, m^2/m.
 double drift_rate(const MarkerWorld& world);
 
 }  // namespace divemesh::markers

@@ -7,21 +7,22 @@ namespace divemesh::markers {
 namespace {
 
 constexpr double kMinSigma_m = 1e-5;
-// How far from the true one an edge between black and white is read, all edges of a tag alike: 0.1
-// to 0.25 px on dark tags through a tone curve of 1/2.2 and a point spread of a pixel.
+// Error with which an edge between black and white is read, the same for all edges of a tag: 0.1 to
+// 0.25 px on dark tags with a tone curve of 1/2.2 and a point spread of a pixel.
 constexpr double kEdge_px = 0.2;
 constexpr int kMinBarsForLeavingOut = 3;
 constexpr double kTolerated_sigmas = 3.0;
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
-// d(point)/d(corners): the share of each corner in an end.
+// Returns d(point)/d(corners): the share of each corner in an end.
 double share_of(const dive::MarkerPoint& point, std::size_t corner) {
     if (!point.corner) return 1.0 / dive::kNumTagCorners;
     return static_cast<std::size_t>(*point.corner) == corner ? 1.0 : 0.0;
 }
 
-// How a length along `direction` changes with the corners, for `sign` times this end.
+// Returns the derivative of a length along `direction` with respect to the corners, for `sign`
+// times this end.
 Vector12 gradient(const dive::MarkerPoint& point, const Eigen::Vector3d& direction, double sign) {
     Vector12 result;
     for (std::size_t corner = 0; corner < dive::kNumTagCorners; ++corner)
@@ -34,7 +35,8 @@ double variance(const Vector12& gradient, const Marker& marker) {
     return gradient.dot(marker.corner_covariance_m2 * gradient);
 }
 
-// Positions err like a random walk along the way, and never by more than both do by themselves.
+// Position errors behave like a random walk along the path, limited by the two markers' own
+// covariances.
 double drift_m2(const Marker& a, const Marker& b, const Eigen::Vector3d& direction, double rate) {
     const double apart = direction.dot((a.drift_covariance_m2 + b.drift_covariance_m2) * direction);
     return std::min(apart, rate * std::abs(a.path_m - b.path_m));
@@ -46,7 +48,8 @@ const Marker* find(const std::vector<const Marker*>& segment, int id) {
     return nullptr;
 }
 
-// The pieces' markers; lengths are measured within one piece, the first that shows both ends.
+// Groups the markers by segment. Lengths are measured within one segment, the first that shows both
+// ends.
 std::vector<std::vector<const Marker*>> by_segment(const std::vector<Marker>& markers) {
     std::vector<std::vector<const Marker*>> segments;
     for (const Marker& marker : markers) {
@@ -113,7 +116,7 @@ BarMetrics measure_size(const Marker& marker, double size_m, const dive::MarkerP
     return bar;
 }
 
-// Sums of the least squares; one bar is taken out by subtraction.
+// Sums of the least squares; a bar is left out by subtraction.
 struct Sums {
     double products = 0.0;
     double squares = 0.0;
@@ -136,7 +139,7 @@ Sums sums_of(const std::vector<BarMetrics>& bars) {
     return sums;
 }
 
-// One bar that is wrong makes the others look wrong: the worst goes first.
+// Marks inconsistent bars, starting with the worst, as one wrong bar makes the others look wrong.
 void find_inconsistent(std::vector<BarMetrics>& bars) {
     for (BarMetrics& bar : bars) bar.consistent = bar.measured_m.has_value();
     leave_each_out(bars);
@@ -197,9 +200,9 @@ std::optional<MarkerScale> scale_of(const std::vector<BarMetrics>& bars) {
         const double error = (scale.factor * *bar.measured_m - bar.known_m) / bar.own_sigma_m;
         chi2 += error * error;
     }
-    // Birge's ratio: bars that disagree by more than their sigmas say had sigmas too small.
+    // Birge's ratio: bars that disagree by more than their sigmas had sigmas that were too small.
     const double ratio = sums.num > 1 ? std::sqrt(chi2 / (sums.num - 1)) : 1.0;
-    double edges = 0.0;  // they do not average out
+    double edges = 0.0;  // edge errors do not average out
     for (const BarMetrics& bar : bars)
         if (bar.consistent)
             edges += *bar.measured_m * bar.edge_sigma_m / (bar.own_sigma_m * bar.own_sigma_m);

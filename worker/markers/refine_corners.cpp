@@ -10,8 +10,9 @@ namespace divemesh::markers {
 namespace {
 
 constexpr double kMinEdge_px = 12.0;
-constexpr double kCornerShare = 0.12;  // of an edge, at both ends, where the next edge disturbs
-constexpr double kStep_px = 0.25;      // across an edge
+// Share of an edge that is skipped at both ends, where the adjacent edge interferes.
+constexpr double kCornerShare = 0.12;
+constexpr double kStep_px = 0.25;  // across an edge
 constexpr double kMaxDistance_px = 4.0;
 constexpr int kRounds = 3;
 
@@ -36,7 +37,8 @@ bool is_inside(const cv::Mat& image, const Eigen::Vector2d& pixel) {
            pixel.y() < image.rows - 1;
 }
 
-// How far from `middle` along `outward` the picture changes most, in the sense of `rising`.
+// Returns the offset from `middle` along `outward` at which the image changes most; `rising`: from
+// dark to bright.
 std::optional<double> edge_offset_px(const cv::Mat& image,
                                      const Eigen::Vector2d& middle,
                                      const Eigen::Vector2d& outward,
@@ -78,7 +80,7 @@ double distance_px(const Line& line, const Eigen::Vector2d& point) {
     return std::abs(way.x() * line.direction.y() - way.y() * line.direction.x());
 }
 
-// Least squares, then once more without what lies aside: dirt and snow.
+// Fits a line by least squares, then again without outliers such as dirt and snow.
 std::optional<Line> robust_line(std::vector<Eigen::Vector2d> points, std::size_t num_asked) {
     const std::size_t num_needed = std::max<std::size_t>(4, num_asked / 2);
     if (points.size() < num_needed) return std::nullopt;
@@ -99,8 +101,8 @@ std::optional<Line> fit_edge(const cv::Mat& image,
                              double reach_px,
                              bool rising) {
     const Eigen::Vector2d along = end - begin;
-    // Corners go round counter-clockwise as the tag is read, that is with v downward: outward is
-    // to the right of the way.
+    // Corners are counter-clockwise as the tag is read, with v pointing down in the image: outward
+    // is to the right of the direction of travel.
     const Eigen::Vector2d outward = Eigen::Vector2d(-along.y(), along.x()).normalized();
     const auto num_samples = static_cast<std::size_t>(std::clamp(along.norm(), kMinEdge_px, 64.0));
     std::vector<Eigen::Vector2d> points;

@@ -16,8 +16,8 @@
 namespace divemesh::markers {
 namespace {
 
-// What the edges of a tag may be apart, left against right, beyond their noise: rectification and
-// lenses are known no better. All lengths of a reconstruction share it.
+// Disparity error between a tag's edges, left against right, beyond their noise: rectification and
+// lenses are not known better. All lengths of a reconstruction share it.
 constexpr double kDisparityBias_px = 0.05;
 constexpr std::size_t kPairsAtOnce = 16;
 
@@ -74,7 +74,8 @@ private:
         metrics_.findings.push_back({Severity::Warning, code, "markers.json", message, remedy});
     }
 
-    // A tag that nobody spoke of and that was read once is more likely a pattern than a tag.
+    // Reports tags with too few keyframes. A tag that the plan does not name and that was read only
+    // once is probably not a tag, so it is not reported.
     void tell_too_few() {
         std::set<int> ids;
         for (const auto& [id, keyframes] : keyframes_of_)

@@ -9,9 +9,10 @@
 
 namespace divemesh::markers {
 
-// Looks for tags in both rectified pictures of every keyframe, reading the recording once more from
-// its start. `refined`: moves what is read to where it would be with the lenses that the keyframes'
-// poses were adjusted with; null: the stated ones. The result does not depend on `num_threads`.
+// Returns the tags in both rectified images of every keyframe; reads the recording again from its
+// start. `refined` moves the corners to where they would be with the lenses that were refined
+// together with the keyframes' poses; null: the stated lenses. The result does not depend on
+// `num_threads`.
 std::vector<TagView> find_tags_in(types::Recording& recording,
                                   const std::vector<types::Keyframe>& keyframes,
                                   dive::MarkerFamily family,
@@ -19,7 +20,7 @@ std::vector<TagView> find_tags_in(types::Recording& recording,
                                   const base::ProgressShare& progress,
                                   int num_threads);
 
-// Markers, bars and scale of what was seen, with findings: tags seen too few times, read in two
+// Returns markers, bars and scale from the views, with findings: tags seen too few times or in two
 // places, bars that cannot be measured or contradict the others, a scale that is off.
 MarkerMetrics measure_markers(const std::vector<TagView>& views,
                               const dive::MarkerPlan& plan,

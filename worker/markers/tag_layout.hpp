@@ -6,8 +6,8 @@
 
 namespace divemesh::markers {
 
-// How a tag is laid out: a square of `total_cells` cells, in the middle of which lies the square
-// whose edge is the tag's size. Its edge is where black meets white: black within, or white within.
+// The layout of a tag: a square of `total_cells` cells, with the square whose edge is the tag's
+// size in its centre. At that edge black and white meet: white inside or black inside.
 struct TagLayout {
     int total_cells = 0;
     int size_cells = 0;
@@ -15,7 +15,8 @@ struct TagLayout {
 };
 TagLayout tag_layout(dive::MarkerFamily family);
 
-// One pixel a cell, CV_8UC1, 0 and 255. Throws Error{InvalidArgument} for an id that there is not.
+// Returns a tag with one pixel per cell, CV_8UC1, 0 and 255. Throws Error{InvalidArgument} for an
+// id outside the family.
 cv::Mat tag_image(dive::MarkerFamily family, int id);
 
 }  // namespace divemesh::markers

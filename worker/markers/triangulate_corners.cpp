@@ -12,7 +12,7 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 constexpr double kFar_px = 1e6;
 constexpr double kMinDepth_m = 0.01;
-constexpr double kReading_px = 0.1;  // how well a corner is read at best
+constexpr double kReading_px = 0.1;  // best accuracy of reading a corner
 
 std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& views,
                                                std::size_t corner) {
@@ -50,7 +50,8 @@ std::optional<Eigen::Vector3d> newton_step(const std::vector<CornerView>& views,
     return H.ldlt().solve(gradient);
 }
 
-// What the readings of one keyframe pull at the corners, and the sums over all.
+// The gradients of each keyframe's readings with respect to the corners, and the sums over all
+// readings.
 struct Pulls {
     CornerCovariance H = CornerCovariance::Zero();
     std::vector<Vector12> of_keyframe;
@@ -75,7 +76,8 @@ Pulls pulls_of(const std::vector<CornerView>& views, const Corners& corners) {
     return pulls;
 }
 
-// Bartlett's weights over about the third root of their number of neighbours.
+// Returns the long-run variance with Bartlett's weights, over about the cube root of the number of
+// keyframes as lags.
 CornerCovariance long_run_variance(const std::vector<Vector12>& pulls) {
     CornerCovariance sum = CornerCovariance::Zero();
     const std::size_t num = pulls.size();

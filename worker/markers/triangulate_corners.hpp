@@ -11,7 +11,7 @@ namespace divemesh::markers {
 
 using Corners = std::array<Eigen::Vector3d, dive::kNumTagCorners>;
 
-// The corners of a tag in one picture of an ideal camera, whose pose is taken as it is.
+// The corners of a tag in one image of an ideal camera with a fixed pose.
 struct CornerView {
     std::size_t keyframe = 0;
     double focal_px = 0.0;
@@ -19,23 +19,25 @@ struct CornerView {
     Eigen::Isometry3d T_cam_world = Eigen::Isometry3d::Identity();
     std::array<Eigen::Vector2d, dive::kNumTagCorners> corners_px;
 
-    // Where it appears less where it should; nothing when it lies behind the camera.
+    // Returns the observed minus the projected position; nullopt if the point is behind the camera.
     std::optional<Eigen::Vector2d> residual_px(std::size_t corner,
                                                const Eigen::Vector3d& p_world) const;
     Eigen::Matrix<double, 2, 3> jacobian_px_per_m(const Eigen::Vector3d& p_world) const;
-    double rms_px(const Corners& corners_world) const;  // over corners; large when behind
+    // Returns the RMS over the corners; large if one is behind the camera.
+    double rms_px(const Corners& corners_world) const;
 };
 
-// Each corner by itself: nearest to the rays, then Gauss-Newton over reprojection. Nothing when the
-// rays are too parallel to fix a point or a corner comes to lie behind a camera.
+// Triangulates each corner by itself: the point nearest to the rays, then Gauss-Newton on the
+// reprojection error. Returns nullopt if the rays are too parallel or a corner ends up behind a
+// camera.
 std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views);
 
 struct CornerFit {
-    double rms_px = 0.0;  // of one axis, for the number of parameters
+    double rms_px = 0.0;  // of one axis, corrected for the number of parameters
     CornerCovariance covariance_m2 = CornerCovariance::Zero();
 };
 
-// The views in the order of their keyframes.
+// Returns the fit of triangulated corners. `views` must be sorted by keyframe.
 CornerFit corner_covariance(const std::vector<CornerView>& views, const Corners& corners_world);
 
 }  // namespace divemesh::markers

@@ -10,21 +10,22 @@
 
 namespace divemesh::markers {
 
-// A world made larger by a factor, about its first camera: what cameras see of it stays the same
-// with their baseline larger by it. Where the cameras sit on the body does not change, so that the
-// body's first pose stays too, and everything else moves as its camera does.
+// Scales a world by a factor about its first camera: the cameras' images stay the same if their
+// baseline is scaled too. The cameras' poses on the body do not change, so the first pose of the
+// body stays as well, and everything else moves with its camera.
 class WorldScale {
 public:
-    // `T_imu_cam` of the rectified left camera.
+    // `T_imu_cam` is the pose of the rectified left camera.
     WorldScale(double factor, const Eigen::Isometry3d& T_imu_cam)
         : factor_(factor), T_imu_cam_(T_imu_cam) {}
 
     types::Trajectory applied(const types::Trajectory& trajectory) const;
-    // Of the trajectory's world: with its first camera in the place that it has there.
+    // Scales keyframes of the trajectory's world, about the trajectory's first camera.
     std::vector<types::Keyframe> applied(const std::vector<types::Keyframe>& keyframes,
                                          const types::Trajectory& trajectory) const;
     types::CovarianceTrack applied(const types::CovarianceTrack& covariances) const;
-    types::Rig applied(const types::Rig& rig) const;  // the right camera farther from the left one
+    // Moves the right camera away from the left one.
+    types::Rig applied(const types::Rig& rig) const;
 
 private:
     Eigen::Isometry3d scaled(const Eigen::Isometry3d& T_world_cam,
@@ -35,8 +36,8 @@ private:
     Eigen::Isometry3d T_imu_cam_;
 };
 
-// The rig that the poses of a reconstruction belong to: as stated, or as correct_scale made it.
-// `metrics` is metrics.json.
+// Returns the rig that the poses of a reconstruction belong to: as stated, or as scaled by
+// correct_scale. `metrics` is metrics.json.
 types::Rig rig_as_scaled(const types::Rig& stated, const nlohmann::json& metrics);
 
 }  // namespace divemesh::markers

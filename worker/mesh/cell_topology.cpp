@@ -14,7 +14,7 @@ int edge_between(int corner_a, int corner_b) {
     return 4 * axis + ((from >> ((axis + 1) % 3)) & 1) + 2 * ((from >> ((axis + 2) % 3)) & 1);
 }
 
-// Corners of a face, counter-clockwise seen from outside the cell.
+// Returns the corners of a face, counter-clockwise seen from outside the cell.
 std::array<int, 4> face_corners(int face) {
     const int axis = face / 2;
     const int u = 1 << ((axis + 1) % 3), v = 1 << ((axis + 2) % 3);
@@ -41,9 +41,9 @@ bool is_ambiguous(int mask, int face) {
     return behind(0) == behind(2) && behind(1) == behind(3) && behind(0) != behind(1);
 }
 
-// For each crossed edge the one that follows in its loop. Going round a face from outside, a
-// segment leads from the edge where the corners behind begin to the one where they end; on a
-// joined face, from there to the next beginning.
+// Returns for each crossed edge the next one in its loop. Around a face, seen from outside, a
+// segment leads from the edge where the corners behind begin to the one where they end; on a joined
+// face it leads to the previous such end.
 std::array<int, 12> follow_segments(int mask, int joined_face) {
     std::array<int, 12> next;
     next.fill(-1);
@@ -62,7 +62,8 @@ std::array<int, 12> follow_segments(int mask, int joined_face) {
     return next;
 }
 
-// Cuts ears off the polygon `loop` so that no diagonal lies in a face; tries every order.
+// Triangulates the polygon `loop` by ear clipping so that no diagonal lies in a face; tries every
+// order.
 bool triangulate(const std::vector<std::uint8_t>& loop,
                  std::vector<std::array<std::uint8_t, 3>>& triangles) {
     const std::size_t num = loop.size();

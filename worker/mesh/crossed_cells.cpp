@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kEdge = BlockNeighbourhood::kEdge;
 
-// The nine samples along x, a bit each.
+// The nine samples along x, one bit each.
 struct RowBits {
     unsigned behind = 0;
     unsigned unknown = 0;
@@ -23,7 +23,7 @@ RowBits bits_of(const float* distances_m) {
     return row;
 }
 
-// Of the eight cells between four rows, a bit each: known, and not all of one sign.
+// Returns a bit for each of the eight cells between four rows: known and not all of one sign.
 unsigned crossed(const std::array<RowBits, 4>& rows) {
     unsigned some = 0, all = ~0U, unknown = 0;
     for (const RowBits& row : rows) {

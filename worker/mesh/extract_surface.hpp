@@ -7,9 +7,9 @@
 
 namespace divemesh::mesh {
 
-// Step 8: the surface in the volume as one welded, outward oriented mesh: constrained elastic
-// surface nets (Gibson 1998; the paper) or marching cubes, by `options.mesher`. Components of less
-// than 100 voxel faces are left out: no more than noise, snow or a fish.
+// Step 8: returns the surface in the volume as one welded, outward oriented mesh, by constrained
+// elastic surface nets (Gibson 1998; the paper) or marching cubes, by `options.mesher`. Components
+// of less than 100 voxel faces are removed: they are noise, snow or fish.
 types::Mesh extract_surface(const fusion::Volume& volume,
                             const ReconstructionOptions& options,
                             const base::ProgressCallback& progress = base::ignore_progress);

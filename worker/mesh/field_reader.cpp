@@ -63,7 +63,7 @@ std::array<std::size_t, 8> FieldReader::blocks_around(const Eigen::Vector3i& cel
     blocks[0] = find(fusion::block_of(cell));
     for (int corner = 1; corner < 8; ++corner) {
         const Eigen::Vector3i sample = cell + corner_offset(corner);
-        // The corner on the near side along one axis.
+        // The neighbouring corner one step back along one axis.
         const int before = corner & (corner - 1);
         const bool same =
             fusion::block_of(sample) == fusion::block_of(cell + corner_offset(before));

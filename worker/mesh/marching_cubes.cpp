@@ -12,9 +12,9 @@
 namespace divemesh::mesh {
 namespace {
 
-constexpr float kMinFraction = 0.001F;  // of an edge: no two vertices coincide in a sample
+constexpr float kMinFraction = 0.001F;  // of an edge, so that no two vertices coincide at a sample
 
-// A crossed lattice edge that a cell uses: where it begins, along which axis, where the zero is.
+// A crossed lattice edge that a cell uses: its start, its axis and the position of the zero.
 struct EdgeVertex {
     Eigen::Vector3i cell;
     int axis;
@@ -22,7 +22,8 @@ struct EdgeVertex {
 };
 
 struct BlockEdges {
-    std::vector<std::uint16_t> index;  // of [sample][axis] in `vertices`; none: nothing crossed
+    // Index in `vertices`, of [sample][axis]; empty: no edge is crossed.
+    std::vector<std::uint16_t> index;
     std::vector<EdgeVertex> vertices;
     std::uint32_t first_vertex = 0;
     std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -6,10 +6,10 @@
 
 namespace divemesh::mesh {
 
-// Marching cubes (Lorensen and Cline 1987) with vertices keyed by lattice edge, so that the mesh is
-// welded across cells and blocks, and with one rule for ambiguous faces, so that it has no cracks.
-// The surface goes exactly through the zeros of the field on the lattice edges. Cells with an
-// unknown corner have no surface.
+// Returns the mesh of marching cubes (Lorensen and Cline 1987). Vertices are keyed by lattice edge,
+// so that the mesh is welded across cells and blocks, and ambiguous faces follow one rule, so that
+// it has no cracks. The surface passes exactly through the zeros of the field on the lattice edges.
+// Cells with an unknown corner have no surface.
 types::Mesh marching_cubes(const fusion::SignedDistanceField& field,
                            const MeshingSettings& settings);
 

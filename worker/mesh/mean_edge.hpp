@@ -4,7 +4,8 @@
 
 namespace divemesh::mesh {
 
-// Of each triangle's first edge, m: how far apart the vertices are. 0 without triangles.
+// Returns the mean length of the triangles' first edges, m, a measure of the vertex spacing; 0 for
+// a mesh without triangles.
 double mean_edge_m(const types::Mesh& mesh);
 
 }  // namespace divemesh::mesh

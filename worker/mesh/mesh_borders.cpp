@@ -11,7 +11,7 @@
 namespace divemesh::mesh {
 namespace {
 
-// A border edge as its triangle runs through it.
+// A border edge in the direction of its triangle.
 struct BorderEdge {
     std::uint32_t from = 0;
     std::uint32_t to = 0;
@@ -28,8 +28,8 @@ void for_each_edge(const types::Mesh& mesh, Visit&& visit) {
         for (int k = 0; k < 3; ++k) visit(i, mesh.triangles[i][k], mesh.triangles[i][(k + 1) % 3]);
 }
 
-// Sorted by where they start. Edges are counted in buckets of their lesser vertex: a sort of all of
-// them would take ten times as long.
+// Returns the border edges, sorted by their start. Edges are counted in buckets by their lower
+// vertex: sorting all of them would take ten times as long.
 std::vector<BorderEdge> border_edges(const types::Mesh& mesh) {
     std::vector<std::uint32_t> bucket_end(mesh.vertices.size() + 1, 0);
     for_each_edge(mesh, [&](std::size_t, std::uint32_t from, std::uint32_t to) {
@@ -39,7 +39,7 @@ std::vector<BorderEdge> border_edges(const types::Mesh& mesh) {
     std::vector<std::uint32_t> greater(3 * mesh.triangles.size());
     for_each_edge(mesh, [&](std::size_t, std::uint32_t from, std::uint32_t to) {
         greater[bucket_end[std::min(from, to)]++] = std::max(from, to);
-    });  // bucket_end[v] has moved from the begin to the end of v's bucket
+    });  // bucket_end[v] has moved from the start to the end of v's bucket
     const MeshComponents components = find_components(mesh);
     std::vector<BorderEdge> border;
     for_each_edge(mesh, [&](std::size_t triangle, std::uint32_t from, std::uint32_t to) {
@@ -60,7 +60,8 @@ struct Loop {
 
 std::vector<Loop> trace_loops(const types::Mesh& mesh, const std::vector<BorderEdge>& edges) {
     std::vector<bool> used(edges.size(), false);
-    // Where loops touch in a vertex, any way on closes some loop: the first unused is taken.
+    // Where loops touch in a vertex, any continuation closes a loop, so the first unused edge is
+    // taken.
     const auto next_from = [&](std::uint32_t vertex) {
         auto at = std::lower_bound(edges.begin(), edges.end(), BorderEdge{vertex, 0, 0});
         while (at != edges.end() && at->from == vertex && used[at - edges.begin()]) ++at;

@@ -6,9 +6,9 @@
 
 namespace divemesh::mesh {
 
-// Where a surface ends. Border edges (of one triangle alone) form closed loops; the longest loop of
-// a connected component is its outer edge, the others are holes in it: places that were not seen
-// well enough, which stay open.
+// The borders of a surface. Border edges (of only one triangle) form closed loops. The longest loop
+// of a connected component is its outer edge, the others are holes: places that were not seen well
+// enough, which stay open.
 struct MeshBorders {
     std::int64_t num_holes = 0;
     double hole_area_m2 = 0.0;  // of all holes, each by the vector area of its loop

@@ -20,7 +20,7 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
     return i;
 }
 
-// `kept` rises.
+// `kept` must be sorted.
 template <typename T>
 void keep_entries(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
     if (values.empty()) return;
@@ -88,7 +88,8 @@ types::Mesh keep_large_components(types::Mesh mesh, double min_area_m2) {
 
 MeshTopology check_topology(const types::Mesh& mesh) {
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
-    std::vector<std::pair<Edge, bool>> sides;  // ends in order; whether run through that way
+    // Sorted ends; whether the edge is traversed in that order.
+    std::vector<std::pair<Edge, bool>> sides;
     std::vector<bool> used(mesh.vertices.size(), false);
     MeshTopology topology;
     for (const auto& triangle : mesh.triangles) {

@@ -17,7 +17,7 @@ types::Mesh simplify_mesh(const types::Mesh& mesh, const SimplifyLimits& limits)
     const std::size_t num_indices = 3 * mesh.triangles.size();
     const auto target = 3 * static_cast<std::size_t>(std::ceil(
                                 limits.share * static_cast<double>(mesh.triangles.size())));
-    // Errors are relative to the mesh's extent; all of it is no limit.
+    // Errors are relative to the mesh's extent; 1 means no limit.
     const float extent_m = meshopt_simplifyScale(positions, mesh.vertices.size(), kStride);
     const float max_error =
         limits.max_error_m > 0.0 ? static_cast<float>(limits.max_error_m) / extent_m : 1.0F;

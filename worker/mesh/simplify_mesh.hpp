@@ -6,21 +6,23 @@
 
 namespace divemesh::mesh {
 
+// When simplification stops, whichever limit is reached first.
 struct SimplifyLimits {
-    double share = 1.0;        // of the triangles that are to stay
-    double max_error_m = 0.0;  // quadric error at which collapsing ends sooner; 0: no limit
+    double share = 1.0;        // of the triangles to keep
+    double max_error_m = 0.0;  // quadric error at which collapsing stops early; 0: no limit
 };
 
-// What it cost: distances from each vertex of the original to the simplified surface.
+// The error of a simplification: distances from each original vertex to the simplified surface.
 struct SimplificationError {
     std::int64_t num_triangles_before = 0;
     double rms_m = 0.0;
     double max_m = 0.0;
 };
 
-// The mesh with edges collapsed in the order of their quadric error (Garland and Heckbert 1997, by
-// meshoptimizer). Vertices that stay keep place, normal, colour, sigma and observations; borders
-// stay borders. It may stop short of `share` where a collapse would change the topology.
+// Returns the mesh with edges collapsed in the order of their quadric error (Garland and Heckbert
+// 1997, by meshoptimizer). The remaining vertices keep position, normal, colour, sigma and
+// observations; borders stay borders. It may stop short of `share` where a collapse would change
+// the topology.
 types::Mesh simplify_mesh(const types::Mesh& mesh, const SimplifyLimits& limits);
 
 }  // namespace divemesh::mesh

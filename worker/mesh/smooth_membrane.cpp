@@ -11,15 +11,16 @@ namespace divemesh::mesh {
 namespace {
 
 constexpr float kMinSigma_voxels = 0.5F;
-// Of a surface from the mean of a vertex's neighbours. Half of it gains 1.5 points of F1 at 10 mm
-// on the tank and none on the barge; a quarter, with a reach of 20, takes as much from the barge.
+// Deviation of the surface from the mean of a vertex's neighbours. Half of it gains 1.5 points of
+// F1 at 10 mm on the tank and none on the barge; a quarter, with a reach of 20, loses as much on
+// the barge.
 constexpr float kRoughness_voxels = 0.2F;
-constexpr float kMaxReach = 12.0F;  // voxels over which noise is evened out
-constexpr int kNumIterations = 45;  // leave 1 % of the way at that reach
+constexpr float kMaxReach = 12.0F;  // voxels over which noise is smoothed
+constexpr int kNumIterations = 45;  // 1 % of the way remains at that reach
 constexpr float kMaxMove_sigmas = 3.0F;
-constexpr std::size_t kSlice = 2048;  // vertices that a thread takes at once
+constexpr std::size_t kSlice = 2048;  // vertices per task of a thread
 
-// With a fourth number, 0, so that a point is read at once.
+// With a zero as fourth component, so that a point is one load.
 using Points = std::vector<Eigen::Vector4f>;
 
 class Membrane {
@@ -30,12 +31,12 @@ public:
         link();
     }
 
-    // Of the mesh: first those that move, then their neighbours that do not.
+    // Vertices of the mesh: first those that move, then their neighbours that do not.
     const std::vector<std::uint32_t>& vertices() const { return vertices_; }
     std::size_t num_moving() const { return pulls_.size(); }
     bool on_border(std::size_t i) const { return on_border_[i]; }  // of those that move
 
-    // Of values at vertices(); those that do not move keep theirs.
+    // Returns smoothed values of vertices(); those that do not move keep theirs.
     Points smoothed(const Points& values) const;
 
 private:
@@ -56,16 +57,17 @@ private:
     std::vector<std::uint32_t> end_neighbour_;
 };
 
-// A bijection without pattern, after SplitMix64 (Steele, Lea and Flood 2014).
+// A pseudo-random bijection, after SplitMix64 (Steele, Lea and Flood 2014).
 std::uint64_t scattered(std::uint64_t number) {
     number = (number + 0x9e3779b97f4a7c15) * 0xbf58476d1ce4e5b9;
     number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
     return number ^ (number >> 31);
 }
 
-// Vertices that are known badly enough. The triangles around one inside the surface arrive at every
-// neighbour as often as they leave it. Of a border the numbers themselves may cancel: where two
-// parts of the surface meet in a vertex, they do now and then.
+// Chooses the vertices with a large enough sigma. For an inner vertex the surrounding triangles
+// enter each neighbour as often as they leave it, so the balance is 0. Scattered numbers are used
+// because at borders plain vertex numbers may cancel, which happens where two parts of the surface
+// meet in a vertex.
 void Membrane::choose() {
     std::vector<std::uint64_t> balance(mesh_.vertices.size(), 0);
     for (const auto& triangle : mesh_.triangles)
@@ -82,9 +84,8 @@ void Membrane::choose() {
     }
 }
 
-// Each neighbour once, as the next one in a triangle. A vertex on the border has those on the
-// border alone, or the surface would draw itself together: they are next or last in a triangle, not
-// both.
+// Links each neighbour once, as the next vertex in a triangle. A border vertex is linked only to
+// border vertices, or the surface would shrink: these are next or last in a triangle, not both.
 void Membrane::link() {
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> index(mesh_.vertices.size(), kNone);
@@ -102,7 +103,7 @@ void Membrane::link() {
     for (std::size_t i = 2; i < first_neighbour_.size(); ++i)
         first_neighbour_[i] += first_neighbour_[i - 1];
     neighbours_.resize(first_neighbour_.back());
-    // first_neighbour_[i + 1] runs from where i's neighbours begin to where they end.
+    // first_neighbour_[i + 1] advances from the start to the end of i's neighbours.
     for_each_link([&](std::uint32_t i, std::uint32_t vertex) {
         if (index[vertex] == kNone) {
             index[vertex] = static_cast<std::uint32_t>(vertices_.size());
@@ -159,7 +160,7 @@ Points Membrane::smoothed(const Points& values) const {
     return now;
 }
 
-// Of each vertex, as the triangles around it have it; not of unit length.
+// Returns the area-weighted normal of each vertex, not of unit length.
 std::vector<Eigen::Vector3f> normals_by_area(const types::Mesh& mesh) {
     std::vector<Eigen::Vector3f> sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
     for (const auto& t : mesh.triangles) {

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint16_t kNoVertex = 0xffff;
 constexpr std::uint32_t kNoIndex = 0xffffffffU;
 
-// A cell that the surface passes: its signs, and its vertices, one per loop.
+// A cell that the surface passes through: its signs and its vertices, one per loop.
 struct ActiveCell {
     std::uint16_t first_vertex = kNoVertex;  // in the block
     std::uint8_t mask = 0;
@@ -34,7 +34,7 @@ struct NetVertex {
 };
 
 struct BlockNet {
-    std::vector<ActiveCell> cells;  // 512, or none when the surface does not pass the block
+    std::vector<ActiveCell> cells;  // 512, or empty if the surface does not pass through the block
     std::vector<NetVertex> vertices;
     std::uint32_t first_vertex = 0;  // of the block in the mesh
 };
@@ -87,8 +87,8 @@ private:
     std::vector<Eigen::Vector3f> places_;  // of the vertices in their cells, 0 to 1
     std::vector<fusion::SampleAttributes> attributes_;
     base::UninitialisedVector<std::uint32_t>
-        links_;                              // to neighbours, of all vertices one after the other
-    std::vector<std::uint32_t> first_link_;  // of each vertex, and one behind
+        links_;  // to the neighbours of all vertices, one vertex after another
+    std::vector<std::uint32_t> first_link_;  // of each vertex, plus one past the end
     std::vector<std::uint8_t> num_neighbours_;
     std::vector<std::uint8_t> on_border_;
 };
@@ -124,7 +124,7 @@ void SurfaceNets::find_vertices(std::size_t block) {
     }
 }
 
-// A face that is folded in this cell and in the one behind it is joined in both.
+// Returns a face that is folded in this cell and in the one behind it; it is joined in both.
 int SurfaceNets::face_to_join(int mask, const Eigen::Vector3i& cell) const {
     const int folded = cell_topology(mask).folded_faces;
     for (int face = 0; face < kNoFace && folded != 0; ++face) {
@@ -177,8 +177,8 @@ void SurfaceNets::number_vertices() {
     });
 }
 
-// Every lattice edge that begins in the block and changes sign is the middle of a quad between its
-// four cells, when each of them has a vertex; one of the four is the cell at the edge's beginning.
+// Every lattice edge that begins in the block and changes sign is the centre of a quad between its
+// four cells, if each of them has a vertex. One of the four is the cell at the start of the edge.
 void SurfaceNets::find_quads(std::size_t block) {
     const BlockNet& net = nets_[block];
     if (net.cells.empty()) return;
@@ -212,7 +212,7 @@ void SurfaceNets::add_quad(std::size_t block,
     quads_[block].push_back(quad);
 }
 
-// Most cells are in the `expected` block.
+// The `expected` block is tried first, as it contains most cells.
 std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell,
                                      int edge,
                                      std::size_t expected) const {
@@ -225,8 +225,8 @@ std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell,
     return nets_[block].first_vertex + active.first_vertex + static_cast<std::uint32_t>(loop);
 }
 
-// Each quad's sides link its vertices. A side of one quad alone is border: its ends stay put, or
-// the net would draw itself together.
+// Links vertices along each side of each quad. A side of only one quad is border: its ends do not
+// move, or the net would shrink.
 void SurfaceNets::link_neighbours() {
     collect_links();
     settings_.progress.at(0.55);
@@ -235,8 +235,8 @@ void SurfaceNets::link_neighbours() {
     phase(0.55, 0.6, vertices_.size(), [this](std::size_t vertex) { sort_links(vertex); });
 }
 
-// Both ways along each side of each quad: a side between two quads comes twice. In which order is
-// left to the threads, as sort_links() makes one.
+// Collects both directions of each side of each quad, so that a side between two quads occurs
+// twice. The order depends on the threads; sort_links() makes it deterministic.
 void SurfaceNets::collect_links() {
     first_link_.assign(vertices_.size() + 2, 0);
     const auto advanced = [this](std::uint32_t vertex, std::size_t ahead) {
@@ -248,7 +248,7 @@ void SurfaceNets::collect_links() {
     });
     std::inclusive_scan(first_link_.begin(), first_link_.end(), first_link_.begin());
     links_.resize(first_link_.back());
-    // first_link_[v + 1] runs from where v's links begin to where they end.
+    // first_link_[v + 1] advances from the start to the end of v's links.
     base::for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
         for (const Quad& quad : quads_[block])
             for (int i = 0; i < 4; ++i) {
@@ -259,7 +259,7 @@ void SurfaceNets::collect_links() {
     });
 }
 
-// Leaves each neighbour once, in order.
+// Sorts the links of a vertex and keeps each neighbour once.
 void SurfaceNets::sort_links(std::size_t vertex) {
     const auto begin = links_.begin() + first_link_[vertex];
     const auto end = links_.begin() + first_link_[vertex + 1];
@@ -306,7 +306,7 @@ Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
     }
     place = place.cwiseMax(0.0F).cwiseMin(1.0F);
     const float slack = attributes_[vertex].sigma_m;
-    for (int round = 0; round < 3; ++round) {  // back to the zero and into the cell, in turns
+    for (int round = 0; round < 3; ++round) {  // alternate between the zero and the cell
         const auto [distance, gradient] = cell_at(here.corners_m, place);
         const float slope = gradient.squaredNorm();
         const float excess = distance - std::clamp(distance, -slack, slack);
@@ -357,7 +357,7 @@ void SurfaceNets::set_vertex(std::size_t vertex, types::Mesh& mesh) const {
     mesh.num_observations[vertex] = attributes.num_observations;
 }
 
-// Each quad is cut along its shorter diagonal.
+// Splits each quad along its shorter diagonal.
 void SurfaceNets::set_triangles(std::size_t block, std::size_t first, types::Mesh& mesh) const {
     for (const Quad& q : quads_[block]) {
         const auto diagonal = [&](int a, int b) {

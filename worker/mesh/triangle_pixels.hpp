@@ -8,11 +8,11 @@
 namespace divemesh::mesh {
 
 // A triangle seen from above: its corners in pixels (x to the right, y down, pixel centres at
-// halves) with the height of each as z.
+// halves), with the height of each as z.
 using PixelTriangle = std::array<Eigen::Vector3f, 3>;
 
-// Calls visit(row, column, weights, height) for each pixel of a picture whose centre lies in the
-// triangle; `weights` (Eigen::Vector3f) are those of the corners.
+// Calls visit(row, column, weights, height) for each pixel of an image whose centre lies in the
+// triangle; `weights` (Eigen::Vector3f) are the barycentric weights of the corners.
 template <typename Visit>
 void for_each_pixel(const PixelTriangle& corners, int rows, int columns, const Visit& visit) {
     const auto& [a, b, c] = corners;

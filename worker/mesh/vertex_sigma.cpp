@@ -10,8 +10,8 @@ namespace {
 constexpr float kAlike = 0.05F;     // r
 constexpr float kFlattened = 3.5F;  // c
 
-// Of every vertex the mean over the triangles around it of their corners' values; with a fourth
-// number, how many corners there were.
+// Returns for every vertex the mean, over the triangles around it, of their corners' values; the
+// fourth component is the number of corners.
 using Values = std::vector<Eigen::Vector4f>;
 Values means_around(const types::Mesh& mesh, const Values& values) {
     Values sums(values.size(), Eigen::Vector4f::Zero());

@@ -59,11 +59,11 @@ Eigen::Vector3f color_of(const types::Mesh& mesh, std::uint32_t vertex) {
     return Eigen::Vector3f::Constant(60.0F + 180.0F * light);
 }
 
-// The higher surface wins (z-buffer).
+// Draws a triangle with a z-buffer; the higher surface is visible.
 void draw(const ScreenTriangle& triangle, Mosaic& mosaic) {
     const auto paint = [&](int row, int column, const Eigen::Vector3f& weights, float height) {
         auto& highest = mosaic.height_m.at<float>(row, column);
-        if (height <= highest) return;  // false where there was nothing
+        if (height <= highest) return;  // false where there was no surface
         highest = height;
         const Eigen::Vector3f color = weights[0] * triangle.colors[0] +
                                       weights[1] * triangle.colors[1] +

@@ -10,8 +10,8 @@
 
 namespace divemesh::mosaic {
 
-// An orthographic picture of the mesh from above (along gravity). Row 0 is north (largest y),
-// column 0 west (smallest x); pixel (0, 0) has its outer corner at `corner_x_m`, `corner_y_m`.
+// An orthographic image of the mesh from above (along gravity). Row 0 is north (largest y), column
+// 0 west (smallest x); pixel (0, 0) has its outer corner at `corner_x_m`, `corner_y_m`.
 struct Mosaic {
     cv::Mat color;     // CV_8UC4 BGRA; alpha 0 where there is no surface
     cv::Mat height_m;  // CV_32F, world z of the highest surface; NaN where there is none
@@ -20,20 +20,22 @@ struct Mosaic {
     double corner_y_m = 0.0;
 };
 
+// The resolution of a mosaic and limits of its size.
 struct MosaicOptions {
     double pixel_m = 0.0;  // 0: half the mean edge of the mesh
     int max_side_px = 8192;
-    std::int64_t max_pixels = 48'000'000;  // coarser pixels where the mesh would need more
+    std::int64_t max_pixels = 48'000'000;  // above this the pixels become coarser
 };
 
-// Colours by the vertices, highest surface wins. An empty mesh gives one transparent pixel.
+// Renders the mosaic in the colours of the vertices; the highest surface is visible. An empty mesh
+// gives one transparent pixel.
 Mosaic render_mosaic(const types::Mesh& mesh, const MosaicOptions& options = {});
 
-// mosaic.png, mosaic_height.png (16 bit; 0: nothing there) and mosaic.json with the scales of
-// both, and a world file for each picture (.pgw, the world in m), in `folder`.
+// Writes mosaic.png, mosaic_height.png (16 bit; 0: no surface), mosaic.json with the scales of
+// both, and a world file for each image (.pgw, the world in m) to `folder`.
 void write_mosaic(const std::filesystem::path& folder, const Mosaic& mosaic);
 
-// The picture scaled down to `max_side_px` on white, for the report.
+// Returns the mosaic scaled down to `max_side_px` on white, as PNG, for the report.
 std::string thumbnail_png(const Mosaic& mosaic, int max_side_px = 480);
 
 }  // namespace divemesh::mosaic

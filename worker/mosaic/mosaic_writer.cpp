@@ -10,7 +10,7 @@
 namespace divemesh::mosaic {
 namespace {
 
-// Heights as steps above the lowest, from 1; 0 where there is no surface.
+// Heights as steps above the lowest, starting at 1; 0 where there is no surface.
 struct HeightImage {
     cv::Mat steps;  // CV_16U
     double lowest_m = 0.0;
@@ -44,8 +44,8 @@ void write_png(const std::filesystem::path& file, const cv::Mat& image) {
     base::write_file(file, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
-// The six lines of an ESRI world file: the world's (x, y) of a pixel's centre is
-// (A column + B row + C, D column + E row + F), in the order A D B E C F.
+// Returns the six lines of an ESRI world file: the world's (x, y) of a pixel's centre is (A column
+// + B row + C, D column + E row + F), in the order A D B E C F.
 std::string world_file(const Mosaic& mosaic) {
     std::string text;
     for (const double value : {mosaic.pixel_m,

@@ -66,7 +66,7 @@ json estimate(double value, double sigma) { return {{"value", value}, {"sigma", 
 json lens(const types::Camera& stated,
           const types::LensChange& change,
           const types::LensChange::Vector& sigmas) {
-    const types::Camera camera = changed_camera(stated, change);
+    const types::Camera camera = camera::changed_camera(stated, change);
     return {{"fx_px", estimate(camera.fx_px, sigmas[0] * stated.fx_px)},
             {"fy_px", estimate(camera.fy_px, sigmas[0] * stated.fy_px)},
             {"cx_px", estimate(camera.cx_px, sigmas[1])},

@@ -7,18 +7,19 @@
 
 namespace divemesh::runner {
 
-// Every regular file below `folder` in order of name, with hash, size and media type; job and blob
-// are left open. Links are left out.
+// Returns every regular file below `folder`, sorted by name, with hash, size and media type; job
+// and blob are left empty. Links are skipped.
 std::vector<Artifact> list_artifacts(const std::filesystem::path& folder);
 
-// Of what a reconstruction leaves, all but what is large and that nothing measures.
+// Returns whether reports and comparisons read an artifact of a reconstruction again; false for
+// large artifacts that no measurement uses.
 bool is_read_again(const std::string& artifact_name);
 
-// A name that does not lead out of its folder, whoever gave it.
+// Returns whether a relative name stays inside its folder; the name may be untrusted.
 bool is_below(const std::filesystem::path& name);
 
-// A name for a file of ours that people know theirs by: letters, digits and ._- alone, 64 at most,
-// the end of a long one, which tells formats apart.
+// Returns a safe name for our copy of a user's file: only letters, digits and ._-, at most 64
+// characters. Of a long name the end is kept, which distinguishes formats.
 std::string plain_name(const std::string& file_name);
 
 }  // namespace divemesh::runner

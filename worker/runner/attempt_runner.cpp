@@ -22,18 +22,18 @@ using namespace std::chrono_literals;
 constexpr auto kReadTimeout = 100ms;
 constexpr auto kMeasureEvery = 2s;
 constexpr auto kReportEvery = 500ms;
-constexpr std::size_t kMaxPendingLogBytes = std::size_t{512} << 10;  // more than is kept
+constexpr std::size_t kMaxPendingLogBytes = std::size_t{512} << 10;  // more than the catalog keeps
 constexpr int kMaxReportedStages = 64;
 constexpr std::int64_t kMinFusionMemory_bytes = std::int64_t{64} << 20;
-constexpr int kExitOutOfMemory = 137;  // what shells and containers say of SIGKILL
+constexpr int kExitOutOfMemory = 137;  // exit code of shells and containers for SIGKILL
 
 LeaseStatus status_of_renewal(const storage::Renewal& renewal) {
     if (!renewal.valid) return LeaseStatus::Lost;
     return renewal.cancel_requested ? LeaseStatus::CancelRequested : LeaseStatus::Valid;
 }
 
-// How a child ended that said nothing about it. Without our doing, SIGKILL is the kernel's way to
-// get memory back.
+// Returns the failure of a child that ended without reporting one. A SIGKILL that we did not send
+// means that the kernel needed memory.
 Failure failure_of(const ProcessEnd& end) {
     if (end.signal == SIGKILL || end.exit_code == kExitOutOfMemory)
         return {
@@ -73,7 +73,7 @@ Finding set_aside(const TruthFile& file) {
             "correct it and send it again, or delete it from the truth files of the dive"};
 }
 
-// What changes no byte of the result and takes the least memory.
+// Sets the options that need the least memory without changing a byte of the result.
 void lower(nlohmann::json& options) {
     options["num_threads"] = 1;
     options["fusion_memory_bytes"] = kMinFusionMemory_bytes;
@@ -132,7 +132,7 @@ attempt::AttemptRequest AttemptRunner::write_request() const {
     return request;
 }
 
-// What a report or a comparison reads beside its dive, as files with the names that they have in a
+// Fetches the inputs of a report or a comparison besides its dive, as files named as in a
 // reconstruction's folder.
 void AttemptRunner::fetch_inputs(attempt::AttemptRequest& request) const {
     if (claim_.job.kind != JobKind::AccuracyReport && claim_.job.kind != JobKind::Compare) return;
@@ -163,7 +163,7 @@ void AttemptRunner::fetch_reconstruction(const std::vector<Artifact>& artifacts,
     }
 }
 
-// What the worker was told, and what follows from the time and the room that the attempt has.
+// Returns the configured limits, and those that follow from the attempt's time and disk space.
 ProcessLimits AttemptRunner::limits() {
     std::error_code unknown;
     const auto space = std::filesystem::space(folder(), unknown);
@@ -180,7 +180,7 @@ ProcessLimits AttemptRunner::limits() {
     return limits;
 }
 
-// Reads the child's messages until it has ended, or ends it when there is a reason to.
+// Reads the child's messages until it has ended; ends it if there is a reason to.
 void AttemptRunner::supervise(const LeaseKeeper& keeper, const std::stop_token& stop) {
     ChildProcess child(
         {config_.executable.string(), "attempt", (folder() / "request.json").string()}, limits());
@@ -189,13 +189,13 @@ void AttemptRunner::supervise(const LeaseKeeper& keeper, const std::stop_token& 
         if (open)
             open = child.read_some(buffer, kReadTimeout.count());
         else
-            std::this_thread::sleep_for(kReadTimeout / 10);  // it is on its way out
+            std::this_thread::sleep_for(kReadTimeout / 10);  // the child is about to end
         read_lines(buffer);
         report_pending(kReportEvery);
         if (stop_ == Stop::None) stop_ = reason_to_stop(keeper, stop, child);
         if (stop_ != Stop::None && !child.poll_end()) end_child(child);
     }
-    for (std::size_t read = 1; read > 0;) {  // what is left in the pipe
+    for (std::size_t read = 1; read > 0;) {  // the rest of the pipe
         const std::size_t before = buffer.size();
         child.read_some(buffer, 0);
         read = buffer.size() - before;
@@ -219,8 +219,8 @@ void AttemptRunner::read_lines(std::string& buffer) {
         throw Error(ErrorCode::Unavailable, "an attempt sent a line without an end");
 }
 
-// A child that talks without end must not keep the catalog's one writer busy: of progress the
-// newest is written, of the log as much as is kept, both now and then.
+// Stores progress and log until report_pending(), so that a child with many messages does not keep
+// the catalog's only writer busy: the latest progress, and as much of the log as is kept.
 void AttemptRunner::take(const attempt::AttemptMessage& message) {
     heard_ = Clock::now();
     if (const auto* progress = std::get_if<Progress>(&message)) {
@@ -256,7 +256,7 @@ void AttemptRunner::report_pending(std::chrono::milliseconds at_least_after) {
         report([&] { return jobs_.append_log(claim_.lease, log); });
 }
 
-// A catalog that is out of reach for a moment must not end hours of work.
+// Ignores a failed write, so that a short outage of the catalog does not end hours of work.
 void AttemptRunner::report(const std::function<bool()>& write) {
     try {
         if (!write()) stop_ = Stop::LeaseLost;
@@ -281,7 +281,7 @@ Stop AttemptRunner::reason_to_stop(const LeaseKeeper& keeper,
     return Stop::None;
 }
 
-// Whose lease is lost must not go on for a moment; all others may end by themselves first.
+// Kills the child at once if the lease is lost; otherwise it may first end by itself.
 void AttemptRunner::end_child(ChildProcess& child) {
     const auto now = Clock::now();
     if (stop_ == Stop::LeaseLost) return child.signal_group(SIGKILL);
@@ -353,7 +353,7 @@ void AttemptRunner::publish_intake(const attempt::IntakeAnswer& answer,
     if (!persist([&] { return jobs_.finish_intake(claim_.lease, result); })) remove_blobs();
 }
 
-// Every file the child left in its out folder, under keys of this attempt alone.
+// Stores every file in the child's out folder, under keys of this attempt.
 std::vector<Artifact> AttemptRunner::store_artifacts(const attempt::AttemptRequest& request) {
     auto artifacts = list_artifacts(request.out);
     for (Artifact& artifact : artifacts) {
@@ -374,8 +374,8 @@ void AttemptRunner::fail(const Failure& failure) {
     persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_); });
 }
 
-// Of this attempt alone, and never those of a success: a commit may have reached the catalog though
-// its answer was an error. What cannot be removed is in nobody's way.
+// Removes the blobs of this attempt, unless it succeeded: a commit may have reached the catalog
+// although its answer was an error. Blobs that cannot be removed do no harm.
 void AttemptRunner::remove_blobs() const {
     try {
         for (const Attempt& attempt : jobs_.attempts(claim_.job.id))
@@ -387,8 +387,8 @@ void AttemptRunner::remove_blobs() const {
     }
 }
 
-// The last write of an attempt: a catalog that is out of reach is asked again for as long as the
-// lease can last; after that the job is somebody else's.
+// Makes the last write of an attempt: if the catalog is unreachable, retries for as long as the
+// lease can last; after that the job may belong to another worker.
 bool AttemptRunner::persist(const std::function<bool()>& write) const {
     for (const auto give_up = Clock::now() + config_.lease;;) {
         try {

@@ -17,10 +17,10 @@
 
 namespace divemesh::runner {
 
-// Why the parent ends a child before it is done.
+// Why the parent ends a child early.
 enum class Stop { None, LeaseLost, Cancelled, Deadline, Stalled, ScratchFull, ShuttingDown };
 
-// One attempt from claim to its end in the catalog. Everything it writes carries the lease.
+// Runs one attempt, from its claim to its end in the catalog. All its writes carry the lease.
 class AttemptRunner {
 public:
     AttemptRunner(const WorkerConfig& config,
@@ -69,18 +69,18 @@ private:
     storage::BlobStore& blobs_;
     storage::Claim claim_;
     Clock::time_point started_ = Clock::now();
-    Clock::time_point heard_ = Clock::now();     // of the child
-    Clock::time_point measured_ = Clock::now();  // the scratch folder
-    std::int64_t scratch_bytes_ = 0;             // what it may take
+    Clock::time_point heard_ = Clock::now();     // last message from the child
+    Clock::time_point measured_ = Clock::now();  // last measurement of the scratch folder
+    std::int64_t scratch_bytes_ = 0;             // limit for the scratch folder
     Stop stop_ = Stop::None;
     std::optional<Clock::time_point> asked_to_end_;
     std::optional<attempt::AttemptMessage> result_;
     Measurement measurement_;
     std::optional<UnreadableTruth> unreadable_truth_;
-    std::optional<Progress> progress_;  // that the catalog does not know yet
-    std::string log_;                   // the same
+    std::optional<Progress> progress_;  // not yet in the catalog
+    std::string log_;                   // not yet in the catalog
     Clock::time_point reported_ = {};
-    std::size_t num_log_bytes_ = 0;  // in all
+    std::size_t num_log_bytes_ = 0;  // in total
     int num_stages_ = 0;
     ProcessEnd end_;
 };

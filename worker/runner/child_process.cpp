@@ -24,14 +24,14 @@ void limit(int resource, std::int64_t value, std::int64_t hard_extra = 0) {
     setrlimit(static_cast<__rlimit_resource_t>(resource), &limits);
 }
 
-// The line of /proc/self/uid_map that keeps a process the user it is in a user namespace of its
-// own. Made before the fork.
+// Returns the line of /proc/self/uid_map that keeps the process's user in a new user namespace.
+// Must be called before the fork.
 std::string own_user_map() {
     const std::string user = std::to_string(geteuid());
     return user + " " + user + " 1\n";
 }
 
-// Root needs no user namespace, and would lose its rights to the files of others in one.
+// Root needs no user namespace, and in one it would lose its rights to other users' files.
 bool cut_network(const std::string& user_map) {
     if (unshare(CLONE_NEWNET) == 0) return true;
     if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
@@ -40,7 +40,8 @@ bool cut_network(const std::string& user_map) {
                                 static_cast<ssize_t>(user_map.size());
 }
 
-// Between fork and exec in a process with threads: async-signal-safe calls alone.
+// Runs between fork and exec in a process with threads, so only async-signal-safe calls are
+// allowed.
 [[noreturn]] void become(char* const* arguments,
                          int pipe_end,
                          pid_t parent,
@@ -48,9 +49,9 @@ bool cut_network(const std::string& user_map) {
                          const std::string& user_map) {
     setpgid(0, 0);
     if (limits.no_network && !cut_network(user_map)) _exit(127);
-    // After the user namespace: entering one forgets it.
+    // After the user namespace, as entering one resets it.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(127);  // it died before the line above
+    if (getppid() != parent) _exit(127);  // the parent ended before the line above
     const int null = open("/dev/null", O_RDONLY);
     dup2(null, STDIN_FILENO);
     dup2(pipe_end, attempt::kAttemptPipe);  // dup2 clears close-on-exec
@@ -97,11 +98,11 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Proces
     pid_ = fork();
     if (pid_ == 0) become(arguments.data(), childs_end.get(), parent, limits, user_map);
     if (pid_ < 0) throw Error(ErrorCode::Unavailable, std::string("fork: ") + std::strerror(errno));
-    setpgid(pid_, pid_);  // both sides do it: whoever comes first
+    setpgid(pid_, pid_);  // parent and child both call it, as either may run first
 }
 
 ChildProcess::~ChildProcess() {
-    if (!end_) {  // once reaped, the number may be somebody else's
+    if (!end_) {  // once reaped, the process id may be reused
         signal_group(SIGKILL);
         int status = 0;
         while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -126,7 +127,7 @@ std::optional<ProcessEnd> ChildProcess::poll_end() {
     if (waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
         ended.si_pid != pid_)
         return std::nullopt;
-    signal_group(SIGKILL);  // what it started itself; until it is reaped, the number is its own
+    signal_group(SIGKILL);  // the processes it started; until it is reaped, its id is not reused
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
     }

@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 constexpr auto kReportEvery = 5s;
 constexpr std::int64_t kMaxOpenFiles = 1024;
 
-// Never the same twice: two containers may share host name and process numbers.
+// Returns a unique name: two containers may share host name and process ids.
 std::string make_worker_name() {
     char host[256] = "unknown";
     gethostname(host, sizeof host - 1);
@@ -34,7 +34,7 @@ std::string make_worker_name() {
     return std::string(host) + ":" + std::to_string(getpid()) + ":" + random;
 }
 
-// Says every few seconds that the worker is there, and in the end that it is gone.
+// Reports every few seconds that the worker is alive, and in the end that it has stopped.
 class Registration {
 public:
     Registration(storage::Catalog& catalog, std::string name, int num_slots)
@@ -76,8 +76,8 @@ private:
     std::jthread thread_;
 };
 
-// The defaults of what an attempt may take. More memory than there is would make the kernel kill
-// whom it likes.
+// Sets the default limits of an attempt. With a limit above the machine's memory the kernel would
+// choose which process to kill.
 void isolate(WorkerConfig& config) {
     ProcessLimits& limits = config.limits;
     const auto memory_bytes = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) *
@@ -96,7 +96,7 @@ void isolate(WorkerConfig& config) {
                       "are not available"}});
 }
 
-// Nothing is begun on a disk that is nearly full: reading and deleting need the rest.
+// Stops new work on a nearly full disk: reading and deleting need the rest.
 class RoomOnDisk {
 public:
     explicit RoomOnDisk(const WorkerConfig& config) : config_(config) {}
@@ -138,7 +138,7 @@ void run_slot(const WorkerConfig& config,
                 AttemptRunner(config, jobs, blobs, std::move(*claim)).run(stop);
                 worked = true;
             }
-        } catch (const std::exception& error) {  // the catalog is out of reach: try again
+        } catch (const std::exception& error) {  // the catalog is unreachable: try again
             log_warning({{"event", "worker_failed"}, {"what", error.what()}});
         }
         if (worked) continue;

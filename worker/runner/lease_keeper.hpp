@@ -9,13 +9,13 @@
 
 namespace divemesh::runner {
 
-// What renewing a lease brought back.
+// The result of renewing a lease.
 enum class LeaseStatus { Valid, CancelRequested, Lost };
 
-// How a lease is asked about. Both functions are called from the keeper's thread.
+// Calls that renew or check a lease, made from the keeper's thread.
 struct LeaseCalls {
     std::function<LeaseStatus()> renew;
-    std::function<LeaseStatus()> look;  // without renewing: cheap, brings a cancel request soon
+    std::function<LeaseStatus()> look;  // without renewing: cheap, notices a cancel request quickly
 };
 
 struct LeaseTimes {
@@ -24,9 +24,9 @@ struct LeaseTimes {
     std::chrono::milliseconds check_every;
 };
 
-// Renews a lease by timer from a thread of its own, so that neither a slow disk nor a busy child
-// lets it expire. When renewing fails for as long as the lease lasts (the catalog is out of reach),
-// the lease counts as lost.
+// Renews a lease by timer in its own thread, so that neither a slow disk nor a busy child lets it
+// expire. If renewing fails for the duration of the lease (the catalog is not reachable), the lease
+// counts as lost.
 class LeaseKeeper {
 public:
     LeaseKeeper(LeaseCalls calls, const LeaseTimes& times);
@@ -48,7 +48,7 @@ private:
     std::atomic<bool> cancel_requested_ = false;
     std::mutex mutex_;
     std::condition_variable_any wake_;
-    std::jthread thread_;  // last: it uses the others
+    std::jthread thread_;  // last: it uses the members above
 };
 
 }  // namespace divemesh::runner

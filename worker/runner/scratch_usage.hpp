@@ -6,8 +6,8 @@
 
 namespace divemesh::runner {
 
-// What an attempt takes of the disk: the files below its folder (those that have other names
-// elsewhere in parts) and those that process `pid` holds open without a name.
+// Returns the disk usage of an attempt: the files below its folder (those with several hard links
+// count in part) and the unlinked files that process `pid` holds open.
 std::int64_t scratch_usage_bytes(const std::filesystem::path& folder, pid_t pid);
 
 }  // namespace divemesh::runner

@@ -21,8 +21,8 @@ int open_lock(const std::filesystem::path& folder, int flags) {
     return open((folder / kLockName).c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600);
 }
 
-// Whoever gets the lock of another's folder knows that its process is gone: a folder has its final
-// name only once it is locked.
+// Removes folders of processes that have ended. A folder that can be locked belongs to no running
+// process, as it gets its final name only after it is locked.
 void remove_leftovers(const std::filesystem::path& common) {
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(common, ignored)) {

@@ -4,8 +4,8 @@
 
 namespace divemesh::runner {
 
-// A folder of one worker process inside the common work folder, locked while the process lives
-// and removed with it. Making one removes what workers that died left there.
+// A folder of one worker process inside the common work folder, locked while the process lives and
+// removed with it. Construction removes the folders of dead workers.
 class WorkFolder {
 public:
     explicit WorkFolder(const std::filesystem::path& common);  // throws Error{Unavailable}

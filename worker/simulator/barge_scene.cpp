@@ -4,7 +4,8 @@
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/scene_parts.hpp"
 
-// A flat-bottomed hull on sand. Frame of the place: x along the keel, z = 0 the deck.
+// The barge scene: a flat-bottomed hull on sand. Frame of the place: x along the keel, z = 0 the
+// deck.
 namespace divemesh::simulator {
 namespace {
 
@@ -28,7 +29,8 @@ Shape rough_box(const SceneBuilder& builder, const Eigen::Vector3f& size_m, floa
 void add_deck(SceneBuilder& builder) {
     const NoiseField& noise = builder.noise();
     const auto height = [&](float x, float y) {
-        const float seam = std::abs(std::remainder(y + 0.12F, 0.24F));  // from the joint of planks
+        // Distance from the joint between planks.
+        const float seam = std::abs(std::remainder(y + 0.12F, 0.24F));
         const float joint = seam < 0.012F ? -0.012F : 0.0F;
         const Eigen::Vector3f p(x, y, 0.0F);
         return joint + 0.012F * noise.fractal(p, 0.6F, 2)[0] +

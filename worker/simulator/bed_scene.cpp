@@ -2,7 +2,8 @@
 
 #include "worker/simulator/scene.hpp"
 
-// A plane of sand and gravel, nothing on it: what a wrong calibration bends shows against it.
+// The bed scene: an empty plane of sand and gravel, which shows how a wrong calibration bends the
+// model.
 namespace divemesh::simulator {
 
 Scene make_bed_scene(std::uint64_t seed, int year) {
@@ -12,8 +13,8 @@ Scene make_bed_scene(std::uint64_t seed, int year) {
         Material::Coral,
         make_height_field({-9.0F, 9.0F, -5.0F, 5.0F}, 0.1F, [](float, float) { return 0.0F; }),
         place_at({0, 0, 0}));
-    // All but straight along x, and so low that what is seen is narrow against the way: the bend of
-    // the path shows, not that of each picture.
+    // Almost straight along x, and so low that the visible strip is narrow compared with the path's
+    // length: this shows the bend of the path, not that of each image.
     SurveyPath path;
     path.center_world = {0.0, -40.0, 1.0};
     path.semi_axis_x_m = 40.0;

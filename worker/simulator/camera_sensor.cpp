@@ -23,7 +23,8 @@ const std::array<std::uint8_t, kToneSteps + 1>& tone_curve() {
     return curve;
 }
 
-// Three near-normal draws (Irwin and Hall, sums of four) from one pixel's hashes.
+// Returns three approximately normal numbers (Irwin and Hall, sums of four) from the hashes of one
+// pixel.
 std::array<float, 3> normal3(std::uint64_t seed) {
     std::array<float, 3> draws{};
     for (std::uint64_t c = 0; c < 3; ++c) {

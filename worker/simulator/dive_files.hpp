@@ -13,7 +13,7 @@
 #include "worker/types/recording.hpp"
 #include "worker/types/rig.hpp"
 
-// The files of a dive on disk, in EuRoC's forms. All throw as AtomicFile does.
+// Writers of a dive's files in EuRoC's formats. All throw as AtomicFile does.
 namespace divemesh::simulator {
 
 struct ImageName {

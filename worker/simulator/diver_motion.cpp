@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-// Ramanujan 1914.
+// Returns the perimeter of an ellipse by Ramanujan's approximation of 1914.
 double perimeter_m(double a, double b) {
     const double h = (a - b) * (a - b) / ((a + b) * (a + b));
     return std::numbers::pi * (a + b) * (1.0 + 3.0 * h / (10.0 + std::sqrt(4.0 - 3.0 * h)));
 }
 
-// A root of a rising function.
+// Returns a root of an increasing function.
 template <typename Function>
 double bisect(double low, double high, const Function& function) {
     for (int i = 0; i < 60; ++i) {
@@ -136,7 +136,7 @@ MotionState DiverMotion::at(double t_s) const {
         path_.center_world + Eigen::Vector3d(x.value, y.value, z.value);
     state.velocity_world = {x.first, y.first, z.first};
     state.acceleration_world = {x.second, y.second, z.second};
-    // Rates of the angles z-y-x into the body frame.
+    // Converts the rates of the z-y-x angles to the body frame.
     const double sin_roll = std::sin(roll.value);
     const double cos_roll = std::cos(roll.value);
     const double sin_pitch = std::sin(pitch.value);

@@ -9,21 +9,23 @@
 
 namespace divemesh::simulator {
 
-// Where a diver swims in a scene and where the rig looks: an ellipse about `center_world`, or from
-// there straight on along x. The body's x axis is along the way (turned by `look_yaw`), y to the
-// left, z up, tilted down by `look_pitch`.
+// The path of a diver in a scene and the viewing direction of the rig: an ellipse about
+// `center_world`, or a straight line from there along x. The body's x axis points along the path
+// (rotated by `look_yaw`), y to the left, z up, tilted down by `look_pitch`.
 struct SurveyPath {
     Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  // z: height of the rig
-    bool straight = false;  // else an ellipse, to which the next three and `max_scale` belong
+    bool straight = false;  // else an ellipse, described by the next three and `max_scale`
     double semi_axis_x_m = 3.0;
     double semi_axis_y_m = 1.3;
     double start_angle = 0.0;
     double look_yaw = 0.0;
     double look_pitch = 0.6;
     double speed_m_s = 0.25;
-    double max_scale = 1.5;  // how much larger a closed lap may become
+    double max_scale = 1.5;  // how much a closed lap may be enlarged
 };
 
+// Pose, velocity (m/s), acceleration (m/s^2, without gravity) and rate of rotation (rad/s) of the
+// body.
 struct MotionState {
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
     Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();
@@ -31,15 +33,15 @@ struct MotionState {
     Eigen::Vector3d angular_velocity_imu = Eigen::Vector3d::Zero();
 };
 
-// The exact motion of the body: the survey path with a diver's sway as sums of sines, smooth for
-// all times. Derivatives are analytic. A closed lap is periodic in everything.
+// The exact motion of the body: the survey path plus a diver's sway as sums of sines, smooth at all
+// times, with analytic derivatives. A closed lap is periodic in all quantities.
 class DiverMotion {
 public:
-    // An open path of `length_m` from t = 0 on; longer than the ellipse, it goes round again, aside
-    // of its own track.
+    // Returns an open path of `length_m` from t = 0. If it is longer than the ellipse, it continues
+    // on a second lap beside its own track.
     static DiverMotion open_path(const SurveyPath& path, double length_m, std::uint64_t seed);
-    // A closed lap of `length_m` that takes a whole number of frames. Throws Error{InvalidArgument}
-    // when the scene is too small for it or its path is straight.
+    // Returns a closed lap of `length_m` that takes a whole number of frames. Throws
+    // Error{InvalidArgument} if the scene is too small for it or its path is straight.
     static DiverMotion closed_lap(const SurveyPath& path,
                                   double length_m,
                                   double rate_hz,
@@ -56,7 +58,7 @@ private:
         double phase;
     };
     using Sways = std::vector<Sway>;
-    struct Way {  // without sway
+    struct Way {  // a state of the path without sway
         Jet x;    // from the centre, m
         Jet y;
         Jet yaw;  // rad

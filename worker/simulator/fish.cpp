@@ -17,7 +17,8 @@ Fish::Shape::Part make_part(const Eigen::Isometry3d& T_world_part, const Eigen::
             T_world_part.translation().cast<float>()};
 }
 
-// Bands across the body, a dark eye, a pale belly; `q` runs from -1 to 1 along each axis.
+// Returns the colour of a fish: bands across the body, a dark eye, a pale belly. `q` runs from -1
+// to 1 along each axis.
 Rgb fish_color(const Eigen::Vector3f& q, bool is_tail, std::uint64_t seed) {
     const auto hue = static_cast<float>(base::to_unit(seed));
     const Rgb bright = Rgb(0.75F, 0.65F, 0.15F) * (1.0F - hue) + Rgb(0.35F, 0.55F, 0.8F) * hue;

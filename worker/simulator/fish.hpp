@@ -10,8 +10,8 @@
 
 namespace divemesh::simulator {
 
-// A fish circling about a place in front of the diver's way: what moves on its own and must not be
-// taken for the scene. A body and a beating tail, both ellipsoids.
+// A fish that circles a place in front of the diver: a moving object that must not be taken for the
+// scene. A body and a beating tail, both ellipsoids.
 class Fish {
 public:
     struct Shape {  // at one moment
@@ -21,7 +21,7 @@ public:
         };
         std::vector<Part> parts;
         Eigen::Vector3f center_world = Eigen::Vector3f::Zero();
-        float radius_m = 0.0F;  // of a sphere around it
+        float radius_m = 0.0F;  // of its bounding sphere
         std::uint64_t seed = 0;
     };
     struct Hit {
@@ -30,7 +30,7 @@ public:
         Rgb color = Rgb::Zero();
     };
 
-    // A school along the way of `motion`, about one fish for every four seconds.
+    // Returns a school along the path of `motion`, about one fish for every four seconds.
     static std::vector<Fish> make_school(const DiverMotion& motion,
                                          double duration_s,
                                          const Eigen::Vector3d& look_imu,

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Calls `visit(time from the first frame, stamp)` on the sensor's grid.
+// Calls `visit(time from the first frame, timestamp)` at the sensor's sample times.
 template <typename Visit>
 void for_each_sample(double rate_hz, double duration_s, const Visit& visit) {
     const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_hz));
@@ -27,7 +27,7 @@ Eigen::Vector3d gaussian3(base::RandomRow& random) {
     return {x, y, random.gaussian()};
 }
 
-// A slow sine mixture of unit RMS.
+// A slowly varying sum of sines with unit RMS.
 class GaussMarkovProcess {
 public:
     GaussMarkovProcess(base::RandomRow& random, double period_s) {
@@ -63,7 +63,8 @@ std::vector<ImuRecord> simulate_imu(const DiverMotion& motion,
         gyroscope_bias = 0.006 * gaussian3(random);
         accelerometer_bias = 0.04 * gaussian3(random);
     }
-    // White noise density to deviation per sample; random walk to deviation per step.
+    // Converts white noise density to the deviation per sample, and random walk to the deviation
+    // per step.
     const double white = std::sqrt(kImuRateHz);
     const double walk = std::sqrt(1.0 / kImuRateHz);
     std::vector<ImuRecord> records;

@@ -4,7 +4,7 @@
 
 namespace divemesh::simulator {
 
-// A function of time with its first and second derivative: forward differentiation, exact to
+// A function of time with its first and second derivative by forward differentiation, exact to
 // rounding.
 struct Jet {
     double value = 0.0;

@@ -18,10 +18,10 @@ namespace {
 constexpr float kThickness_m = 0.004F;
 constexpr float kGap_m = 0.01F;      // between the board and the highest ground under it
 constexpr float kMaxRange_m = 2.2F;  // from the camera
-constexpr float kMinCosine = 0.5F;   // between the board's normal and the way to the camera
+constexpr float kMinCosine = 0.5F;   // between the board's normal and the direction to the camera
 constexpr float kMinSlopeCosine = 0.7F;
 
-// One cell of white around the picture of the tag.
+// Returns the edge of a board, which has one white cell around the tag's image.
 float edge_of_board_m(const SimulateOptions& options) {
     const markers::TagLayout layout = markers::tag_layout(options.marker_family);
     return static_cast<float>(options.marker_size_m * (layout.total_cells + 2) / layout.size_cells);
@@ -38,7 +38,8 @@ public:
 
     const std::vector<LaidMarker>& boards() const { return boards_; }
 
-    // Where this ray of the camera meets the ground, if there is room and it is seen well.
+    // Lays a board where this ray of the camera meets the ground, if there is room and it is seen
+    // well.
     void try_at(const Eigen::Isometry3d& T_world_cam, const Eigen::Vector3d& ray_cam) {
         const Eigen::Vector3f eye = T_world_cam.translation().cast<float>();
         const Eigen::Vector3f ray = (T_world_cam.linear() * ray_cam).normalized().cast<float>();
@@ -79,7 +80,8 @@ private:
         return from - hit.t * Eigen::Vector3f::UnitZ();
     }
 
-    // On the plane through the ground at 5 x 5 points below it, above the highest of them.
+    // Returns a board on the plane fitted to 5 x 5 ground points below it, above the highest of
+    // them.
     std::optional<LaidMarker> board_on(const Eigen::Vector3f& p) const {
         const auto yaw = static_cast<float>(
             6.283 * base::to_unit(base::hash64(seed_, static_cast<std::int64_t>(boards_.size()))));
@@ -127,13 +129,13 @@ void put_into(Scene& scene, const LaidMarker& marker, const SimulateOptions& opt
     add_object(scene, std::move(object), make_box({edge_m, edge_m, kThickness_m}, kMeshStep_m));
 }
 
-// At this height of the picture, evenly along the way first, then between.
+// Lays boards at this height of the image: first evenly along the path, then in between.
 void lay_along(const SimulateOptions& options,
                const types::Rig& rig,
                const DiverMotion& motion,
                double height,
                BoardLayer& layer) {
-    constexpr double kSides[] = {0.35, 0.65, 0.5, 0.25, 0.75};  // of the picture's width
+    constexpr double kSides[] = {0.35, 0.65, 0.5, 0.25, 0.75};  // in shares of the image's width
     const auto wanted = static_cast<std::size_t>(options.num_markers);
     const int num_steps = 2 * options.num_markers;
     for (std::size_t round = 0; round < std::size(kSides); ++round) {

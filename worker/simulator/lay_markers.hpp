@@ -11,32 +11,34 @@
 
 namespace divemesh::simulator {
 
-// A board with a tag, where it was laid; it stays there from year to year.
+// A board with a tag at its place, the same every year.
 struct LaidMarker {
     int id = 0;
-    Eigen::Isometry3f T_world_board = Eigen::Isometry3f::Identity();  // origin: its lower side
+    Eigen::Isometry3f T_world_board = Eigen::Isometry3f::Identity();  // origin: underside
 };
 
-// Lays boards with tags 0, 1, 2, ... on the ground where the left camera looks on its way, at least
-// two boards apart, on the slope that they find: first where the middle of the picture looks, then
-// nearer to the diver. Throws Error{InvalidArgument} when there is no room for as many.
+// Lays boards with tags 0, 1, 2, ... on the ground where the left camera looks along its path, at
+// least two board widths apart and on the slope of the ground: first at the centre of the image,
+// then nearer to the diver. Throws Error{InvalidArgument} if there is not enough room.
 std::vector<LaidMarker> lay_markers(const SimulateOptions& options,
                                     const types::Rig& rig,
                                     const DiverMotion& motion,
                                     const Scene& ground);
 
-// Those of which the ground below is in `after` what it was in `before`: where it rose, sank or
-// went, so did the board.
+// Returns the markers whose ground is the same in `after` as in `before`: where the ground rose,
+// sank or disappeared, the board moved too.
 std::vector<LaidMarker> unmoved_markers(const std::vector<LaidMarker>& markers,
                                         const SimulateOptions& options,
                                         const Scene& before,
                                         const Scene& after);
 
+// Adds the boards of the markers to a scene.
 void put_markers(const std::vector<LaidMarker>& markers,
                  const SimulateOptions& options,
                  Scene& scene);
 
-// Their printed size and the exact distances of neighbours and of every second one.
+// Returns the plan with the printed size and the exact distances of neighbours and of every second
+// one.
 dive::MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options);
 
 }  // namespace divemesh::simulator

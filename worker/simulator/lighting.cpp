@@ -13,11 +13,12 @@ namespace divemesh::simulator {
 namespace {
 
 constexpr int kSkyRays = 12;
-constexpr float kSkyReach_m = 1.2F;  // what is farther does not darken
+constexpr float kSkyReach_m = 1.2F;  // geometry farther away does not darken
 constexpr float kOffset_m = 2e-3F;
-constexpr std::size_t kVerticesAtOnce = 16384;  // some 50 ms
+constexpr std::size_t kVerticesAtOnce = 16384;  // takes about 50 ms
 
-// Directions spread by the cosine over the half space of `normal` (golden-angle spiral).
+// Returns the visible share of the sky; directions are cosine-weighted over the half space of
+// `normal` (golden-angle spiral).
 float sky_at(const RayCaster& caster,
              const Eigen::Vector3f& p,
              const Eigen::Vector3f& normal,
@@ -37,7 +38,7 @@ float sky_at(const RayCaster& caster,
     return static_cast<float>(open) / kSkyRays;
 }
 
-// Averages a value over the triangles' neighbours, to take the grain of few rays away.
+// Averages a value over neighbouring vertices, to remove the noise of few rays.
 void smooth(const Scene& scene, std::vector<float>& values) {
     std::vector<float> sums(values.size(), 0.0F);
     std::vector<float> weights(values.size(), 0.0F);
@@ -87,7 +88,7 @@ float caustic(const NoiseField& noise,
               float footprint_m) {
     const Eigen::Vector2f at =
         p_world.head<2>() -
-        p_world.z() / to_sun.z() * to_sun.head<2>();  // along the rays of the sun
+        p_world.z() / to_sun.z() * to_sun.head<2>();  // projected along the sun's rays
     constexpr float kMesh_m = 0.34F;
     const Eigen::Array4f bend = noise.at({at.x() * 1.7F, at.y() * 1.7F, 1.1F * t_s});
     const Eigen::Array4f net = noise.at(

@@ -13,12 +13,12 @@
 
 namespace divemesh::simulator {
 
-// How much of sky and sun reaches each vertex of a scene. Found once, with rays; the scene stands
-// still.
+// The share of sky and sun light that reaches each vertex of a static scene, computed once with
+// rays.
 class BakedLight {
 public:
-    // `check_cancelled` is called many times a second, between threads' work; what it throws comes
-    // out.
+    // `check_cancelled` is called many times a second, between the threads' work; its exceptions
+    // are passed on.
     BakedLight(const Scene& scene,
                const RayCaster& caster,
                const Eigen::Vector3f& to_sun,
@@ -32,7 +32,7 @@ private:
     std::vector<float> sun_;
 };
 
-// Sunlight gathered by waves: a net of bright lines that wanders over everything, mean about 1.
+// Returns the sunlight as focused by waves: a moving net of bright lines, mean about 1.
 float caustic(const NoiseField& noise,
               const Eigen::Vector3f& p_world,
               const Eigen::Vector3f& to_sun,

@@ -9,9 +9,9 @@
 namespace divemesh::simulator {
 namespace {
 
-// The water repeats itself in cubes of this size; a camera sees less than half of it.
+// Edge of the cubes in which the water repeats; a camera sees less than half of it.
 constexpr double kCube_m = 2.6;
-constexpr double kReach_m = 1.2;  // farther ones are too faint
+constexpr double kReach_m = 1.2;  // particles farther away are too faint
 constexpr double kMinDepth_m = 0.12;
 constexpr double kFocus_m = 1.6;
 constexpr double kBlur_px = 0.9;  // at half the focus distance, for a lens of 500 px
@@ -23,7 +23,7 @@ double wrap(double x) { return x - kCube_m * std::round(x / kCube_m); }
 MarineSnow::MarineSnow(double particles_per_m3, std::uint64_t seed) {
     base::RandomRow random(base::hash64(seed, 0x736e6f77ULL));
     const auto num_particles = static_cast<int>(particles_per_m3 * kCube_m * kCube_m * kCube_m);
-    // All drift with one current, each a little on its own, and sink.
+    // All particles drift with one current, with small individual deviations, and sink.
     const double current_x = random.uniform(-0.04, 0.04);
     const double current_y = random.uniform(-0.04, 0.04);
     for (int i = 0; i < num_particles; ++i) {
@@ -33,7 +33,7 @@ MarineSnow::MarineSnow(double particles_per_m3, std::uint64_t seed) {
                           current_y + 0.012 * random.gaussian(),
                           -0.01 + 0.008 * random.gaussian()};
         const double u = random.uniform(0.0, 1.0);
-        particle.radius_m = 0.0003 + 0.0014 * u * u * u;  // many small, few large
+        particle.radius_m = 0.0003 + 0.0014 * u * u * u;  // many small ones, few large ones
         particle.brightness = static_cast<float>(random.uniform(0.3, 1.0));
         particles_.push_back(particle);
     }
@@ -61,7 +61,7 @@ void MarineSnow::draw(const types::Camera& camera,
             kBlur_px * camera.fx_px / 500.0 * std::abs(1.0 / p_cam.z() - 1.0 / kFocus_m) * kFocus_m;
         const double sigma_px =
             std::sqrt(0.2 + 0.4 * sharp_px * sharp_px + 0.1 * blur_px * blur_px);
-        // What the blur spreads out it also dims.
+        // Blur spreads the light, so it also dims the particle.
         const double area = (0.2 + 0.4 * sharp_px * sharp_px) / (sigma_px * sigma_px);
         const double fade = 1.0 - range_m / kReach_m;
         const auto opacity = static_cast<float>(std::min(

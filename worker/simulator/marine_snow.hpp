@@ -10,14 +10,14 @@
 
 namespace divemesh::simulator {
 
-// Particles that drift through the water near the cameras: the same ones, at the same places, for
-// both. The lamps light them up close; out of focus they are discs.
+// Particles that drift through the water near the cameras, the same in both cameras. The lamps
+// light them at close range; out of focus they are discs.
 class MarineSnow {
 public:
     MarineSnow(double particles_per_m3, std::uint64_t seed);
 
-    // Adds what a camera sees of it to a linear picture (CV_32FC3) with this depth (CV_32F, m
-    // along the optical axis, 0: nothing there), and marks it in `mask` (CV_8U) where given.
+    // Draws the snow that a camera sees into a linear image (CV_32FC3) with this depth (CV_32F, m
+    // along the optical axis, 0: no surface), and marks it in `mask` (CV_8U) unless that is null.
     void draw(const types::Camera& camera,
               const Eigen::Isometry3d& T_world_cam,
               double t_s,

@@ -5,14 +5,14 @@
 namespace divemesh::simulator {
 namespace {
 
-constexpr std::uint32_t kNumValues = 4096;  // 64 KiB: stays in the cache
+constexpr std::uint32_t kNumValues = 4096;  // 64 KiB, fits into the cache
 constexpr std::uint32_t kPrimeX = 73856093U;
 constexpr std::uint32_t kPrimeY = 19349663U;
 constexpr std::uint32_t kPrimeZ = 83492791U;
 
 float quintic(float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F); }
 
-// Without SSE 4.1, which the baseline has not, std::floor is a call.
+// Rounds down; without SSE 4.1, which the baseline lacks, std::floor is a function call.
 std::int32_t floor_of(float x) {
     const auto truncated = static_cast<std::int32_t>(x);
     return truncated - (x < static_cast<float>(truncated) ? 1 : 0);

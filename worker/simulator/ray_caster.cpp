@@ -14,8 +14,8 @@ constexpr float kFar = 1e4F;
 
 RayCaster::RayCaster(const std::vector<Eigen::Vector3f>& vertices,
                      const std::vector<std::array<std::uint32_t, 3>>& triangles)
-    // All threads: a device's limit would bind every parallel loop of the process. The tree, and so
-    // who wins a tie on a shared edge, does not depend on their number.
+    // Uses all threads: a device's limit would apply to every parallel loop of the process. The
+    // tree, and so the result of ties on shared edges, does not depend on their number.
     : device_(rtcNewDevice(nullptr)), scene_(device_ ? rtcNewScene(device_.get()) : nullptr) {
     if (!scene_) throw Error(ErrorCode::Unavailable, "Embree does not start: is memory exhausted?");
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -9,7 +9,7 @@
 
 namespace divemesh::simulator {
 
-// Where a ray meets the surface first: at origin + t * direction.
+// The first intersection of a ray with the surface, at origin + t * direction.
 struct RayHit {
     static constexpr std::uint32_t kNone = 0xffffffffU;
     float t = 0.0F;
@@ -20,7 +20,7 @@ struct RayHit {
     bool valid() const { return triangle != kNone; }
 };
 
-// Rays against triangles, by Embree, which keeps a copy. Any number of threads may ask.
+// Intersects rays with triangles, by Embree, which keeps a copy. Thread-safe.
 class RayCaster {
 public:
     using Directions4 = std::array<Eigen::Vector3f, 4>;
@@ -29,7 +29,7 @@ public:
               const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
     RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
-    // Four neighbouring rays at once are twice as fast.
+    // Casts four neighbouring rays at once, which is twice as fast.
     std::array<RayHit, 4> cast4(const Eigen::Vector3f& origin, const Directions4& directions) const;
     bool is_blocked(const Eigen::Vector3f& origin,
                     const Eigen::Vector3f& direction,

@@ -9,7 +9,7 @@
 namespace divemesh::simulator {
 namespace {
 
-// A plate on a stalk: what hangs over is hidden from above.
+// Returns a plate on a stalk; what it overhangs is hidden from above.
 Shape make_table_coral(const SceneBuilder& builder, float radius_m) {
     Shape shape = make_ellipsoid({radius_m, radius_m, 0.16F * radius_m}, 0.02F);
     for (Eigen::Vector3f& p : shape.vertices)

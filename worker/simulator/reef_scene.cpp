@@ -2,7 +2,7 @@
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/scene_parts.hpp"
 
-// Spurs of coral rock with sand between them.
+// The reef scene: spurs of coral rock with sand between them.
 namespace divemesh::simulator {
 namespace {
 

@@ -8,8 +8,8 @@
 
 namespace divemesh::simulator {
 
-// The part of a scene that was seen, coloured with its reflectance. A triangle that was missed
-// although its whole neighbourhood was seen (no ray happened to meet it) belongs to it.
+// Returns the part of a scene that was seen, coloured with its reflectance. It includes triangles
+// that no ray happened to hit although their whole neighbourhood was seen.
 types::Mesh make_reference_mesh(const Scene& scene,
                                 const std::vector<bool>& seen,
                                 std::uint64_t seed);

@@ -9,15 +9,15 @@
 namespace divemesh::simulator {
 namespace {
 
-// Where the four rays of a pixel go: a rotated grid about its centre.
+// The directions of a pixel's four rays: a rotated grid about its centre.
 constexpr std::array<std::array<double, 2>, 4> kSubpixels = {
     {{-0.375, -0.125}, {0.125, -0.375}, {0.375, 0.125}, {-0.125, 0.375}}};
 
-// Lamps on arms at both sides of the rig, in cam0.
+// Lamps on arms at both sides of the rig, in the frame of cam0.
 const std::array<Eigen::Vector3d, 2> kLamps_cam0 = {Eigen::Vector3d(-0.45, -0.25, -0.05),
                                                     Eigen::Vector3d(0.58, -0.25, -0.05)};
 
-// Within a pixel a surface is one piece when its normals differ by less than 11 degrees and its
+// Within a pixel a surface is one patch if its normals differ by less than 11 degrees and its
 // depth, in footprints of the pixel, by less than on a slope of 80 degrees.
 constexpr float kSmoothCosine = 0.98F;
 constexpr float kSmoothSlope = 6.0F;
@@ -31,7 +31,7 @@ struct Renderer::Eye {
     const Rays* rays;
     Eigen::Matrix3f R_world_cam;
     Eigen::Vector3f center_world;
-    float pixel_size;  // of a pixel at 1 m
+    float pixel_size;  // size of a pixel at 1 m
     float t_s;
     std::array<Eigen::Vector3f, 2> lamps_world;
     struct VisibleFish {
@@ -160,7 +160,7 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
 void Renderer::mark_seen(const RayHits4& hits, const RayCaster::Directions4& directions) {
     for (std::size_t i = 0; i < hits.size(); ++i) {
         if (!hits[i].valid()) continue;
-        // Written once: a line of the cache that is only read is shared by all threads.
+        // Written only once, so that the cache line stays shared by all threads afterwards.
         auto& seen = seen_[hits[i].triangle];
         if (seen.load(std::memory_order_relaxed) == 0 &&
             hits[i].t * directions[i].norm() < kReferenceRange_m)

@@ -19,47 +19,50 @@
 
 namespace divemesh::simulator {
 
+// What is rendered besides the scene.
 struct RenderOptions {
     Water water;
     bool caustics = false;
     std::vector<Fish> fish;
-    std::shared_ptr<const MarineSnow> snow;  // none: no snow
+    std::shared_ptr<const MarineSnow> snow;  // null: no snow
     bool exact_depth = false;                // else the depth of a ray near the pixel's centre
     std::uint64_t seed = 0;                  // of the textures
 };
 
-// One picture before the sensor: linear light, and what is exactly there.
+// One image before the sensor: linear light, and the ground truth of what it shows.
 struct Rendering {
     cv::Mat radiance;  // CV_32FC3, r g b
-    cv::Mat depth;     // CV_32F, m along the optical axis, of the scene without fish; 0: nothing
+    cv::Mat depth;     // CV_32F, m along the optical axis, of the scene without fish; 0: no surface
     cv::Mat albedo;    // CV_32FC3, reflectance of the scene without fish
     cv::Mat fish;      // CV_8U, 255 where any part of a pixel sees a fish
     cv::Mat snow;      // CV_8U, 255 where snow covers more than a twentieth
 };
 
-// Looks at a scene through the cameras of a rig, four rays a pixel. Patterns and light are faded to
-// what a pixel resolves, so a pixel that shows one smooth piece of surface is shaded once. Uses the
-// threads of the calling arena; the result does not depend on their number.
+// Renders a scene through the cameras of a rig, four rays per pixel. Patterns and light are faded
+// to what a pixel resolves, so a pixel that shows one smooth patch of surface is shaded once. Uses
+// the threads of the calling arena; the result does not depend on their number.
 class Renderer {
 public:
-    // Keeps references to `scene` and `rig`. Takes seconds; `check_cancelled` is called meanwhile,
-    // and what it throws comes out.
+    // Keeps references to `scene` and `rig`. Takes seconds, in which it calls `check_cancelled` and
+    // passes on its exceptions.
     Renderer(
         const Scene& scene,
         const types::Rig& rig,
         RenderOptions options,
         const std::function<void()>& check_cancelled = [] {});
 
-    // Camera 0 or 1 with the body at `T_world_imu`, at this time of snow, fish and caustics.
+    // Renders camera 0 or 1 with the body at `T_world_imu`, with snow, fish and caustics at time
+    // `t_s`.
     Rendering render(int camera, const Eigen::Isometry3d& T_world_imu, double t_s);
-    // Triangles that camera 0 has seen nearer than this, since the start.
+    // The range within which a triangle that camera 0 sees counts as seen; seen_triangles() covers
+    // all images since construction.
     static constexpr float kReferenceRange_m = 4.0F;
     std::vector<bool> seen_triangles() const;
 
 private:
-    struct Eye;  // one picture being taken
+    struct Eye;  // one image being rendered
     struct Rays {
-        std::vector<RayCaster::Directions4> samples;  // camera frame, z = 1, four a pixel
+        std::vector<RayCaster::Directions4> samples;  // camera frame, z = 1, four per pixel
         std::vector<Eigen::Vector3f> centers;
     };
     struct Point {
@@ -80,7 +83,8 @@ private:
                                           const cv::Point& pixel,
                                           const RayHit& hit,
                                           const Eigen::Vector3f& direction) const;
-    // The mean of what the four rays meet, when that is one smooth piece of one object.
+    // Returns the mean of what the four rays hit, if that is one smooth patch of one object; else
+    // nullopt.
     std::optional<Point> one_point(const Eye& eye,
                                    const RayHits4& hits,
                                    const RayCaster::Directions4& directions) const;
@@ -89,7 +93,7 @@ private:
                const Eigen::Vector3f& direction,
                const Fish::Hit* fish,
                Rgb& albedo) const;
-    // What is seen of a point of the scene, and its own colour.
+    // Returns the light from a point of the scene as seen, and its own colour in `albedo`.
     Rgb look_at(const Eye& eye, const Point& point, Rgb& albedo) const;
     Point point_at(const RayHit& hit,
                    const Eigen::Vector3f& origin,

@@ -20,23 +20,23 @@ enum class Material { Deck, Timber, Iron, Sand, Rock, Coral, BranchCoral, Sponge
                       Brick, Carpet, Cardboard, Wood, Drum, ScaleBar, Marker };
 // clang-format on
 
-// One thing in the scene; its texture is fixed to its own coordinates.
+// One object in the scene; its texture is fixed to its own coordinates.
 struct SceneObject {
     std::string name;
     Material material = Material::Rock;
     std::uint64_t seed = 0;  // shifts and tints the texture
     Eigen::Isometry3f T_object_world = Eigen::Isometry3f::Identity();
     float length_m = 0.0F;  // of the shape along its x axis
-    cv::Mat tag;  // of a marker: one pixel a cell, in the middle of its face, x right, y up
+    cv::Mat tag;  // of a marker: one pixel per cell, in the centre of its face, x right, y up
     float cell_m = 0.0F;
 };
 
-// What a year did to one object: what a comparison of both dives should find.
+// The change of one object after a year, which a comparison of both dives should find.
 struct SceneChange {
     std::string name;
     std::string kind;                  // growth, loss, new
-    Eigen::AlignedBox3f before_world;  // empty for what is new
-    Eigen::AlignedBox3f after_world;   // empty for what was lost
+    Eigen::AlignedBox3f before_world;  // empty if new
+    Eigen::AlignedBox3f after_world;   // empty if lost
     double volume_before_m3 = 0.0;     // of the closed shape, buried parts included
     double volume_after_m3 = 0.0;
 };
@@ -47,7 +47,7 @@ struct SceneDistance {
     std::string what;
 };
 
-// A place: one triangle surface in the world (z up), and how it is surveyed.
+// A place: one triangle surface in the world (z up), and its survey path.
 struct Scene {
     std::vector<Eigen::Vector3f> vertices;
     std::vector<Eigen::Vector3f> normals;  // of the vertices, outward
@@ -60,10 +60,10 @@ struct Scene {
     double surface_z_m = 0.0;  // of the water
 };
 
-constexpr double kMaxTransectLength_m = 400.0;  // by the memory that its triangles take
+constexpr double kMaxTransectLength_m = 400.0;  // limited by the memory of its triangles
 
-// The same seed gives the same place; later years change single objects of it and nothing else. A
-// transect goes on for `length_m`; the others have their size.
+// Returns the place of a seed; later years change only single objects of it. A transect is
+// `length_m` long; the other scenes have a fixed size.
 Scene make_scene(SceneKind kind, std::uint64_t seed, int year, double length_m);
 Scene make_tank_scene(std::uint64_t seed, int year);
 Scene make_barge_scene(std::uint64_t seed, int year);
@@ -71,28 +71,31 @@ Scene make_reef_scene(std::uint64_t seed, int year);
 Scene make_bed_scene(std::uint64_t seed, int year);
 Scene make_transect_scene(std::uint64_t seed, int year, double length_m);
 
-// Puts an object with this shape into the scene; `object` says how it looks and where it is.
+// Adds an object of this shape to the scene; `object` describes its appearance and pose.
 void add_object(Scene& scene, SceneObject object, const Shape& shape);
 
-// Collects objects into a scene.
+// Builds a scene from objects.
 class SceneBuilder {
 public:
-    // Everything stands in a frame of its own, a little askew in the world as real places are.
+    // Objects are placed in the frame of the place, which is slightly rotated in the world like
+    // real places.
     SceneBuilder(std::uint64_t seed, int year, const Eigen::Isometry3f& T_world_place);
 
-    // Texture seeds hang on the name, so that objects keep their look when others come or go.
+    // Adds an object. The texture seed depends on the name, so that objects keep their appearance
+    // when others are added or removed.
     void add(const std::string& name,
              Material material,
              const Shape& shape,
              const Eigen::Isometry3f& T_place_object);
-    // Grows by a sixth a year from the second year on, or is gone, or is new, by `fate`.
+    // Adds an object that changes by `fate`: it grows by a sixth a year from the second year on, is
+    // lost, or is new.
     enum class Fate { Grows, Lost, New };
     void add_changing(const std::string& name,
                       Material material,
                       const Shape& shape,
                       const Eigen::Isometry3f& T_place_object,
                       Fate fate);
-    // Ends in the frame of the place.
+    // Adds a known distance; its ends are in the frame of the place.
     void add_distance(const std::string& name,
                       const std::string& what,
                       const Eigen::Vector3d& a_place,
@@ -110,7 +113,7 @@ private:
     NoiseField noise_;
 };
 
-// x y z in m and turns in rad, yaw first.
+// Returns a pose from x y z in m and angles in rad, applied yaw first.
 Eigen::Isometry3f place_at(const Eigen::Vector3f& position,
                            float yaw = 0.0F,
                            float pitch = 0.0F,

@@ -16,7 +16,7 @@ int num_pieces(float length_m, float step_m) {
     return std::max(1, static_cast<int>(std::lround(length_m / step_m)));
 }
 
-// A grid of (columns + 1) x (rows + 1) points; outside is where u x v points.
+// Adds a grid of (columns + 1) x (rows + 1) points; its outside is in the direction of u x v.
 template <typename Point>
 void add_grid(Shape& shape, int columns, int rows, const Point& point) {
     const auto first = static_cast<std::uint32_t>(shape.vertices.size());
@@ -33,7 +33,7 @@ void add_grid(Shape& shape, int columns, int rows, const Point& point) {
         }
 }
 
-// The six faces of a cube of half size 1: normal, u, v with u x v = normal.
+// The six faces of a cube with half edge 1: normal, u, v with u x v = normal.
 struct Face {
     int normal;
     int u;
@@ -55,7 +55,7 @@ Eigen::Vector3f on_cube(const Face& face, float u, float v) {
     return p;
 }
 
-// A tapering round stick from a to b with a rounded end.
+// Adds a tapering round stick from a to b with a rounded end.
 void add_stick(Shape& shape,
                const Eigen::Vector3f& a,
                const Eigen::Vector3f& b,
@@ -71,7 +71,8 @@ void add_stick(Shape& shape,
         const float row = v * static_cast<float>(along);
         const float straight = static_cast<float>(along - 2);
         const float s = std::min(1.0F, row / straight);
-        const float cap = std::max(0.0F, (row - straight) / 2.0F);  // 0 to 1 over the rounded end
+        // From 0 to 1 over the rounded end.
+        const float cap = std::max(0.0F, (row - straight) / 2.0F);
         const float r = (radii_m[0] + (radii_m[1] - radii_m[0]) * s) * std::cos(cap * kPi / 2.0F);
         const Eigen::Vector3f middle =
             a + s * (b - a) + std::sin(cap * kPi / 2.0F) * radii_m[1] * axis;
@@ -95,7 +96,7 @@ Shape make_box(const Eigen::Vector3f& size_m, float step_m) {
 
 Shape make_cylinder(float radius_m, float height_m, float step_m) {
     Shape shape;
-    // A multiple of four: the ends of the diameters along x and y are vertices.
+    // A multiple of four, so that the ends of the diameters along x and y are vertices.
     const int around = 4 * std::max(6, num_pieces(0.5F * kPi * radius_m, step_m));
     const int across = num_pieces(radius_m, step_m);
     const auto ring = [&](float u, float r, float z) {

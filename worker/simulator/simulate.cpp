@@ -24,11 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// When a pair is taken; a later lap shows the picture of the first.
+// The time of a stereo pair; a later lap reuses the images of the first.
 struct Exposure {
     std::int64_t timestamp_ns = 0;
     double t_s = 0.0;
-    int shown = 0;  // index of the pair whose pictures it has
+    int shown = 0;  // index of the pair whose images it uses
 };
 
 void check_range(const std::string& name, double value, double low, double high) {
@@ -95,7 +95,7 @@ DiverMotion motion_of(const SimulateOptions& options, const Survey& survey) {
                             : DiverMotion::open_path(survey.path, options.length_m, survey.seed);
 }
 
-// One dive being made.
+// One simulated dive.
 class Simulation {
 public:
     Simulation(const SimulateOptions& options, const base::ProgressCallback& report)
@@ -138,7 +138,7 @@ public:
     }
 
 private:
-    // Markers were laid on the first dive of the first year.
+    // Lays the markers as on the first dive of the first year.
     void mark() {
         SimulateOptions first = options_;
         first.year = 1;
@@ -261,7 +261,7 @@ private:
     const base::ProgressCallback& report_;
     WaterKind water_;
     Scene scene_;
-    std::optional<Scene> first_year_;  // of a later year's
+    std::optional<Scene> first_year_;  // if the scene is of a later year
     types::Rig rig_;
     Survey survey_;
     DiverMotion motion_;

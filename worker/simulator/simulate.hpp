@@ -11,10 +11,10 @@
 namespace divemesh::simulator {
 
 // tank: a furnished room in air. barge: a sunken hull on sand. reef: coral heads and sand channels.
-// bed: a plane, to see what a wrong calibration bends. transect: a straight swim over a reef as
-// long as the path, 7 MB in memory a metre.
+// bed: a plane, to show what a wrong calibration bends. transect: a straight path over a reef as
+// long as the path; takes 7 MB of memory per metre.
 enum class SceneKind { Tank, Barge, Reef, Bed, Transect };
-// How far one sees: clear about 15 m, green 5 to 6 m, turbid 2 to 3 m.
+// Visibility: clear about 15 m, green 5 to 6 m, turbid 2 to 3 m.
 enum class WaterKind { None, Clear, Green, Turbid };
 
 std::string_view to_string(SceneKind kind);
@@ -22,12 +22,13 @@ std::string_view to_string(WaterKind kind);
 SceneKind scene_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 WaterKind water_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
+// Options of a simulated dive.
 struct SimulateOptions {
     SceneKind scene = SceneKind::Barge;
-    std::filesystem::path out;       // made; must not hold a dive yet
-    double length_m = 6.0;           // of the path; of one lap when there are laps
+    std::filesystem::path out;       // created; must not contain a dive yet
+    double length_m = 6.0;           // of the path, or of one lap if `laps` > 0
     double rate_hz = 10.0;           // stereo pairs per second
-    std::uint64_t seed = 1;          // place, rig, motion and noise
+    std::uint64_t seed = 1;          // of place, rig, motion and noise
     std::optional<WaterKind> water;  // unset: none for the tank, green elsewhere
     int laps = 0;                    // 0: an open path; N: a closed lap, swum N times
     int year = 1;                    // 2: the same place a year later (change.json), and so on
@@ -36,22 +37,22 @@ struct SimulateOptions {
     bool snow = true;                // snow, fish and caustics: under water only
     bool fish = true;
     bool caustics = true;
-    bool noise = true;  // of pictures, IMU and AHRS
+    bool noise = true;  // of images, IMU and AHRS
     int width_px = 640;
     int height_px = 480;
     bool png = false;  // else JPEG
     int jpeg_quality = 93;
     int num_markers = 0;  // AprilTags on the ground along the path, and markers.json
     dive::MarkerFamily marker_family = dive::MarkerFamily::Tag36h11;
-    double marker_size_m = 0.12;  // as docs/markers.md counts it
-    int num_threads = 0;          // 0: as many as there are cores
+    double marker_size_m = 0.12;  // as defined in docs/markers.md
+    int num_threads = 0;          // 0: one per core
 };
 
-// Renders a dive with exact ground truth into `options.out`: pictures, IMU, AHRS, trajectory,
-// reference.ply (what cam0 saw within 4 m), measurements.json. The same options give the same
-// bytes, whatever the number of threads. Progress has the one stage "simulate". Throws
-// Error{InvalidArgument} for options out of range, Error{Conflict} when `out` is not empty,
-// Error{OutOfSpace} when a file cannot be written.
+// Renders a dive with exact ground truth into `options.out`: images, IMU, AHRS, trajectory,
+// reference.ply (what cam0 saw within 4 m), measurements.json. The same options give the same bytes
+// for any number of threads. Progress has one stage, "simulate". Throws Error{InvalidArgument} for
+// options out of range, Error{Conflict} if `out` is not empty, and Error{OutOfSpace} if a file
+// cannot be written.
 void simulate(const SimulateOptions& options,
               const base::ProgressCallback& report = base::ignore_progress);
 

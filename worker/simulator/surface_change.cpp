@@ -14,11 +14,11 @@ namespace {
 constexpr float kMinChange_m = 0.001F;
 constexpr float kAbove_m = 50.0F;
 
-using Cell = std::pair<int, int>;  // row, column: multiples of the cell's size in the world
+using Cell = std::pair<int, int>;  // row, column: multiples of the cell size in the world
 
 struct ChangedCell {
     float change_m = 0.0F;
-    std::vector<std::size_t> objects;  // of Scene::changes
+    std::vector<std::size_t> objects;  // indices in Scene::changes
 };
 
 int cell_index(float place_m) {
@@ -39,7 +39,8 @@ std::map<Cell, ChangedCell> cells_of(const std::vector<SceneChange>& changes) {
     return cells;
 }
 
-// Height of the highest surface less a constant; what is not there does not change.
+// Returns a constant minus the height of the highest surface; cells without surface are 0 in both
+// scenes and so do not change.
 float depth_below(const RayCaster& caster, const Cell& cell) {
     const Eigen::Vector3f above(static_cast<float>(cell_center(cell.second)),
                                 static_cast<float>(cell_center(cell.first)),

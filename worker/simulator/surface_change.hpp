@@ -8,10 +8,10 @@
 
 namespace divemesh::simulator {
 
-// Where the surface seen from above rose or sank, as one connected piece. Space under an overhang
-// counts as filled, as it does where two surveys are compared.
+// A connected region where the surface seen from above rose or sank. Space under an overhang counts
+// as filled, as in the comparison of two surveys.
 struct SurfaceChange {
-    std::vector<std::string> names;  // the changed objects that stand or stood in it
+    std::vector<std::string> names;  // changed objects in it, before or after
     bool grown = false;              // else lost
     double area_m2 = 0.0;            // seen from above
     double volume_m3 = 0.0;          // between the two surfaces
@@ -20,8 +20,9 @@ struct SurfaceChange {
 
 inline constexpr double kSurfaceChangeCell_m = 0.005;
 
-// Both scenes under vertical rays kSurfaceChangeCell_m apart, within the bounds of what `after`
-// says has changed; pieces with a change of more than 1 mm, joined by sides and corners.
+// Returns the changed regions: both scenes are sampled by vertical rays kSurfaceChangeCell_m apart,
+// within the bounds of the changes that `after` lists. Cells that change by more than 1 mm are
+// joined over sides and corners.
 std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& after);
 
 }  // namespace divemesh::simulator

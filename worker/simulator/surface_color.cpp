@@ -9,15 +9,15 @@
 namespace divemesh::simulator {
 namespace {
 
-// What a material looks like: two tones of the bare surface, patches of growth or stains, blotches,
-// and flecks of a centimetre and less.
+// The appearance of a material: two tones of the bare surface, patches of growth or stains,
+// blotches, and flecks of a centimetre or less.
 struct Look {
     Rgb tone_a;
     Rgb tone_b;
     Rgb patch;
     Rgb blotch;
     Rgb fleck;
-    float patch_level;  // patches cover what lies above: lower is more
+    float patch_level;  // noise level above which there is a patch: lower covers more
     float blotch_level;
     float fleck_level;
     float grain;         // strength of the finest octaves
@@ -117,7 +117,7 @@ Rgb natural_color(const Look& look, const Octaves& octaves) {
     return (color * (1.0F + 0.7F * look.grain * grain)).max(0.01F).min(0.95F);
 }
 
-// 1 inside a stripe of `width` around multiples of `period`, blurred over the footprint.
+// Returns 1 inside a stripe of `width` around multiples of `period`, blurred over the footprint.
 float stripe(float x, float period, float width, float footprint) {
     const float from_middle = std::abs(std::remainder(x, period));
     return 1.0F - smooth_step(0.5F * width - 0.5F * footprint,
@@ -125,7 +125,7 @@ float stripe(float x, float period, float width, float footprint) {
                               from_middle);
 }
 
-// Courses of 0.22 x 0.075 m, every other one shifted by half; x along the wall, y up.
+// Draws courses of 0.22 x 0.075 m, every other one shifted by half; x along the wall, y up.
 Rgb lay_bricks(const Rgb& color,
                const SceneObject& object,
                const Eigen::Vector3f& p,
@@ -143,7 +143,7 @@ Rgb lay_bricks(const Rgb& color,
     return mix(tone * color, 1.1F * color + Rgb(0.22F, 0.22F, 0.2F), joint);
 }
 
-// Printed bars and tape on parcels and drums, one in most cells of 9 cm.
+// Draws printed bars and tape on parcels and drums, one in most cells of 9 cm.
 Rgb print_labels(const Rgb& color,
                  const SceneObject& object,
                  const Eigen::Vector3f& p,
@@ -174,24 +174,25 @@ Rgb print_labels(const Rgb& color,
 
 Rgb paint_segments(const Rgb& color, const SceneObject& object, float x, float footprint_m) {
     const float from_end = x + 0.5F * object.length_m;
-    // Black where the middle of a 0.2 m period's first half is near.
+    // Black near the centre of the first half of each 0.2 m period.
     const float black = stripe(from_end - 0.05F, 0.2F, 0.1F, footprint_m);
     return mix(color, Rgb(0.03F, 0.03F, 0.03F) + 0.1F * color, black);
 }
 
-// The part of cell `i` along an axis that lies within half a footprint of `x`.
+// Returns the share of the footprint of `x` that cell `i` covers along an axis.
 float covered(int i, float x, float half_m, float cell_m) {
     const float low = std::max(static_cast<float>(i) * cell_m, x - half_m);
     const float high = std::min(static_cast<float>(i + 1) * cell_m, x + half_m);
     return std::max(0.0F, high - low) / (2.0F * half_m);
 }
 
-// The tag, black where no cell is white, averaged over the footprint; white paper around it.
+// Draws the tag, averaged over the footprint, with white paper around it.
 Rgb print_tag(const SceneObject& object, const Eigen::Vector3f& p, float footprint_m) {
     const float half_m = std::max(0.5F * footprint_m, 1e-5F);
     const int num_cells = object.tag.cols;
     const float x = p.x() + 0.5F * static_cast<float>(num_cells) * object.cell_m;
-    const float y = 0.5F * static_cast<float>(num_cells) * object.cell_m - p.y();  // rows go down
+    // Rows count downwards.
+    const float y = 0.5F * static_cast<float>(num_cells) * object.cell_m - p.y();
     float black = 0.0F;
     for (int row = 0; row < num_cells; ++row) {
         const float down = covered(row, y, half_m, object.cell_m);
@@ -239,7 +240,7 @@ Rgb surface_color(const SceneObject& object,
         }
         default: break;
     }
-    // Silt settles on what faces up.
+    // Silt settles on surfaces that face up.
     const float silt = 0.12F * std::max(0.0F, normal_world.z());
     return mix(color, 1.2F * color + Rgb(0.02F, 0.02F, 0.015F), silt);
 }

@@ -6,17 +6,18 @@
 
 namespace divemesh::simulator {
 
-// How one dive differs from another of the same place: nobody swims the same way twice, and no two
-// days have the same water.
+// The differences between one dive and another of the same place: a path is never swum the same way
+// twice, and the water is different every day.
 struct Survey {
-    std::uint64_t seed = 0;  // of motion, sensors' noise, fish and snow
+    std::uint64_t seed = 0;  // of motion, sensor noise, fish and snow
     SurveyPath path;
     Water water;
 };
 
-// The first survey of the first year swims the scene's own path in the water as named, with the
-// seed of the place. Every other one begins elsewhere, up to 0.3 m aside and 0.25 m higher, looks
-// up to 4 degrees aside and sees 15 % less far to 15 % farther.
+// Returns the plan of a survey. The first survey of the first year uses the scene's own path, the
+// water as named and the seed of the place. Every other one begins elsewhere, up to 0.3 m to the
+// side and 0.25 m higher, looks up to 4 degrees to the side, and has a visibility that is up to 15
+// % shorter or longer.
 Survey plan_survey(const SimulateOptions& options, const SurveyPath& of_scene, WaterKind water);
 
 }  // namespace divemesh::simulator

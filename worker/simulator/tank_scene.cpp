@@ -4,7 +4,8 @@
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/scene_parts.hpp"
 
-// A room with a chair in its middle, boxes and drums around it. Frame of the place: floor at z = 0.
+// The tank scene: a room with a chair in the centre and boxes and drums around it. Frame of the
+// place: floor at z = 0.
 namespace divemesh::simulator {
 namespace {
 

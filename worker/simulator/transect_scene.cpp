@@ -4,17 +4,18 @@
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/scene_parts.hpp"
 
-// A strip of reef along x, as long as the path over it. Frame of the place: the path begins over
-// x = 0. What stands where hangs on the seed alone, so that a longer path sees the same and more.
+// The transect scene: a strip of reef along x, as long as the path over it. Frame of the place: the
+// path begins over x = 0. The position of every object depends only on the seed, so that a longer
+// path sees the same and more.
 namespace divemesh::simulator {
 namespace {
 
 constexpr double kHeight_m = 2.0;
-constexpr float kHalfWidth_m = 4.5F;  // as far to the side as the water lets one see
+constexpr float kHalfWidth_m = 4.5F;  // to the side; the water's visibility ends there
 constexpr float kBehind_m = 2.0F;
-constexpr float kAhead_m = 7.0F;  // of where the path ends
+constexpr float kAhead_m = 7.0F;  // beyond the end of the path
 constexpr int kCoralsPerMeter = 9;
-constexpr float kHidden_m = 0.05F;  // ground this far below the other ground is not seen
+constexpr float kHidden_m = 0.05F;  // ground this far below the other ground is hidden
 
 void add_ground(SceneBuilder& builder, const Rectangle& area) {
     const NoiseField& noise = builder.noise();
@@ -51,7 +52,7 @@ void add_corals(SceneBuilder& builder, const Rectangle& area) {
     }
 }
 
-// Every 2 m a scale bar or a block, beside the path.
+// Adds a scale bar or a block every 2 m, beside the path.
 void add_known_lengths(SceneBuilder& builder, double length_m) {
     const auto num = static_cast<int>(0.5 * length_m) + 1;
     for (int i = 0; i < num; ++i) {

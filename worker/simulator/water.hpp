@@ -7,13 +7,13 @@
 
 namespace divemesh::simulator {
 
-// What water does to light over a range r, per channel (Akkaynak and Treibitz 2018):
+// The effect of water on light over a range r, per channel (Akkaynak and Treibitz 2018):
 //     I = J exp(-attenuation r) + veil (1 - exp(-backscatter r))
 struct Water {
     Rgb attenuation_per_m = Rgb::Zero();
     Rgb backscatter_per_m = Rgb::Zero();
-    Rgb veil = Rgb::Zero();     // the colour of water without end
-    Rgb ambient = Rgb::Ones();  // light from all of the sky at the depth of the scene
+    Rgb veil = Rgb::Zero();     // colour of water at infinite range
+    Rgb ambient = Rgb::Ones();  // light from the whole sky at the depth of the scene
     Rgb sun = Rgb::Ones();      // light from the sun's direction
     Rgb strobe = Rgb::Zero();   // of each lamp of the rig, at 1 m
     float exposure = 1.0F;
@@ -26,6 +26,7 @@ struct Water {
     }
 };
 
+// Returns the optical properties of a kind of water.
 Water make_water(WaterKind kind);
 
 }  // namespace divemesh::simulator
