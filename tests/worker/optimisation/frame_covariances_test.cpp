@@ -56,7 +56,7 @@ public:
             if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
             for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
-                const Eigen::Vector3d error = kFeatureSigma_px.cwiseProduct(noise());
+                const Eigen::Vector3d error = types::kFeatureSigma_px.cwiseProduct(noise());
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
                 const Eigen::Vector3d p =
