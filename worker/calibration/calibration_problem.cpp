@@ -8,6 +8,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/rerectifier.hpp"
 #include "worker/imu/imu_steps.hpp"
+#include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/reduced_information.hpp"
 #include "worker/optimisation/residuals/misaligned_gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/random_walk.hpp"
@@ -98,17 +99,25 @@ CalibrationProblem::CalibrationProblem(const types::Track& track,
     unknowns_.misalignment = base::vector_from_rotation(track.imu_alignment.q_body_imu);
 }
 
-void CalibrationProblem::solve(bool free_lenses,
-                               const base::ProgressCallback& progress,
-                               const Progress& at) {
-    for (int i = 0; i < kMaxRounds; ++i)
-        if (round(free_lenses, i + 1 == kMaxRounds, progress, at)) return;
+types::SolverOutcome CalibrationProblem::solve(bool free_lenses,
+                                               const base::ProgressCallback& progress,
+                                               const Progress& at) {
+    for (int i = 0; i + 1 < kMaxRounds; ++i) {
+        const Round done = round(free_lenses, false, progress, at);
+        if (done.still) return done.outcome;
+    }
+    Round last = round(free_lenses, true, progress, at);
+    if (!last.still && !last.outcome.failed()) {
+        last.outcome.termination = types::SolverOutcome::Termination::StoppedAtLimit;
+        last.outcome.message = "the calibration still moved in the last round";
+    }
+    return last.outcome;
 }
 
-bool CalibrationProblem::round(bool free_lenses,
-                               bool last,
-                               const base::ProgressCallback& progress,
-                               const Progress& at) {
+CalibrationProblem::Round CalibrationProblem::round(bool free_lenses,
+                                                    bool last,
+                                                    const base::ProgressCallback& progress,
+                                                    const Progress& at) {
     const CalibrationUnknowns before = unknowns_;
     ceres::Problem::Options options;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -143,7 +152,7 @@ bool CalibrationProblem::round(bool free_lenses,
     const bool still = std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
                        shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
     if (still || last) find_sigmas(problem, free_lenses);
-    return still || last;
+    return {optimisation::outcome_of(summary), still};
 }
 
 std::array<camera::RectifiedLens, 2> CalibrationProblem::lenses() const {

@@ -12,6 +12,7 @@
 #include "worker/calibration/lens_reprojection.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/imu/inertial_prior.hpp"
+#include "worker/types/solver_outcome.hpp"
 #include "worker/types/track.hpp"
 
 namespace divemesh::calibration {
@@ -44,7 +45,10 @@ public:
                        const imu::InertialPrior& inertial);
 
     // Rounds of least squares, each linear in a time offset and lenses near those of the last one.
-    void solve(bool free_lenses, const base::ProgressCallback& progress, const Progress& at);
+    // Returns how the last round ended; that the unknowns moved until then is a limit as well.
+    types::SolverOutcome solve(bool free_lenses,
+                               const base::ProgressCallback& progress,
+                               const Progress& at);
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
     const CalibrationUnknowns& unknowns() const { return unknowns_; }
     const CalibrationSigmas& sigmas() const { return sigmas_; }
@@ -58,11 +62,15 @@ private:
         Eigen::Vector3d p_world_body = Eigen::Vector3d::Zero();
         Eigen::Vector3d gyroscope_bias_imu = Eigen::Vector3d::Zero();  // rad/s
     };
-    // True when it was the last one that is needed, or `last`: then the sigmas are known.
-    bool round(bool free_lenses,
-               bool last,
-               const base::ProgressCallback& progress,
-               const Progress& at);
+    struct Round {
+        types::SolverOutcome outcome;
+        bool still = false;  // the unknowns have not moved: no other round is needed
+    };
+    // The sigmas are known after the last one.
+    Round round(bool free_lenses,
+                bool last,
+                const base::ProgressCallback& progress,
+                const Progress& at);
     void add_observations(ceres::Problem& problem,
                           ceres::ParameterBlockOrdering& ordering,
                           bool free_lenses);

@@ -57,24 +57,13 @@ void take_imu(const CalibrationProblem& problem, types::RefinedCalibration& resu
                               significant(found.misalignment, sigmas.misalignment);
 }
 
-}  // namespace
+LensChanges join(const std::array<types::LensChange, 2>& lenses) {
+    LensChanges changes;
+    changes << lenses[0].values, lenses[1].values;
+    return changes;
+}
 
-types::RefinedCalibration refine_calibration(const types::Track& track,
-                                             const types::Recording& recording,
-                                             const ReconstructionOptions& options,
-                                             const imu::InertialPrior& inertial,
-                                             const base::ProgressCallback& progress,
-                                             const Progress& at) {
-    types::RefinedCalibration result;
-    if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty()) return result;
-    CalibrationProblem problem(track, recording, inertial);
-    const bool align = options.align_imu && inertial.has_gyroscope();
-    if (align) {
-        problem.solve(false, progress, at);
-        take_imu(problem, result);
-    }
-    if (!options.refine_lenses) return result;
-    problem.solve(true, progress, at);
+void take_lenses(const CalibrationProblem& problem, types::RefinedCalibration& result) {
     const LensChanges found = problem.unknowns().lenses;
     const LensCovariance covariance = problem.sigmas().lenses;
     const LensChanges sigmas = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -85,12 +74,36 @@ types::RefinedCalibration refine_calibration(const types::Track& track,
     result.applied_lenses = split(bent.changes);
     result.lens_shift_px = problem.shift_px(bent.changes);
     result.lenses_applied = result.lens_shift_px > kMinShift_px && bent.significant;
-    if (result.lenses_applied && align) {
-        problem.hold_lenses(bent.changes);
-        problem.solve(false, progress, at);
+}
+
+}  // namespace
+
+CalibrationRefinement refine_calibration(const types::Track& track,
+                                         const types::Recording& recording,
+                                         const ReconstructionOptions& options,
+                                         const imu::InertialPrior& inertial,
+                                         const base::ProgressCallback& progress,
+                                         const Progress& at) {
+    if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty()) return {};
+    CalibrationRefinement refinement;
+    types::RefinedCalibration& result = refinement.calibration;
+    CalibrationProblem problem(track, recording, inertial);
+    const auto solved = [&](bool free_lenses) {
+        refinement.solves.push_back(problem.solve(free_lenses, progress, at));
+        return !refinement.solves.back().failed();
+    };
+    const bool align = options.align_imu && inertial.has_gyroscope();
+    if (align) {
+        if (!solved(false)) return refinement;
         take_imu(problem, result);
     }
-    return result;
+    if (!options.refine_lenses || !solved(true)) return refinement;
+    take_lenses(problem, result);
+    if (result.lenses_applied && align) {
+        problem.hold_lenses(join(result.applied_lenses));
+        if (solved(false)) take_imu(problem, result);
+    }
+    return refinement;
 }
 
 void apply_calibration(const types::Rig& rig,

@@ -56,15 +56,17 @@ void fuse_landmarks(const std::vector<Loop>& loops,
 
 }  // namespace
 
-void close_loops(const types::RectifiedRig& rig,
-                 const std::vector<Loop>& loops,
-                 const DriftModel& drift,
-                 std::vector<types::Keyframe>& keyframes,
-                 std::vector<types::Landmark>& landmarks) {
+std::optional<types::SolverOutcome> close_loops(const types::RectifiedRig& rig,
+                                                const std::vector<Loop>& loops,
+                                                const DriftModel& drift,
+                                                std::vector<types::Keyframe>& keyframes,
+                                                std::vector<types::Landmark>& landmarks) {
     number_segments(drift, loops, keyframes);
+    std::optional<types::SolverOutcome> outcome;
     if (worst_error_px(rig, loops, keyframes, landmarks) > kBasin_px)
-        optimise_pose_graph(loops, drift, keyframes, landmarks);
+        outcome = optimise_pose_graph(loops, drift, keyframes, landmarks);
     fuse_landmarks(loops, drift, landmarks);
+    return outcome;
 }
 
 void add_residuals(const std::vector<Loop>& loops,

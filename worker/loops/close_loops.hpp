@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "worker/loops/drift_model.hpp"
@@ -8,17 +9,20 @@
 #include "worker/types/landmark.hpp"
 #include "worker/types/loop_statistics.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/solver_outcome.hpp"
+#include "worker/types/track.hpp"
 
 namespace divemesh::loops {
 
 // Landmarks of each visit get what the other saw of them as observations, for the adjustment of the
 // whole dive to use; where the track has run too far off for it to find back, a pose graph brings
-// the keyframes near first. Keyframes learn which piece they belong to.
-void close_loops(const types::RectifiedRig& rig,
-                 const std::vector<Loop>& loops,
-                 const DriftModel& drift,
-                 std::vector<types::Keyframe>& keyframes,
-                 std::vector<types::Landmark>& landmarks);
+// the keyframes near first. Keyframes learn which piece they belong to. Returns how the solver of
+// the pose graph ended; nullopt: none was needed.
+std::optional<types::SolverOutcome> close_loops(const types::RectifiedRig& rig,
+                                                const std::vector<Loop>& loops,
+                                                const DriftModel& drift,
+                                                std::vector<types::Keyframe>& keyframes,
+                                                std::vector<types::Landmark>& landmarks);
 
 // What the final keyframes leave of what the loops measured.
 void add_residuals(const std::vector<Loop>& loops,

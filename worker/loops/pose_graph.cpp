@@ -4,6 +4,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/residuals/relative_pose.hpp"
 
 namespace divemesh::loops {
@@ -21,10 +22,10 @@ struct Pose {
 
 }  // namespace
 
-void optimise_pose_graph(const std::vector<Loop>& loops,
-                         const DriftModel& drift,
-                         std::vector<types::Keyframe>& keyframes,
-                         std::vector<types::Landmark>& landmarks) {
+types::SolverOutcome optimise_pose_graph(const std::vector<Loop>& loops,
+                                         const DriftModel& drift,
+                                         std::vector<types::Keyframe>& keyframes,
+                                         std::vector<types::Landmark>& landmarks) {
     std::vector<Pose> poses;
     for (const types::Keyframe& keyframe : keyframes)
         poses.push_back({Eigen::Quaterniond(keyframe.T_world_cam.linear()).normalized(),
@@ -67,6 +68,8 @@ void optimise_pose_graph(const std::vector<Loop>& loops,
     options.num_threads = 1;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
+    types::SolverOutcome outcome = optimisation::outcome_of(summary);
+    if (outcome.failed()) return outcome;
 
     std::vector<Eigen::Isometry3d> T_new_old(keyframes.size());
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
@@ -80,6 +83,7 @@ void optimise_pose_graph(const std::vector<Loop>& loops,
         const auto anchor = static_cast<std::size_t>(landmark.observations.front().keyframe);
         landmark.p_world = T_new_old[anchor] * landmark.p_world;
     }
+    return outcome;
 }
 
 }  // namespace divemesh::loops

@@ -81,7 +81,8 @@ void learn_bias(imu::InertialPrior& inertial,
                 std::int64_t now_ns) {
     if (!inertial.has_gyroscope() || !vision.found) return;
     const Eigen::Isometry3d T_current_previous =
-        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
+        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0})
+            .T_current_previous;
     const Eigen::Quaterniond q_imu_cam(rig.T_imu_cam.linear());
     const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
     inertial.learn_bias(before_ns, now_ns, q_imu_cam * q_previous_current * q_imu_cam.conjugate());

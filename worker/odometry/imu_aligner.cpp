@@ -34,8 +34,10 @@ void ImuAligner::watch(const types::RectifiedRig& rig,
                        imu::InertialPrior& inertial) {
     if (!inertial.has_gyroscope() || rotations_.size() >= kMaxRotations) return;
     if (!vision.found || vision.inliers.size() < kMinNumPairs) return;
-    const Eigen::Isometry3d T_current_previous = refine_pose(
-        rig, inliers_of(measured, vision), {vision.T_current_previous, std::nullopt, 0.0});
+    const Eigen::Isometry3d T_current_previous =
+        refine_pose(
+            rig, inliers_of(measured, vision), {vision.T_current_previous, std::nullopt, 0.0})
+            .T_current_previous;
     const Eigen::Quaterniond q_body_cam(rig.T_imu_cam.linear());
     const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
     rotations_.push_back(

@@ -120,30 +120,48 @@ Eigen::Isometry3d moved_by(const Vector6d& step, const Eigen::Isometry3d& T) {
 
 }  // namespace
 
-Eigen::Isometry3d refine_pose(const types::RectifiedRig& rig,
-                              const PointPairs& pairs,
-                              const MotionGuess& guess) {
-    Eigen::Isometry3d best = guess.T_current_previous;
-    NormalEquations here = linearise(rig, pairs, guess.rotation, best);
+RefinedPose refine_pose(const types::RectifiedRig& rig,
+                        const PointPairs& pairs,
+                        const MotionGuess& guess) {
+    using Termination = types::SolverOutcome::Termination;
+    RefinedPose refined{guess.T_current_previous, {}};
+    types::SolverOutcome& outcome = refined.outcome;
+    NormalEquations here = linearise(rig, pairs, guess.rotation, refined.T_current_previous);
+    outcome.initial_cost = here.cost;
+    outcome.final_cost = here.cost;
+    outcome.message = "a point lies behind the camera";
     double damping = kFirstDamping;
     for (int iteration = 0; iteration < kMaxIterations && std::isfinite(here.cost); ++iteration) {
+        outcome.termination = Termination::StoppedAtLimit;
+        outcome.message = "the last step was still large";
         Matrix6d damped = here.H;
         damped.diagonal() *= 1.0 + damping;
         const Eigen::LDLT<Matrix6d> factor(damped);
-        if (factor.info() != Eigen::Success || !factor.isPositive()) break;
+        if (factor.info() != Eigen::Success || !factor.isPositive()) {
+            outcome.termination = Termination::Failed;
+            outcome.message = "the pairs do not determine the motion";
+            break;
+        }
+        ++outcome.num_iterations;
         const Vector6d step = factor.solve(-here.g);
-        const Eigen::Isometry3d T = moved_by(step, best);
+        const Eigen::Isometry3d T = moved_by(step, refined.T_current_previous);
         const NormalEquations there = linearise(rig, pairs, guess.rotation, T);
         if (there.cost <= (1.0 + kTolerance) * here.cost) {
-            best = T;
+            refined.T_current_previous = T;
+            outcome.last_decrease = (here.cost - there.cost) / here.cost;
             here = there;
             damping /= kMoreDamping;
         } else {
             damping *= kMoreDamping;
         }
-        if (step.cwiseAbs().maxCoeff() < kConverged) break;
+        if (step.cwiseAbs().maxCoeff() < kConverged) {
+            outcome.termination = Termination::Converged;
+            outcome.message = "the last step was small";
+            break;
+        }
     }
-    return best;
+    if (!outcome.failed()) outcome.final_cost = here.cost;
+    return refined;
 }
 
 Matrix6d motion_covariance(const types::RectifiedRig& rig,

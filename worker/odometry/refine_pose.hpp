@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "worker/odometry/predict_orientation.hpp"
+#include "worker/odometry/refined_pose.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/types/rectified_rig.hpp"
 
@@ -16,11 +17,10 @@ namespace divemesh::odometry {
 //     min sum huber(e^T C^-1 e) + |log(R q_known^-1)|^2 / sigma^2
 //
 // C is taken anew where each step begins and held while it is made: differentiating it without the
-// likelihood's log det C would pay for large covariances. Scale stays 1. Returns
-// T_current_previous.
-Eigen::Isometry3d refine_pose(const types::RectifiedRig& rig,
-                              const PointPairs& pairs,
-                              const MotionGuess& guess);
+// likelihood's log det C would pay for large covariances. Scale stays 1.
+RefinedPose refine_pose(const types::RectifiedRig& rig,
+                        const PointPairs& pairs,
+                        const MotionGuess& guess);
 
 // Of a motion that refine_pose has found, the inverse of its normal equations: rotation vector
 // (rad), then translation (m), of R <- exp(w) R, T <- T + t.

@@ -64,7 +64,8 @@ Registration settled(const types::RectifiedRig& rig,
     result.inliers = find_inliers(rig, pairs, T_current_previous, tolerance_px);
     for (int i = 0; i < 2 && result.inliers.size() >= kMinInliers; ++i) {
         result.T_current_previous =
-            refine_pose(rig, result.inliers, {result.T_current_previous, std::nullopt, 0.0});
+            refine_pose(rig, result.inliers, {result.T_current_previous, std::nullopt, 0.0})
+                .T_current_previous;
         result.inliers = find_inliers(rig, pairs, result.T_current_previous, tolerance_px);
     }
     result.found = result.inliers.size() >= kMinInliers;

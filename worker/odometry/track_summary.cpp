@@ -61,6 +61,7 @@ types::TrackStatistics TrackSummary::statistics() const {
     std::vector<double> lives = lives_frames_;
     for (const auto& [id, frames] : age_) lives.push_back(frames);
     result.median_track_life_frames = stats::upper_median(std::move(lives));
+    result.pose_solver = pose_solver_;
     return result;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "worker/odometry/predict_orientation.hpp"
+#include "worker/odometry/refined_pose.hpp"
 #include "worker/odometry/register_points.hpp"
 #include "worker/types/track.hpp"
 
@@ -22,6 +23,12 @@ public:
         ++num_tracked_;
     }
 
+    // Counts how the solver ended. Returns the motion.
+    Eigen::Isometry3d counted(const RefinedPose& pose) {
+        pose_solver_.add(pose.outcome);
+        return pose.T_current_previous;
+    }
+
     // Without skipped frames and the dense search, which are counted elsewhere.
     types::TrackStatistics statistics() const;
 
@@ -34,6 +41,7 @@ private:
     std::int64_t num_features_ = 0;
     std::int64_t num_pairs_ = 0;
     std::int64_t num_inliers_ = 0;
+    types::SolverTally pose_solver_;
     double squared_disagreement_ = 0.0;
     std::int64_t num_disagreements_ = 0;
     std::vector<double> scales_;

@@ -9,6 +9,7 @@
 #include <ceres/sphere_manifold.h>
 #include <cmath>
 
+#include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/levenberg_marquardt.hpp"
 #include "worker/optimisation/reduced_information.hpp"
 #include "worker/optimisation/residuals/gyro_rotation_cost.hpp"
@@ -190,13 +191,13 @@ LinearPrior BundleAdjustment::marginalise(const std::vector<double*>& leaving) {
     return optimisation::marginalise(implementation_->graph, leaving);
 }
 
-void BundleAdjustment::solve_dense(int max_iterations) {
-    levenberg_marquardt(implementation_->graph, max_iterations, kWindowTolerance);
+types::SolverOutcome BundleAdjustment::solve_dense(int max_iterations) {
+    return levenberg_marquardt(implementation_->graph, max_iterations, kWindowTolerance);
 }
 
-void BundleAdjustment::solve_sparse(int max_iterations,
-                                    const base::ProgressCallback& progress,
-                                    const Progress& at) {
+types::SolverOutcome BundleAdjustment::solve_sparse(int max_iterations,
+                                                    const base::ProgressCallback& progress,
+                                                    const Progress& at) {
     auto& own = *implementation_;
     own.graph.drop_unseen();
     own.problem = own.graph.problem();
@@ -217,6 +218,7 @@ void BundleAdjustment::solve_sparse(int max_iterations,
     ceres::Solver::Summary summary;
     ceres::Solve(options, own.problem.get(), &summary);
     callback.rethrow();
+    return outcome_of(summary);
 }
 
 JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& states) {

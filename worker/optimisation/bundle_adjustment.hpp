@@ -10,6 +10,7 @@
 #include "worker/imu/preintegration.hpp"
 #include "worker/optimisation/marginalisation.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::optimisation {
 
@@ -87,12 +88,12 @@ public:
     LinearPrior marginalise(const std::vector<double*>& leaving);
 
     // A few states, dense.
-    void solve_dense(int max_iterations);
+    types::SolverOutcome solve_dense(int max_iterations);
     // Any number of states, sparse, by Ceres. Reports `at` to `progress` every iteration. Throws
     // what the callback throws.
-    void solve_sparse(int max_iterations,
-                      const base::ProgressCallback& progress,
-                      const Progress& at);
+    types::SolverOutcome solve_sparse(int max_iterations,
+                                      const base::ProgressCallback& progress,
+                                      const Progress& at);
     // Of states that solve_sparse has solved for, everything else marginalised; the cameras' noise
     // as their residuals show it. Nothing when the states are not determined.
     JointCovariance covariances(const std::vector<BodyState*>& states);

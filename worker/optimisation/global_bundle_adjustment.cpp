@@ -116,7 +116,7 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                               types::kFeatureSigma_px);
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
-    bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
+    types::SolverOutcome outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
     Uncertainty uncertainty = relative_to_first(bundle_adjustment, keyframes, states);
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
@@ -124,7 +124,9 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
     for (types::Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
     return {reprojection_rms_px(rig, keyframes, landmarks, stride),
             std::move(uncertainty.covariances),
-            uncertainty.path};
+            uncertainty.path,
+            std::move(outcome),
+            stride};
 }
 
 }  // namespace divemesh::optimisation

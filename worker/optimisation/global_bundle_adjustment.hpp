@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "worker/base/observer.hpp"
@@ -9,6 +10,8 @@
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/solver_outcome.hpp"
+#include "worker/types/track.hpp"
 
 namespace divemesh::optimisation {
 
@@ -17,6 +20,8 @@ struct GlobalBundleAdjustment {
     types::CovarianceTrack
         covariances;              // of keyframes all along; empty when they are not determined
     types::PathUncertainty path;  // of the keyframes' positions
+    types::SolverOutcome outcome;
+    std::size_t landmark_stride = 1;  // of the landmarks that were adjusted
 };
 
 // All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between

@@ -55,15 +55,30 @@ void move(const FactorGraph& graph, const Columns& columns, const NormalEquation
 
 }  // namespace
 
-void levenberg_marquardt(FactorGraph& graph, int max_iterations, double tolerance) {
+types::SolverOutcome levenberg_marquardt(FactorGraph& graph, int max_iterations, double tolerance) {
+    using Termination = types::SolverOutcome::Termination;
+    types::SolverOutcome outcome;
     graph.drop_unseen();
     const Columns columns = Columns::of(graph);
-    if (columns.num == 0) return;
+    if (columns.num == 0) {
+        outcome.termination = Termination::Converged;
+        outcome.message = "there is no unknown";
+        return outcome;
+    }
     NormalEquations equations(graph, columns);
     equations.linearise();
+    outcome.initial_cost = equations.cost();
+    outcome.final_cost = equations.cost();
+    if (!std::isfinite(outcome.initial_cost)) {
+        outcome.message = "the cost is not finite at the start";
+        return outcome;
+    }
+    outcome.termination = Termination::StoppedAtLimit;
+    outcome.message = "the cost was still falling after the last iteration";
     double damping = kFirstDamping;
     double growth = 2.0;
     for (int i = 0; i < max_iterations && damping < kMaxDamping; ++i) {
+        ++outcome.num_iterations;
         const auto step = equations.step(damping);
         const Values before(graph);
         std::optional<double> cost;
@@ -78,12 +93,23 @@ void levenberg_marquardt(FactorGraph& graph, int max_iterations, double toleranc
             growth *= 2.0;
             continue;
         }
-        if (decrease <= tolerance * *cost) return;
+        outcome.final_cost = *cost;
+        outcome.last_decrease = decrease / *cost;
+        if (decrease <= tolerance * *cost) {
+            outcome.termination = Termination::Converged;
+            outcome.message = "the last step lowered the cost by next to nothing";
+            return outcome;
+        }
         const double gain = 2.0 * decrease / step->expected_decrease - 1.0;
         damping = std::max(kMinDamping, damping * std::max(1.0 / 3.0, 1.0 - gain * gain * gain));
         growth = 2.0;
         if (i + 1 < max_iterations) equations.linearise();
     }
+    if (damping >= kMaxDamping) {
+        outcome.termination = Termination::Failed;
+        outcome.message = "no step lowered the cost";
+    }
+    return outcome;
 }
 
 }  // namespace divemesh::optimisation

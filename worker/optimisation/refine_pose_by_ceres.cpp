@@ -4,14 +4,15 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/residuals/point_transfer.hpp"
 #include "worker/optimisation/residuals/rotation_prior.hpp"
 
 namespace divemesh::optimisation {
 
-Eigen::Isometry3d refine_pose_by_ceres(const types::RectifiedRig& rig,
-                                       const odometry::PointPairs& pairs,
-                                       const odometry::MotionGuess& guess) {
+odometry::RefinedPose refine_pose_by_ceres(const types::RectifiedRig& rig,
+                                           const odometry::PointPairs& pairs,
+                                           const odometry::MotionGuess& guess) {
     const Eigen::AngleAxisd start(guess.T_current_previous.linear());
     Eigen::Vector3d rodrigues = start.angle() * start.axis();
     Eigen::Vector3d translation = guess.T_current_previous.translation();
@@ -37,14 +38,16 @@ Eigen::Isometry3d refine_pose_by_ceres(const types::RectifiedRig& rig,
     options.num_threads = 1;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
-    if (!summary.IsSolutionUsable()) return guess.T_current_previous;
-    Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
+    odometry::RefinedPose refined{guess.T_current_previous, outcome_of(summary)};
+    if (!summary.IsSolutionUsable()) return refined;
+    Eigen::Isometry3d& T_current_previous = refined.T_current_previous;
+    T_current_previous = Eigen::Isometry3d::Identity();
     const double angle = rodrigues.norm();
     if (angle > 1e-12)
         T_current_previous.linear() =
             Eigen::AngleAxisd(angle, rodrigues / angle).toRotationMatrix();
     T_current_previous.translation() = translation;
-    return T_current_previous;
+    return refined;
 }
 
 }  // namespace divemesh::optimisation

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "worker/odometry/predict_orientation.hpp"
+#include "worker/odometry/refined_pose.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/types/rectified_rig.hpp"
 
@@ -10,9 +11,9 @@ namespace divemesh::optimisation {
 
 // Step 6 as the paper has it, and the yardstick of refine_pose: rotation (Rodrigues vector) and
 // translation by Levenberg-Marquardt from the guess, over the pairs and the inertial unit's word,
-// robustly. Scale stays 1. Returns T_current_previous.
-Eigen::Isometry3d refine_pose_by_ceres(const types::RectifiedRig& rig,
-                                       const odometry::PointPairs& pairs,
-                                       const odometry::MotionGuess& guess);
+// robustly. Scale stays 1.
+odometry::RefinedPose refine_pose_by_ceres(const types::RectifiedRig& rig,
+                                           const odometry::PointPairs& pairs,
+                                           const odometry::MotionGuess& guess);
 
 }  // namespace divemesh::optimisation

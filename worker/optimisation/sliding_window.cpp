@@ -98,19 +98,19 @@ std::size_t SlidingWindow::landmark_of(const types::Feature& feature,
     return known->second;
 }
 
-void SlidingWindow::adjust() {
+types::SolverOutcome SlidingWindow::adjust() {
     const std::size_t num = keyframes_.size();
-    if (num < 2) return;
     while (oldest_ < first_in_window()) marginalise_oldest();
 
     BundleAdjustment bundle_adjustment(rig_);
     add_states(bundle_adjustment);
     add_landmarks(bundle_adjustment);
     add_readings(bundle_adjustment);
-    bundle_adjustment.solve_dense(kMaxIterations);
+    types::SolverOutcome outcome = bundle_adjustment.solve_dense(kMaxIterations);
     for (std::size_t k = oldest_; k < num; ++k)
         keyframes_[k].T_world_cam = entries_[k].state.T_world_imu() * rig_.T_imu_cam;
     drop_outliers();
+    return outcome;
 }
 
 // Keyframes where nothing moved do not push out those that know how it moved before.

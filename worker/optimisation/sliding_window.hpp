@@ -15,6 +15,7 @@
 #include "worker/types/feature.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
+#include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::optimisation {
 
@@ -31,7 +32,8 @@ public:
     void add_keyframe(const types::Keyframe& keyframe,
                       const types::Features& features,
                       const imu::SensorReadings& readings);
-    void adjust();
+    // There are two keyframes at least.
+    types::SolverOutcome adjust();
 
     // Where a landmark is known, it takes the place of the point measured at t-1.
     void use_landmarks(const Eigen::Isometry3d& T_world_previous,

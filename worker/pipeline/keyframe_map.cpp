@@ -20,7 +20,7 @@ void KeyframeMap::add(const types::RectifiedFrame& frame,
     sliding_window_.add_keyframe(
         keyframe, features, inertial.readings(before_ns, frame.timestamp_ns));
     if (first) return;
-    sliding_window_.adjust();
+    solver_.add(sliding_window_.adjust());
     motion.correct(sliding_window_.T_world_cam());
     if (inertial.has_accelerometer() &&
         sliding_window_.keyframes().size() >= kMinKeyframesForInertia)
@@ -32,6 +32,7 @@ void KeyframeMap::add(const types::RectifiedFrame& frame,
 void KeyframeMap::move_to(types::Track& track) const {
     track.keyframes = sliding_window_.keyframes();
     track.landmarks = sliding_window_.landmarks();
+    track.statistics.window_solver = solver_;
 }
 
 }  // namespace divemesh::pipeline

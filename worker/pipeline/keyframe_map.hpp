@@ -33,7 +33,7 @@ public:
              odometry::MotionModel& motion,
              imu::InertialPrior& inertial);
 
-    // Hands over keyframes and landmarks as last estimated.
+    // Hands over keyframes and landmarks as last estimated, and how the solver ended.
     void move_to(types::Track& track) const;
 
 private:
@@ -41,6 +41,7 @@ private:
 
     keyframes::KeyframeRule rule_;
     optimisation::SlidingWindow sliding_window_;
+    types::SolverTally solver_;
     std::int64_t last_ns_ = kNever;
 };
 

@@ -186,6 +186,39 @@ json loops(const types::LoopStatistics& loops) {
             {"largest_correction_m", loops.largest_correction_m}};
 }
 
+json solver(const types::SolverTally& tally) {
+    return {{"num_solves", tally.num_solves},
+            {"num_converged", tally.num_converged},
+            {"num_stopped_at_limit", tally.num_stopped_at_limit},
+            {"num_failed", tally.num_failed},
+            {"num_iterations", tally.num_iterations},
+            {"initial_cost", tally.initial_cost},
+            {"final_cost", tally.final_cost}};
+}
+
+json estimation(const MetricsInput& input) {
+    json solvers = json::object();
+    const auto add = [&](const char* name, const types::SolverTally& tally) {
+        if (tally.num_solves > 0) solvers[name] = solver(tally);
+    };
+    add("pose", input.track.pose_solver);
+    add("window", input.track.window_solver);
+    add("pose_graph", input.optimise.pose_graph);
+    add("calibration", input.optimise.calibration);
+    add("adjustment", input.optimise.bundle_adjustment);
+    json result = {{"solvers", std::move(solvers)}};
+    if (input.optimise.bundle_adjustment.num_solves == 0) return result;
+    const types::TrackCheck& check = input.optimise.check;
+    const auto agreement = [](const types::TrackAgreement& of) -> json {
+        return {{"reprojection_rms_px", of.reprojection_rms_px},
+                {"odometry_rms_sigmas", of.odometry_rms_sigmas}};
+    };
+    result["check"] = {{"before", agreement(check.before)},
+                       {"after", agreement(check.after)},
+                       {"moved_rms_sigmas", check.moved_rms_sigmas}};
+    return result;
+}
+
 // The speed of the whole leaves out `evaluate`, which only dives with truth have, and is not told
 // when a stage was reused: it would be of another run.
 json speed(const MetricsInput& input) {
@@ -281,6 +314,7 @@ json metrics_document(const MetricsInput& input) {
                      {"trajectory", {{"path_length_m", input.path_length_m}}},
                      {"loops", loops(input.optimise.loops)},
                      {"pieces", segments(input.segments)},
+                     {"estimation", estimation(input)},
                      {"speed", speed(input)}};
     if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);

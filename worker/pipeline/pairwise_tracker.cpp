@@ -44,7 +44,9 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
             rig_, pairs, odometry::kInlierTolerance_px, odometry::seed_of(options_.seed, frame));
     const auto guess = odometry::predict_orientation(rotation, vision);  // 5
     const auto T_current_previous =                                      // 6
-        vision.found ? optimisation::refine_pose_by_ceres(rig_, vision.inliers, guess) : expected;
+        vision.found
+            ? summary_.counted(optimisation::refine_pose_by_ceres(rig_, vision.inliers, guess))
+            : expected;
 
     motion_.advance(T_current_previous, now_ns);
     odometry::learn_bias(inertial_, rig_, vision, before_ns, now_ns);

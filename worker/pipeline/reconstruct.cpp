@@ -1,32 +1,26 @@
 #include "worker/pipeline/reconstruct.hpp"
 
-#include <utility>
-
 #include "worker/base/background_task.hpp"
-#include "worker/base/free_memory.hpp"
-#include "worker/calibration/calibration_refinement.hpp"
-#include "worker/imu/inertial_prior.hpp"
-#include "worker/loops/close_loops.hpp"
-#include "worker/loops/drift_model.hpp"
-#include "worker/loops/find_loops.hpp"
-#include "worker/loops/separate_segments.hpp"
 #include "worker/mesh/extract_surface.hpp"
-#include "worker/optimisation/expected_path_error.hpp"
-#include "worker/optimisation/follow_keyframes.hpp"
-#include "worker/optimisation/frame_covariances.hpp"
-#include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
+#include "worker/pipeline/optimise_track.hpp"
 #include "worker/pipeline/pairwise_tracker.hpp"
+#include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/window_tracker.hpp"
-#include "worker/types/path_uncertainty.hpp"
-#include "worker/types/pose_covariance.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kCloudStep = 6;  // of the mapped frames
-// How far a camera sees, in median depths of the dive.
-constexpr double kReach = 3.0;
+
+types::OptimisedTrack as_tracked(const types::Track& track) {
+    types::OptimisedTrack result;
+    result.trajectory = track.causal;
+    result.keyframes = track.keyframes;
+    result.mapped = track.mapped;
+    result.rig = track.rig;
+    return result;
+}
 
 }  // namespace
 
@@ -43,54 +37,14 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
                                const base::ProgressCallback& progress) {
-    types::OptimisedTrack result;
-    if (!options.adjust_whole_dive || options.estimator == "pairwise" ||
-        track.keyframes.size() < 2) {  // the paper stops here
-        result.trajectory = track.causal;
-        result.keyframes = track.keyframes;
-        result.mapped = track.mapped;
-        result.rig = track.rig;
-        return result;
-    }
-    imu::InertialPrior inertial(recording, options);
-    Progress at;
-    at.fraction = 0.1;
-    const loops::DriftModel drift(track.keyframes, track.landmarks, &inertial);
-    loops::FoundLoops found;
-    if (options.close_loops)
-        found = loops::find_loops(
-            track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
-    result.statistics.loops = found.statistics;
-    base::return_freed_memory();
-    types::Track closed;  // what changes from here on
-    closed.rig = track.rig;
-    closed.odometry = track.odometry;
-    closed.keyframes = track.keyframes;
-    closed.landmarks = track.landmarks;
-    closed.imu_alignment = track.imu_alignment;
-    loops::close_loops(closed.rig, found.loops, drift, closed.keyframes, closed.landmarks);
-    at.fraction = 0.4;
-    result.calibration =
-        calibration::refine_calibration(closed, recording, options, inertial, progress, at);
-    inertial.align({result.calibration.applied_alignment().time_offset_s});
-    calibration::apply_calibration(recording.rig(), result.calibration, closed);
-    base::return_freed_memory();
-    at.fraction = 0.6;
-    const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
-        closed.rig, inertial, closed.keyframes, closed.landmarks, progress, at);
-    result.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
-    loops::separate_segments(kReach * track.statistics.median_depth_m, closed.keyframes);
-    result.trajectory =
-        optimisation::follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
-    result.covariances = optimisation::covariances_at(
-        adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
-    result.statistics.path =
-        optimisation::with_frames_between(adjusted.path, adjusted.covariances, result.covariances);
-    loops::add_residuals(found.loops, closed.keyframes, result.statistics.loops);
-    result.mapped = optimisation::posed_by(
-        result.trajectory, closed.keyframes, closed.rig.T_imu_cam, track.mapped);
-    result.keyframes = std::move(closed.keyframes);
-    result.rig = closed.rig;
+    require_tracked(track.statistics);
+    const bool whole_dive = options.adjust_whole_dive && options.estimator != "pairwise" &&
+                            track.keyframes.size() >= 2;  // the paper stops before
+    types::OptimisedTrack result =
+        whole_dive ? optimise_track(track, recording, options, store, progress) : as_tracked(track);
+    require_converged(track, result);
+    const auto findings = tracking_findings(track.statistics);
+    result.findings.insert(result.findings.begin(), findings.begin(), findings.end());
     return result;
 }
 

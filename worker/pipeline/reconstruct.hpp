@@ -26,6 +26,8 @@ types::Track track(types::Recording& recording,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress);
 
+// Throws Error{BadData} when next to no frame was tracked, or when the result diverged: what cannot
+// be right is no result.
 types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,

@@ -34,6 +34,14 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .volume_memory_bytes = made.volume_memory_bytes};
 }
 
+// Of the dive as it is, then of what was made of it.
+std::vector<Finding> findings(const Reconstruction& made) {
+    std::vector<Finding> all = made.dive.findings();
+    const std::vector<Finding>& later = made.optimised.findings;
+    all.insert(all.end(), later.begin(), later.end());
+    return all;
+}
+
 }  // namespace
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
@@ -76,7 +84,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .stages = made.stages,
          .evaluation = made.evaluation,
          .expected = expected(made),
-         .findings = made.dive.findings()});
+         .findings = findings(made)});
 }
 
 }  // namespace divemesh::pipeline

@@ -9,70 +9,43 @@ bool corrects_scale(const ReconstructionOptions& options) { return options.corre
 
 }  // namespace
 
+// clang-format off
 std::vector<Stage<Reconstruction>> reconstruction_stages() {
     return {
-        {.spec = {.name = "track",
-                  .share = 0.55,
-                  .reads = {"stereo",
-                            "num_disparities_px",
-                            "num_features",
-                            "estimator",
-                            "use_imu",
-                            "use_ahrs",
-                            "use_pressure",
-                            "close_loops",
-                            "align_imu",
-                            "surface",
-                            "map_step",
-                            "seed"},
+        {.spec = {.name = "track", .share = 0.55,
+                  .reads = {"stereo", "num_disparities_px", "num_features", "estimator", "use_imu", "use_ahrs",
+                            "use_pressure", "close_loops", "align_imu", "surface", "map_step", "seed"},
                   .files = {"track.stage", "keyframes"}},
-         .load = load_track,
-         .run = run_track,
-         .save = save_track,
-         .finish = finish_track},
-        {.spec = {.name = "optimise",
-                  .share = 0.1,
+         .load = load_track, .run = run_track, .save = save_track, .finish = finish_track},
+
+        {.spec = {.name = "optimise", .share = 0.1,
                   .reads = {"adjust_whole_dive", "refine_lenses"},
                   .files = {"optimise.stage"}},
-         .load = load_optimise,
-         .run = run_optimise,
-         .save = save_optimise,
-         .finish = finish_optimise},
-        {.spec = {.name = "markers",
-                  .part_of = "optimise",
+         .load = load_optimise, .run = run_optimise, .save = save_optimise, .finish = finish_optimise},
+
+        {.spec = {.name = "markers", .part_of = "optimise",
                   .reads = {"correct_scale", "marker_family", "marker_size_m"},
                   .reads_count = corrects_scale},
-         .wanted = markers_wanted,
-         .run = run_markers},
-        {.spec = {.name = "fuse",
-                  .share = 0.15,
+         .wanted = markers_wanted, .run = run_markers},
+
+        {.spec = {.name = "fuse", .share = 0.15,
                   .reads = {"fusion", "voxel_m", "max_depth_m", "cloud_spacing_m"},
                   .files = {"volume.stage", "cloud.ply", "cloud.stage"}},
-         .wanted = surface_wanted,
-         .load = load_fuse,
-         .run = run_fuse,
-         .save = save_fuse,
-         .finish = finish_fuse},
-        {.spec = {.name = "mesh",
-                  .share = 0.08,
+         .wanted = surface_wanted, .load = load_fuse, .run = run_fuse, .save = save_fuse, .finish = finish_fuse},
+
+        {.spec = {.name = "mesh", .share = 0.08,
                   .reads = {"mesher", "simplify", "simplify_error_m"},
                   .files = {"mesh.stage"}},
-         .wanted = surface_wanted,
-         .load = load_mesh,
-         .run = run_mesh,
-         .save = save_mesh,
-         .finish = finish_mesh},
-        {.spec = {.name = "texture",
-                  .share = 0.05,
+         .wanted = surface_wanted, .load = load_mesh, .run = run_mesh, .save = save_mesh, .finish = finish_mesh},
+
+        {.spec = {.name = "texture", .share = 0.05,
                   .reads = {"texture"},
                   .files = {"texture", "texture.stage"}},
-         .wanted = surface_wanted,
-         .load = load_texture,
-         .run = run_texture,
-         .save = save_texture,
-         .finish = finish_texture},
+         .wanted = surface_wanted, .load = load_texture, .run = run_texture, .save = save_texture, .finish = finish_texture},
+
         {.spec = {.name = "evaluate", .share = 0.07, .reads = {"exports"}}, .run = run_evaluate},
     };
 }
+// clang-format on
 
 }  // namespace divemesh::pipeline

@@ -42,6 +42,7 @@ struct Stage {
 template <typename State>
 std::vector<StageSpec> specs_of(const std::vector<Stage<State>>& stages) {
     std::vector<StageSpec> specs;
+    specs.reserve(stages.size());
     for (const Stage<State>& stage : stages) specs.push_back(stage.spec);
     return specs;
 }

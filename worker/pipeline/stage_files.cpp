@@ -145,6 +145,27 @@ types::CovarianceTrack get_covariances(base::BinaryReader& file) {
     return covariances;
 }
 
+void put_findings(base::BinaryWriter& file, const std::vector<Finding>& findings) {
+    file.put(static_cast<std::uint64_t>(findings.size()));
+    for (const Finding& finding : findings) {
+        file.put(finding.severity);
+        for (const auto* text : {&finding.code, &finding.where, &finding.message, &finding.remedy})
+            file.put_text(*text);
+    }
+}
+
+std::vector<Finding> get_findings(base::BinaryReader& file) {
+    std::vector<Finding> findings;
+    const auto num_findings = file.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < num_findings && file.ok(); ++i) {
+        Finding& finding = findings.emplace_back();
+        finding.severity = file.get<Severity>();
+        for (auto* text : {&finding.code, &finding.where, &finding.message, &finding.remedy})
+            *text = file.get_text();
+    }
+    return findings;
+}
+
 // A reader past a matching key; nothing when the file is not what the stage would make now.
 std::optional<base::BinaryReader> open_stage(const std::filesystem::path& path,
                                              const std::string& key) {
@@ -213,6 +234,7 @@ void save_optimised_track(const std::filesystem::path& path,
     put_rig(file, track.rig);
     put_calibration(file, track.calibration);
     put_covariances(file, track.covariances);
+    put_findings(file, track.findings);
     file.put(track.statistics);
     file.commit();
 }
@@ -228,6 +250,7 @@ std::optional<types::OptimisedTrack> load_optimised_track(const std::filesystem:
     track.rig = get_rig(*file);
     track.calibration = get_calibration(*file);
     track.covariances = get_covariances(*file);
+    track.findings = get_findings(*file);
     track.statistics = file->get<types::OptimiseStatistics>();
     return complete(*file, std::move(track));
 }

@@ -16,6 +16,10 @@ nlohmann::json take_out(nlohmann::json& options, const std::vector<std::string>&
     return taken;
 }
 
+std::string chained(const std::string& before, const nlohmann::json& options) {
+    return sha256_hex(before + "\n" + options.dump());
+}
+
 bool reads_count(const StageSpec& stage, const ReconstructionOptions& options) {
     return stage.reads_count == nullptr || stage.reads_count(options);
 }
@@ -38,7 +42,7 @@ StageKeys stage_keys(const std::vector<StageSpec>& stages,
     StageKeys keys;
     std::string key = program + "\n" + content_sha256;
     for (std::size_t i = 0; i < stages.size(); ++i) {
-        key = sha256_hex(key + "\n" + read[i].dump());
+        key = chained(key, read[i]);
         keys[stages[i].name] = key;
     }
     return keys;

@@ -50,7 +50,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         odometry::seed_of(options_.seed, frame));
     const auto guess = odometry::predict_orientation(rotation, vision);  // 5
     const auto T_current_previous =                                      // 6
-        vision.found ? odometry::refine_pose(rig_, vision.inliers, guess) : expected;
+        vision.found ? summary_.counted(odometry::refine_pose(rig_, vision.inliers, guess))
+                     : expected;
 
     motion_.advance(T_current_previous, now_ns);
     if (options_.align_imu) aligner_.watch(rig_, measured, vision, before_ns, now_ns, inertial_);
@@ -86,9 +87,9 @@ std::optional<features::DescribedKeypoints> WindowTracker::keep_keyframe(
 }
 
 void WindowTracker::move_to(types::Track& track) {
-    map_.move_to(track);
-    track.imu_alignment = aligner_.alignment();
     track.statistics = summary_.statistics();
+    track.imu_alignment = aligner_.alignment();
+    map_.move_to(track);
 }
 
 types::Track track_window(types::Recording& recording,

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "schemas/finding.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/loop_statistics.hpp"
 #include "worker/types/path_uncertainty.hpp"
@@ -9,11 +10,17 @@
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/refined_calibration.hpp"
+#include "worker/types/solver_outcome.hpp"
+#include "worker/types/track_check.hpp"
 
 namespace divemesh::types {
 
 struct OptimiseStatistics {
     double reprojection_rms_px = 0.0;
+    SolverTally pose_graph;         // of the loops
+    SolverTally calibration;        // refined
+    SolverTally bundle_adjustment;  // of the whole dive; tried again where its result was not taken
+    TrackCheck check;               // of the adjustment that was taken, or of the last one
     LoopStatistics loops;
     PathUncertainty path;  // of the final trajectory
 };
@@ -26,6 +33,7 @@ struct OptimisedTrack {
     RefinedCalibration calibration;
     CovarianceTrack covariances;  // of every frame; empty: not known
     OptimiseStatistics statistics;
+    std::vector<Finding> findings;
 };
 
 }  // namespace divemesh::types

@@ -32,6 +32,9 @@ struct RefinedCalibration {
         if (rotation_applied) applied.q_body_imu = imu.q_body_imu;
         return applied;
     }
+    bool is_applied() const { return time_offset_applied || rotation_applied || lenses_applied; }
+    // What was found stays known, but nothing of it is applied.
+    void leave_as_stated() { time_offset_applied = rotation_applied = lenses_applied = false; }
     // False when there was nothing to estimate it from.
     bool is_known() const { return lens_sigmas[0][0] > 0.0; }
 };

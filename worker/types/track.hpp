@@ -9,6 +9,7 @@
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/search_outcome.hpp"
+#include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::types {
 
@@ -23,7 +24,9 @@ struct TrackStatistics {
     double horn_scale_median = 1.0;            // Horn's s, estimated and reported, never applied
     double median_depth_m = 0.0;               // of the features
     double median_track_life_frames = 0.0;
-    SearchStatistics dense;  // of the frames whose depth is in the store
+    SolverTally pose_solver;    // step 6
+    SolverTally window_solver;  // stops at its limit where time is short: no fault
+    SearchStatistics dense;     // of the frames whose depth is in the store
 };
 
 // Steps 1 to 6 over all frames.

@@ -27,7 +27,7 @@ TEST(UploadStateTest, AFileThatCannotBeReadIsNoState) {
     const UploadState state(folder.path(), "http://a", "hash");
     state.save({"/api/v1/uploads/u", {}, false});
     const std::filesystem::directory_iterator entry(folder.path());
-    ASSERT_NE(entry, std::filesystem::directory_iterator()) << "it is kept elsewhere";
+    ASSERT_TRUE(entry != std::filesystem::directory_iterator()) << "it is kept elsewhere";
     for (const char* text : {"", "{", "[]", "{\"upload\": 3}", "{\"parts\": {}}"}) {
         std::ofstream(entry->path()) << text;
         EXPECT_EQ(state.load(), RememberedUpload{}) << text;

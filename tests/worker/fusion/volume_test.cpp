@@ -181,7 +181,7 @@ TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
         volume->integrate(view.keyframe, view.images);
     }
     const types::Mesh mesh = mesh::extract_surface(*volume, options);
-    ASSERT_GT(mesh.vertices.size(), 1000U) << "the floor is to be there";
+    ASSERT_GT(mesh.vertices.size(), 500U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
 
@@ -232,7 +232,7 @@ TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
         volume->integrate(view.keyframe, view.images);
     }
     const types::Mesh mesh = mesh::extract_surface(*volume, options);
-    ASSERT_GT(mesh.vertices.size(), 1000U) << "the floor is to be there";
+    ASSERT_GT(mesh.vertices.size(), 500U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
 

@@ -117,6 +117,7 @@ TEST(MeasureMarkersTest, TagsReadWithoutErrorLieWhereTheyAre) {
     for (std::size_t i = 0; i < 6; ++i)
         EXPECT_TRUE(
             metrics.markers[i].T_world_marker.isApprox(swim.tags()[i].T_world_marker, 1e-6));
+    ASSERT_EQ(metrics.bars.size(), 5U);
     for (const BarMetrics& bar : metrics.bars) EXPECT_NEAR(bar.error_m(), 0.0, 1e-7);
     EXPECT_NEAR(metrics.scale->factor, 1.0, 1e-6);
     EXPECT_TRUE(metrics.findings.empty());
@@ -253,6 +254,7 @@ TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
     swim.rig().baseline_m *= metrics.scale->factor;
     const auto corrected = measure_markers(views, swim.plan(), swim.world());
     EXPECT_NEAR(corrected.scale->factor, 1.0, 1e-9);
+    ASSERT_EQ(corrected.bars.size(), 5U);
     for (const BarMetrics& of_bar : corrected.bars) EXPECT_LT(std::abs(of_bar.error_m()), 1e-3);
     EXPECT_TRUE(corrected.findings.empty());
 }

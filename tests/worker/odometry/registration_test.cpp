@@ -147,7 +147,8 @@ TEST(RefinePoseTest, ComesNearerToTheTruthThanRansac) {
     const Registration motion = register_points(synthetic::rig(), pairs(world, 0.2), 2.0, 1);
 
     const Eigen::Isometry3d refined =
-        refine_pose(synthetic::rig(), motion.inliers, predict_orientation(std::nullopt, motion));
+        refine_pose(synthetic::rig(), motion.inliers, predict_orientation(std::nullopt, motion))
+            .T_current_previous;
 
     EXPECT_THAT(refined, IsPoseWithin(true_motion(), 0.06, 0.0025));
 }
@@ -160,11 +161,16 @@ TEST(RefinePoseTest, FindsWhatCeresFinds) {
         const types::KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 1e-3};
         for (const auto& rotation : {std::optional<types::KnownRotation>(), std::optional(known)}) {
             const MotionGuess guess = predict_orientation(rotation, motion);
-            EXPECT_THAT(refine_pose(synthetic::rig(), motion.inliers, guess),
-                        IsPoseWithin(optimisation::refine_pose_by_ceres(
-                                         synthetic::rig(), motion.inliers, guess),
-                                     0.01,
-                                     5e-4));
+            const RefinedPose own = refine_pose(synthetic::rig(), motion.inliers, guess);
+            const RefinedPose theirs =
+                optimisation::refine_pose_by_ceres(synthetic::rig(), motion.inliers, guess);
+            EXPECT_THAT(own.T_current_previous,
+                        IsPoseWithin(theirs.T_current_previous, 0.01, 5e-4));
+            for (const RefinedPose& pose : {own, theirs}) {
+                EXPECT_EQ(pose.outcome.termination, types::SolverOutcome::Termination::Converged);
+                EXPECT_GT(pose.outcome.num_iterations, 0);
+                EXPECT_LE(pose.outcome.final_cost, pose.outcome.initial_cost);
+            }
         }
     }
 }
@@ -175,9 +181,22 @@ TEST(RefinePoseTest, GainsByAKnownRotation) {
     const types::KnownRotation known{Eigen::Quaterniond(true_motion().linear()), 5e-5};
 
     const Eigen::Isometry3d refined =
-        refine_pose(synthetic::rig(), motion.inliers, predict_orientation(known, motion));
+        refine_pose(synthetic::rig(), motion.inliers, predict_orientation(known, motion))
+            .T_current_previous;
 
     EXPECT_THAT(refined, IsPoseWithin(true_motion(), 0.01, 0.001));
+}
+
+TEST(RefinePoseTest, GivesTheGuessAndSaysThatItFailedWhereAPointWouldLieBehindTheCamera) {
+    synthetic::World world(1.0, 0.0, 6);
+    MotionGuess guess;
+    guess.T_current_previous.translation().z() = -100.0;
+
+    const RefinedPose refined = refine_pose(synthetic::rig(), pairs(world, 0.2), guess);
+
+    EXPECT_TRUE(refined.outcome.failed());
+    EXPECT_FALSE(refined.outcome.message.empty());
+    EXPECT_EQ(refined.T_current_previous.matrix(), guess.T_current_previous.matrix());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 
 #include "tests/synthetic/inertial_motion.hpp"
@@ -94,6 +95,38 @@ TEST(LevenbergMarquardtTest, FindsTheWayWithinAFewMillimetres) {
                         synthetic::T_world_cam(kStep * k) * synthetic::rig().T_imu_cam.inverse(),
                         0.2,
                         0.006));
+}
+
+TEST(LevenbergMarquardtTest, SaysThatItConverged) {
+    types::SolverOutcome outcome;
+    NoisyWindow window;
+    window.adjust(
+        [&](BundleAdjustment& bundle_adjustment) { outcome = bundle_adjustment.solve_dense(50); });
+    EXPECT_EQ(outcome.termination, types::SolverOutcome::Termination::Converged) << outcome.message;
+    EXPECT_LT(outcome.num_iterations, 50);
+    EXPECT_LT(outcome.final_cost, 0.5 * outcome.initial_cost);
+    EXPECT_LT(outcome.last_decrease, 1e-3);
+}
+
+TEST(LevenbergMarquardtTest, SaysThatItStoppedWhileTheCostWasStillFalling) {
+    types::SolverOutcome outcome;
+    NoisyWindow window;
+    window.adjust(
+        [&](BundleAdjustment& bundle_adjustment) { outcome = bundle_adjustment.solve_dense(1); });
+    EXPECT_EQ(outcome.termination, types::SolverOutcome::Termination::StoppedAtLimit);
+    EXPECT_EQ(outcome.num_iterations, 1);
+    EXPECT_LT(outcome.final_cost, outcome.initial_cost);
+    EXPECT_GT(outcome.last_decrease, 0.01);
+}
+
+TEST(LevenbergMarquardtTest, SaysThatItFailedWhereTheCostIsNotANumber) {
+    types::SolverOutcome outcome;
+    NoisyWindow window;
+    window.states[3].p_world_imu.x() = std::numeric_limits<double>::quiet_NaN();
+    window.adjust(
+        [&](BundleAdjustment& bundle_adjustment) { outcome = bundle_adjustment.solve_dense(5); });
+    EXPECT_TRUE(outcome.failed());
+    EXPECT_EQ(outcome.num_iterations, 0);
 }
 
 TEST(LevenbergMarquardtTest, GivesTheSameBitsAgain) {

@@ -46,8 +46,10 @@ SlidingWindow swim(double noise_px, double fish_share, bool gyroscope) {
         odometry::PointPairs pairs = odometry::with_depth_at_both_times(rig, before, now);
         window.use_landmarks(window.T_world_cam(), pairs);
         const odometry::Registration motion = odometry::register_points(rig, pairs, 3.0, 1);
-        const Eigen::Isometry3d T_now_before = odometry::refine_pose(
-            rig, motion.inliers, odometry::predict_orientation(std::nullopt, motion));
+        const Eigen::Isometry3d T_now_before =
+            odometry::refine_pose(
+                rig, motion.inliers, odometry::predict_orientation(std::nullopt, motion))
+                .T_current_previous;
         const types::Keyframe keyframe{
             frame, frame * 100'000'000LL, window.T_world_cam() * T_now_before.inverse()};
         types::Features kept;

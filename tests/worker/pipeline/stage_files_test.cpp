@@ -64,6 +64,29 @@ TEST(StageFiles, AFileCutAtAnyByteIsNotLoaded) {
     }
 }
 
+TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
+    const TemporaryFolder folder;
+    types::OptimisedTrack written;
+    written.keyframes.push_back({.frame_index = 2, .timestamp_ns = 1002, .segment = 1});
+    written.findings = {{Severity::Warning, "loops_not_taken", "frame 3", "message", "remedy"}};
+    written.statistics.bundle_adjustment = {.num_solves = 2, .num_failed = 1, .final_cost = 7.5};
+    written.statistics.check.after.reprojection_rms_px = 0.3;
+    save_optimised_track(folder / "optimise.stage", "key", written);
+    const auto read = load_optimised_track(folder / "optimise.stage", "key");
+
+    ASSERT_TRUE(read);
+    ASSERT_EQ(read->keyframes.size(), 1U);
+    EXPECT_EQ(read->keyframes[0].segment, 1);
+    ASSERT_EQ(read->findings.size(), 1U);
+    EXPECT_EQ(read->findings[0].severity, Severity::Warning);
+    EXPECT_EQ(read->findings[0].code, "loops_not_taken");
+    EXPECT_EQ(read->findings[0].where, "frame 3");
+    EXPECT_EQ(read->findings[0].remedy, "remedy");
+    EXPECT_EQ(read->statistics.bundle_adjustment.num_failed, 1);
+    EXPECT_EQ(read->statistics.bundle_adjustment.final_cost, 7.5);
+    EXPECT_EQ(read->statistics.check.after.reprojection_rms_px, 0.3);
+}
+
 TEST(StageFiles, AMeshSurvivesTheDisk) {
     const TemporaryFolder folder;
     Surface surface;

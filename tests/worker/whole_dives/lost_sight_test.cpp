@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "schemas/error.hpp"
 #include "tests/synthetic/altered_recording.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
@@ -85,6 +86,11 @@ TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
         swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}});
     EXPECT_EQ(num_segments(track), 2U);
     EXPECT_TRUE(track.calibration.is_known());
+}
+
+TEST_F(LostSightTest, NextToNothingButBlankImagesIsNoModel) {
+    EXPECT_THROW(swim(0.5, 1e3, {}), Error);
+    EXPECT_THROW(swim(0.5, 1e3, {{"estimator", "pairwise"}}), Error);
 }
 
 }  // namespace

@@ -1,0 +1,219 @@
+#include "worker/pipeline/optimise_track.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "worker/base/free_memory.hpp"
+#include "worker/calibration/calibration_refinement.hpp"
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/loops/close_loops.hpp"
+#include "worker/loops/drift_model.hpp"
+#include "worker/loops/find_loops.hpp"
+#include "worker/loops/separate_segments.hpp"
+#include "worker/optimisation/expected_path_error.hpp"
+#include "worker/optimisation/follow_keyframes.hpp"
+#include "worker/optimisation/frame_covariances.hpp"
+#include "worker/optimisation/global_bundle_adjustment.hpp"
+#include "worker/pipeline/solver_findings.hpp"
+#include "worker/pipeline/track_agreement.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+// How far a camera sees, in median depths of the dive.
+constexpr double kReach = 3.0;
+
+class TrackOptimiser {
+public:
+    TrackOptimiser(const types::Track& track,
+                   const types::Recording& recording,
+                   const ReconstructionOptions& options,
+                   const keyframes::KeyframeStore& store,
+                   const base::ProgressCallback& progress)
+        : track_(track),
+          recording_(recording),
+          options_(options),
+          store_(store),
+          progress_(progress),
+          inertial_(recording, options),
+          drift_(track.keyframes, track.landmarks, &inertial_) {}
+
+    types::OptimisedTrack run() {
+        find_loops();
+        types::Track closed = closed_track();
+        refine_calibration(closed);
+        if (!adjust(std::move(closed))) adjust_with_less();
+        return std::move(result_);
+    }
+
+private:
+    void find_loops();
+    types::Track closed_track();
+    void drop_loops(const std::string& why);
+    void refine_calibration(const types::Track& closed);
+    bool adjust(types::Track closed);
+    void adjust_with_less();
+    void leave_as_tracked();
+    void take(types::Track& closed, const optimisation::GlobalBundleAdjustment& adjusted);
+    void add(const std::vector<Finding>& findings) {
+        result_.findings.insert(result_.findings.end(), findings.begin(), findings.end());
+    }
+    Progress at(double fraction) const {
+        Progress progress;
+        progress.fraction = fraction;
+        return progress;
+    }
+
+    const types::Track& track_;
+    const types::Recording& recording_;
+    const ReconstructionOptions& options_;
+    const keyframes::KeyframeStore& store_;
+    const base::ProgressCallback& progress_;
+    imu::InertialPrior inertial_;
+    loops::DriftModel drift_;
+    std::vector<loops::Loop> loops_;  // that are believed
+    types::OptimisedTrack result_;
+};
+
+void TrackOptimiser::find_loops() {
+    if (!options_.close_loops) return;
+    loops::FoundLoops found = loops::find_loops(
+        track_, drift_, store_, static_cast<std::uint64_t>(options_.seed), progress_);
+    loops_ = std::move(found.loops);
+    result_.statistics.loops = found.statistics;
+    base::return_freed_memory();
+}
+
+// The track, what changes from here on, with the loops that are believed closed.
+types::Track TrackOptimiser::closed_track() {
+    types::Track closed;
+    closed.rig = track_.rig;
+    closed.odometry = track_.odometry;
+    closed.keyframes = track_.keyframes;
+    closed.landmarks = track_.landmarks;
+    closed.imu_alignment = track_.imu_alignment;
+    const auto outcome =
+        loops::close_loops(closed.rig, loops_, drift_, closed.keyframes, closed.landmarks);
+    if (!outcome) return closed;
+    result_.statistics.pose_graph.add(*outcome);
+    // Where landmarks project to is left to the adjustment, which moves them.
+    const types::TrackCheck check{agreement(track_, track_, 1, drift_),
+                                  agreement(closed, track_, 1, drift_)};
+    if (!outcome->failed() && !contradicts_odometry(check)) return closed;
+    drop_loops(outcome->failed() ? "their pose graph failed: " + outcome->message
+                                 : "with them the path contradicts the motion from frame to frame");
+    return closed_track();
+}
+
+void TrackOptimiser::drop_loops(const std::string& why) {
+    result_.findings.push_back(
+        {Severity::Warning,
+         "loops_not_taken",
+         "",
+         std::to_string(loops_.size()) +
+             " places that looked like ones seen before were left out: " + why,
+         "nothing tests the drift now: bring markers, or check the calibration"});
+    loops_.clear();
+    result_.statistics.loops.num_accepted = 0;
+    result_.statistics.loops.largest_correction_m = 0.0;
+}
+
+void TrackOptimiser::refine_calibration(const types::Track& closed) {
+    const calibration::CalibrationRefinement refinement = calibration::refine_calibration(
+        closed, recording_, options_, inertial_, progress_, at(0.4));
+    result_.calibration = refinement.calibration;
+    for (const types::SolverOutcome& outcome : refinement.solves) {
+        result_.statistics.calibration.add(outcome);
+        add(solver_findings(
+            outcome, "calibration_not_converged", "the refinement of the calibration"));
+    }
+}
+
+// Adjusts the whole dive, with the calibration as refined. Returns false, and takes nothing, where
+// the result is worse than the track.
+bool TrackOptimiser::adjust(types::Track closed) {
+    inertial_.align({result_.calibration.applied_alignment().time_offset_s});
+    calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
+    base::return_freed_memory();
+    const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
+        closed.rig, inertial_, closed.keyframes, closed.landmarks, progress_, at(0.6));
+    result_.statistics.bundle_adjustment.add(adjusted.outcome);
+    types::TrackCheck& check = result_.statistics.check;
+    check.before = agreement(track_, track_, adjusted.landmark_stride, drift_);
+    check.after = agreement(closed, track_, adjusted.landmark_stride, drift_);
+    check.moved_rms_sigmas =
+        moved_rms_sigmas(track_.keyframes, closed.keyframes, adjusted.covariances, drift_);
+    const bool better = !adjusted.outcome.failed() && !is_worse(check);
+    if (better || adjusted.outcome.failed())
+        add(solver_findings(
+            adjusted.outcome, "adjustment_not_converged", "the adjustment of the whole dive"));
+    if (!better) return false;
+    take(closed, adjusted);
+    return true;
+}
+
+// What may have misled the adjustment is left out, one after the other; at last the track stays as
+// the sliding window left it.
+void TrackOptimiser::adjust_with_less() {
+    if (result_.calibration.is_applied()) {
+        result_.calibration.leave_as_stated();
+        result_.findings.push_back(
+            {Severity::Warning,
+             "calibration_not_taken",
+             "",
+             "with the calibration that the dive itself asks for the path agrees less with what "
+             "was measured: it was reconstructed with the calibration as stated",
+             "calibrate the cameras and the inertial unit again"});
+        if (adjust(closed_track())) return;
+    }
+    if (!loops_.empty()) {
+        drop_loops("with them the path agrees less with what was measured");
+        if (adjust(closed_track())) return;
+    }
+    leave_as_tracked();
+}
+
+void TrackOptimiser::leave_as_tracked() {
+    result_.findings.push_back(
+        {Severity::Warning,
+         "adjustment_not_taken",
+         "",
+         "adjusted as a whole the path agrees less with what was measured: it is given as it was "
+         "tracked, without hindsight and without bounds",
+         "check the calibration of the cameras and the inertial unit"});
+    types::Track closed = closed_track();
+    result_.statistics.check.after = result_.statistics.check.before;
+    optimisation::GlobalBundleAdjustment unadjusted;
+    unadjusted.reprojection_rms_px = result_.statistics.check.before.reprojection_rms_px;
+    take(closed, unadjusted);
+}
+
+void TrackOptimiser::take(types::Track& closed,
+                          const optimisation::GlobalBundleAdjustment& adjusted) {
+    result_.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
+    loops::separate_segments(kReach * track_.statistics.median_depth_m, closed.keyframes);
+    result_.trajectory =
+        optimisation::follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
+    result_.covariances = optimisation::covariances_at(
+        adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
+    result_.statistics.path =
+        optimisation::with_frames_between(adjusted.path, adjusted.covariances, result_.covariances);
+    loops::add_residuals(loops_, closed.keyframes, result_.statistics.loops);
+    result_.mapped = optimisation::posed_by(
+        result_.trajectory, closed.keyframes, closed.rig.T_imu_cam, track_.mapped);
+    result_.keyframes = std::move(closed.keyframes);
+    result_.rig = closed.rig;
+}
+
+}  // namespace
+
+types::OptimisedTrack optimise_track(const types::Track& track,
+                                     const types::Recording& recording,
+                                     const ReconstructionOptions& options,
+                                     const keyframes::KeyframeStore& store,
+                                     const base::ProgressCallback& progress) {
+    return TrackOptimiser(track, recording, options, store, progress).run();
+}
+
+}  // namespace divemesh::pipeline

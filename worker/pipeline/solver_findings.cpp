@@ -1,0 +1,163 @@
+#include "worker/pipeline/solver_findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+// Of the motions from frame to frame, by vision. Less than a tenth: the path is the motion model's,
+// and there is no map to speak of. One lost in five: holes in the map. One in twenty is worth a
+// word.
+constexpr double kMinShare = 0.1;
+constexpr double kWarningShare = 0.8;
+constexpr double kInfoShare = 0.95;
+// Of the solves of one kind: a frame now and then is left to the motion model, more is a sign of
+// images or sensors that do not fit.
+constexpr double kMaxFailedShare = 0.05;
+// Of the cost, by the last step: residuals still shrink by half a percent a step.
+constexpr double kStillFalling = 0.01;
+// Ten times the noise of a feature, u and v together. The window throws out a single observation
+// at half of that: a mean as large is no fit.
+constexpr double kDiverged_px = 3.5;
+// The adjustment moves keyframes by parts of the way between them; a path several times as long as
+// the odometry's has come apart. The slack is for rigs that stand still.
+constexpr double kDivergedPath = 3.0;
+constexpr double kPathSlack_m = 1.0;
+
+std::int64_t num_motions(const types::TrackStatistics& track) {
+    return std::max<std::int64_t>(0, track.num_frames - 1);
+}
+
+// Of the motions from frame to frame; the first frame needs none.
+double share_tracked(const types::TrackStatistics& track) {
+    const std::int64_t num = num_motions(track);
+    return num > 0 ? static_cast<double>(track.num_frames_tracked - 1) / static_cast<double>(num)
+                   : 1.0;
+}
+
+std::string fixed(double value, int num_digits) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(num_digits) << value;
+    return text.str();
+}
+
+std::string lost_frames(const types::TrackStatistics& track) {
+    const std::int64_t num_lost = track.num_frames - track.num_frames_tracked;
+    return std::to_string(num_lost) + " of " + std::to_string(track.num_frames) + " frames (" +
+           fixed(100.0 * (1.0 - share_tracked(track)), 1) + " %) could not be tracked by vision";
+}
+
+constexpr const char* kTrackBetter =
+    "check that left and right images are sharp, simultaneous and fit the calibration; keep "
+    "textured ground in view, swim slower or record more pairs a second";
+
+void add_failed(const types::SolverTally& tally,
+                const std::string& what,
+                std::vector<Finding>& findings) {
+    if (static_cast<double>(tally.num_failed) <=
+        kMaxFailedShare * static_cast<double>(tally.num_solves))
+        return;
+    findings.push_back({Severity::Warning,
+                        "solver_failed",
+                        "",
+                        what + " failed in " + std::to_string(tally.num_failed) + " of " +
+                            std::to_string(tally.num_solves) + " cases: poses there may be off",
+                        kTrackBetter});
+}
+
+[[noreturn]] void diverged(const std::string& what) {
+    throw Error(ErrorCode::BadData,
+                "the reconstruction diverged: " + what +
+                    ". Check the calibration of both cameras against the images (divemesh validate "
+                    "DIVE), and try the option close_loops=false or refine_lenses=false");
+}
+
+// Within pieces: where one lies against the next is a guess.
+template <typename Poses>
+double path_m(const Poses& poses, const std::vector<bool>& jumps) {
+    double length_m = 0.0;
+    for (std::size_t i = 1; i < poses.size(); ++i)
+        if (!jumps[i])
+            length_m +=
+                (poses[i].T_world_imu.translation() - poses[i - 1].T_world_imu.translation())
+                    .norm();
+    return length_m;
+}
+
+// Whether a frame is the first of a piece.
+std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
+    std::vector<bool> jumps(result.trajectory.size(), false);
+    std::size_t frame = 0;
+    for (std::size_t k = 1; k < result.keyframes.size(); ++k) {
+        if (result.keyframes[k].piece == result.keyframes[k - 1].piece) continue;
+        while (frame < jumps.size() &&
+               result.trajectory[frame].timestamp_ns < result.keyframes[k].timestamp_ns)
+            ++frame;
+        if (frame < jumps.size()) jumps[frame] = true;
+    }
+    return jumps;
+}
+
+}  // namespace
+
+void require_tracked(const types::TrackStatistics& track) {
+    if (share_tracked(track) >= kMinShare) return;
+    throw Error(ErrorCode::BadData, lost_frames(track) + ": there is no model. " + kTrackBetter);
+}
+
+std::vector<Finding> tracking_findings(const types::TrackStatistics& track) {
+    std::vector<Finding> findings;
+    const double share = share_tracked(track);
+    if (share < kInfoShare)
+        findings.push_back({share < kWarningShare ? Severity::Warning : Severity::Info,
+                            "tracking_lost",
+                            "",
+                            lost_frames(track) + ": their poses come from the motion before and "
+                                                 "the inertial sensors",
+                            kTrackBetter});
+    add_failed(track.pose_solver, "the refinement of the motion between two frames", findings);
+    add_failed(track.window_solver, "the adjustment of the sliding window", findings);
+    return findings;
+}
+
+std::vector<Finding> solver_findings(const types::SolverOutcome& outcome,
+                                     const std::string& code,
+                                     const std::string& what) {
+    if (outcome.failed())
+        return {{Severity::Warning,
+                 code,
+                 "",
+                 what + " failed: " + outcome.message,
+                 "check the calibration and the inertial sensors of the dive"}};
+    if (!outcome.stopped_early() || outcome.last_decrease <= kStillFalling) return {};
+    return {{Severity::Warning,
+             code,
+             "",
+             what + " stopped after " + std::to_string(outcome.num_iterations) +
+                 " iterations while its cost was still falling by " +
+                 fixed(100.0 * outcome.last_decrease, 1) + " % a step: " + outcome.message,
+             "compare the result with what is known about the place before it is used"}};
+}
+
+void require_converged(const types::Track& track, const types::OptimisedTrack& result) {
+    for (const types::StampedPose& pose : result.trajectory)
+        if (!pose.T_world_imu.matrix().allFinite()) diverged("a pose is not finite");
+    const double reprojection_px = result.statistics.check.after.reprojection_rms_px;
+    if (!(reprojection_px <= kDiverged_px))
+        diverged("landmarks lie " + fixed(reprojection_px, 1) +
+                 " px from where they were seen (root mean square)");
+    if (result.trajectory.size() != track.odometry.size()) return;
+    const std::vector<bool> jumps = jumps_of(result);
+    const double final_m = path_m(result.trajectory, jumps);
+    const double odometry_m = path_m(track.odometry, jumps);
+    if (!(final_m <= kDivergedPath * odometry_m + kPathSlack_m))
+        diverged("the path is " + fixed(final_m, 2) +
+                 " m long, by the motion from frame to frame " + fixed(odometry_m, 2) + " m");
+}
+
+}  // namespace divemesh::pipeline

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace divemesh::types {
+
+// How a solver ended.
+struct SolverOutcome {
+    enum class Termination { Converged, StoppedAtLimit, Failed };
+
+    Termination termination = Termination::Failed;
+    int num_iterations = 0;
+    double initial_cost = 0.0;
+    double final_cost = 0.0;
+    double last_decrease = 0.0;  // by the last step that was taken, as a share of the cost
+    std::string message;         // for people
+
+    bool failed() const { return termination == Termination::Failed; }
+    // More iterations would have changed the result.
+    bool stopped_early() const { return termination == Termination::StoppedAtLimit; }
+};
+
+// Outcomes of all solves of one kind, counted.
+struct SolverTally {
+    std::int64_t num_solves = 0;
+    std::int64_t num_converged = 0;
+    std::int64_t num_stopped_at_limit = 0;
+    std::int64_t num_failed = 0;
+    std::int64_t num_iterations = 0;
+    double initial_cost = 0.0;  // sums over the solves that did not fail
+    double final_cost = 0.0;
+
+    void add(const SolverOutcome& outcome) {
+        ++num_solves;
+        num_iterations += outcome.num_iterations;
+        if (!outcome.failed()) {
+            initial_cost += outcome.initial_cost;
+            final_cost += outcome.final_cost;
+        }
+        switch (outcome.termination) {
+            case SolverOutcome::Termination::Converged: ++num_converged; break;
+            case SolverOutcome::Termination::StoppedAtLimit: ++num_stopped_at_limit; break;
+            case SolverOutcome::Termination::Failed: ++num_failed; break;
+        }
+    }
+};
+
+}  // namespace divemesh::types
