@@ -11,15 +11,16 @@
 
 #include "worker/base/instructions.hpp"
 
-// Eight numbers at once. One source for every instruction set: on narrower ones the compiler splits
-// them. Only +, -, *, / and the square root are used, which round alike everywhere, so the results
-// are the same to the bit. Files that include this are compiled with -Wno-psabi: the functions are
-// inlined, there is no ABI to warn of.
+// SIMD vectors of eight lanes: one source for every instruction set; on narrower sets the compiler
+// splits the vectors. Only +, -, *, / and the square root are used. They round the same everywhere,
+// so the results are equal to the bit. Files that include this are compiled with -Wno-psabi: the
+// functions are inlined, so there is no ABI to warn about.
 namespace divemesh::base {
 
 inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
-using Masks = std::int32_t __attribute__((vector_size(32)));  // 0 or -1, as comparisons give
+// 0 or -1 per lane, as comparisons return
+using Masks = std::int32_t __attribute__((vector_size(32)));
 using Shorts = std::uint16_t __attribute__((vector_size(16)));
 using SignedShorts = std::int16_t __attribute__((vector_size(16)));
 
@@ -73,7 +74,7 @@ DIVEMESH_INLINE_BODY Floats square_root(Floats values) {
     return values;
 }
 
-// rows[i][j] becomes rows[j][i].
+// Transposes an 8 x 8 block: rows[i][j] becomes rows[j][i].
 DIVEMESH_INLINE_BODY void transpose(Floats (&rows)[kLanes]) {
     Floats pairs[kLanes];
     for (int i = 0; i < kLanes; i += 2) {

@@ -6,7 +6,7 @@
 
 namespace divemesh::types {
 
-// A feature as a keyframe saw it, in the rectified pair.
+// A feature observed in a keyframe, in the rectified pair.
 struct LandmarkObservation {
     std::int32_t keyframe = 0;  // index into Track::keyframes
     float u_px = 0.0F;

@@ -19,12 +19,12 @@ struct OptimiseStatistics {
 };
 
 struct OptimisedTrack {
-    Trajectory trajectory;  // every frame, with hindsight
+    Trajectory trajectory;  // every frame, after optimisation
     std::vector<Keyframe> keyframes;
-    std::vector<Keyframe> mapped;  // Track::mapped with hindsight
-    RectifiedRig rig;              // its body as refined
+    std::vector<Keyframe> mapped;  // Track::mapped after optimisation
+    RectifiedRig rig;              // with the refined T_imu_cam
     RefinedCalibration calibration;
-    CovarianceTrack covariances;  // of every frame; empty: not known
+    CovarianceTrack covariances;  // of every frame; empty: unknown
     OptimiseStatistics statistics;
 };
 

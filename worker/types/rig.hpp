@@ -21,7 +21,7 @@ struct Rig {
     Camera cam1;
     Eigen::Isometry3d T_imu_cam0 = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_imu_cam1 = Eigen::Isometry3d::Identity();
-    std::optional<ImuNoise> imu_noise;  // set when the dive has an IMU
+    std::optional<ImuNoise> imu_noise;  // nullopt if the dive has no IMU
 
     Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }
     double baseline_m() const { return T_cam1_cam0().translation().norm(); }
