@@ -8,10 +8,10 @@
 
 namespace divemesh::features {
 
-// Step 1 at the features alone: sub-pixel disparity by looking for each one's patch along its row
-// of the right picture. A feature whose disparity_px is > 0 is looked for there first; where
-// `dense_px` (CV_32F, may be empty) knows the disparity, there. What is not found, or found better
-// or as well elsewhere, comes back with disparity 0.
+// Step 1 at the features alone: sets their sub-pixel disparity by searching each patch along its
+// row in the right image. The search starts at the feature's disparity if it is > 0, or at that of
+// `dense_px` (CV_32F, may be empty) if known. The disparity is 0 if the patch is not found or fits
+// elsewhere as well.
 void match_sparse_stereo(const types::RectifiedFrame& frame,
                          const cv::Mat& dense_px,
                          int num_disparities_px,

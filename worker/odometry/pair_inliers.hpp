@@ -5,8 +5,8 @@
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/types/rectified_rig.hpp"
 
-// How well pairs go with a motion: the error of the moved point's u, v and disparity. Metres would
-// favour what is near.
+// Agreement of pairs with a motion: the error of the moved point's u, v and disparity. An error in
+// metres would favour near points.
 namespace divemesh::odometry {
 
 // Those within the tolerance.

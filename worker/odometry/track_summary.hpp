@@ -10,19 +10,20 @@
 
 namespace divemesh::odometry {
 
-// Adds up what the frames say about how well the tracking went.
+// Accumulates statistics of the tracking over the frames.
 class TrackSummary {
 public:
     void add_frame(const types::Features& features,
                    const Registration& motion,
                    const MotionGuess& guess);
-    // The first frame: nothing to compare it with.
+    // Counts the first frame, which has no motion.
     void add_first_frame() {
         ++num_frames_;
         ++num_tracked_;
     }
 
-    // Without skipped frames and the dense search, which are counted elsewhere.
+    // Returns the statistics without skipped frames and the dense search, which are counted
+    // elsewhere.
     types::TrackStatistics statistics() const;
 
 private:
@@ -39,7 +40,7 @@ private:
     std::vector<double> scales_;
     std::vector<double> depths_m_;               // median of each frame
     std::vector<double> lives_frames_;           // of the tracks that ended
-    std::unordered_map<std::int64_t, int> age_;  // of the tracks that go on
+    std::unordered_map<std::int64_t, int> age_;  // of the current tracks
 };
 
 }  // namespace divemesh::odometry

@@ -21,7 +21,7 @@ struct PointPair {
 };
 using PointPairs = std::vector<PointPair>;
 
-// Step 3: keeps the features whose depth is known at t-1 and at t.
+// Step 3: returns the features whose depth is known at t-1 and at t.
 PointPairs with_depth_at_both_times(const types::RectifiedRig& rig,
                                     const types::Features& previous,
                                     const types::Features& current);
