@@ -9,13 +9,13 @@
 // metres would favour near points.
 namespace divemesh::odometry {
 
-// Those within the tolerance.
+// Returns the pairs within the tolerance.
 PointPairs find_inliers(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const Eigen::Isometry3d& T_current_previous,
                         double tolerance_px);
 
-// Truncated squares (MSAC): among sets of equal size the tighter one wins.
+// Returns the sum of truncated squares (MSAC): among sets of equal size the tighter one wins.
 double msac_cost(const types::RectifiedRig& rig,
                  const PointPairs& pairs,
                  const Eigen::Isometry3d& T_current_previous,

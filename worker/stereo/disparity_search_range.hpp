@@ -6,10 +6,9 @@
 namespace divemesh::stereo {
 
 // Step 1: returns the disparity search range of the dense search in a frame: from the min to the
-// max disparity of its features, extended by a quarter towards the far end and a third towards the
-// near end for the surface between them. It is a multiple of 64, so that vectors of every
-// instruction set are full. Returns all of `num_disparities_px` if the range would be as large or
-// the features are few.
+// max disparity of its features, extended to depths a quarter nearer and a third farther for the
+// surface between them. It is a multiple of 64, so that vectors of every instruction set are full.
+// Returns all of `num_disparities_px` if the range would be as large or the features are few.
 types::DisparityRange disparity_search_range(const types::Features& features,
                                              int num_disparities_px);
 

@@ -294,7 +294,7 @@ DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int num) {
 DIVEMESH_INLINE_BODY V broadcast_where_equal(V a, V b, int value) {
     return _mm512_maskz_mov_epi8(_mm512_cmpeq_epi8_mask(a, b), broadcast(value));
 }
-// 0, 1, 2 ... and so on from `first`.
+// The bytes first, first + 1, first + 2, ...
 struct Places {
     constexpr explicit Places(int first) {
         for (int i = 0; i < kBytes; ++i) bytes[i] = static_cast<std::uint8_t>(first + i);
