@@ -7,11 +7,11 @@
 
 namespace divemesh::calibration {
 
-// Bundle adjustment with the calibration free, over keyframes and evenly thinned landmarks: time
-// offset and rotation of the inertial unit by its gyroscope, focal length, principal point, k1 and
-// k2 of both lenses by the pictures as they were recorded, each with a prior as wide as a careful
-// calibration errs. A change is believed when it is significant and large enough to matter: a good
-// calibration stays as it is.
+// Returns the calibration by a bundle adjustment over keyframes and evenly thinned landmarks with
+// the calibration free: time offset and rotation of the IMU by its gyroscope; focal length,
+// principal point, k1 and k2 of both lenses by the images as recorded. Each has a prior as wide as
+// the error of a careful calibration. A change is applied if it is significant and large enough to
+// matter, so a good calibration stays as it is.
 types::RefinedCalibration refine_calibration(const types::Track& track,
                                              const types::Recording& recording,
                                              const ReconstructionOptions& options,
@@ -19,8 +19,8 @@ types::RefinedCalibration refine_calibration(const types::Track& track,
                                              const base::ProgressCallback& progress,
                                              const Progress& at);
 
-// Makes the track as if the dive had come with the refined calibration: body, odometry and
-// observations. Poses of the cameras stay.
+// Changes the track to what it would be with the refined calibration: body, odometry and
+// observations. The camera poses stay.
 void apply_calibration(const types::Rig& rig,
                        const types::RefinedCalibration& calibration,
                        types::Track& track);

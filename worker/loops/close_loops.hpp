@@ -11,16 +11,16 @@
 
 namespace divemesh::loops {
 
-// Landmarks of each visit get what the other saw of them as observations, for the adjustment of the
-// whole dive to use; where the track has run too far off for it to find back, a pose graph brings
-// the keyframes near first. Keyframes learn which piece they belong to.
+// Adds the reobservations of the loops to the landmarks, for the bundle adjustment of the whole
+// dive. If the track has drifted too far for that to converge, a pose graph first moves the
+// keyframes closer. Also sets the keyframes' segments.
 void close_loops(const types::RectifiedRig& rig,
                  const std::vector<Loop>& loops,
                  const DriftModel& drift,
                  std::vector<types::Keyframe>& keyframes,
                  std::vector<types::Landmark>& landmarks);
 
-// What the final keyframes leave of what the loops measured.
+// Sets in `statistics` the residuals of the loops at the final keyframes.
 void add_residuals(const std::vector<Loop>& loops,
                    const std::vector<types::Keyframe>& keyframes,
                    types::LoopStatistics& statistics);

@@ -7,9 +7,9 @@
 
 namespace divemesh::loops {
 
-// Pose graph: keyframes moved so that the loops close, the correction spread along the track by how
-// far it may have drifted where. The first keyframe stays. Landmarks go with the keyframe that saw
-// them first.
+// Pose graph: moves the keyframes so that the loops close, with the correction distributed along
+// the track according to its drift. The first keyframe stays. Landmarks move with the keyframe that
+// observed them first.
 void optimise_pose_graph(const std::vector<Loop>& loops,
                          const DriftModel& drift,
                          std::vector<types::Keyframe>& keyframes,
