@@ -24,7 +24,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr std::size_t kCloudStep = 6;  // of the mapped frames
+constexpr std::size_t kCloudStep = 6;  // every n-th mapped frame
 // How far a camera sees, in median depths of the dive.
 constexpr double kReach = 3.0;
 
@@ -45,7 +45,7 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const base::ProgressCallback& progress) {
     types::OptimisedTrack result;
     if (!options.adjust_whole_dive || options.estimator == "pairwise" ||
-        track.keyframes.size() < 2) {  // the paper stops here
+        track.keyframes.size() < 2) {  // the paper ends here
         result.trajectory = track.causal;
         result.keyframes = track.keyframes;
         result.mapped = track.mapped;
@@ -62,7 +62,7 @@ types::OptimisedTrack optimise(const types::Track& track,
             track, drift, store, static_cast<std::uint64_t>(options.seed), progress);
     result.statistics.loops = found.statistics;
     base::return_freed_memory();
-    types::Track closed;  // what changes from here on
+    types::Track closed;  // the parts that change from here on
     closed.rig = track.rig;
     closed.odometry = track.odometry;
     closed.keyframes = track.keyframes;
@@ -104,8 +104,8 @@ FusedMap fuse(const types::RectifiedRig& rig,
     FusedMap map;
     map.volume = fusion::make_volume(rig, options, median_depth_m, scratch);
     map.cloud = fusion::make_cloud(map.volume->settings(), options);
-    // Frames that follow one another see nearly the same points: all of them only where the points
-    // are to be closer than a voxel needs.
+    // Consecutive frames see nearly the same points, so all of them are used only if the cloud's
+    // points are to be closer than a voxel requires.
     const std::size_t cloud_step =
         map.cloud->voxel_m() < 0.5 * map.volume->voxel_m() ? 1 : kCloudStep;
     Progress done;
@@ -113,7 +113,8 @@ FusedMap fuse(const types::RectifiedRig& rig,
     done.num_frames = static_cast<std::int64_t>(frames.size());
     base::TaskPool task_pool(options.num_threads);
     DepthViewPrefetcher views(rig, map.volume->voxel_m(), frames, store, task_pool);
-    base::BackgroundTask cloud(task_pool);  // ends before the map goes, also when progress() throws
+    // Declared after the map, so that it ends first, also if progress() throws.
+    base::BackgroundTask cloud(task_pool);
     for (std::size_t i = 0; i < frames.size(); ++i) {
         progress(done);
         const auto depth = views.next();

@@ -16,8 +16,8 @@
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/track.hpp"
 
-// The method: four stages that together are the paper's eight steps. Each takes plain values and
-// gives plain values, so a stage can start from what the one before wrote to disk
+// The method: four stages that together are the paper's eight steps. Each is a function from values
+// to values, so a stage can start from what the previous one wrote to disk
 // (worker/pipeline/stage_files.hpp).
 namespace divemesh::pipeline {
 
@@ -32,13 +32,14 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const keyframes::KeyframeStore& store,
                                const base::ProgressCallback& progress);
 
-// What step 7 makes: where the surface is looked for, and the points that were seen.
+// The result of step 7: the volume from which the surface is extracted, and the points of the
+// cloud.
 struct FusedMap {
     std::unique_ptr<fusion::Volume> volume;
     std::unique_ptr<fusion::OctreeVolume> cloud;
 };
 
-// Voxels and points beyond `options.fusion_memory_bytes` go to the folder `scratch`.
+// Voxels and points beyond `options.fusion_memory_bytes` are spilled to the folder `scratch`.
 FusedMap fuse(const types::RectifiedRig& rig,
               const std::vector<types::Keyframe>& frames,
               double median_depth_m,

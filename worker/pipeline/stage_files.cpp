@@ -5,7 +5,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Eigen::Isometry3d and structs that hold one are stored as their 16 doubles.
+// Writes a pose as its 16 doubles, also as a member of a struct.
 void put_pose(base::BinaryWriter& file, const Eigen::Isometry3d& T_a_b) {
     file.put_raw(T_a_b.matrix());
 }
@@ -145,7 +145,8 @@ types::CovarianceTrack get_covariances(base::BinaryReader& file) {
     return covariances;
 }
 
-// A reader past a matching key; nothing when the file is not what the stage would make now.
+// Returns a reader positioned after the matching key; nullopt if the file is not what the stage
+// would make now.
 std::optional<base::BinaryReader> open_stage(const std::filesystem::path& path,
                                              const std::string& key) {
     base::BinaryReader file(path);
