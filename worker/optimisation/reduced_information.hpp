@@ -33,6 +33,7 @@ ReducedInformation reduced_information(ceres::Problem& problem,
 // scores (V). Each landmark's score counts as one sample, so any correlation of its errors between
 // images is included (Huber 1967; Liang and Zeger 1986). The inertial sensors are taken to have
 // their stated noise. The covariance is
+//
 //     P = H^-1 V H^-1
 struct ClusteredInformation {
     Eigen::SparseMatrix<double> H_lower;  // J^T W J with Huber's weights
