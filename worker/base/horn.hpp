@@ -6,6 +6,7 @@
 
 namespace divemesh::base {
 
+// The similarity transform between two point sets.
 struct AbsoluteOrientation {
     Eigen::Isometry3d T_b_a = Eigen::Isometry3d::Identity();  // rigid: without the scale
     double scale = 1.0;  // of b against a, Horn's symmetric estimate; not applied to T_b_a

@@ -43,14 +43,17 @@ DIVEMESH_INLINE_BODY Floats broadcast(float value) { return Floats{} + value; }
 DIVEMESH_INLINE_BODY Floats abs(Floats values) {
     return reinterpret_cast<Floats>(reinterpret_cast<Masks>(values) & 0x7fffffff);
 }
+// Returns the values where the mask is set, 0 elsewhere.
 DIVEMESH_INLINE_BODY Floats select(Masks mask, Floats values) {
     return reinterpret_cast<Floats>(mask & reinterpret_cast<Masks>(values));
 }
 DIVEMESH_INLINE_BODY Floats max(Floats a, Floats b) { return a > b ? a : b; }
 DIVEMESH_INLINE_BODY Floats min(Floats a, Floats b) { return a < b ? a : b; }
+// Returns the values rounded towards 0.
 DIVEMESH_INLINE_BODY Masks to_integers(Floats values) {
     return __builtin_convertvector(values, Masks);
 }
+// Returns true if the mask is set in any lane.
 DIVEMESH_INLINE_BODY bool any(Masks mask) {
 #if defined(__SSE2__)
     __m128i halves[2];

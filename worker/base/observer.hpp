@@ -9,8 +9,8 @@
 
 namespace divemesh::base {
 
-// Receives the progress of a stage, which calls it at least every 200 ms of its work. It throws
-// Error{Cancelled} to stop the stage; no step catches that. This is the only channel between the
+// A callback for progress. A stage calls it at least every 200 ms of its work; it throws
+// Error{Cancelled} to stop the stage, and no step catches that. It is the only channel between the
 // running pipeline and its surroundings.
 using ProgressCallback = std::function<void(const Progress&)>;
 

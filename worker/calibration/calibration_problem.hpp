@@ -20,6 +20,7 @@ using LensChanges = Eigen::Matrix<double, LensReprojection::kNumChanges, 1>;  //
 using LensCovariance =
     Eigen::Matrix<double, LensReprojection::kNumChanges, LensReprojection::kNumChanges>;
 
+// The unknowns of the calibration.
 struct CalibrationUnknowns {
     Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  // rad, q_body_imu as a vector
     double time_offset_s = 0.0;

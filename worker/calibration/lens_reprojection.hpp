@@ -24,6 +24,7 @@ struct LensReprojection {
     static ceres::CostFunction* create(const LensReprojection& reprojection);
 };
 
+// The cost function of LensReprojection with analytic derivatives.
 class LensReprojectionCost
     : public ceres::SizedCostFunction<3, 4, 3, 3, LensReprojection::kNumChanges> {
 public:

@@ -18,6 +18,7 @@ inline int hamming_distance(const Descriptor& a, const Descriptor& b) {
     return bits;
 }
 
+// A corner with its descriptor, in the rectified left image.
 struct DescribedKeypoint {
     float u_px = 0.0F;
     float v_px = 0.0F;
@@ -32,8 +33,9 @@ struct DescribedKeypoint {
 using DescribedKeypoints = std::vector<DescribedKeypoint>;
 
 // Returns the keypoints of an image (CV_8UC1); their disparities are unknown. Corners are chosen by
-// score (Shi and Tomasi 1994); orientation by the intensity centroid and rotated binary tests are
-// as in ORB (Rublee et al. 2011). The tests are drawn as in BRIEF (Calonder et al. 2010, G II).
+// score (Shi and Tomasi 1994). Their orientation (by the intensity centroid) and the rotated binary
+// tests are as in ORB (Rublee et al. 2011). The tests are drawn as in BRIEF (Calonder et al. 2010,
+// G II).
 DescribedKeypoints describe_keypoints(const cv::Mat& left);
 
 }  // namespace divemesh::features

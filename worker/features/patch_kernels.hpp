@@ -45,6 +45,7 @@ struct SeenProducts {
     std::uint32_t seen_seen;
 };
 
+// The kernels of one instruction set.
 struct PatchKernels {
     // Reads kOuterSide_px squared values with 6 fractional bits.
     void (*read_outer)(const SquarePlace& place, std::int16_t* outer);
@@ -52,6 +53,7 @@ struct PatchKernels {
     SeenProducts (*compare)(const PatchColumns& columns, const SquarePlace& place);
 };
 
+// Returns the kernels for an instruction set.
 PatchKernels patch_kernels(base::Instructions instructions);
 
 }  // namespace divemesh::features

@@ -12,7 +12,7 @@
 namespace divemesh::features {
 
 // The appearance of a feature when it was last taken as reference, with the camera's pose then, so
-// that it can be warped to the current frame. Its surface is taken for a plane.
+// that it can be warped to the current frame. Its surface is assumed to be a plane.
 class ReferencePatch {
 public:
     // Takes `feature` as it appears in `image`, CV_8UC1.

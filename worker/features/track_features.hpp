@@ -23,15 +23,14 @@ public:
     // Tracks about `num_features` features at a time.
     FeatureTracker(const types::RectifiedRig& rig, int num_features);
 
-    // Returns the features `previous` of the previous image as found in `left`.
-    // The search starts where the expected camera motion predicts them. Each pyramid level aligns
-    // the patch around a feature with its own gain and bias, as strobes, caustics and haze change
-    // the light between frames.
-    // A feature's final position is where the image matches its reference patch, so that errors do
-    // not accumulate. The reference patch is warped by the motion since: without the warp it slides
-    // by up to a pixel while the camera rotates and comes closer. If the appearance has changed too
-    // much, the patch of the previous image is matched instead. A feature is kept only if tracking
-    // it back ends where it began. Its disparity is predicted and still has to be measured.
+    // Returns `previous`, the features of the previous image, as found in `left`, starting where
+    // the expected camera motion predicts them. Their disparities are predicted and still have to
+    // be measured. Each pyramid level aligns the patch around a feature with its own gain and bias,
+    // as strobes, caustics and haze change the light between frames. The final position is that of
+    // the reference patch, warped by the motion since, so that errors do not accumulate (unwarped,
+    // a patch slides by up to a pixel while the camera rotates and approaches). If the appearance
+    // has changed too much, it is that of the patch in the previous image. A feature is kept only
+    // if tracking it back ends where it began.
     types::Features track(const cv::Mat& left,
                           const types::Features& previous,
                           const Eigen::Isometry3d& T_cam_previous);

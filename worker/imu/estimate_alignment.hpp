@@ -24,6 +24,8 @@ struct VisionRotation {
     Eigen::Quaterniond q_from_to = Eigen::Quaterniond::Identity();
 };
 
+// The estimated alignment with its uncertainty. A value is significant above four sigmas and a min
+// size.
 struct AlignmentEstimate {
     types::ImuAlignment alignment;
     double time_offset_sigma_s = 0.0;

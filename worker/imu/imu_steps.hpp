@@ -9,6 +9,7 @@
 
 namespace divemesh::imu {
 
+// The reasons why samples cannot be integrated over an interval.
 enum class ImuFailure {
     NotCovered,  // the interval is empty, or the samples do not cover it
     Gap,         // two samples in it are more than kMaxImuGap_ns apart
@@ -16,6 +17,7 @@ enum class ImuFailure {
 
 constexpr std::int64_t kMaxImuGap_ns = 100'000'000;
 
+// Returns the sample at `time_ns`, interpolated linearly.
 inline types::ImuSample interpolate(const types::ImuSample& before,
                                     const types::ImuSample& after,
                                     std::int64_t time_ns) {

@@ -14,6 +14,7 @@ namespace divemesh::imu {
 
 constexpr double kGravity_m_s2 = 9.81;
 
+// The biases of the IMU, in the imu frame.
 struct ImuBias {
     Eigen::Vector3d gyroscope = Eigen::Vector3d::Zero();      // rad/s
     Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  // m/s^2

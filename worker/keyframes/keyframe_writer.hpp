@@ -32,7 +32,7 @@ public:
     };
 
     // Adds a frame, which waits until go_on() or finish(). If `depth` is empty and a surface is
-    // requested, it is matched here. Rethrows what an earlier frame's task has thrown.
+    // requested, the task matches the frame. Rethrows what an earlier frame's task has thrown.
     void write(const types::RectifiedFrame& frame, const types::DepthMap& depth, const Seen& seen);
     // Starts the waiting frame; `dynamic` are features that the next frame showed to be dynamic in
     // it.
@@ -48,8 +48,8 @@ private:
         types::DepthMap depth;
         Seen seen;
     };
-    // Dense matching takes longer than tracking. Several frames are in work or waiting, so that no
-    // core is idle while the caller, when it has to wait, matches a frame itself.
+    // Dense matching takes longer than tracking. Several frames are being matched or waiting, so
+    // that no core is idle while the caller, when it has to wait, matches a frame itself.
     static constexpr std::size_t kNumLanes = 4;
     struct Lane {
         Lane(const types::RectifiedRig& rig,

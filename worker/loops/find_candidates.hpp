@@ -9,6 +9,7 @@
 
 namespace divemesh::loops {
 
+// Two keyframes that may show the same place.
 struct LoopCandidate {
     std::size_t from = 0;  // the earlier keyframe
     std::size_t to = 0;

@@ -12,6 +12,7 @@
 
 namespace divemesh::loops {
 
+// The accepted loops of a dive, with statistics of the search.
 struct FoundLoops {
     std::vector<Loop> loops;
     types::LoopStatistics statistics;

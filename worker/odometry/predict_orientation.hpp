@@ -9,6 +9,7 @@
 
 namespace divemesh::odometry {
 
+// The predicted motion of step 5, the start of step 6.
 struct MotionGuess {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     std::optional<types::KnownRotation> rotation;  // q_current_previous by the IMU

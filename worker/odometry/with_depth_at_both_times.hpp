@@ -19,6 +19,7 @@ struct PointPair {
     Eigen::Vector3d p_previous = Eigen::Vector3d::Zero();  // m, in the camera at t-1
     Eigen::Vector3d p_current = Eigen::Vector3d::Zero();   // m, in the camera at t
 };
+// ids ascending
 using PointPairs = std::vector<PointPair>;
 
 // Step 3: returns the features whose depth is known at t-1 and at t.

@@ -30,6 +30,7 @@ struct StateCovariance {
     Eigen::Matrix3d rotation_rad2 = Eigen::Matrix3d::Zero();
 };
 
+// The covariances of several states.
 struct JointCovariance {
     std::vector<StateCovariance> states;
     Eigen::MatrixXd positions_m2;  // joint covariance of all positions, three rows per state

@@ -28,6 +28,7 @@ struct Block {
     }
 };
 
+// A cost function over some blocks; `loss` may be nullptr.
 struct Factor {
     std::unique_ptr<ceres::CostFunction> cost;
     ceres::LossFunction* loss = nullptr;

@@ -11,6 +11,7 @@
 
 namespace divemesh::optimisation {
 
+// The result of the bundle adjustment of a whole dive.
 struct GlobalBundleAdjustment {
     double reprojection_rms_px = 0.0;
     types::CovarianceTrack covariances;  // of keyframes over the whole dive; empty: not determined

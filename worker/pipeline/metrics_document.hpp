@@ -24,6 +24,7 @@
 
 namespace divemesh::pipeline {
 
+// Metrics of the mesh and of what it was made from.
 struct MeshMetrics {
     std::int64_t num_vertices = 0;
     std::int64_t num_triangles = 0;
@@ -35,6 +36,7 @@ struct MeshMetrics {
     std::int64_t volume_memory_bytes = 0;
 };
 
+// Everything that metrics.json is made from.
 struct MetricsInput {
     std::string version;
     std::string preset;

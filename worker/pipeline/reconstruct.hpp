@@ -21,11 +21,15 @@
 // (worker/pipeline/stage_files.hpp).
 namespace divemesh::pipeline {
 
+// Steps 1 to 6: tracks all frames with the estimator of the options and writes the frames to map
+// into `store`.
 types::Track track(types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress);
 
+// Returns the optimised track: loops closed, all keyframes adjusted, calibration refined. The
+// pairwise estimator's track stays as it is.
 types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,
@@ -39,7 +43,8 @@ struct FusedMap {
     std::unique_ptr<fusion::OctreeVolume> cloud;
 };
 
-// Voxels and points beyond `options.fusion_memory_bytes` are spilled to the folder `scratch`.
+// Step 7: fuses the depth of the frames. Voxels and points beyond `options.fusion_memory_bytes` are
+// spilled to the folder `scratch`.
 FusedMap fuse(const types::RectifiedRig& rig,
               const std::vector<types::Keyframe>& frames,
               double median_depth_m,
@@ -48,6 +53,7 @@ FusedMap fuse(const types::RectifiedRig& rig,
               const std::filesystem::path& scratch,
               const base::ProgressCallback& progress);
 
+// Step 8: returns the surface of the volume.
 types::Mesh mesh(const fusion::Volume& volume,
                  const ReconstructionOptions& options,
                  const base::ProgressCallback& progress);

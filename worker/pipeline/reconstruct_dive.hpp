@@ -17,6 +17,7 @@ template <typename State>
 struct Stage;
 class StageStore;
 
+// A request to reconstruct one dive.
 struct ReconstructionRequest {
     std::filesystem::path dive;     // folder or archive
     std::filesystem::path out;      // for the artifacts, under their API names; created if missing

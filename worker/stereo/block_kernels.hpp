@@ -25,6 +25,7 @@ struct BlockKernels {
     int (*find)(const std::uint16_t* cost, std::uint16_t value, int num);
 };
 
+// Returns the kernels for an instruction set.
 BlockKernels block_kernels(base::Instructions instructions);
 
 }  // namespace divemesh::stereo

@@ -26,6 +26,7 @@ struct VerticalPath {
     int first_slot = 0;  // the slot of x = 0
 };
 
+// One row as input and output of the forward kernel.
 struct ForwardRow {
     int width = 0;
     int first_disparity = 0;
@@ -40,6 +41,7 @@ struct ForwardRow {
     std::uint8_t* sum = nullptr;   // out, over the four paths
 };
 
+// One row as input and output of the backward kernel.
 struct BackwardRow {
     int width = 0;
     int num_disparities = 0;
@@ -86,6 +88,7 @@ using PenaltyKernel = void (*)(const std::uint8_t* a,
                                int num,
                                std::uint8_t* penalty);
 
+// The kernels of one instruction set.
 struct SgmKernels {
     ForwardKernel forward;
     BackwardKernel backward;
@@ -95,6 +98,7 @@ struct SgmKernels {
     int vector_bytes;
 };
 
+// Returns the kernels for an instruction set.
 SgmKernels sgm_kernels(base::Instructions instructions);
 
 }  // namespace divemesh::stereo

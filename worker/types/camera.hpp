@@ -4,6 +4,8 @@
 
 namespace divemesh::types {
 
+// The lens distortion models: radial-tangential (Brown 1966) and equidistant (Kannala and Brandt
+// 2006).
 enum class Distortion { None, RadialTangential, Equidistant };
 
 // The calibration of one camera: pinhole with lens distortion, pixel centres at integers (OpenCV).

@@ -22,6 +22,7 @@ using Features = std::vector<Feature>;  // ids ascending
 // Standard deviation of a feature's measured u, v and disparity, px.
 inline const Eigen::Vector3d kFeatureSigma_px(0.25, 0.25, 0.2);
 
+// Returns true if the feature was found in both images.
 inline bool has_depth(const Feature& feature) { return feature.disparity_px > 0.0; }
 
 // Returns (u, v, disparity), what a stereo camera measures of a point.

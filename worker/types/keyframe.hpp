@@ -33,6 +33,7 @@ struct Keyframe {
     std::int32_t segment = 0;
 };
 
+// The image and the depth of a keyframe.
 struct KeyframeImages {
     cv::Mat left_color;  // CV_8UC3 BGR, rectified; grey dives: three equal channels
     DepthMap depth;      // empty when no surface is requested

@@ -14,6 +14,7 @@ struct LandmarkObservation {
     float disparity_px = 0.0F;  // <= 0: seen by the left camera alone
 };
 
+// A point of the scene with all its observations; p_world in m.
 struct Landmark {
     Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
     std::vector<LandmarkObservation> observations;

@@ -12,12 +12,14 @@
 
 namespace divemesh::types {
 
+// Statistics of the optimisation.
 struct OptimiseStatistics {
     double reprojection_rms_px = 0.0;
     LoopStatistics loops;
     PathUncertainty path;  // of the final trajectory
 };
 
+// The result of the optimisation of a whole dive.
 struct OptimisedTrack {
     Trajectory trajectory;  // every frame, after optimisation
     std::vector<Keyframe> keyframes;

@@ -10,17 +10,20 @@
 
 namespace divemesh::types {
 
+// One sample of gyroscope and accelerometer, in the imu frame.
 struct ImuSample {
     std::int64_t timestamp_ns = 0;
     Eigen::Vector3d angular_velocity_imu = Eigen::Vector3d::Zero();  // rad/s
     Eigen::Vector3d acceleration_imu = Eigen::Vector3d::Zero();      // m/s^2, specific force
 };
 
+// One orientation by the AHRS, in the AHRS's world (z up).
 struct OrientationSample {
     std::int64_t timestamp_ns = 0;
     Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
 };
 
+// One depth by the pressure sensor.
 struct PressureSample {
     std::int64_t timestamp_ns = 0;
     double depth_m = 0.0;  // positive down
@@ -34,6 +37,7 @@ struct StereoFrame {
     cv::Mat right;
 };
 
+// The pose of the body at a time.
 struct StampedPose {
     std::int64_t timestamp_ns = 0;
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();

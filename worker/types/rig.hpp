@@ -7,6 +7,7 @@
 
 namespace divemesh::types {
 
+// The noise densities and random walks of the IMU.
 struct ImuNoise {
     double gyroscope_noise_density = 2e-3;      // rad/s/sqrt(Hz)
     double gyroscope_random_walk = 2e-5;        // rad/s^2/sqrt(Hz)

@@ -12,6 +12,7 @@
 
 namespace divemesh::types {
 
+// Statistics of the tracking.
 struct TrackStatistics {
     std::int64_t num_frames = 0;             // decoded
     std::int64_t num_skipped_frames = 0;     // did not decode
