@@ -9,13 +9,13 @@
 
 namespace divemesh::base {
 
-// Says whether commit() syncs the file to disk, so that it survives a power cut. For many small
-// files that are easy to make again, syncing each would take longer than making them.
+// Whether commit() syncs the file to disk, so that it survives a power cut. For many small files
+// that are easy to make again, syncing each would take longer than making them.
 enum class Durability { Synced, Unsynced };
 
-// Writes a file that appears under its name complete or not at all: it is written as
-// `name.partial`, synced and renamed, and the folder is synced. Throws Error{OutOfSpace} when the
-// disk or a quota is full, Error{Unavailable} with the system's reason otherwise.
+// A file that appears under its name complete or not at all: it is written as `name.partial`,
+// synced and renamed, and the folder is synced. Throws Error{OutOfSpace} when the disk or a quota
+// is full, Error{Unavailable} with the system's reason otherwise.
 class AtomicFile {
 public:
     explicit AtomicFile(std::filesystem::path file, Durability durability = Durability::Synced);

@@ -20,8 +20,8 @@ private:
     oneapi::tbb::task_arena arena_;
 };
 
-// Runs one task at a time beside the caller; with one thread the task runs when the caller waits
-// for it. An exception of the task is rethrown by the next wait().
+// A slot for one task at a time beside the caller; with one thread the task runs when the caller
+// waits for it. An exception of the task is rethrown by the next wait().
 class BackgroundTask {
 public:
     explicit BackgroundTask(TaskPool& task_pool) : arena_(task_pool.arena_) {}

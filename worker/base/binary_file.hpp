@@ -13,7 +13,7 @@
 
 namespace divemesh::base {
 
-// Writes plain values and vectors in this machine's byte order: scratch files never leave the
+// A writer of plain values and vectors in this machine's byte order: scratch files never leave the
 // machine.
 class BinaryWriter {
 public:
@@ -67,8 +67,8 @@ private:
     std::ofstream stream_;
 };
 
-// Reads what BinaryWriter wrote. ok() becomes false for good at the first read beyond the end. A
-// vector is refused before its memory is allocated when the file is too short to hold it.
+// A reader of what BinaryWriter wrote. ok() becomes false for good at the first read beyond the
+// end. A vector is refused before its memory is allocated when the file is too short to hold it.
 class BinaryReader {
 public:
     explicit BinaryReader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {

@@ -31,7 +31,7 @@ Eigen::Matrix<T, 3, 1> vector_from_small_rotation(const Eigen::Quaternion<T>& q)
     return (q.w() < T(0.0) ? T(-2.0) : T(2.0)) * q.vec();
 }
 
-// Returns the matrix M with M x = v x x (cross product).
+// Returns the matrix M with M a = v x a (cross product).
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
     Eigen::Matrix3d m;
     m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;

@@ -34,9 +34,9 @@ constexpr double kRotationSigma_rad = 0.035;
 // step.
 constexpr double kStepSigma_m = 10.0;
 constexpr double kStepSigma_rad = 3.0;
-// Tracked features drift together, which the images of a dive cannot tell from another focal
-// length. On exact calibrations its error is up to 24 times the sigma of independent errors. So
-// images get less weight here, and careful calibrations more.
+// Tracked features drift together, and the images of a dive cannot tell that drift from another
+// focal length. On exact calibrations the error of the focal length is up to 24 times the sigma of
+// independent errors. So images get less weight here, and careful calibrations more.
 constexpr double kSystematic = 5.0;  // sigma of a feature relative to that of independent errors
 // The error of a careful calibration.
 constexpr double kFocalSigma = 0.001;  // relative

@@ -12,8 +12,8 @@ namespace divemesh::calibration {
 //
 //     r = r_stereo + G c / sigma      c: change of the left lens, then of the right one
 //
-// G, 3 x 10, is the derivative of this observation's (u, v, disparity) by c. Blocks: q_world_imu (x
-// y z w), p_world_imu (m), p_world (m), c.
+// G, 3 x 10, is the derivative of this observation's (u, v, disparity) with respect to c. Blocks:
+// q_world_imu (x y z w), p_world_imu (m), p_world (m), c.
 struct LensReprojection {
     static constexpr int kNumChanges = 2 * types::LensChange::kSize;
     using Shift = Eigen::Matrix<double, 3, kNumChanges>;

@@ -9,7 +9,7 @@
 
 namespace divemesh::camera {
 
-// A recording camera with the rotation that rectification gives it.
+// A camera as calibrated, with the rotation that rectification applies to it.
 struct RectifiedLens {
     types::Camera camera;
     Eigen::Matrix3d R_camera_rectified = Eigen::Matrix3d::Identity();

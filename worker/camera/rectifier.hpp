@@ -9,9 +9,9 @@
 
 namespace divemesh::camera {
 
-// Undistorts a pair and rotates both images into one plane (Bouguet's method, as OpenCV's
-// stereoRectify). The constructor throws Error{BadData} if the right camera is not on the right or
-// the fields of view hardly overlap. Thread-safe after construction.
+// The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
+// method, as OpenCV's stereoRectify). The constructor throws Error{BadData} if the right camera is
+// not on the right or the fields of view hardly overlap. Thread-safe after construction.
 class Rectifier {
 public:
     explicit Rectifier(const types::Rig& rig);

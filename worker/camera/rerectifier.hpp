@@ -10,8 +10,8 @@
 
 namespace divemesh::camera {
 
-// Maps measurements to where they would lie if the pair had been rectified with changed lenses into
-// the same ideal pair.
+// The mapping of measurements to where they would lie if the pair had been rectified with changed
+// lenses into the same ideal pair.
 class Rerectifier {
 public:
     Rerectifier(const types::Rig& rig,
@@ -30,7 +30,7 @@ private:
     std::array<RectifiedLens, 2> refined_;
 };
 
-// Maps whole keyframes in the same way. Thread-safe after construction.
+// The same mapping for whole keyframes. Thread-safe after construction.
 class KeyframeRerectifier {
 public:
     KeyframeRerectifier(const types::RectifiedRig& rectified, const Rerectifier& rerectifier);

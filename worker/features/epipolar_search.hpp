@@ -8,7 +8,7 @@
 
 namespace divemesh::features {
 
-// Searches a square of the left image along its row in the right image.
+// The search for a square of the left image along its row in the right image.
 class EpipolarSearch {
 public:
     static constexpr int kRadius_px = 5;

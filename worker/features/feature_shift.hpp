@@ -9,7 +9,7 @@
 
 namespace divemesh::features {
 
-// Measures how far an image has moved since an earlier one, by the features that both share.
+// The distance that an image has moved since an earlier one, from the features that both share.
 class FeatureShift {
 public:
     struct Shift {

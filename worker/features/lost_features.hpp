@@ -11,7 +11,7 @@
 namespace divemesh::features {
 
 // Features that tracking lost (a particle passed, a caustic flared up, the image was blurred). For
-// some frames they are searched again at the position predicted by the camera's motion.
+// some frames they are searched for again at the position predicted by the camera's motion.
 class LostFeatures {
 public:
     struct Found {

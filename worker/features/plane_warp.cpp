@@ -7,7 +7,7 @@ namespace divemesh::features {
 namespace {
 
 constexpr double kMinDepth_m = 0.05;
-constexpr double kMaxStretch = 2.5;  // or shrinking
+constexpr double kMaxStretch = 2.5;  // for shrinking too
 
 }  // namespace
 

@@ -36,7 +36,7 @@ bool inside(const cv::Mat& image, const Eigen::Vector2d& pixel) {
            pixel.y() < image.rows - kBorder_px;
 }
 
-// Prevents a later feature on top of an earlier one: where tracks merge, the older one stays.
+// A mask that keeps later features off earlier ones: where tracks merge, the older one stays.
 class Occupancy {
 public:
     Occupancy(const cv::Mat& image, int cell_px)

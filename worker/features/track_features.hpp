@@ -17,7 +17,7 @@
 
 namespace divemesh::features {
 
-// Step 2: tracks salient features from image to image (Kanade-Lucas-Tomasi).
+// Step 2: a tracker of salient features from image to image (Kanade-Lucas-Tomasi).
 class FeatureTracker {
 public:
     // Tracks about `num_features` features at a time.

@@ -36,7 +36,7 @@ struct AlignmentEstimate {
     bool rotation_is_significant() const;
 };
 
-// Returns the time offset, misalignment and gyroscope bias that best agree with the rotations by
+// Returns the time offset, misalignment and gyroscope bias that best agree with the rotations from
 // vision: least squares over the rotations,
 //
 //     log(q_seen) = R_body_imu log(q_gyroscope(from + dt, to + dt)) - b (to - from)

@@ -10,9 +10,9 @@
 
 namespace divemesh::imu {
 
-// The rotation of the body between two times by the gyroscope, with its derivative by the bias, so
-// that a changed bias needs no new integration (Forster et al., "On-manifold preintegration", 2017,
-// for the rotation).
+// The rotation of the body between two times from the gyroscope, with its derivative with respect
+// to the bias, so that a changed bias needs no new integration (Forster et al., "On-manifold
+// preintegration", 2017, for the rotation).
 struct GyroscopeIntegral {
     double duration_s = 0.0;
     Eigen::Quaterniond q_from_to = Eigen::Quaterniond::Identity();  // imu at `to` in imu at `from`

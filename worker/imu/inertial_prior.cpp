@@ -14,12 +14,12 @@ constexpr std::int64_t kMaxPressureGap_ns = 1'000'000'000;
 constexpr std::int64_t kGravityAlignment_ns = 1'000'000'000;
 constexpr double kAhrsRotationSigma_rad = 1e-3;  // white noise of two samples
 constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error in motion
-// With a larger error of gravity the accelerometer is not used.
+// With a larger error in gravity the accelerometer is not used.
 constexpr double kWrongGravity_m_s2 = 0.6;
 // Data sheets do not include thrusters and kicks, so their noise is multiplied by these.
 constexpr double kGyroscopeInflation = 1.5;
 constexpr double kAccelerometerInflation = 5.0;
-constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation by vision
+constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation from vision
 
 types::ImuNoise inflated(types::ImuNoise noise) {
     noise.gyroscope_noise_density *= kGyroscopeInflation;

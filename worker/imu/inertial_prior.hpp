@@ -54,7 +54,7 @@ public:
     std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
     // Returns q_ahrs_imu, interpolated; nullopt without an AHRS or in a gap.
     std::optional<Eigen::Quaterniond> absolute(std::int64_t time_ns) const;
-    // Returns the depth by pressure, m, interpolated; nullopt without a sensor or in a gap.
+    // Returns the depth from the pressure, m, interpolated; nullopt without a sensor or in a gap.
     std::optional<double> depth_m(std::int64_t time_ns) const;
     // Returns all of these; if `from_ns` == `to_ns`, those of the single time only.
     SensorReadings readings(std::int64_t from_ns, std::int64_t to_ns) const;
@@ -63,7 +63,7 @@ public:
     Eigen::Quaterniond initial_orientation(std::int64_t time_ns,
                                            const Eigen::Matrix3d& R_imu_cam) const;
 
-    // Updates the gyroscope bias, given the rotation `seen` by vision over the interval.
+    // Updates the gyroscope bias, given the rotation `seen` from vision over the interval.
     void learn_bias(std::int64_t from_ns, std::int64_t to_ns, const Eigen::Quaterniond& seen);
     void set_bias(const ImuBias& bias, double gyroscope_sigma);
     const ImuBias& bias() const { return bias_; }

@@ -18,12 +18,12 @@ struct Step {
     Eigen::Vector3d acceleration_end;
 };
 
-// Derivatives of a step's rotation and mean acceleration (in imu at i) by the state before it and
-// the step's own noise. `force` is -R [a], the derivative of the acceleration by a rotation of its
-// frame.
+// Derivatives of a step's rotation and mean acceleration (in imu at i) with respect to the state
+// before it and the step's own noise. `force` is -R [a], the derivative of the acceleration with
+// respect to a rotation of its frame.
 struct StepDerivatives {
-    Eigen::Matrix3d rotation_rotation;  // rotation after the step by the rotation before
-    Eigen::Matrix3d angular_velocity;   // rotation after the step by the rate
+    Eigen::Matrix3d rotation_rotation;  // of the rotation after by the one before
+    Eigen::Matrix3d angular_velocity;   // of the rotation after by the rate
     Eigen::Matrix3d force_rotation;
     Eigen::Matrix3d force_rate;
     Eigen::Matrix3d force_acceleration;

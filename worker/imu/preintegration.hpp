@@ -20,17 +20,17 @@ struct ImuBias {
     Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  // m/s^2
 };
 
-// The motion between two times i and j by gyroscope and accelerometer, independent of the pose and
-// velocity at i (Forster, Carlone, Dellaert and Scaramuzza, "On-manifold preintegration for
+// The motion between two times i and j from gyroscope and accelerometer, independent of the pose
+// and velocity at i (Forster, Carlone, Dellaert and Scaramuzza, "On-manifold preintegration for
 // real-time visual-inertial odometry", 2017):
 //
 //     rotation.q_from_to = R_i^T R_j
 //     delta_velocity     = R_i^T (v_j - v_i - g dt)
 //     delta_position     = R_i^T (p_j - p_i - v_i dt - g dt^2 / 2)
 //
-// both in imu at i. Their derivatives by the biases avoid a second integration when a bias changes.
-// The covariance is of rotation (rad, about imu at j), velocity and position, in this order, from
-// the samples' white noise.
+// both in imu at i. Their derivatives with respect to the biases avoid a second integration when a
+// bias changes. The covariance is of rotation (rad, about imu at j), velocity and position, in this
+// order, from the samples' white noise.
 struct PreintegratedImu {
     using Covariance = Eigen::Matrix<double, 9, 9>;
 

@@ -8,8 +8,8 @@
 
 namespace divemesh::keyframes {
 
-// Decides when a frame becomes a keyframe: the image has moved far enough, or too few features of
-// the last keyframe are left.
+// The rule for when a frame becomes a keyframe: the image has moved far enough, or too few features
+// of the last keyframe are left.
 class KeyframeRule {
 public:
     explicit KeyframeRule(const types::RectifiedRig& rig) : width_px_(rig.width_px) {}

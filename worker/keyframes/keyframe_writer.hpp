@@ -12,9 +12,9 @@
 
 namespace divemesh::keyframes {
 
-// Writes what later stages need of a frame to the store, in background tasks: grey image and
-// keypoints of a keyframe for loop closure, image and dense depth for the surface. At most five
-// frames wait or are processed.
+// A writer of what later stages need of a frame, in background tasks: grey image and keypoints of a
+// keyframe for loop closure, image and dense depth for the surface. At most five frames wait or are
+// processed.
 class KeyframeWriter {
 public:
     KeyframeWriter(const types::RectifiedRig& rig,

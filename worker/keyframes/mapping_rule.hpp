@@ -5,9 +5,9 @@
 
 namespace divemesh::keyframes {
 
-// Decides which frames besides the keyframes are matched densely and fused. More observations of a
-// surface average the noise of its depth and confirm it. Neighbouring frames share much of their
-// error, so the image has to move between them.
+// The rule for which frames besides the keyframes are matched densely and fused. More observations
+// of a surface average the noise of its depth and confirm it. Neighbouring frames share much of
+// their error, so the image has to move between them.
 class MappingRule {
 public:
     // `step` is the min movement as a fraction of the image width; 0: keyframes only.

@@ -10,7 +10,7 @@
 
 namespace divemesh::loops {
 
-// Models the drift of the track between two keyframes: a fraction of the distance travelled plus,
+// A model of the track's drift between two keyframes: a fraction of the distance travelled plus,
 // while the scene was out of sight, the error of the inertial sensors, or without them the possible
 // motion of a diver. It also knows which keyframes the track connects itself, between which a loop
 // gives no new information.

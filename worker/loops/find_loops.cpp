@@ -17,12 +17,12 @@ constexpr double kMaxRotation_rad = 0.7;  // between the keyframes of a grown lo
 constexpr int kMaxHalvings = 3;
 constexpr double kAligned_px = 4.0;  // error from which patches converge
 constexpr double kMaxShift = 0.6;    // in median depths
-// Max number of searched loops, evenly over the dive. Each loads two images, and more loops soon
-// repeat the same information.
+// Max number of loops to search for, evenly over the dive. Each loads two images, and more loops
+// soon repeat the same information.
 constexpr std::size_t kMaxLoops = 400;
 
-// Searches loops by geometry alone: at most one per keyframe, and in a long dive one per several
-// neighbours.
+// The search for loops by geometry alone: at most one per keyframe, and in a long dive one per
+// several neighbours.
 class LoopSearch {
 public:
     LoopSearch(const types::Track& track,
@@ -42,8 +42,8 @@ public:
         return false;
     }
 
-    // Searches a loop where the track passes within some pixels of an earlier part of itself, so
-    // that no recognition is needed. Returns false if there is no earlier keyframe to compare.
+    // Searches for a loop where the track passes within some pixels of an earlier part of itself,
+    // so that no recognition is needed. Returns false if there is no earlier keyframe to compare.
     bool expect(std::size_t keyframe) {
         const Eigen::Isometry3d& T_world_cam = track_.keyframes[keyframe].T_world_cam;
         const auto near = nearest(T_world_cam, 0, drift_.first_covisible(keyframe));
@@ -139,7 +139,7 @@ private:
     const types::Track& track_;
     const DriftModel& drift_;
     LoopVerifier verifier_;
-    std::size_t spacing_;                       // between keyframes at which loops are searched
+    std::size_t spacing_;                       // between keyframes at which loops are searched for
     std::vector<std::optional<Loop>> loop_of_;  // by the later keyframe
 };
 

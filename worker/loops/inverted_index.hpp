@@ -8,7 +8,7 @@
 
 namespace divemesh::loops {
 
-// Finds similar keyframes: an inverted file from visual words to the keyframes that show them
+// An index of similar keyframes: an inverted file from visual words to the keyframes that show them
 // (Sivic and Zisserman 2003), with words weighted by their rarity.
 class InvertedIndex {
 public:

@@ -14,8 +14,9 @@
 
 namespace divemesh::loops {
 
-// Verifies by geometry that two keyframes show the same place: their descriptors agree on one rigid
-// motion, and with it landmarks of each are found again in the other, spread over the image.
+// The verification by geometry that two keyframes show the same place: their descriptors agree on
+// one rigid motion, and with it landmarks of each are found again in the other, spread over the
+// image.
 class LoopVerifier {
 public:
     // Keeps references to all arguments.

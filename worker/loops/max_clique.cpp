@@ -30,7 +30,7 @@ public:
 private:
     struct Coloured {
         std::size_t vertex = 0;
-        // From 1: an upper bound of the cliques among this and earlier vertices.
+        // From 1: an upper bound on the size of a clique among this and earlier vertices.
         std::size_t colour = 0;
     };
 

@@ -14,8 +14,8 @@
 
 namespace divemesh::loops {
 
-// Stores the last keyframe and its keypoints. If the scene was lost and comes back with an overlap
-// with that keyframe, tracking continues from there.
+// The memory of the last keyframe and its keypoints. If the scene was lost and comes back
+// overlapping that keyframe, tracking continues from there.
 class Relocaliser {
 public:
     // Stores keyframes only if `used`.
@@ -31,7 +31,7 @@ public:
                     types::Features& features,
                     odometry::MotionModel& motion);
     // Stores the frame as a keyframe with this pose. Returns its keypoints; nullopt if loops are
-    // not searched.
+    // not searched for.
     std::optional<features::DescribedKeypoints> keep(const types::RectifiedFrame& frame,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam);

@@ -7,8 +7,8 @@
 
 namespace divemesh::loops {
 
-// The keypoints of a dive's keyframes, in order, read from the store on access: for a dive of an
-// hour they would take a third of a gigabyte of memory. Keeps references to both arguments.
+// The keypoints of a dive's keyframes, in order, read from the store on access: for an hour-long
+// dive they would take a third of a gigabyte of memory. Keeps references to both arguments.
 class StoredKeypoints {
 public:
     StoredKeypoints(const keyframes::KeyframeStore& store,

@@ -43,7 +43,7 @@ void add_new_features(const types::RectifiedRig& rig,
                       features::FeatureTracker& tracker,
                       types::Features& features);
 
-// Updates the gyroscope bias from the rotation by vision alone.
+// Updates the gyroscope bias from the rotation that vision alone measured.
 void learn_bias(imu::InertialPrior& inertial,
                 const types::RectifiedRig& rig,
                 const Registration& vision,

@@ -10,7 +10,7 @@
 
 namespace divemesh::odometry {
 
-// Estimates a time offset and a misalignment of the IMU in the first minute of a dive, so that the
+// An estimator of the IMU's time offset and misalignment in the first minute of a dive, so that the
 // tracking does not use a prediction that is late or misaligned. Only significant values are
 // applied; the bundle adjustment of the whole dive estimates them again.
 class ImuAligner {

@@ -22,7 +22,7 @@ public:
     // unknown.
     std::optional<types::KnownRotation> rotation(std::int64_t timestamp_ns) const;
     // Returns T_current_previous predicted by the IMU, if velocity and vertical are known; else at
-    // constant velocity, with the rotation of the inertial sensors if known.
+    // constant velocity, with the inertial sensors' rotation if known.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);

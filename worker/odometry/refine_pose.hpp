@@ -9,8 +9,8 @@
 namespace divemesh::odometry {
 
 // Step 6: refines rotation and translation by Levenberg-Marquardt from the guess, over the pairs
-// and the rotation known by the IMU. With m = (u, v, disparity), p the point triangulated from m_a,
-// h the projection and R <- exp(w) R, T <- T + t each step:
+// and the rotation known from the IMU. With m = (u, v, disparity), p the point triangulated from
+// m_a, h the projection and R <- exp(w) R, T <- T + t each step:
 //
 //     e = h(R p + T) - m_b,   C = S_b + J S_a J^T,   J = d h(R p + T) / d m_a
 //     min sum huber(e^T C^-1 e) + |log(R q_known^-1)|^2 / sigma^2

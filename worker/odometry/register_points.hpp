@@ -8,7 +8,7 @@
 
 namespace divemesh::odometry {
 
-// The motion by vision with its inliers.
+// The motion from vision, with its inliers.
 struct Registration {
     bool found = false;       // enough pairs agree, and they determine the motion
     bool degenerate = false;  // enough agree, but do not determine the motion

@@ -10,7 +10,7 @@
 
 namespace divemesh::odometry {
 
-// Step 4 with the rotation known by the gyroscope: one pair gives the translation, so that few
+// Step 4 with the rotation known from the gyroscope: one pair gives the translation, so that few
 // iterations find the motion among many outliers, on planes too. `expected` (T_current_previous) is
 // tried first. If the rotation is unknown, or too few pairs agree with it, register_points runs as
 // well and the better result is taken. The returned motion is refined over the inliers by vision

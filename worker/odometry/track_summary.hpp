@@ -10,7 +10,7 @@
 
 namespace divemesh::odometry {
 
-// Accumulates statistics of the tracking over the frames.
+// The statistics of the tracking, accumulated over the frames.
 class TrackSummary {
 public:
     void add_frame(const types::Features& features,

@@ -67,7 +67,7 @@ public:
                                 Eigen::Vector3d& gravity_direction_world);
     void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
-    // Adds an orientation by the AHRS. `q_world_ahrs`, the AHRS's world in ours, is unknown and
+    // Adds an orientation from the AHRS. `q_world_ahrs`, the AHRS's world in ours, is unknown and
     // constant.
     void add_orientation(BodyState& state,
                          Eigen::Quaterniond& q_world_ahrs,

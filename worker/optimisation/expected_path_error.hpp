@@ -26,14 +26,15 @@ types::PathUncertainty with_frames_between(types::PathUncertainty keyframes,
                                            const types::CovarianceTrack& of_keyframes,
                                            const types::CovarianceTrack& of_frames);
 
-// Returns the standard deviation along one axis of the shift that the poses' error causes nearby;
-// 0: unknown.
+// Returns the standard deviation, along one axis, of how far the poses' errors move what is near
+// them; 0: unknown.
 double shared_sigma_m(const types::PathUncertainty& path);
 
 // Returns the 95 % quantile of a sum of squares of normal variables, given its mean and degrees of
 // freedom, as a multiple of chi-square (Satterthwaite 1946).
 double quantile_95(double mean_square, double degrees_of_freedom);
-// Returns the same quantile of the squared length of a normal vector with this covariance.
+// Returns the same quantile of the squared length of a normally distributed vector with this
+// covariance.
 double squared_length_95(const Eigen::Matrix3d& covariance);
 
 }  // namespace divemesh::optimisation

@@ -43,8 +43,8 @@ struct StereoFactor {
     std::size_t landmark = 0;
 };
 
-// Unknowns and the factors that measure them. The cost is a sum of squares; camera observations are
-// under `reprojection_loss`.
+// A graph of unknowns and the factors that measure them. The cost is a sum of squares; camera
+// observations are under `reprojection_loss`.
 class FactorGraph {
 public:
     explicit FactorGraph(double reprojection_huber) : reprojection_loss_(reprojection_huber) {}

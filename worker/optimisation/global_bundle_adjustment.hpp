@@ -20,7 +20,7 @@ struct GlobalBundleAdjustment {
 
 // Adjusts all keyframes and landmarks of a dive together, with the inertial sensors between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
-// evenly, so that a dive of an hour can be solved.
+// evenly, so that an hour-long dive can be solved.
 GlobalBundleAdjustment adjust_globally(const RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,

@@ -46,9 +46,9 @@ void add_inertial_factors(BundleAdjustment& bundle_adjustment,
                           std::vector<BodyState>& states,
                           WorldReference& reference);
 
-// Returns q_level_world: the smallest rotation that makes the adjusted world's z point up, by
-// accelerometer and pressure, else by the AHRS (which also knows the heading). The identity without
-// these sensors.
+// Returns q_level_world: the smallest rotation that makes the adjusted world's z point up, from
+// accelerometer and pressure, else from the AHRS (which also knows the heading). The identity
+// without these sensors.
 Eigen::Quaterniond gravity_alignment(const imu::InertialPrior& inertial,
                                      const WorldReference& reference);
 

@@ -136,8 +136,8 @@ void NormalEquations::add(const StereoFactor& seen, LandmarkTerm& landmark) {
     landmark.b += weighted.transpose() * r;
     if (landmark.last_coupling == 0) landmark.first_coupling = couplings_.size();
 
-    // The tangent of a quaternion is half a rotation vector in world axes. The derivative by the
-    // position is the negative of that by the landmark.
+    // The tangent of a quaternion is half a rotation vector in world axes. The derivative with
+    // respect to the position is the negative of that with respect to the landmark.
     const Eigen::Vector3d from_imu = Eigen::Map<const Eigen::Vector3d>(point) -
                                      Eigen::Map<const Eigen::Vector3d>(position.linearised_at());
     const std::array<int, 2> starts = {start(seen.rotation), start(seen.position)};

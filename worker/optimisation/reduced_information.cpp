@@ -15,7 +15,7 @@ constexpr int kLandmarkSize = 3;
 constexpr int kRows = 3;                         // of a camera's residual
 constexpr std::size_t kMaxTriplets = 4'000'000;  // before they are summed up
 
-// Sums entries of a symmetric matrix, lower triangle.
+// The sum of entries of a symmetric matrix, lower triangle.
 class Accumulator {
 public:
     explicit Accumulator(int size) : sum_(size, size) {}

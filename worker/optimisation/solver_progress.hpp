@@ -7,8 +7,8 @@
 
 namespace divemesh::optimisation {
 
-// Reports progress and allows cancellation during a long solve. An exception is stored until the
-// solver has stopped, as it must not pass through Ceres.
+// The callback that reports progress and allows cancellation during a long solve. An exception is
+// stored until the solver has stopped, as it must not pass through Ceres.
 class SolverProgress : public ceres::IterationCallback {
 public:
     SolverProgress(const base::ProgressCallback& report, Progress progress)

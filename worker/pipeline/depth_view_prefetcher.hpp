@@ -12,8 +12,8 @@
 
 namespace divemesh::pipeline {
 
-// Reads frames from the store and prepares them for fusion, in order. The next ones are read while
-// the caller works on the current one.
+// A prefetcher that reads frames from the store and prepares them for fusion, in order. The next
+// ones are read while the caller works on the current one.
 class DepthViewPrefetcher {
 public:
     // `frames` and `store` must outlive it.

@@ -8,8 +8,8 @@
 
 namespace divemesh::pipeline {
 
-// Reads and rectifies the frames of a recording. The next one is decoded while the caller works on
-// the current one. Meanwhile no other code may read frames of the recording.
+// A prefetcher that reads and rectifies the frames of a recording. The next one is decoded while
+// the caller works on the current one. Meanwhile no other code may read frames of the recording.
 class FramePrefetcher {
 public:
     // Starts at the first frame.

@@ -5,7 +5,7 @@ namespace {
 
 // Keyframes that determine velocity and vertical.
 constexpr std::size_t kMinKeyframesForInertia = 4;
-constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of a bias estimated by the window
+constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of a bias estimated by the sliding window
 
 }  // namespace
 

@@ -56,7 +56,7 @@ struct MetricsInput {
     double path_length_m = 0.0;  // of the final trajectory, all segments
     std::vector<evaluation::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
-    std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched
+    std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for
     std::vector<StageTime> stages;
     evaluation::Evaluation evaluation;
     std::optional<evaluation::ExpectedAccuracy> expected;

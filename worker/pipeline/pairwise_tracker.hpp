@@ -16,8 +16,8 @@
 
 namespace divemesh::pipeline {
 
-// The paper's method: every frame is matched densely and registered to the previous one. Earlier
-// frames are not used again.
+// A tracker by the paper's method: every frame is matched densely and registered to the previous
+// one. Earlier frames are not used again.
 class PairwiseTracker : public FrameTracker {
 public:
     PairwiseTracker(const types::RectifiedRig& rig,

@@ -38,7 +38,7 @@ struct Reconstruction {
     const ReconstructionRequest& request;
     std::unique_ptr<dive::Dive> opened_dive;
     dive::Dive& dive;
-    std::optional<dive::MarkerPlan> marker_plan;  // nullopt: markers are not searched
+    std::optional<dive::MarkerPlan> marker_plan;  // nullopt: markers are not searched for
 
     // track
     keyframes::KeyframeStore keyframe_store;  // after optimise: rectified with the refined lenses

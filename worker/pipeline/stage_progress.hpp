@@ -8,8 +8,8 @@
 
 namespace divemesh::pipeline {
 
-// Combines the progress of the stages into that of the whole run: stage weights, frames per second,
-// seconds left.
+// The progress of the whole run, combined from that of its stages: stage weights, frames per
+// second, seconds left.
 class StageProgress {
 public:
     explicit StageProgress(base::ProgressCallback report) : report_(std::move(report)) {}

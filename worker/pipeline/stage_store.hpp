@@ -6,7 +6,7 @@
 
 namespace divemesh::pipeline {
 
-// Stores the results of stages beyond the attempt that made them, so that a retry or a run with
+// A store of the stages' results beyond the attempt that made them, so that a retry or a run with
 // other options can start later. An entry is the files of a stage, under a key of everything that
 // they were made from. It is stored completely or not at all.
 class StageStore {

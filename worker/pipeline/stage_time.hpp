@@ -12,7 +12,7 @@ struct StageTime {
     bool reused = false;  // loaded from an earlier attempt or another job
 };
 
-// Measures wall-clock and CPU time of the process since its construction.
+// A clock of the process's wall-clock and CPU time since its construction.
 class Stopwatch {
 public:
     Stopwatch();

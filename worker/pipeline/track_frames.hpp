@@ -29,7 +29,7 @@ struct TrackedFrame {
     std::optional<FrameToMap> to_map;  // nullopt: not mapped
 };
 
-// Performs steps 1 to 6, one frame at a time.
+// A tracker: steps 1 to 6, one frame at a time.
 class FrameTracker {
 public:
     virtual ~FrameTracker() = default;

@@ -17,8 +17,8 @@
 
 namespace divemesh::pipeline {
 
-// The steps of the paper with the landmarks of a sliding window instead of the points measured at
-// t-1, and with depth at the features only.
+// A tracker by the steps of the paper, but with the landmarks of a sliding window instead of the
+// points measured at t-1, and with depth at the features only.
 class WindowTracker : public FrameTracker {
 public:
     WindowTracker(const types::RectifiedRig& rig,
@@ -29,7 +29,7 @@ public:
     void move_to(types::Track& track) override;
 
 private:
-    // Returns the keypoints of the keyframe; nullopt: loops are not searched.
+    // Returns the keypoints of the keyframe; nullopt: loops are not searched for.
     std::optional<features::DescribedKeypoints> keep_keyframe(const types::RectifiedFrame& frame);
 
     types::RectifiedRig rig_;

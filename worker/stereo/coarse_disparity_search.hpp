@@ -8,9 +8,9 @@
 
 namespace divemesh::stereo {
 
-// Estimates the nearest and farthest depth of a scene by a search at a quarter of its size, over
-// twice the range of the full-size search: it shows what a narrower search would miss, at a few
-// percent of its time.
+// A survey of how near and how far a scene is, by a search at a quarter of its size, over twice the
+// range of the full-size search: it shows what a narrower search would miss, at a few percent of
+// its time.
 class CoarseDisparitySearch {
 public:
     explicit CoarseDisparitySearch(int num_disparities_px);

@@ -8,7 +8,7 @@
 
 namespace divemesh::stereo {
 
-// Step 1: dense stereo disparity. The matcher is an option (block, sgm, opencv_sgbm). All give
+// Step 1: the dense stereo matcher. The method is an option (block, sgm, opencv_sgbm). All give
 // sub-pixel disparities with a standard deviation and leave pixels without texture unknown.
 class StereoMatcher {
 public:

@@ -8,9 +8,9 @@
 namespace divemesh::stereo {
 
 // Sub-pixel refinement without pixel locking. A matcher's winners cluster at whole pixels, and a
-// Lucas-Kanade step of each pixel alone would keep its noise. So it fills the holes that the
-// winners support, smooths on the local plane, does one step over a window, and smooths again, with
-// a wider reach where the step is uncertain.
+// Lucas-Kanade step of each pixel alone would keep its noise. So the refiner fills the holes that
+// the winners support, smooths on the local plane, does one step over a window, and smooths again,
+// with a wider reach where the step is uncertain.
 class DisparityRefiner {
 public:
     explicit DisparityRefiner(base::Instructions instructions = base::best_instructions())

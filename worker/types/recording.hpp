@@ -17,13 +17,13 @@ struct ImuSample {
     Eigen::Vector3d acceleration_imu = Eigen::Vector3d::Zero();      // m/s^2, specific force
 };
 
-// One orientation by the AHRS, in the AHRS's world (z up).
+// One orientation from the AHRS, in the AHRS's world (z up).
 struct OrientationSample {
     std::int64_t timestamp_ns = 0;
     Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
 };
 
-// One depth by the pressure sensor.
+// One depth from the pressure sensor.
 struct PressureSample {
     std::int64_t timestamp_ns = 0;
     double depth_m = 0.0;  // positive down

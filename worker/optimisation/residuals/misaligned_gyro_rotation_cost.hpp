@@ -8,7 +8,7 @@
 
 namespace divemesh::optimisation {
 
-// The rotation between two keyframes by a gyroscope with misalignment m and time offset dt:
+// The rotation between two keyframes from a gyroscope with misalignment m and time offset dt:
 //
 //     r = log((M q_ij exp(J_b (b_i - b_0) + J_t (dt - dt_0)) M^-1)^-1 q_i^-1 q_j) / sigma
 //

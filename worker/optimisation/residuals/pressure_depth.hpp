@@ -4,7 +4,7 @@
 
 namespace divemesh::optimisation {
 
-// The depth of the body below the surface by pressure:
+// The depth of the body below the surface from its pressure:
 //
 //     r = (offset + down^T p - depth) / sigma
 //

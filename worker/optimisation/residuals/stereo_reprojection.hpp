@@ -43,9 +43,10 @@ struct StereoReprojection {
         return true;
     }
 
-    // Returns the residual and its derivative by the landmark; that by the position is the
-    // negative. The derivative is that of the formula as computed, so it also holds for a q of not
-    // exactly unit length. False if the landmark is not in front of the camera.
+    // Returns the residual and its derivative with respect to the landmark; that with respect to
+    // the position is the negative. The derivative is that of the formula as computed, so it also
+    // holds for a q of not exactly unit length. False if the landmark is not in front of the
+    // camera.
     bool linearise(const double* q_world_imu,
                    const double* p_world_imu,
                    const double* p_world,
