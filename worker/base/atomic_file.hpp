@@ -9,17 +9,17 @@
 
 namespace divemesh::base {
 
-// Whether a file outlives a power cut from commit() on. For many small ones that are made again
-// with ease, a sync of each would take longer than making them.
+// Whether commit() syncs the file to disk, so that it survives a power cut. For many small files
+// that are easy to make again, syncing each would take longer than making them.
 enum class Durability { Synced, Unsynced };
 
-// A file that appears under its name whole or not at all: written beside it as `name.partial`,
-// synced, renamed, the folder synced. Throws Error{OutOfSpace} when the disk or a quota is full,
-// Error{Unavailable} with the system's reason otherwise.
+// A file that appears under its name complete or not at all: it is written as `name.partial`,
+// synced and renamed, and the folder is synced. Throws Error{OutOfSpace} when the disk or a quota
+// is full, Error{Unavailable} with the system's reason otherwise.
 class AtomicFile {
 public:
     explicit AtomicFile(std::filesystem::path file, Durability durability = Durability::Synced);
-    ~AtomicFile();  // without commit() nothing is left behind
+    ~AtomicFile();  // without commit() the partial file is deleted
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
@@ -36,6 +36,7 @@ private:
     std::string buffer_;
 };
 
+// Writes a whole file with AtomicFile; throws as it does.
 void write_file(const std::filesystem::path& file,
                 std::string_view bytes,
                 Durability durability = Durability::Synced);

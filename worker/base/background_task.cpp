@@ -51,7 +51,8 @@ BackgroundTask::~BackgroundTask() {
         wait();
     } catch (...) {  // see the declaration
     }
-    arena_.execute([this] { group_.wait(); });  // for the turns of pieces that were done meanwhile
+    // Waits for the group's entries of tasks that the caller ran itself.
+    arena_.execute([this] { group_.wait(); });
 }
 
 void BackgroundTask::run(std::function<void()> work) {

@@ -7,11 +7,11 @@
 
 namespace divemesh::base {
 
-// The cores that work beside the caller. With one thread everything happens in order, in the
-// caller's own time: what is computed never depends on the number.
+// The threads that work beside the caller. With one thread all work runs in order in the caller's
+// thread. The results do not depend on the number of threads.
 class TaskPool {
 public:
-    // 0: all cores.
+    // `num_threads` 0 means all cores.
     explicit TaskPool(int num_threads)
         : arena_(num_threads > 0 ? num_threads : oneapi::tbb::task_arena::automatic) {}
 
@@ -20,20 +20,21 @@ private:
     oneapi::tbb::task_arena arena_;
 };
 
-// One piece of work at a time beside the caller; with one thread, when it is waited for. What it
-// throws comes out at the next wait().
+// A slot for one task at a time beside the caller; with one thread the task runs when the caller
+// waits for it. An exception of the task is rethrown by the next wait().
 class BackgroundTask {
 public:
     explicit BackgroundTask(TaskPool& task_pool) : arena_(task_pool.arena_) {}
-    ~BackgroundTask();  // waits; what is thrown then is lost, as the caller is already giving up
+    ~BackgroundTask();  // waits; an exception is lost, as the caller is already unwinding
     BackgroundTask(const BackgroundTask&) = delete;
     BackgroundTask& operator=(const BackgroundTask&) = delete;
 
-    // Waits for the piece before. Who waits for a piece that nobody has begun does it himself, and
-    // never another one: a task group's wait would take up whatever is there, however long.
+    // Waits for the previous task, then starts this one. A caller that waits for a task that has
+    // not begun runs it itself. It never runs another task: wait() of a TBB task group would run
+    // any task in the arena, however long.
     void run(std::function<void()> work);
     void wait();
-    // Whether somebody is at it: to wait now would be idle time.
+    // Returns true if another thread is running the task, so that waiting now would be idle time.
     bool is_running() const;
 
 private:

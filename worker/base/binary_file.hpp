@@ -13,7 +13,8 @@
 
 namespace divemesh::base {
 
-// Plain values and vectors of them in the byte order of this machine: scratch files never leave it.
+// A writer of plain values and vectors in this machine's byte order: scratch files never leave the
+// machine.
 class BinaryWriter {
 public:
     explicit BinaryWriter(std::filesystem::path file)
@@ -38,13 +39,14 @@ public:
         write(text.data(), text.size());
     }
 
-    // Eigen's fixed-size types are plain numbers too, though not trivially copyable.
+    // Writes the bytes of an Eigen fixed-size type: plain numbers, though not trivially copyable.
     template <typename T>
     void put_raw(const T& value) {
         write(&value, sizeof value);
     }
 
-    // Nothing is at the final name until everything is on its way to the disk.
+    // Renames the file to its final name, after all data have been written. Throws
+    // Error{OutOfSpace} when writing failed.
     void commit() {
         stream_.close();
         std::error_code failure;
@@ -65,8 +67,8 @@ private:
     std::ofstream stream_;
 };
 
-// The other way. ok() turns false for good at the first read beyond the end; a vector is refused
-// before allocation when the file is too short to hold it.
+// A reader of what BinaryWriter wrote. ok() becomes false for good at the first read beyond the
+// end. A vector is refused before its memory is allocated when the file is too short to hold it.
 class BinaryReader {
 public:
     explicit BinaryReader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {

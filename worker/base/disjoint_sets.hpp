@@ -7,7 +7,7 @@
 
 namespace divemesh::base {
 
-// Sets that grow together (Tarjan 1975, with path halving); the lowest member stands for its set.
+// Union-find (Tarjan 1975, with path halving). The lowest member represents its set.
 class DisjointSets {
 public:
     explicit DisjointSets(std::size_t num) : parent_(num) {

@@ -4,8 +4,8 @@
 
 namespace divemesh::base {
 
-// Hands what was freed back to the system. The allocator keeps it otherwise, and what the next
-// stage takes comes on top of it.
+// Returns freed memory to the system. Otherwise the allocator keeps it, and the next stage's memory
+// comes on top.
 inline void return_freed_memory() { malloc_trim(0); }
 
 }  // namespace divemesh::base

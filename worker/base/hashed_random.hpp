@@ -6,8 +6,8 @@
 
 namespace divemesh::base {
 
-// Randomness as a function of where it is needed, not of the order in which it is asked for: the
-// same bytes whatever the number of threads.
+// Random numbers as a function of where they are needed, not of the order of the calls, so that the
+// results do not depend on the number of threads.
 constexpr std::uint64_t hash64(std::uint64_t value) {  // finaliser of splitmix64 (Steele 2014)
     value += 0x9e3779b97f4a7c15ULL;
     value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -20,11 +20,11 @@ constexpr std::uint64_t hash64(std::uint64_t first, Rest... rest) {
     return hash64(first ^ (hash64(static_cast<std::uint64_t>(rest)...) * 0xd6e8feb86659fd93ULL));
 }
 
-constexpr double to_unit(std::uint64_t hash) {  // [0, 1)
-    return static_cast<double>(hash >> 11) * 0x1.0p-53;
-}
+// Returns a number in [0, 1) made from a hash.
+constexpr double to_unit(std::uint64_t hash) { return static_cast<double>(hash >> 11) * 0x1.0p-53; }
 
-// A short row of draws from one seed, for building scenes and sensors one after the other.
+// A sequence of random numbers from one seed, for scenes and sensors that are built one after the
+// other.
 class RandomRow {
 public:
     explicit RandomRow(std::uint64_t seed) : seed_(seed) {}

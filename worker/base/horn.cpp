@@ -12,7 +12,8 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
     return sum / static_cast<double>(points.size());
 }
 
-// Horn's N: its eigenvector of the largest eigenvalue is the rotation as a quaternion (w x y z).
+// Returns Horn's matrix N. Its eigenvector of the largest eigenvalue is the rotation as a
+// quaternion (w x y z).
 Eigen::Matrix4d horn_matrix(const Eigen::Matrix3d& S) {
     Eigen::Matrix4d n;
     const Eigen::Vector3d twist(S(1, 2) - S(2, 1), S(2, 0) - S(0, 2), S(0, 1) - S(1, 0));
@@ -39,8 +40,9 @@ std::optional<AbsoluteOrientation> absolute_orientation(const std::vector<Eigen:
         spread_b += (b[i] - mean_b).squaredNorm();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(horn_matrix(products));
-    const Eigen::Vector4d& values = solver.eigenvalues();  // rising
-    // Points on a line leave the turn about it open: the two largest eigenvalues are then equal.
+    const Eigen::Vector4d& values = solver.eigenvalues();  // ascending
+    // Points on a line do not fix the rotation about it: the two largest eigenvalues are then
+    // equal.
     if (!(spread_a > 0.0) || !(spread_b > 0.0) || values(3) - values(2) < 1e-9 * values(3))
         return std::nullopt;
     const Eigen::Vector4d q = solver.eigenvectors().col(3);

@@ -6,14 +6,15 @@
 
 namespace divemesh::base {
 
+// The similarity transform between two point sets.
 struct AbsoluteOrientation {
-    Eigen::Isometry3d T_b_a = Eigen::Isometry3d::Identity();  // with scale 1
+    Eigen::Isometry3d T_b_a = Eigen::Isometry3d::Identity();  // rigid: without the scale
     double scale = 1.0;  // of b against a, Horn's symmetric estimate; not applied to T_b_a
 };
 
-// The rotation, translation and scale that bring points a onto points b: B. Horn, "Closed-form
-// solution of absolute orientation using unit quaternions", 1987. Nothing when fewer than three
-// pairs, or all on one line.
+// Returns the rotation, translation and scale that align points a with points b: B. Horn,
+// "Closed-form solution of absolute orientation using unit quaternions", 1987. nullopt for fewer
+// than three pairs, or if all points lie on one line.
 std::optional<AbsoluteOrientation> absolute_orientation(const std::vector<Eigen::Vector3d>& a,
                                                         const std::vector<Eigen::Vector3d>& b);
 

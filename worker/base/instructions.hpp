@@ -2,12 +2,12 @@
 
 namespace divemesh::base {
 
-// What the inner loops are compiled for, each set containing the ones before. Every set gives the
-// same integers: the loops are one source, compiled once per set. Loops that gain nothing from the
+// The instruction sets that inner loops are compiled for; each contains the ones before. All give
+// the same integers: a loop is one source, compiled once per set. Loops that gain nothing from the
 // widest set use the next narrower one.
 enum class Instructions { Baseline, Avx2, Avx512 };
 
-// The widest set that this machine runs.
+// Returns the widest set that this machine can run.
 inline Instructions best_instructions() {
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
@@ -18,7 +18,7 @@ inline Instructions best_instructions() {
     return Instructions::Baseline;
 }
 
-// A loop body, compiled once for each instruction set it gains from.
+// A loop body, compiled once for each instruction set that makes it faster.
 template <auto body>
 struct CompiledBody;
 template <typename Result, typename... Arguments, Result (*body)(Arguments...)>
@@ -33,8 +33,8 @@ struct CompiledBody<body> {
 #endif
 };
 
-// Returns the function `body`, a DIVEMESH_INLINE_BODY, as compiled for AVX2 or, where that is not
-// among the instructions, for the baseline. What a loop calls it should fetch once, before it.
+// Returns the function `body`, a DIVEMESH_INLINE_BODY, as compiled for AVX2, or for the baseline if
+// `instructions` is Baseline. Call it once before a loop, not inside.
 template <auto body>
 auto compiled_for(Instructions instructions) {
     return instructions == Instructions::Baseline ? CompiledBody<body>::for_baseline
@@ -43,5 +43,5 @@ auto compiled_for(Instructions instructions) {
 
 }  // namespace divemesh::base
 
-// Makes a function a part of each of its callers, compiled for what they are compiled for.
+// Inlines a function into each caller, compiled for the caller's instruction set.
 #define DIVEMESH_INLINE_BODY inline __attribute__((always_inline))

@@ -11,15 +11,16 @@
 
 #include "worker/base/instructions.hpp"
 
-// Eight numbers at once. One source for every instruction set: on narrower ones the compiler splits
-// them. Only +, -, *, / and the square root are used, which round alike everywhere, so the results
-// are the same to the bit. Files that include this are compiled with -Wno-psabi: the functions are
-// inlined, there is no ABI to warn of.
+// SIMD vectors of eight lanes: one source for every instruction set; on narrower sets the compiler
+// splits the vectors. Only +, -, *, / and the square root are used. They round the same everywhere,
+// so the results are equal to the bit. Files that include this are compiled with -Wno-psabi: the
+// functions are inlined, so there is no ABI to warn about.
 namespace divemesh::base {
 
 inline constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
-using Masks = std::int32_t __attribute__((vector_size(32)));  // 0 or -1, as comparisons give
+// 0 or -1 per lane, as comparisons return
+using Masks = std::int32_t __attribute__((vector_size(32)));
 using Shorts = std::uint16_t __attribute__((vector_size(16)));
 using SignedShorts = std::int16_t __attribute__((vector_size(16)));
 
@@ -42,14 +43,17 @@ DIVEMESH_INLINE_BODY Floats broadcast(float value) { return Floats{} + value; }
 DIVEMESH_INLINE_BODY Floats abs(Floats values) {
     return reinterpret_cast<Floats>(reinterpret_cast<Masks>(values) & 0x7fffffff);
 }
+// Returns the values where the mask is set, 0 elsewhere.
 DIVEMESH_INLINE_BODY Floats select(Masks mask, Floats values) {
     return reinterpret_cast<Floats>(mask & reinterpret_cast<Masks>(values));
 }
 DIVEMESH_INLINE_BODY Floats max(Floats a, Floats b) { return a > b ? a : b; }
 DIVEMESH_INLINE_BODY Floats min(Floats a, Floats b) { return a < b ? a : b; }
+// Returns the values rounded towards 0.
 DIVEMESH_INLINE_BODY Masks to_integers(Floats values) {
     return __builtin_convertvector(values, Masks);
 }
+// Returns true if the mask is set in any lane.
 DIVEMESH_INLINE_BODY bool any(Masks mask) {
 #if defined(__SSE2__)
     __m128i halves[2];
@@ -73,7 +77,7 @@ DIVEMESH_INLINE_BODY Floats square_root(Floats values) {
     return values;
 }
 
-// rows[i][j] becomes rows[j][i].
+// Transposes an 8 x 8 block: rows[i][j] becomes rows[j][i].
 DIVEMESH_INLINE_BODY void transpose(Floats (&rows)[kLanes]) {
     Floats pairs[kLanes];
     for (int i = 0; i < kLanes; i += 2) {

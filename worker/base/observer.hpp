@@ -9,9 +9,9 @@
 
 namespace divemesh::base {
 
-// Progress out, cancellation in: the only way the pipeline and the world around it talk while it
-// works. A stage calls report() at least every 200 ms of its work. The callback throws
-// Error{Cancelled} to stop; no step catches that.
+// A callback for progress. A stage calls it at least every 200 ms of its work; it throws
+// Error{Cancelled} to stop the stage, and no step catches that. It is the only channel between the
+// running pipeline and its surroundings.
 using ProgressCallback = std::function<void(const Progress&)>;
 
 inline void ignore_progress(const Progress&) {}

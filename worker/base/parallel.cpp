@@ -39,7 +39,7 @@ void for_each_index(int num_threads,
                     std::size_t num,
                     const ProgressShare& progress,
                     const std::function<void(std::size_t)>& work) {
-    // Threads are woken for every slice: few of them, but what one brings into memory is bounded.
+    // Each slice wakes the threads, so there are few slices; but a slice bounds the memory in use.
     const std::size_t slice = std::clamp<std::size_t>(num / 64, 2048, 32768);
     for (std::size_t begin = 0; begin < num; begin += slice) {
         progress.at(static_cast<double>(begin) / static_cast<double>(num));

@@ -7,8 +7,8 @@
 
 namespace divemesh::base {
 
-// Leaves what resize() adds as it is in memory, where its type lets it: who writes all of it on
-// several threads has the system bring in the pages on all of them too.
+// An allocator whose resize() leaves new elements uninitialised, if the type allows it. When
+// several threads then write them, the page faults are spread over these threads too.
 template <typename T>
 class UninitialisedAllocator : public std::allocator<T> {
 public:

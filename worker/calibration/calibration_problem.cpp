@@ -24,25 +24,26 @@ constexpr std::size_t kMaxObservations = 20'000;
 constexpr int kMaxIterations = 10;
 constexpr int kMaxRounds = 4;
 constexpr double kHuber = 1.5;  // sigmas of independent errors
-// From round to round: what is linear enough.
+// Change from round to round below which the linearisation is good enough.
 constexpr double kConverged_s = 5e-4;
 constexpr double kConverged_px = 0.5;
 constexpr double kMinWalk = 1e-6;   // rad/s
 constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
-// Of a step from keyframe to keyframe: wide enough to say nothing where anything else does.
+// Of a step between keyframes: so wide that it has no effect where anything else constrains the
+// step.
 constexpr double kStepSigma_m = 10.0;
 constexpr double kStepSigma_rad = 3.0;
-// Features that are followed drift together, which the pictures of a dive cannot tell from another
-// focal length: on exact calibrations it comes out wrong by up to 24 of the sigmas that independent
-// errors would give. So the pictures count for less here, and careful calibrations for more.
-constexpr double kSystematic = 5.0;  // sigmas of a feature, against independent ones
-// How far a careful calibration errs.
-constexpr double kFocalSigma = 0.001;  // of itself
+// Tracked features drift together, and the images of a dive cannot tell that drift from another
+// focal length. On exact calibrations the error of the focal length is up to 24 times the sigma of
+// independent errors. So images get less weight here, and careful calibrations more.
+constexpr double kSystematic = 5.0;  // sigma of a feature relative to that of independent errors
+// The error of a careful calibration.
+constexpr double kFocalSigma = 0.001;  // relative
 constexpr double kPrincipalPointSigma_px = 0.5;
 constexpr double kDistortionSigma = 0.02;
-constexpr double kDistortionShare = 0.15;  // of the coefficient, when that is more
+constexpr double kDistortionShare = 0.15;  // of the coefficient, if that is larger
 
 LensChanges prior_sigmas(const types::Rig& rig) {
     LensChanges sigmas;
@@ -56,7 +57,7 @@ LensChanges prior_sigmas(const types::Rig& rig) {
     return sigmas;
 }
 
-// rad/s; the time lies between two samples.
+// Returns the angular velocity, rad/s; the time must lie between two samples.
 Eigen::Vector3d rate_at(const std::vector<types::ImuSample>& samples, std::int64_t time_ns) {
     const auto after = std::upper_bound(samples.begin() + 1,
                                         samples.end() - 1,
@@ -317,7 +318,7 @@ double CalibrationProblem::shift_px(const LensChanges& changes) const {
     }
     constexpr double kNum = (kSteps + 1) * (kSteps + 1);
     mean /= kNum;
-    mean.z() = 0.0;  // of the disparities the mean is an error of depth
+    mean.z() = 0.0;  // the mean disparity is not removed: it is an error of depth
     return (squares / kNum - mean.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt().maxCoeff();
 }
 

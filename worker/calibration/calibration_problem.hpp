@@ -21,23 +21,24 @@ using LensChanges = Eigen::Matrix<double, LensReprojection::kNumChanges, 1>;  //
 using LensCovariance =
     Eigen::Matrix<double, LensReprojection::kNumChanges, LensReprojection::kNumChanges>;
 
+// The unknowns of the calibration.
 struct CalibrationUnknowns {
     Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  // rad, q_body_imu as a vector
     double time_offset_s = 0.0;
     LensChanges lenses = LensChanges::Zero();  // left, right
 };
 
-// Of the unknowns, after the last round.
+// The uncertainty of the unknowns after the last round.
 struct CalibrationSigmas {
     Eigen::Matrix3d misalignment = Eigen::Matrix3d::Zero();  // covariance, rad^2
     double time_offset_s = 0.0;
     LensCovariance lenses = LensCovariance::Zero();
 };
 
-// Of the left and of the right camera.
+// Returns the changes of the left and of the right camera.
 std::array<types::LensChange, 2> split(const LensChanges& changes);
 
-// The dive with its calibration free.
+// The bundle adjustment of a dive with its calibration free.
 class CalibrationProblem {
 public:
     CalibrationProblem(const types::Track& track,
@@ -52,8 +53,8 @@ public:
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
     const CalibrationUnknowns& unknowns() const { return unknowns_; }
     const CalibrationSigmas& sigmas() const { return sigmas_; }
-    // How the picture moves with a change of the lenses: its bending, and the disparities', root
-    // mean square in px; what a turn of the cameras would do as well is left out.
+    // Returns how far a change of the lenses moves the image and the disparities, RMS, px, without
+    // the part that a rotation of the cameras would explain too.
     double shift_px(const LensChanges& changes) const;
 
 private:
@@ -75,14 +76,15 @@ private:
                           ceres::ParameterBlockOrdering& ordering,
                           bool free_lenses);
     void add_gyro_rotations(ceres::Problem& problem);
-    // Holds together, as loosely as can be, what no landmark does: where the scene was lost.
+    // Adds very weak factors between keyframes that no landmark connects, where the scene was lost.
     void add_odometry(ceres::Problem& problem);
     void add_priors(ceres::Problem& problem, bool free_lenses);
     void find_sigmas(ceres::Problem& problem, bool free_lenses);
     LensReprojection::Shift shift_of(const std::array<camera::RectifiedLens, 2>& lenses,
                                      const Eigen::Vector3d& measured_px) const;
     std::array<camera::RectifiedLens, 2> lenses() const;
-    std::vector<double*> kept_blocks();  // all but the landmarks; the unknowns come first
+    // All but the landmarks; the calibration unknowns come first.
+    std::vector<double*> kept_blocks();
     double* q(State& state) { return state.q_world_body.coeffs().data(); }
 
     const types::Track& track_;

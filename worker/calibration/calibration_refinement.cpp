@@ -23,12 +23,12 @@ bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance
 }
 
 struct Distortions {
-    LensChanges changes = LensChanges::Zero();  // of k1 and k2 alone
+    LensChanges changes = LensChanges::Zero();  // k1 and k2 alone
     bool significant = false;
 };
 
-// The distortion when focal lengths and principal points are as stated: the mean and the covariance
-// of a part of the normal distribution, given the rest.
+// Returns the distortion given that focal lengths and principal points are as calibrated: mean and
+// covariance of a conditional normal distribution.
 Distortions distortion_alone(const LensChanges& found, const LensCovariance& covariance) {
     constexpr std::array<int, 4> kBent = {3, 4, 8, 9};
     constexpr std::array<int, 6> kRest = {0, 1, 2, 5, 6, 7};

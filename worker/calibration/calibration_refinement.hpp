@@ -27,8 +27,8 @@ CalibrationRefinement refine_calibration(const types::Track& track,
                                          const base::ProgressCallback& progress,
                                          const Progress& at);
 
-// Makes the track as if the dive had come with the refined calibration: body, odometry and
-// observations. Poses of the cameras stay.
+// Changes the track to what it would be with the refined calibration: body, odometry and
+// observations. The camera poses stay.
 void apply_calibration(const types::Rig& rig,
                        const types::RefinedCalibration& calibration,
                        types::Track& track);

@@ -8,12 +8,12 @@
 
 namespace divemesh::calibration {
 
-// StereoReprojection through lenses that are not quite what rectification took them for:
+// StereoReprojection through lenses that differ from the calibration used for rectification:
 //
 //     r = r_stereo + G c / sigma      c: change of the left lens, then of the right one
 //
-// G, 3 x 10, is how (u, v, disparity) of this observation move with c. Blocks: q_world_imu
-// (x y z w), p_world_imu (m), p_world (m), c.
+// G, 3 x 10, is the derivative of this observation's (u, v, disparity) with respect to c. Blocks:
+// q_world_imu (x y z w), p_world_imu (m), p_world (m), c.
 struct LensReprojection {
     static constexpr int kNumChanges = 2 * types::LensChange::kSize;
     using Shift = Eigen::Matrix<double, 3, kNumChanges>;
@@ -24,6 +24,7 @@ struct LensReprojection {
     static ceres::CostFunction* create(const LensReprojection& reprojection);
 };
 
+// The cost function of LensReprojection with analytic derivatives.
 class LensReprojectionCost
     : public ceres::SizedCostFunction<3, 4, 3, 3, LensReprojection::kNumChanges> {
 public:

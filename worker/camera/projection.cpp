@@ -6,7 +6,7 @@
 namespace divemesh::camera {
 namespace {
 
-// Normalised image coordinates through the lens (Brown 1966; Kannala and Brandt 2006).
+// Returns distorted normalised image coordinates (Brown 1966; Kannala and Brandt 2006).
 Eigen::Vector2d distort(const types::Camera& camera, const Eigen::Vector2d& n) {
     const auto& k = camera.distortion_coefficients;
     const double r2 = n.squaredNorm();
@@ -37,8 +37,8 @@ std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen:
 Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
                             (pixel.y() - camera.cy_px) / camera.fy_px);
-    // Fixed-point start, then Newton with a numeric Jacobian: converges wherever the model is
-    // invertible.
+    // Starts at the distorted point, then Newton with a numeric Jacobian: converges wherever the
+    // model is invertible.
     Eigen::Vector2d n = d;
     for (int i = 0; i < 20; ++i) {
         const Eigen::Vector2d error = distort(camera, n) - d;

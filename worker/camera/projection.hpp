@@ -7,11 +7,12 @@
 
 namespace divemesh::camera {
 
-// Point in the camera frame (m, z forward) to pixel; nothing when it is not in front of it. The
-// pixel may lie outside the image.
+// Returns the pixel of a point in the camera frame (m, z forward); nullopt if the point is not in
+// front of the camera. The pixel may lie outside the image.
 std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam);
-// Pixel to the ray through it, z = 1.
+// Returns the ray through a pixel, with z = 1.
 Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel);
+// Returns true if the pixel lies in the image.
 bool contains(const types::Camera& camera, const Eigen::Vector2d& pixel);
 
 }  // namespace divemesh::camera

@@ -8,7 +8,7 @@
 namespace divemesh::camera {
 namespace {
 
-// Column i holds axis i of the rectified camera in the frame of cam0.
+// Returns the axes of the rectified camera in the frame of cam0, axis i in column i.
 Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
     const Eigen::AngleAxisd rotation(T_cam0_cam1.linear());
     const Eigen::Matrix3d middle =

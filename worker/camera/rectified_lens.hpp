@@ -9,26 +9,28 @@
 
 namespace divemesh::camera {
 
-// A camera as recorded and where rectification turned it.
+// A camera as calibrated, with the rotation that rectification applies to it.
 struct RectifiedLens {
     types::Camera camera;
     Eigen::Matrix3d R_camera_rectified = Eigen::Matrix3d::Identity();
 
-    // Of a pixel in the rectified picture.
+    // Returns the pixel in the recorded image for a pixel in the rectified image.
     Eigen::Vector2d recorded_px(const types::RectifiedRig& rig,
                                 const Eigen::Vector2d& rectified_px) const;
+    // Returns the pixel in the rectified image for a pixel in the recorded image.
     Eigen::Vector2d rectified_px(const types::RectifiedRig& rig,
                                  const Eigen::Vector2d& recorded_px) const;
 };
 
-// Half of the rotation between the cameras each, then the row axis along the baseline (Bouguet).
+// Returns the lenses after rectification: each camera takes half of the rotation between them, then
+// the row axis is laid along the baseline (Bouguet).
 std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig);  // left, right
 
-// The camera with its calibration changed by this.
+// Returns the camera with `change` added to its calibration.
 types::Camera changed_camera(const types::Camera& camera, const types::LensChange& change);
 
-// d(u, v)/d(change): how far the picture of a ray moves, in the rectified picture as it was made,
-// when the camera is not what rectification took it for. Linear in the change.
+// Returns d(u, v)/d(change): how far a ray's pixel moves in the rectified image, as it was made, if
+// the camera differs by `change` from the calibration used for rectification. Linear in the change.
 Eigen::Matrix<double, 2, types::LensChange::kSize> shift_of_change(
     const types::RectifiedRig& rig, const RectifiedLens& lens, const Eigen::Vector2d& rectified_px);
 

@@ -11,7 +11,7 @@
 namespace divemesh::camera {
 namespace {
 
-// The part of a normalised image plane that a picture covers everywhere.
+// The rectangle of a normalised image plane that the image covers completely.
 struct Extent {
     double left = -1e9;
     double right = 1e9;
@@ -38,7 +38,7 @@ void narrow(Extent& extent,
     }
 }
 
-// Where every rectified pixel lies in the picture as recorded.
+// Fills the maps with the recorded pixel of every rectified pixel.
 void make_map(const RectifiedLens& lens, const types::RectifiedRig& rig, cv::Mat (&map)[2]) {
     cv::Mat x(rig.height_px, rig.width_px, CV_32F);
     cv::Mat y(rig.height_px, rig.width_px, CV_32F);
@@ -73,7 +73,7 @@ Rectifier::Rectifier(const types::Rig& rig) {
     narrow(extent, rig.cam1, right.R_camera_rectified.transpose());
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
-    // The widest view without unseen borders, but of a fisheye only the middle.
+    // The widest field of view without empty borders; of a fisheye only the middle.
     const double native =
         0.25 * (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
     rig_.focal_px = std::max({width / (extent.right - extent.left),

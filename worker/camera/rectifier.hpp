@@ -9,15 +9,16 @@
 
 namespace divemesh::camera {
 
-// Undistorts a pair and turns both images into one plane (Bouguet's method, as OpenCV's
-// stereoRectify). Thread-safe after construction.
+// The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
+// method, as OpenCV's stereoRectify). The constructor throws Error{BadData} if the right camera is
+// not on the right or the fields of view hardly overlap. Thread-safe after construction.
 class Rectifier {
 public:
     explicit Rectifier(const types::Rig& rig);
 
     const types::RectifiedRig& rig() const { return rig_; }
     types::RectifiedFrame rectify(const types::StereoFrame& frame) const;
-    // The left picture, any number of channels.
+    // Returns the rectified left image; any number of channels.
     cv::Mat rectify_left(const cv::Mat& image) const;
 
 private:

@@ -14,7 +14,7 @@ std::array<RectifiedLens, 2> changed(std::array<RectifiedLens, 2> lenses,
     return lenses;
 }
 
-// Of a `u` that is not negative.
+// Returns the value at column `u` of a row, linearly interpolated; u >= 0.
 float row_at(const cv::Mat& image, float u, int v) {
     const int left = std::min(static_cast<int>(u), image.cols - 2);
     const float share = u - static_cast<float>(left);
@@ -22,9 +22,10 @@ float row_at(const cv::Mat& image, float u, int v) {
     return (1.0F - share) * row[0] + share * row[1];
 }
 
-constexpr float kOneSurface_px = 1.0F;  // neighbours on it differ by no more
+constexpr float kOneSurface_px = 1.0F;  // max difference of neighbours on one surface
 
-// The disparity between four pixels that see one surface; that of the nearest where they do not.
+// Returns the disparity interpolated between four pixels of one surface; `nearest` if they are not
+// on one.
 float disparity_at(const cv::Mat& disparity, float u, float v, float nearest) {
     const auto left = static_cast<int>(u);
     const auto top = static_cast<int>(v);

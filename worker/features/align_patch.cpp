@@ -8,10 +8,10 @@ namespace divemesh::features {
 namespace {
 
 constexpr int kMaxIterations = 10;
-constexpr double kConverged_px = 0.03;  // the step; the next would be a tenth of it
+constexpr double kConverged_px = 0.03;  // step length; the next step would be a tenth of it
 constexpr double kMaxDistance_px = 4.0;
 constexpr double kMinGain = 0.1;
-// Grey levels of noise in a picture, and how far they may move the place.
+// Image noise in grey levels, and the largest position error it may cause.
 constexpr double kNoise = 1.5;
 constexpr double kUnsteady_px = 0.25;
 constexpr double kMinHessian =
@@ -38,7 +38,7 @@ double bilinear(const cv::Mat& image, double x, double y) {
     return upper + below * (lower - upper);
 }
 
-// The square of `side` pixels around `centre`; nothing where it leaves the picture.
+// Returns the square of `side` pixels around `centre`; nullopt if it leaves the image.
 std::optional<SquarePlace> place_of(const cv::Mat& image, const Eigen::Vector2d& centre, int side) {
     const Eigen::Vector2d corner = centre.array() - 0.5 * (side - 1);
     if (!(corner.x() >= 0.0 && corner.y() >= 0.0 && corner.x() < image.cols - side &&
@@ -85,7 +85,7 @@ Patch::Patch(const std::int16_t* outer) {
     hessian_ -= mixed_ * light_ * mixed_.transpose();
 }
 
-bool Patch::has_contrast() const {  // one grey level RMS; less is noise
+bool Patch::has_contrast() const {  // 1 grey level RMS; below that is noise
     return squared_norm_ >= double{kPatchPixels} * kGreyLevel * kGreyLevel;
 }
 

@@ -11,7 +11,7 @@ constexpr int kBlock_px = 5;
 constexpr float kSobelSum = 8.0F;
 constexpr float kScale = 1.0F / (kSobelSum * kSobelSum * kBlock_px * kBlock_px);
 
-// g g^T of a row, each of its three numbers a row of its own.
+// g g^T of one image row, with one array for each of its three numbers.
 struct Products {
     std::int32_t* x_x;
     std::int32_t* x_y;
@@ -21,7 +21,7 @@ struct Products {
         : x_x(first), x_y(first + width), y_y(first + 2 * width) {}
 };
 
-// The products of `row` take the place of those of five rows before, in the sums too.
+// Replaces the products of five rows before by those of `row`, in the sums too.
 DIVEMESH_INLINE_BODY void add_row(
     const std::uint8_t* row, std::ptrdiff_t step, int width, Products kept, Products sums) {
     const std::uint8_t* __restrict above = row - step;

@@ -9,27 +9,28 @@
 
 namespace divemesh::features {
 
-// How well each pixel of a picture can be found again, whichever way it moves: the lesser
-// eigenvalue of the mean of g g^T over the 5 x 5 pixels around it, g the gradient by Sobel's 3 x 3
-// (Shi and Tomasi, "Good features to track", 1994). Keeps its buffers from picture to picture.
+// The score of each pixel says how well it can be localised: the smaller eigenvalue of the mean of
+// g g^T over the surrounding 5 x 5 pixels, g the gradient by Sobel's 3 x 3 (Shi and Tomasi, "Good
+// features to track", 1994). Keeps its buffers between images.
 class CornerScores {
 public:
     static constexpr int kBorder_px = 3;    // score 0
-    static constexpr float kNoise = 0.65F;  // about what noise alone scores
+    static constexpr float kNoise = 0.65F;  // about the score of noise alone
 
     explicit CornerScores(base::Instructions instructions = base::best_instructions())
         : instructions_(instructions) {}
 
-    // `image` CV_8UC1. CV_32F, (grey levels / px)^2; good until the next call.
+    // Returns the scores of an image (CV_8UC1) as CV_32F, (grey levels / px)^2; valid until the
+    // next call.
     const cv::Mat& of(const cv::Mat& image);
 
 private:
     base::Instructions instructions_;
     cv::Mat scores_;
-    std::vector<std::int32_t> products_;  // of the last five rows, then summed by column
+    std::vector<std::int32_t> products_;  // of the last five rows, followed by their column sums
 };
 
-// The best pixel of each square cell between the borders, row by row, where it scores at least
+// Returns the best pixel of each square cell inside the borders, row by row, if it scores at least
 // `least`.
 std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
                                      float least,

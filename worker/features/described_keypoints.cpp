@@ -14,20 +14,20 @@ namespace {
 constexpr std::size_t kMaxKeypoints = 500;
 constexpr int kNumLevels = 4;
 constexpr double kLevelScale = 1.4;
-constexpr int kCell_px = 36;    // one corner in each, on every level
-constexpr int kRadius_px = 15;  // of what a descriptor sees
+constexpr int kCell_px = 36;    // one corner per cell on every level
+constexpr int kRadius_px = 15;  // of the descriptor's patch
 constexpr int kBorder_px = kRadius_px + 2;
 constexpr int kNumDirections = 64;
 
 struct Test {
-    std::array<int, 4> offset;  // x, y of the one pixel and of the other
+    std::array<int, 4> offset;  // x, y of the first and of the second pixel
 };
 using Tests = std::array<Test, 256>;
 
-// The tests turned into each of kNumDirections directions.
+// Returns the tests rotated to each of the kNumDirections directions.
 std::vector<Tests> turned_tests() {
     std::mt19937_64 random(20070);
-    // Gaussian by the central limit: the same numbers from every standard library.
+    // Gaussian by the central limit theorem: the same numbers with every standard library.
     const auto draw = [&] {
         double sum = -6.0;
         for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11) * 0x1.0p-53;
@@ -58,7 +58,7 @@ std::vector<Tests> turned_tests() {
     return directions;
 }
 
-// Index of the direction from a corner to the centroid of the brightness around it.
+// Returns the index of the direction from a corner to the intensity centroid around it.
 std::size_t direction(const cv::Mat& image, int column, int row) {
     int moment_x = 0;
     int moment_y = 0;
@@ -103,7 +103,7 @@ DescribedKeypoints describe_keypoints(const cv::Mat& left) {
              best_of_cells(scores.of(level), CornerScores::kNoise, kBorder_px, kCell_px)) {
             if (view.size() == kMaxKeypoints) break;
             DescribedKeypoint point;
-            // Pixel centres of a level lie between those of the picture.
+            // Pixel centres of a level lie between those of the full image.
             point.u_px = static_cast<float>((corner.x + 0.5) * scale - 0.5);
             point.v_px = static_cast<float>((corner.y + 0.5) * scale - 0.5);
             point.scale = static_cast<float>(scale);

@@ -9,12 +9,12 @@ namespace {
 
 constexpr int kSide_px = 2 * EpipolarSearch::kRadius_px + 1;
 constexpr int kNumPixels = kSide_px * kSide_px;
-constexpr int kOnePeak_px = 2;  // disparities this near belong to the best
+constexpr int kOnePeak_px = 2;  // disparities this close belong to the same peak
 
-// A strip of both pictures, `num` places long on the right.
+// A strip of both images, with `num` positions in the right one.
 struct Strip {
     const std::uint8_t* left;   // upper left corner of the square
-    const std::uint8_t* right;  // the same of the place farthest to the left
+    const std::uint8_t* right;  // the same of the leftmost position
     std::ptrdiff_t left_step;
     std::ptrdiff_t right_step;
     int num;

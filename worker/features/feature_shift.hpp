@@ -9,7 +9,7 @@
 
 namespace divemesh::features {
 
-// How far a picture has moved on, by the features that it shares with an earlier one.
+// The distance that an image has moved since an earlier one, from the features that both share.
 class FeatureShift {
 public:
     struct Shift {
@@ -21,7 +21,7 @@ public:
     Shift since(const types::Features& features) const;
 
 private:
-    std::unordered_map<std::int64_t, Eigen::Vector2d> pixels_;  // at the start, by id
+    std::unordered_map<std::int64_t, Eigen::Vector2d> pixels_;  // at start(), by id
 };
 
 }  // namespace divemesh::features

@@ -7,7 +7,7 @@
 namespace divemesh::features {
 namespace {
 
-constexpr int kBlock_px = 15;  // about a patch: what is wider is no feature
+constexpr int kBlock_px = 15;  // about a patch: wider structures are no features
 constexpr int kMiddle = 128;
 
 void subtract_row(const std::uint8_t* __restrict image,

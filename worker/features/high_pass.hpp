@@ -4,9 +4,9 @@
 
 namespace divemesh::features {
 
-// A picture without the brightness of its parts, which caustics, strobes and backscatter move about
-// from frame to frame: every pixel against the mean of the 15 x 15 around it, 128 for none. Both
-// CV_8UC1; keeps its buffers from picture to picture.
+// A filter that removes the local brightness, which caustics, strobes and backscatter change from
+// frame to frame: each pixel is taken relative to the mean of its 15 x 15 neighbourhood, with 128
+// for 0. Both images CV_8UC1; keeps its buffers between images.
 class HighPass {
 public:
     void apply(const cv::Mat& image, cv::Mat& result);

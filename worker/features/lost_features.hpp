@@ -10,27 +10,27 @@
 
 namespace divemesh::features {
 
-// Features that the tracking lost (a particle passed, a caustic flared up, the picture was blurred)
-// are looked for again where the camera's motion lets expect them, for some frames.
+// Features that tracking lost (a particle passed, a caustic flared up, the image was blurred). For
+// some frames they are searched for again at the position predicted by the camera's motion.
 class LostFeatures {
 public:
     struct Found {
-        types::Feature feature;  // with the disparity that is to be expected
+        types::Feature feature;  // with the predicted disparity
         ReferencePatch look;
     };
 
     explicit LostFeatures(const types::RectifiedRig& rig) : rig_(rig) {}
 
-    // `feature` as the frame before had it, with depth; `look`: how it looks.
+    // Adds a lost feature, as the previous frame had it, with depth; `look` is its reference patch.
     void lose(const types::Feature& feature, const ReferencePatch& look);
-    // What has come back in the next picture, by id, once its motion is known.
+    // Returns the features found again in the current image, by id, once its motion is known.
     std::vector<Found> find(const cv::Mat& image, const Eigen::Isometry3d& T_current_previous);
 
 private:
     struct Lost {
         std::int64_t id = 0;
-        Eigen::Vector3d p_cam;  // as the camera stands now
-        int num_frames = 0;     // since it was seen
+        Eigen::Vector3d p_cam;  // in the current camera frame
+        int num_frames = 0;     // since it was last seen
         ReferencePatch look;
     };
 

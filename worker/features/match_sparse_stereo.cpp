@@ -12,8 +12,8 @@ constexpr double kMinCorrelation = 0.8;
 constexpr double kMinDisparity_px = 1.0;
 constexpr double kMaxRowOffset_px = 1.0;
 
-// In both directions: a rectification that is a little off must not turn slanted edges into
-// disparity.
+// Returns the refined disparity. The patch moves in both directions: otherwise a slightly wrong
+// rectification would turn slanted edges into disparity.
 double refine(const Patch& patch,
               const cv::Mat& right,
               const types::Feature& feature,
@@ -40,7 +40,7 @@ double measure(const types::RectifiedFrame& frame,
                const types::Feature& feature) {
     const auto patch = Patch::read(frame.left, feature.pixel);
     if (!patch) return 0.0;
-    if (!dense_px.empty()) {  // the dense matcher has the say
+    if (!dense_px.empty()) {  // the dense matcher decides
         const double guess = dense_at(dense_px, feature.pixel);
         return guess > 0.0 ? refine(*patch, frame.right, feature, guess) : 0.0;
     }

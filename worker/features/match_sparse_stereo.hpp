@@ -8,10 +8,10 @@
 
 namespace divemesh::features {
 
-// Step 1 at the features alone: sub-pixel disparity by looking for each one's patch along its row
-// of the right picture. A feature whose disparity_px is > 0 is looked for there first; where
-// `dense_px` (CV_32F, may be empty) knows the disparity, there. What is not found, or found better
-// or as well elsewhere, comes back with disparity 0.
+// Step 1 at the features alone: sets their sub-pixel disparity by searching each patch along its
+// row in the right image. If `dense_px` (CV_32F) is not empty, its disparity is refined; else the
+// search tries the feature's own disparity first, if it is > 0. The disparity is 0 if the patch is
+// not found or fits elsewhere as well.
 void match_sparse_stereo(const types::RectifiedFrame& frame,
                          const cv::Mat& dense_px,
                          int num_disparities_px,

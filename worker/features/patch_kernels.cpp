@@ -9,7 +9,7 @@ DIVEMESH_INLINE_BODY Value upper_half_of_product(Value a, Value b) {
     return static_cast<Value>((std::int32_t{a} * std::int32_t{b}) >> 16);
 }
 
-// A row between the columns, 6 fractional bits.
+// Reads a row interpolated between columns, 6 fractional bits.
 template <int kSide>
 DIVEMESH_INLINE_BODY void read_row(const std::uint8_t* pixels, Value right, Value* __restrict row) {
     for (int u = 0; u < kSide; ++u) {
@@ -76,7 +76,7 @@ DIVEMESH_INLINE_BODY SeenProducts compare(const PatchColumns& columns, const Squ
     for (int i = 0; i < kPatchPixels; ++i)
         seen[i] = static_cast<Value>((seen[i] - columns.centre) >> 2);
     SeenProducts sums{};
-    for (int half = 0; half < 2; ++half) {  // squares of a whole patch can exceed 31 bits
+    for (int half = 0; half < 2; ++half) {  // squares of a whole patch may exceed 31 bits
         std::int32_t squares = 0;
         for (int i = half * kPatchPixels / 2; i < (half + 1) * kPatchPixels / 2; ++i) {
             sums.seen += seen[i];

@@ -5,18 +5,18 @@
 
 #include "worker/base/instructions.hpp"
 
-// The inner loops of patch alignment, in integers: grey levels are read between the pixels with 6
-// fractional bits and kept with 4.
+// The inner loops of patch alignment, in integers: grey levels are interpolated with 6 fractional
+// bits and stored with 4.
 namespace divemesh::features {
 
 inline constexpr int kPatchSide_px = 16;
 inline constexpr int kPatchPixels = kPatchSide_px * kPatchSide_px;
-inline constexpr int kOuterSide_px = kPatchSide_px + 2;  // a ring more, for the gradients
+inline constexpr int kOuterSide_px = kPatchSide_px + 2;  // one more ring, for the gradients
 inline constexpr int kOuterPixels = kOuterSide_px * kOuterSide_px;
-inline constexpr int kGreyLevel = 16;  // in what is kept
+inline constexpr int kGreyLevel = 16;  // scale of the stored values
 
-// A square of picture between the pixels: the one at its upper left corner, and how far it lies to
-// the right and below of that in 1/32768 px.
+// The position of a square between pixels: the pixel at or before its upper left corner, and the
+// offset from there to the right and down in 1/32768 px.
 struct SquarePlace {
     const std::uint8_t* corner = nullptr;
     std::ptrdiff_t step_bytes = 0;  // from row to row
@@ -26,7 +26,7 @@ struct SquarePlace {
 
 // A patch as the columns of a linear least-squares problem.
 struct PatchColumns {
-    alignas(32) std::int16_t value[kPatchPixels];  // against `centre`
+    alignas(32) std::int16_t value[kPatchPixels];  // minus `centre`
     alignas(32) std::int16_t gradient_x[kPatchPixels];
     alignas(32) std::int16_t gradient_y[kPatchPixels];
     std::int16_t centre = 0;  // mean of the patch, 6 fractional bits
@@ -38,20 +38,22 @@ struct ColumnProducts {
     std::int32_t x_x, x_y, y_y, x_value, y_value, value_value;
 };
 
-// The same of the columns with what another picture shows, against the same centre.
+// The same, of the columns with the values of another image, minus the same centre.
 struct SeenProducts {
     std::int32_t seen;
     std::int32_t x_seen, y_seen, value_seen;
     std::uint32_t seen_seen;
 };
 
+// The kernels of one instruction set.
 struct PatchKernels {
-    // kOuterSide_px squared values with 6 fractional bits.
+    // Reads kOuterSide_px squared values with 6 fractional bits.
     void (*read_outer)(const SquarePlace& place, std::int16_t* outer);
     ColumnProducts (*make_columns)(const std::int16_t* outer, PatchColumns& columns);
     SeenProducts (*compare)(const PatchColumns& columns, const SquarePlace& place);
 };
 
+// Returns the kernels for an instruction set.
 PatchKernels patch_kernels(base::Instructions instructions);
 
 }  // namespace divemesh::features

@@ -7,7 +7,7 @@ namespace divemesh::features {
 namespace {
 
 constexpr double kMinDepth_m = 0.05;
-constexpr double kMaxStretch = 2.5;  // either way
+constexpr double kMaxStretch = 2.5;  // for shrinking too
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::optional<Eigen::Matrix2d> plane_warp(const types::RectifiedRig& rig,
     if (p_to.z() < kMinDepth_m) return std::nullopt;
     // Points of the plane move by the homography R + t n^T.
     const Eigen::Matrix3d H = T_to_from.linear() + T_to_from.translation() * plane_from.transpose();
-    const double step_m = p_from.z() / rig.focal_px;  // a pixel wide
+    const double step_m = p_from.z() / rig.focal_px;  // the width of a pixel
     const Eigen::Vector2d centre = rig.pixel(p_to);
     Eigen::Matrix2d to_by_from;
     for (int axis = 0; axis < 2; ++axis)

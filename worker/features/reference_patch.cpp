@@ -3,9 +3,8 @@
 namespace divemesh::features {
 namespace {
 
-constexpr double kMinFacingCosine =
-    0.1;                        // cosine: seen at a more grazing angle it is not relied on
-constexpr int kRadius_px = 16;  // of the surroundings: the patch turned and half as large again
+constexpr double kMinFacingCosine = 0.1;  // at a more grazing angle the plane is not used
+constexpr int kRadius_px = 16;  // of the surroundings: a rotated patch, half as large again
 
 }  // namespace
 
@@ -22,7 +21,7 @@ ReferencePatch::ReferencePatch(const types::RectifiedRig& rig,
     centre_px_ = feature.pixel - Eigen::Vector2d(around.x, around.y);
     if (!types::has_depth(feature)) return;
     p_reference_ = types::point_cam(rig, feature);
-    // 1 / depth is linear in the pixel over a plane, and the disparity proportional to it.
+    // On a plane 1 / depth is linear in the pixel, and the disparity is proportional to it.
     const Eigen::Vector2d across = feature.disparity_slope / rig.baseline_m;
     plane_reference_ << across, (1.0 - across.dot(p_reference_->head<2>())) / p_reference_->z();
 }

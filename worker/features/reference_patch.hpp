@@ -11,34 +11,34 @@
 
 namespace divemesh::features {
 
-// How a feature looked when it was first or anew seen, and from where: so that it can be shown as
-// it must look from where the camera is now, its surface taken for a plane.
+// The appearance of a feature when it was last taken as reference, with the camera's pose then, so
+// that it can be warped to the current frame. Its surface is assumed to be a plane.
 class ReferencePatch {
 public:
-    // `feature` as `picture`, CV_8UC1, shows it.
+    // Takes `feature` as it appears in `image`, CV_8UC1.
     ReferencePatch(const types::RectifiedRig& rig,
                    const cv::Mat& image,
                    const types::Feature& feature);
-    // Seen anew; the surface leans as it did.
+    // Takes a new reference of a feature; the surface keeps the slant of `before`.
     ReferencePatch(const types::RectifiedRig& rig,
                    const cv::Mat& image,
                    const types::Feature& feature,
                    const ReferencePatch& before);
 
-    // The camera has moved.
+    // Updates the pose of the current camera.
     void move(const Eigen::Isometry3d& T_current_previous) {
         T_current_reference_ = T_current_previous * T_current_reference_;
     }
-    // From where the camera is after a further motion. Nothing when it would be distorted too much,
-    // or has no contrast.
+    // Returns the patch as the camera sees it after a further motion; nullopt if it would be
+    // distorted too much or has no contrast.
     std::optional<Patch> warp_to_current(const types::RectifiedRig& rig,
                                          const Eigen::Isometry3d& T_current_previous) const;
 
 private:
     cv::Mat surroundings_;
-    Eigen::Vector2d centre_px_;                   // in them
-    std::optional<Eigen::Vector3d> p_reference_;  // nothing: its depth is not known
-    Plane plane_reference_ = Plane::Zero();       // with it
+    Eigen::Vector2d centre_px_;                   // in the surroundings
+    std::optional<Eigen::Vector3d> p_reference_;  // nullopt: its depth is unknown
+    Plane plane_reference_ = Plane::Zero();       // valid with p_reference_
     Eigen::Isometry3d T_current_reference_ = Eigen::Isometry3d::Identity();
 };
 

@@ -11,8 +11,8 @@ constexpr int kRadius_px = 8;
 constexpr int kSide_px = 2 * kRadius_px + 1;
 constexpr int kNumPixels = kSide_px * kSide_px;
 constexpr int kIterations = 3;
-constexpr float kNoise = 3.0F;           // of the difference of two pictures, grey levels
-constexpr float kMaxSlope_depth = 2.0F;  // depth over breadth: beyond it is an edge
+constexpr float kNoise = 3.0F;           // of the difference of two images, grey levels
+constexpr float kMaxSlope_depth = 2.0F;  // depth over width: a larger slope is an edge
 
 using Values = std::array<float, kNumPixels>;
 
@@ -22,7 +22,8 @@ struct DisparityPlane {
     float by_v = 0.0F;
 };
 
-// What the right picture shows where the plane lays the patch. False when it leaves the picture.
+// Reads the right image where the disparity plane maps the patch. Returns false if it leaves the
+// image.
 bool read_right(const cv::Mat& right, int u, int v, const DisparityPlane& plane, Values& values) {
     for (int y = -kRadius_px, i = 0; y <= kRadius_px; ++y) {
         const std::uint8_t* row = right.ptr<std::uint8_t>(v + y);
@@ -40,7 +41,7 @@ bool read_right(const cv::Mat& right, int u, int v, const DisparityPlane& plane,
     return true;
 }
 
-// Moves `values` to the gain and bias of `like`. False when they have nothing in common.
+// Adjusts `values` to the gain and bias of `like`. Returns false if they are not correlated.
 bool relight(const Values& like, Values& values) {
     float sum = 0.0F;
     float squares = 0.0F;
@@ -61,7 +62,7 @@ bool relight(const Values& like, Values& values) {
     return true;
 }
 
-// The left picture around a feature, and its derivative along the row.
+// The left image around a feature, and its derivative along the row.
 struct LeftPatch {
     Values values;
     Values gradient;
@@ -80,7 +81,7 @@ LeftPatch read_left(const cv::Mat& left, int u, int v) {
     return patch;
 }
 
-// One Gauss-Newton step; `prior`: standard deviation of the slopes about 0.
+// Does one Gauss-Newton step; `prior` is the standard deviation of the slopes around 0.
 void improve(const LeftPatch& left, const Values& right, float prior, DisparityPlane& plane) {
     constexpr float kWeight = 1.0F / (kNoise * kNoise);
     const float prior_weight = 1.0F / (prior * prior);
@@ -128,7 +129,8 @@ Eigen::Vector2d slope_of(const types::RectifiedFrame& frame,
 void measure_slopes(const types::RectifiedRig& rig,
                     const types::RectifiedFrame& frame,
                     types::Features& features) {
-    // By 45 degrees: 1 / depth changes by 1 / (depth focal) a pixel, the disparity in proportion.
+    // At 45 degrees 1 / depth changes by 1 / (depth focal) per pixel, and the disparity in
+    // proportion.
     for (types::Feature& feature : features)
         if (types::has_depth(feature))
             feature.disparity_slope =

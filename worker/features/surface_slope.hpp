@@ -7,13 +7,13 @@
 
 namespace divemesh::features {
 
-// How the surface under fresh features, on whole pixels and with depth, leans: the disparity around
-// each taken for linear, its slope fitted to both pictures by least squares under gain and bias
+// Sets the disparity slope of new features (on whole pixels, with depth). The disparity around each
+// is taken as linear, and its slope is fitted to both images by least squares with gain and bias
 //
 //     a R(u + x - d - g_x x - g_y y, v + y) + b = L(u + x, v + y)
 //
-// (Gauss-Newton over the patch), with a prior about a surface that faces the camera, as wide as
-// leaning by 45 degrees.
+// (Gauss-Newton over the patch), with a prior around a surface that faces the camera; its standard
+// deviation is a slant of 45 degrees.
 void measure_slopes(const types::RectifiedRig& rig,
                     const types::RectifiedFrame& frame,
                     types::Features& features);

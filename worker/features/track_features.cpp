@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kBackwardError_px = 0.5;
 constexpr double kMinCorrelation = 0.7;
-constexpr double kSameCorrelation = 0.8;  // with how a feature looked at first
-constexpr int kBorder_px = 10;            // a patch and a pixel more
-constexpr float kCornerQuality = 0.01F;   // of the best corner of the picture
+constexpr double kSameCorrelation = 0.8;  // with the reference patch
+constexpr int kBorder_px = 10;            // a patch and one more pixel
+constexpr float kCornerQuality = 0.01F;   // of the best corner of the image
 
 Eigen::Vector3d expected(const types::RectifiedRig& rig,
                          const types::Feature& feature,
@@ -36,7 +36,7 @@ bool inside(const cv::Mat& image, const Eigen::Vector2d& pixel) {
            pixel.y() < image.rows - kBorder_px;
 }
 
-// Lets a later feature not sit on an earlier one: where tracks run together the older one stays.
+// A mask that keeps later features off earlier ones: where tracks merge, the older one stays.
 class Occupancy {
 public:
     Occupancy(const cv::Mat& image, int cell_px)
@@ -122,7 +122,7 @@ types::Features FeatureTracker::find_lost(const Eigen::Isometry3d& T_cam_previou
     return features;
 }
 
-// By the coarser levels of the pyramids.
+// Returns the position found by the coarser levels of the pyramids.
 Eigen::Vector2d FeatureTracker::track_coarse(const Eigen::Vector2d& from,
                                              const Eigen::Vector2d& guess) const {
     Eigen::Vector2d there = guess;

@@ -20,17 +20,17 @@ constexpr double kDerivativeStep_s = 2e-3;
 constexpr double kPriorOffset_s = 0.03;
 constexpr double kPriorRotation_rad = 0.035;
 constexpr double kPriorBias = 0.1;       // rad/s
-constexpr double kMedianOfNorm = 1.538;  // of three normal variables, in sigmas
+constexpr double kMedianOfNorm = 1.538;  // norm of three normal variables, in sigmas
 constexpr double kHuber = 3.0;           // of the norm, in sigmas of an axis
-constexpr double kMinSigma_rad = 1e-5;   // of a seen turn
+constexpr double kMinSigma_rad = 1e-5;   // of a rotation from vision
 constexpr double kSignificant = 4.0;     // sigmas
-constexpr double kMinOffset_s = 1.5e-3;  // smaller ones harm less than a mistake would
+constexpr double kMinOffset_s = 1.5e-3;  // correcting a smaller one risks more than it gains
 constexpr double kMinRotation_rad = 4e-3;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
-// The gyroscope's orientation since its first sample, so that the turn between any two times is one
-// quotient.
+// The gyroscope's orientation since its first sample, so that the rotation between any two times is
+// one quotient.
 class GyroscopePath {
 public:
     GyroscopePath(const std::vector<types::ImuSample>& samples,
@@ -49,7 +49,7 @@ public:
         return samples_.size() > 1 && from_ns >= samples_.front().timestamp_ns &&
                to_ns <= samples_.back().timestamp_ns;
     }
-    // Rotation vector from one time to another, in the frame at `from`.
+    // Returns the rotation vector from one time to another, rad, in the frame at `from`.
     Eigen::Vector3d rotation(std::int64_t from_ns, std::int64_t to_ns) const {
         return base::vector_from_rotation(at(from_ns).conjugate() * at(to_ns));
     }
@@ -101,14 +101,15 @@ public:
 
     std::size_t num_rotations() const { return turns_.size(); }
 
-    // Sum of the residuals' norms: what outliers cannot decide.
+    // Returns the sum of the residuals' norms, robust against outliers.
     double cost(const State& state) const {
         double sum = 0.0;
         for (const Turn& rotation : turns_) sum += residual(state, rotation).norm();
         return sum;
     }
 
-    // One Gauss-Newton step; the time offset moves only when it is free. Returns the covariance.
+    // Does one Gauss-Newton step and returns the covariance. The time offset changes only if
+    // `free_offset`.
     Matrix7 step(State& state, bool free_offset) const {
         const double sigma = scale(state);
         Matrix7 H = Matrix7::Zero();
@@ -153,7 +154,7 @@ private:
         return rotation.vector - (state.q_body_imu * gyroscope(rotation, state.offset_s) -
                                   rotation.duration_s * state.bias);
     }
-    // Standard deviation of an axis, by the median.
+    // Returns the standard deviation per axis, from the median of the norms.
     double scale(const State& state) const {
         std::vector<double> norms;
         for (const Turn& rotation : turns_) norms.push_back(residual(state, rotation).norm());
@@ -178,7 +179,7 @@ private:
     std::vector<Turn> turns_;
 };
 
-// The best of a row of time offsets, each with the rotation and the bias that go with it.
+// Returns the best of a series of time offsets, each with its best rotation and bias.
 State coarse(const Fit& fit) {
     State best;
     double least = -1.0;

@@ -10,19 +10,22 @@
 
 namespace divemesh::imu {
 
-// What a unit that sits as calibrated would have said, on the cameras' clock.
+// Return the samples as an IMU mounted as calibrated would have measured them, on the cameras'
+// clock.
 std::vector<types::ImuSample> aligned(const std::vector<types::ImuSample>& samples,
                                       const types::ImuAlignment& alignment);
 std::vector<types::OrientationSample> aligned(const std::vector<types::OrientationSample>& samples,
                                               const types::ImuAlignment& alignment);
 
-// A turn of the body that the pictures alone saw, on their clock.
+// A rotation of the body measured by vision alone, on the cameras' clock.
 struct VisionRotation {
     std::int64_t from_ns = 0;
     std::int64_t to_ns = 0;
     Eigen::Quaterniond q_from_to = Eigen::Quaterniond::Identity();
 };
 
+// The estimated alignment with its uncertainty. A value is significant above four sigmas and a min
+// size.
 struct AlignmentEstimate {
     types::ImuAlignment alignment;
     double time_offset_sigma_s = 0.0;
@@ -33,14 +36,14 @@ struct AlignmentEstimate {
     bool rotation_is_significant() const;
 };
 
-// Time offset, misalignment and bias of the gyroscope that bring it together best with what the
-// pictures saw: least squares over the turns,
+// Returns the time offset, misalignment and gyroscope bias that best agree with the rotations from
+// vision: least squares over the rotations,
 //
 //     log(q_seen) = R_body_imu log(q_gyroscope(from + dt, to + dt)) - b (to - from)
 //
-// started from the best of a row of offsets to 60 ms either way, with Huber weights and priors
-// (30 ms, 2 degrees, 0.1 rad/s). A row of turns about one axis leaves the rotation about that axis
-// to its prior. Nothing when fewer than 20 turns are covered by the samples.
+// started from the best of a series of offsets within +-60 ms, with Huber weights and priors (30
+// ms, 2 degrees, 0.1 rad/s). If all rotations share one axis, the misalignment about that axis
+// stays at its prior. nullopt if the samples cover fewer than 20 rotations.
 std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::ImuSample>& samples,
                                                     const std::vector<VisionRotation>& rotations);
 

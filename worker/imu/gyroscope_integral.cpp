@@ -8,7 +8,7 @@
 namespace divemesh::imu {
 namespace {
 
-// One interval between samples, turning at `rate` (rad/s).
+// Adds one interval between samples, with angular velocity `rate` (rad/s).
 void add_step(const Eigen::Vector3d& rate, double dt_s, GyroscopeIntegral& integral) {
     const Eigen::Quaterniond step = base::rotation_from_vector(rate * dt_s);
     integral.d_rotation_d_bias = step.toRotationMatrix().transpose() * integral.d_rotation_d_bias -

@@ -9,13 +9,15 @@
 
 namespace divemesh::imu {
 
+// The reasons why samples cannot be integrated over an interval.
 enum class ImuFailure {
-    NotCovered,  // the interval is empty, or samples do not reach over all of it
-    Gap,         // samples are too far apart somewhere in it
+    NotCovered,  // the interval is empty, or the samples do not cover it
+    Gap,         // two samples in it are more than kMaxImuGap_ns apart
 };
 
 constexpr std::int64_t kMaxImuGap_ns = 100'000'000;
 
+// Returns the sample at `time_ns`, interpolated linearly.
 inline types::ImuSample interpolate(const types::ImuSample& before,
                                     const types::ImuSample& after,
                                     std::int64_t time_ns) {
@@ -32,8 +34,8 @@ inline types::ImuSample interpolate(const types::ImuSample& before,
 }
 
 // Calls visit(begin, end, duration_s) for every interval between neighbouring samples from
-// `from_ns` to `to_ns`, samples at the two ends interpolated. The rate plays no part: stamps alone
-// count.
+// `from_ns` to `to_ns`; the samples at both ends are interpolated. Uses the timestamps only, not
+// the nominal rate. Returns the failure, or nullopt.
 template <typename Visit>
 std::optional<ImuFailure> for_each_step(const std::vector<types::ImuSample>& samples,
                                         std::int64_t from_ns,

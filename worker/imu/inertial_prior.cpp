@@ -12,13 +12,14 @@ namespace {
 constexpr std::int64_t kMaxAhrsGap_ns = 200'000'000;
 constexpr std::int64_t kMaxPressureGap_ns = 1'000'000'000;
 constexpr std::int64_t kGravityAlignment_ns = 1'000'000'000;
-constexpr double kAhrsRotationSigma_rad = 1e-3;  // white noise of two readings
-constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error on the move
-constexpr double kWrongGravity_m_s2 = 0.6;       // an accelerometer further off is not used
-// Data sheets do not know of thrusters and kicks: what they state is taken as so much more.
+constexpr double kAhrsRotationSigma_rad = 1e-3;  // white noise of two samples
+constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error in motion
+// With a larger error in gravity the accelerometer is not used.
+constexpr double kWrongGravity_m_s2 = 0.6;
+// Data sheets do not include thrusters and kicks, so their noise is multiplied by these.
 constexpr double kGyroscopeInflation = 1.5;
 constexpr double kAccelerometerInflation = 5.0;
-constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation by vision
+constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation from vision
 
 types::ImuNoise inflated(types::ImuNoise noise) {
     noise.gyroscope_noise_density *= kGyroscopeInflation;
@@ -26,8 +27,7 @@ types::ImuNoise inflated(types::ImuNoise noise) {
     return noise;
 }
 
-// Where a time lies among samples: between two of them that are no further apart than
-// `max_interval_ns`.
+// The two samples around a time, at most `max_interval_ns` apart.
 template <typename Sample>
 struct Bracket {
     const Sample* before;
@@ -55,7 +55,8 @@ std::optional<Bracket<Sample>> bracket(const std::vector<Sample>& samples,
         static_cast<double>(time_ns - before->timestamp_ns) / static_cast<double>(gap_ns)};
 }
 
-// A diver's specific force is gravity's reaction, most of the time.
+// Returns true if the median specific force is close to gravity, as it is on a diver most of the
+// time.
 bool measures_gravity(const std::vector<types::ImuSample>& samples) {
     if (samples.empty()) return false;
     std::vector<double> forces;
@@ -149,7 +150,7 @@ SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns)
 Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
                                                       const Eigen::Matrix3d& R_imu_cam) const {
     if (const auto q_world_imu = absolute(time_ns)) return *q_world_imu;
-    Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // no inertial sensor: the camera is held level
+    Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // without sensors: the camera is level
     if (gyroscope_) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
         for (const types::ImuSample& sample : imu_) {
@@ -161,7 +162,8 @@ Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
         }
         if (sum.norm() > 1e-3) up_imu = sum.normalized();
     }
-    // Heading: the camera looks along world x, or its upper edge does when it looks up or down.
+    // Heading: the camera looks along world x; if it looks up or down, its upper edge points along
+    // x.
     Eigen::Vector3d ahead_imu = R_imu_cam.col(2);
     if (std::abs(ahead_imu.dot(up_imu)) > 0.9) ahead_imu = -R_imu_cam.col(1);
     Eigen::Matrix3d R_imu_world;
@@ -178,13 +180,13 @@ void InertialPrior::learn_bias(std::int64_t from_ns,
     if (!gyroscope) return;
     const Eigen::Vector3d error =
         base::vector_from_rotation(seen.conjugate() * gyroscope->q_from_to) / gyroscope->duration_s;
-    // A scalar Kalman filter per axis; the bias walks.
+    // A scalar Kalman filter per axis; the bias is a random walk.
     const double walked = noise_.gyroscope_random_walk * std::sqrt(gyroscope->duration_s);
     const double variance = bias_sigma_ * bias_sigma_ + walked * walked;
     const double measured =
         std::hypot(kVisionRotationSigma_rad, gyroscope->sigma_rad) / gyroscope->duration_s;
     const double gain = variance / (variance + measured * measured);
-    // One wild frame must not throw it off.
+    // Limits the effect of a single outlier frame.
     const double limit = 3.0 * std::sqrt(variance + measured * measured);
     bias_.gyroscope += gain * error.cwiseMax(-limit).cwiseMin(limit);
     bias_sigma_ = std::sqrt((1.0 - gain) * variance);

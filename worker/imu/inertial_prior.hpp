@@ -14,26 +14,26 @@
 
 namespace divemesh::imu {
 
-constexpr double kInitialGyroscopeBiasSigma = 0.02;     // rad/s, of a cheap sensor
+constexpr double kInitialGyroscopeBiasSigma = 0.02;     // rad/s, for a cheap sensor
 constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
 
-// What the sensors say about one time, and about the motion to it from an earlier one.
+// The sensors' measurements at one time, and of the motion to it from an earlier time.
 struct SensorReadings {
     double interval_s = 0.0;
     std::optional<PreintegratedImu> motion;
-    std::optional<GyroscopeIntegral> rotation;     // where there is no accelerometer to trust
-    std::optional<Eigen::Quaterniond> q_ahrs_imu;  // in the AHRS's own world, z up
-    std::optional<double> depth_m;                 // below some surface
+    std::optional<GyroscopeIntegral> rotation;     // if `motion` is nullopt
+    std::optional<Eigen::Quaterniond> q_ahrs_imu;  // in the AHRS's own world frame, z up
+    std::optional<double> depth_m;                 // below an unknown surface level
 };
 
-// What the dive's inertial sensors say: about orientation the gyroscope where there is one, else
-// the AHRS (with the pairwise estimator, as the paper has it, the AHRS first); about motion
-// gyroscope and accelerometer. Biases are learnt from vision as the dive goes on.
+// The measurements of the dive's inertial sensors. Rotation comes from the gyroscope if there is
+// one, else from the AHRS (with the pairwise estimator the AHRS first, as in the paper); motion
+// from gyroscope and accelerometer. Biases are learnt from vision during the dive.
 class InertialPrior {
 public:
     InertialPrior(const types::Recording& recording, const ReconstructionOptions& options);
 
-    // From now on the samples are taken for what a unit that sits as calibrated would have said.
+    // Corrects all samples for `alignment`, as if the IMU were mounted as calibrated.
     void align(const types::ImuAlignment& alignment);
 
     bool has_gyroscope() const { return gyroscope_; }
@@ -41,32 +41,33 @@ public:
     bool has_ahrs() const { return ahrs_; }
     bool has_pressure() const { return pressure_; }
 
-    // q_from_to of the body. Nothing when no sensor covers the interval.
+    // Returns q_from_to of the body; nullopt if no sensor covers the interval.
     std::optional<types::KnownRotation> rotation(std::int64_t from_ns, std::int64_t to_ns) const;
-    // The same; where the AHRS leads, it is the turn from where the body is thought to be to where
-    // the AHRS sees it then, so that no drift of the orientation lasts.
+    // The same. If the AHRS has priority, it is the rotation from the estimated orientation
+    // `q_world_imu` to that of the AHRS at `to_ns`, so that orientation drift does not last.
     std::optional<types::KnownRotation> rotation_from(const Eigen::Quaterniond& q_world_imu,
                                                       std::int64_t from_ns,
                                                       std::int64_t to_ns) const;
+    // Returns the gyroscope's integral; nullopt without a gyroscope that covers the interval.
     std::optional<GyroscopeIntegral> integral(std::int64_t from_ns, std::int64_t to_ns) const;
-    // Nothing without an accelerometer that feels gravity.
+    // Returns the preintegrated motion; nullopt without an accelerometer that measures gravity.
     std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
-    // q_ahrs_imu by the AHRS, interpolated.
+    // Returns q_ahrs_imu, interpolated; nullopt without an AHRS or in a gap.
     std::optional<Eigen::Quaterniond> absolute(std::int64_t time_ns) const;
-    // By the pressure, interpolated.
+    // Returns the depth from the pressure, m, interpolated; nullopt without a sensor or in a gap.
     std::optional<double> depth_m(std::int64_t time_ns) const;
-    // All of these; with `from_ns` == `to_ns` those of the moment alone.
+    // Returns all of these; if `from_ns` == `to_ns`, those of the single time only.
     SensorReadings readings(std::int64_t from_ns, std::int64_t to_ns) const;
-    // q_world_imu, z up: by the AHRS; else by the accelerometer over the second that follows, the
-    // camera looking along x; without either the camera is taken to be held level.
+    // Returns q_world_imu, z up: from the AHRS, else from the accelerometer over the following
+    // second with the camera looking along x. Without either the camera is assumed to be level.
     Eigen::Quaterniond initial_orientation(std::int64_t time_ns,
                                            const Eigen::Matrix3d& R_imu_cam) const;
 
-    // Vision saw the body turn by `seen` over the interval.
+    // Updates the gyroscope bias, given the rotation `seen` from vision over the interval.
     void learn_bias(std::int64_t from_ns, std::int64_t to_ns, const Eigen::Quaterniond& seen);
     void set_bias(const ImuBias& bias, double gyroscope_sigma);
     const ImuBias& bias() const { return bias_; }
-    // As it is on a diver: white noise larger than the data sheet's.
+    // Returns the noise on a diver: white noise larger than the data sheet's.
     const types::ImuNoise& noise() const { return noise_; }
 
 private:
@@ -76,7 +77,7 @@ private:
     bool gyroscope_ = false;
     bool accelerometer_ = false;
     bool ahrs_ = false;
-    bool ahrs_leads_ = false;  // over the gyroscope, as in the paper
+    bool ahrs_leads_ = false;  // before the gyroscope, as in the paper
     bool pressure_ = false;
     types::ImuNoise noise_;
     ImuBias bias_;

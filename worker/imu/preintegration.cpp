@@ -10,19 +10,20 @@ namespace {
 using Matrix9 = PreintegratedImu::Covariance;
 using Matrix93 = Eigen::Matrix<double, 9, 3>;
 
-// One interval between two samples, their biases taken off.
+// One interval between two samples, with the biases subtracted.
 struct Step {
     double dt_s = 0.0;
-    Eigen::Vector3d rate;                // rad/s, mean of the two ends
-    Eigen::Vector3d acceleration_begin;  // m/s^2, in imu at either end
+    Eigen::Vector3d rate;                // rad/s, mean of both ends
+    Eigen::Vector3d acceleration_begin;  // m/s^2, in the imu frame at each end
     Eigen::Vector3d acceleration_end;
 };
 
-// How rotation and mean acceleration of a step, seen from imu at i, depend on what went before and
-// on the step's own noise. `force` is -R [a], the acceleration's change by a turn of its frame.
+// Derivatives of a step's rotation and mean acceleration (in imu at i) with respect to the state
+// before it and the step's own noise. `force` is -R [a], the derivative of the acceleration with
+// respect to a rotation of its frame.
 struct StepDerivatives {
-    Eigen::Matrix3d rotation_rotation;  // of the turn after the step by the one before
-    Eigen::Matrix3d angular_velocity;   // ... by the rate
+    Eigen::Matrix3d rotation_rotation;  // of the rotation after by the one before
+    Eigen::Matrix3d angular_velocity;   // of the rotation after by the rate
     Eigen::Matrix3d force_rotation;
     Eigen::Matrix3d force_rate;
     Eigen::Matrix3d force_acceleration;

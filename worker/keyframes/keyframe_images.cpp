@@ -14,7 +14,7 @@ namespace divemesh::keyframes {
 namespace {
 
 constexpr int kWidth_px = 320;
-constexpr std::size_t kSlice = 32;  // pictures between two looks at whether to go on
+constexpr std::size_t kSlice = 32;  // images between two checks for cancellation
 
 std::string image_name(int frame_index) {
     char name[40];

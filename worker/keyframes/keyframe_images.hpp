@@ -10,9 +10,9 @@
 
 namespace divemesh::keyframes {
 
-// keyframes.json (poses of the rectified left camera, its focal length, file names) and
-// keyframes/NNNNNN.jpg, the pictures 320 px wide, in `folder`. The callback is called every
-// few pictures with a fraction from 0 to 1 of this work.
+// Writes keyframes.json (poses of the rectified left camera, its focal length, file names) and
+// keyframes/NNNNNN.jpg, the images 320 px wide, into `folder`. Calls `progress` every few images
+// with the fraction done, 0 to 1.
 void write_keyframe_images(const std::filesystem::path& folder,
                            const types::RectifiedRig& rig,
                            const std::vector<types::Keyframe>& keyframes,

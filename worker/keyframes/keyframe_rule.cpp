@@ -3,9 +3,9 @@
 namespace divemesh::keyframes {
 namespace {
 
-constexpr double kMinShare = 0.65;  // of the last keyframe's features still in sight
+constexpr double kMinShare = 0.65;  // of the last keyframe's features still tracked
 constexpr std::size_t kMinTracked = 50;
-constexpr double kMaxShift = 0.06;   // median, of the picture's width
+constexpr double kMaxShift = 0.06;   // median, of the image width
 constexpr double kMinShift = 0.002;  // below it the camera stands still
 constexpr std::int64_t kMaxKeyframeInterval_ns = 1'000'000'000;
 
@@ -14,7 +14,7 @@ constexpr std::int64_t kMaxKeyframeInterval_ns = 1'000'000'000;
 bool KeyframeRule::due(const types::Features& features, std::int64_t timestamp_ns) {
     if (!any_) return true;
     const auto [num_shared, median_px] = shift_.since(features);
-    // Fresh features that do not live are no measure of how far the view has moved.
+    // New features that are lost at once do not show how far the image has moved.
     if (num_reference_ == 0) num_reference_ = num_shared;
     if (num_shared < kMinTracked ||
         static_cast<double>(num_shared) < kMinShare * static_cast<double>(num_reference_))

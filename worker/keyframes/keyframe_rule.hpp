@@ -8,8 +8,8 @@
 
 namespace divemesh::keyframes {
 
-// When a frame is to be kept: the view has moved on, or too little is left of what the last
-// keyframe saw.
+// The rule for when a frame becomes a keyframe: the image has moved far enough, or too few features
+// of the last keyframe are left.
 class KeyframeRule {
 public:
     explicit KeyframeRule(const types::RectifiedRig& rig) : width_px_(rig.width_px) {}
@@ -21,7 +21,8 @@ private:
     int width_px_;
     bool any_ = false;
     std::int64_t timestamp_ns_ = 0;
-    std::size_t num_reference_ = 0;  // that outlived the first frame; 0: not counted yet
+    // Features still tracked one frame after the keyframe; 0: not counted yet.
+    std::size_t num_reference_ = 0;
     features::FeatureShift shift_;
 };
 

@@ -26,7 +26,7 @@ struct Header {
     std::int32_t height_px = 0;
 };
 
-// Of values that are not negative; those too large become the largest there is.
+// Quantises values >= 0; values out of range become the max.
 template <typename Stored>
 void quantise(const cv::Mat& values, float step, std::vector<Stored>& stored) {
     const float* value = values.ptr<float>();
@@ -39,7 +39,7 @@ void quantise(const cv::Mat& values, float step, std::vector<Stored>& stored) {
     }
 }
 
-// `type`: CV_16U or CV_8U.
+// Returns the values from their stored form; `type` is CV_16U or CV_8U.
 cv::Mat restored(const std::uint8_t* stored, const Header& header, int type, float step) {
     cv::Mat values;
     cv::Mat(header.height_px, header.width_px, type, const_cast<std::uint8_t*>(stored))
@@ -70,7 +70,7 @@ void write_file(const std::filesystem::path& path, std::initializer_list<Bytes> 
                         ": free space in the scratch folder or choose another folder");
 }
 
-// Empty when there is none.
+// Returns the file's bytes; empty if there is no file.
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     if (!file) return {};
@@ -81,7 +81,7 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
     return bytes;
 }
 
-// A keyframe file and where its parts begin.
+// A keyframe file and the offsets of its parts.
 struct KeyframeFile {
     std::vector<std::uint8_t> bytes;
     Header header;

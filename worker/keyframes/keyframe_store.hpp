@@ -10,33 +10,33 @@
 
 namespace divemesh::keyframes {
 
-// Depth of the mapped frames, grey pictures of the keyframes and what these are recognised by on
-// disk, one file each, so that memory does not grow with the dive and every later stage can start
-// from them. Disparity is kept
-// to 1/128 px, sigma to 1/64 px. Colour comes from the recording again, as it is there: to encode
-// and keep it here would cost more than to decode it twice. Any number of threads may read and
-// write, each frame written by one.
+// The store on disk, one file each, of the depth of the mapped frames and of the grey images and
+// keypoints of the keyframes, so that memory does not grow with the dive and every later stage can
+// start from the store. Disparity is stored to 1/128 px, sigma to 1/64 px. Colour is read from the
+// recording again: encoding and storing it here would cost more than decoding it twice.
+// Thread-safe, if each frame is written by one thread only.
 class KeyframeStore {
 public:
-    // The left picture of a frame, rectified, CV_8UC3; any thread.
+    // Returns the rectified left image of a frame, CV_8UC3; must be thread-safe.
     using LeftInColor = std::function<cv::Mat(int frame_index)>;
 
-    // The folder is made when missing. Without `left_in_color` what is read has no picture.
+    // Creates the folder if it is missing. Without `left_in_color` read() returns no image.
     explicit KeyframeStore(std::filesystem::path folder, LeftInColor left_in_color = {});
-    // The same store; what is read is as if rectified with other lenses.
+    // Returns the same store; its read() maps images and depth as if rectified with other lenses.
     KeyframeStore rerectified(std::shared_ptr<const camera::KeyframeRerectifier> rerectifier) const;
 
-    void clear() const;  // removes every file
+    void clear() const;  // removes all files
 
     void write(int frame_index, const types::DepthMap& depth) const;  // throws Error{OutOfSpace}
     types::KeyframeImages read(int frame_index) const;                // throws Error{NotFound}
-    cv::Mat left_in_color(int frame_index) const;                     // of the same, without depth
+    cv::Mat left_in_color(int frame_index) const;                     // the image of read() alone
 
-    // The left picture alone, grey, in a file of its own; as rectified while the dive was tracked.
+    // Write and read the grey left image in a file of its own, as rectified while the dive was
+    // tracked.
     void write_left(int frame_index, const cv::Mat& left) const;
     cv::Mat read_left(int frame_index) const;
 
-    // What a keyframe is recognised by.
+    // Write and read the keypoints by which a keyframe is recognised.
     void write_keypoints(int frame_index, const features::DescribedKeypoints& view) const;
     features::DescribedKeypoints read_keypoints(int frame_index) const;  // throws Error{BadData}
 

@@ -25,7 +25,8 @@ void KeyframeWriter::go_on(const types::Features& dynamic) {
     if (!waiting_) return;
     types::Features& all = waiting_->seen.dynamic;
     all.insert(all.end(), dynamic.begin(), dynamic.end());
-    // The oldest lane; while somebody is at that, the one behind, whose frame is then stored here.
+    // The oldest lane, or the next one if a thread is working on the oldest. This thread then
+    // stores the frame that is waiting in the lane itself.
     if (lanes_[next_lane_]->task.is_running()) next_lane_ = (next_lane_ + 1) % kNumLanes;
     Lane& lane = *lanes_[next_lane_];
     next_lane_ = (next_lane_ + 1) % kNumLanes;

@@ -12,9 +12,9 @@
 
 namespace divemesh::keyframes {
 
-// Puts what later stages will ask for of a frame into the store, beside the caller: the grey
-// picture of a keyframe and what it is recognised by, to close loops with; picture and dense depth,
-// to make the surface. At most five frames wait or are worked on.
+// A writer of what later stages need of a frame, in background tasks: grey image and keypoints of a
+// keyframe for loop closure, image and dense depth for the surface. At most five frames wait or are
+// processed.
 class KeyframeWriter {
 public:
     KeyframeWriter(const types::RectifiedRig& rig,
@@ -22,24 +22,24 @@ public:
                    const KeyframeStore& store,
                    base::TaskPool& task_pool);
 
-    // What the tracking saw in a frame.
+    // The results of tracking in a frame.
     struct Seen {
         std::optional<features::DescribedKeypoints>
-            view;                 // of a keyframe that loops may be closed with
-        types::Features dynamic;  // by themselves: the surface is kept free of them
-        types::Features scene;    // that went with the camera's motion
-        std::optional<types::DisparityRange> range;  // nothing: the whole one
+            view;                                    // nullopt: not a keyframe for loop closure
+        types::Features dynamic;                     // their depth is masked
+        types::Features scene;                       // static features
+        std::optional<types::DisparityRange> range;  // nullopt: the full range
     };
 
-    // `depth`: empty when the caller had no need of it; it is matched here when a surface is asked
-    // for. Throws what the frame before has thrown.
-    // The frame waits until go_on() or finish().
+    // Adds a frame, which waits until go_on() or finish(). If `depth` is empty and a surface is
+    // requested, the task matches the frame. Rethrows what an earlier frame's task has thrown.
     void write(const types::RectifiedFrame& frame, const types::DepthMap& depth, const Seen& seen);
-    // The next frame showed that these moved in the one that waits.
+    // Starts the waiting frame; `dynamic` are features that the next frame showed to be dynamic in
+    // it.
     void go_on(const types::Features& dynamic);
-    // Every frame is in the store then.
+    // Waits until every frame is in the store.
     void finish();
-    // Of all frames that were matched; after finish().
+    // Returns the statistics of all matched frames; call it after finish().
     types::SearchStatistics statistics() const;
 
 private:
@@ -48,8 +48,8 @@ private:
         types::DepthMap depth;
         Seen seen;
     };
-    // Dense matching takes longer than tracking: several frames are at work or wait their turn, so
-    // that nobody is idle while the caller, made to wait, matches one itself.
+    // Dense matching takes longer than tracking. Several frames are being matched or waiting, so
+    // that no core is idle while the caller, when it has to wait, matches a frame itself.
     static constexpr std::size_t kNumLanes = 4;
     struct Lane {
         Lane(const types::RectifiedRig& rig,
@@ -58,7 +58,8 @@ private:
             : stereo(rig, options), task(task_pool) {}
         stereo::StereoMatcher stereo;
         types::SearchStatistics matched;
-        base::BackgroundTask task;  // ends before the matcher goes
+        // Declared last, so that it ends before the matcher is destroyed.
+        base::BackgroundTask task;
     };
     void store(Waiting& waiting, Lane& lane) const;
 

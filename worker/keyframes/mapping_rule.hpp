@@ -5,12 +5,12 @@
 
 namespace divemesh::keyframes {
 
-// Which frames beside the keyframes are matched densely and fused. More views of a surface average
-// the noise of its depth and confirm it, but neighbouring frames have much of their error in
-// common, so the picture has to move on between them.
+// The rule for which frames besides the keyframes are matched densely and fused. More observations
+// of a surface average the noise of its depth and confirm it. Neighbouring frames share much of
+// their error, so the image has to move between them.
 class MappingRule {
 public:
-    // `step`: how far, as a share of the picture's width; 0: keyframes alone.
+    // `step` is the min movement as a fraction of the image width; 0: keyframes only.
     MappingRule(const types::RectifiedRig& rig, double step) : step_px_(step * rig.width_px) {}
 
     bool due(const types::Features& features) const {

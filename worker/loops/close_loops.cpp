@@ -13,14 +13,14 @@
 namespace divemesh::loops {
 namespace {
 
-// Further off than this, the adjustment of the whole dive may not find back by itself.
+// With a larger error the bundle adjustment of the whole dive may not converge by itself.
 constexpr double kBasin_px = 10.0;
-// Loops whose landmarks are fused. Each couples keyframes that are far apart in time, and what a
-// sparse factorisation of the whole dive costs grows with the cube of such couplings where laps lie
-// on each other; so many hold the dive together as well as all of them.
+// Max loops whose landmarks are fused. Each couples keyframes far apart in time, and the cost of a
+// sparse factorisation of the whole dive grows with the cube of such couplings where laps overlap.
+// This many hold the dive together as well as all of them.
 constexpr std::size_t kMaxFused = 128;
 
-// How far off the landmarks seen again are, median over the worst loop.
+// Returns the median error of the reobserved landmarks in the worst loop, px.
 double worst_error_px(const types::RectifiedRig& rig,
                       const std::vector<Loop>& loops,
                       const std::vector<types::Keyframe>& keyframes,
@@ -43,7 +43,7 @@ double worst_error_px(const types::RectifiedRig& rig,
     return worst;
 }
 
-// Every landmark once in every keyframe.
+// Adds the reobservations to the landmarks; each landmark is observed at most once in a keyframe.
 void fuse_landmarks(const std::vector<Loop>& loops,
                     const DriftModel& drift,
                     std::vector<types::Landmark>& landmarks) {

@@ -24,7 +24,7 @@ std::optional<types::SolverOutcome> close_loops(const types::RectifiedRig& rig,
                                                 std::vector<types::Keyframe>& keyframes,
                                                 std::vector<types::Landmark>& landmarks);
 
-// What the final keyframes leave of what the loops measured.
+// Sets in `statistics` the residuals of the loops at the final keyframes.
 void add_residuals(const std::vector<Loop>& loops,
                    const std::vector<types::Keyframe>& keyframes,
                    types::LoopStatistics& statistics);

@@ -11,7 +11,8 @@
 namespace divemesh::loops {
 namespace {
 
-constexpr std::size_t kMaxInClique = 400;  // searched exactly; the others have to fit it
+// Searched exactly; other loops must agree with the result.
+constexpr std::size_t kMaxInClique = 400;
 constexpr std::size_t kMinLoops = 2;
 constexpr std::size_t kMinLoopsAcrossGap = 3;
 
@@ -22,7 +23,7 @@ public:
                 const DriftModel& drift)
         : loops_(loops), keyframes_(keyframes), drift_(drift) {}
 
-    // Loop i against the way there along the track to loop j, over it, and along the track back.
+    // Returns true if loop i agrees with the path along the track to loop j, over it, and back.
     bool agree(std::size_t i, std::size_t j) const {
         const Loop& a = loops_[i];
         const Loop& b = loops_[j];
@@ -53,7 +54,7 @@ private:
     const DriftModel& drift_;
 };
 
-// Pieces of the track that are held together by too few loops.
+// Drops the loops between parts of the track that too few loops connect.
 void drop_weak_joints(const std::vector<Loop>& loops,
                       const DriftModel& drift,
                       std::vector<std::size_t>& chosen) {

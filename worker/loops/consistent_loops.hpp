@@ -8,11 +8,10 @@
 
 namespace divemesh::loops {
 
-// The largest set of loops of which any two agree: going round over the one, along the track and
-// back over the other ends where it began, as far as the track may drift (pairwise consistent
-// measurement set maximisation, Mangelson et al. 2018). A loop that stands alone says nothing and
-// is left out, and so is, where the scene was lost in between, one with less than two others.
-// Returns indices, rising.
+// Returns the largest set of loops that agree pairwise: the cycle over one loop, along the track
+// and back over the other closes within the drift of the track (pairwise consistent measurement set
+// maximisation, Mangelson et al. 2018). A single loop has no confirmation and is left out, as is a
+// loop across a tracking gap with fewer than two others. The indices ascend.
 std::vector<std::size_t> consistent_loops(const std::vector<Loop>& loops,
                                           const std::vector<types::Keyframe>& keyframes,
                                           const DriftModel& drift);

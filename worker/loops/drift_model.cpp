@@ -9,20 +9,21 @@ namespace {
 
 constexpr double kShareOfPath = 0.01;
 constexpr double kMinPosition_m = 0.02;
-constexpr double kGapSpeed_m_s = 0.3;  // that a diver changes to unseen
-// What inertia starts from when the scene is lost: velocity, acceleration (of the bias, and of
-// gravity by a vertical that is 0.2 degrees off) and rate as the window knows them.
+constexpr double kGapSpeed_m_s = 0.3;  // change of a diver's velocity while the scene is lost
+// Uncertainty of the inertial prediction when the scene is lost: velocity, acceleration (of the
+// bias, and of gravity by a vertical that is off by 0.2 degrees) and angular rate, as the sliding
+// window knows them.
 constexpr double kVelocitySigma_m_s = 0.01;
 constexpr double kAccelerationSigma_m_s2 = 0.03;
 constexpr double kRateSigma_rad_s = 5e-4;
-// A track over sight of the scene runs off as far in 25 m.
+// A track with the scene in sight drifts as far in 25 m.
 constexpr double kBridgedSigma_m = 0.25;
 constexpr double kBridged_s = 1.0;
 constexpr double kMinOrientation_rad = 0.01;
 constexpr double kRotationDrift_rad_per_m = 0.002;
 constexpr double kGapRotationRate_rad_s = 0.05;
 constexpr double kNumSigmas = 3.5;
-constexpr int kMinSharedLandmarks = 6;  // landmarks that tie a keyframe to those before
+constexpr int kMinSharedLandmarks = 6;  // landmarks that connect a keyframe to earlier ones
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
@@ -41,7 +42,8 @@ DriftModel::DriftModel(const std::vector<types::Keyframe>& keyframes,
       follows_(keyframes.size(), true),
       first_covisible_(keyframes.size()) {
     std::iota(first_covisible_.begin(), first_covisible_.end(), std::size_t{0});
-    std::vector<int> num_passing(keyframes.size() + 1, 0);  // landmarks known before and after
+    // Landmarks observed both before and after a keyframe.
+    std::vector<int> num_passing(keyframes.size() + 1, 0);
     for (const types::Landmark& landmark : landmarks) {
         const auto [first, last] = std::minmax_element(
             landmark.observations.begin(),

@@ -10,38 +10,40 @@
 
 namespace divemesh::loops {
 
-// How far the track may have run off between two keyframes: a share of the way swum, and while the
-// scene was out of sight what the inertial sensors may have erred by, or without them what a diver
-// may have done. Also which keyframes the track itself ties together, so that nothing is to be
-// learnt from seeing them again.
+// A model of the track's drift between two keyframes: a fraction of the distance travelled plus,
+// while the scene was out of sight, the error of the inertial sensors, or without them the possible
+// motion of a diver. It also knows which keyframes the track connects itself, between which a loop
+// gives no new information.
 class DriftModel {
 public:
-    // `inertial`: nullptr without sensors.
+    // `inertial` is nullptr without inertial sensors.
     DriftModel(const std::vector<types::Keyframe>& keyframes,
                const std::vector<types::Landmark>& landmarks,
                const imu::InertialPrior* inertial);
 
-    // One standard deviation of the pose of one keyframe seen from the other.
+    // Return the standard deviation of the pose of one keyframe relative to the other.
     double position_sigma_m(std::size_t a, std::size_t b) const;
     double orientation_sigma_rad(std::size_t a, std::size_t b) const;
 
-    // `T_a_b` as measured against `expected`: within 3.5 sigma, the measurement's own included.
+    // Returns true if the measured `T_a_b` is within 3.5 sigma of `expected`, including the
+    // measurement's own sigma.
     bool allows(std::size_t a,
                 std::size_t b,
                 const Eigen::Isometry3d& T_a_b,
                 const Eigen::Isometry3d& expected,
                 double measured_sigma_m) const;
 
-    // The first keyframe that the track ties to this one, directly or by one between.
+    // Returns the first keyframe that the track connects to this one, directly or over one between.
     std::size_t first_covisible(std::size_t keyframe) const { return first_covisible_[keyframe]; }
-    // Keyframes between which the scene was never out of sight have the same piece.
+    // Returns the segment of a keyframe: keyframes between which the scene was never lost share
+    // one.
     std::int32_t segment(std::size_t keyframe) const { return segment_[keyframe]; }
-    // Whether a keyframe's place against the one before it is known: the scene stayed in sight, or
-    // was away for less than a second, or inertia carried the track over.
+    // Returns true if a keyframe's pose relative to the previous one is known: the scene stayed in
+    // sight, was lost for less than a second, or the inertial sensors bridged the gap.
     bool follows(std::size_t keyframe) const { return follows_[keyframe]; }
 
 private:
-    // Standard deviations that added up while the scene was out of sight.
+    // Standard deviations accumulated while the scene was out of sight.
     struct TrackingGap {
         double position_m = 0.0;
         double rotation_rad = 0.0;

@@ -9,17 +9,17 @@
 namespace divemesh::loops {
 namespace {
 
-constexpr std::size_t kMaxLoopCandidates = 3;  // of one keyframe
-constexpr std::size_t kApart = 3;              // keyframes between two of them
+constexpr std::size_t kMaxLoopCandidates = 3;  // per keyframe
+constexpr std::size_t kApart = 3;              // keyframes between two candidates
 constexpr double kMinSimilarity = 0.02;
-constexpr double kMaxRotation_rad = 1.0;  // between the lines of sight
+constexpr double kMaxRotation_rad = 1.0;  // between the viewing directions
 constexpr double kNumSigmas = 3.0;
 
-// What a keyframe looks at.
+// The part of the scene that a keyframe shows.
 struct Sight {
     Eigen::Vector3d centre_world = Eigen::Vector3d::Zero();
     Eigen::Vector3d axis_world = Eigen::Vector3d::UnitZ();
-    double radius_m = 0.0;  // 0: nothing with a depth
+    double radius_m = 0.0;  // 0: no point has depth
 };
 
 Sight sight_of(const types::RectifiedRig& rig,
@@ -48,7 +48,7 @@ public:
             sights_.push_back(sight_of(rig, keyframes[k], views[k]));
     }
 
-    // May the two show the same place?
+    // Returns true if the two may show the same place.
     bool open(std::size_t a, std::size_t b) const {
         const Sight& one = sights_[a];
         const Sight& other = sights_[b];

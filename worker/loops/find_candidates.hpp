@@ -9,14 +9,14 @@
 
 namespace divemesh::loops {
 
+// Two keyframes that may show the same place.
 struct LoopCandidate {
     std::size_t from = 0;  // the earlier keyframe
     std::size_t to = 0;
 };
 
-// For every keyframe that is `wanted` the few earlier ones that look most like it, among those that
-// the track does not tie to it anyway and that, as far as the track may have drifted, may show the
-// same place. None without views.
+// Returns for every `wanted` keyframe the few most similar earlier ones that the track does not
+// connect to it already and that may show the same place, given the drift. Empty without keypoints.
 std::vector<LoopCandidate> find_candidates(const types::RectifiedRig& rig,
                                            const std::vector<types::Keyframe>& keyframes,
                                            const StoredKeypoints& views,

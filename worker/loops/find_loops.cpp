@@ -11,17 +11,18 @@
 namespace divemesh::loops {
 namespace {
 
-constexpr std::size_t kReach = 8;         // keyframes about the one before that a loop grows to
-constexpr double kMaxRotation_rad = 0.7;  // between the views of a loop that is grown
+// Keyframes around the last match to which a loop may grow.
+constexpr std::size_t kReach = 8;
+constexpr double kMaxRotation_rad = 0.7;  // between the keyframes of a grown loop
 constexpr int kMaxHalvings = 3;
-constexpr double kAligned_px = 4.0;  // off, from where patches find their place
-constexpr double kMaxShift = 0.6;    // in depths of the view
-// Loops looked for in a dive, evenly over it: each costs two pictures, and what more of them say is
-// soon the same again.
+constexpr double kAligned_px = 4.0;  // error from which patches converge
+constexpr double kMaxShift = 0.6;    // in median depths
+// Max number of loops to search for, evenly over the dive. Each loads two images, and more loops
+// soon repeat the same information.
 constexpr std::size_t kMaxLoops = 400;
 
-// Loops by geometry alone, each keyframe's at most one, and in a long dive one of several
-// neighbours'.
+// The search for loops by geometry alone: at most one per keyframe, and in a long dive one per
+// several neighbours.
 class LoopSearch {
 public:
     LoopSearch(const types::Track& track,
@@ -33,7 +34,7 @@ public:
           spacing_(1 + track.keyframes.size() / (kMaxLoops + 1)),
           loop_of_(track.keyframes.size()) {}
 
-    // By a loop of its own or of a near neighbour.
+    // Returns true if the keyframe or a near neighbour has a loop.
     bool is_covisible(std::size_t keyframe) const {
         const std::size_t end = std::min(keyframe + spacing_, loop_of_.size());
         for (std::size_t i = keyframe + 1 - std::min(keyframe + 1, spacing_); i < end; ++i)
@@ -41,8 +42,8 @@ public:
         return false;
     }
 
-    // Where the track lies on an earlier part of itself, to some pixels, it takes no recognition.
-    // False: nothing to look at.
+    // Searches for a loop where the track passes within some pixels of an earlier part of itself,
+    // so that no recognition is needed. Returns false if there is no earlier keyframe to compare.
     bool expect(std::size_t keyframe) {
         const Eigen::Isometry3d& T_world_cam = track_.keyframes[keyframe].T_world_cam;
         const auto near = nearest(T_world_cam, 0, drift_.first_covisible(keyframe));
@@ -81,7 +82,7 @@ private:
         }
     }
 
-    // The neighbour of a loop's later keyframe, by where the loop lets it be.
+    // Measures the neighbour of a loop's later keyframe, from the pose predicted by the loop.
     std::optional<Loop> measure_next(const Loop& known, std::size_t next) {
         const Eigen::Isometry3d T_world_next =
             track_.keyframes[known.from].T_world_cam * known.T_from_to * between(known.to, next);
@@ -92,7 +93,8 @@ private:
         return near ? measure(*near, next, T_world_next, 0) : std::nullopt;
     }
 
-    // Of the keyframes from `low` up to `high` the one that looks most as one at `T_world_cam`.
+    // Returns the keyframe from `low` up to `high` whose view is nearest to that of `T_world_cam`;
+    // nullopt if no view is near.
     std::optional<std::size_t> nearest(const Eigen::Isometry3d& T_world_cam,
                                        std::size_t low,
                                        std::size_t high) const {
@@ -112,7 +114,7 @@ private:
         return best;
     }
 
-    // `to` as seen from `from`, were it at `T_world_to`.
+    // Measures `to` relative to `from`, starting at the pose `T_world_to`.
     std::optional<Loop> measure(std::size_t from,
                                 std::size_t to,
                                 const Eigen::Isometry3d& T_world_to,
@@ -121,7 +123,7 @@ private:
             from, to, T_world_to.inverse() * track_.keyframes[from].T_world_cam, num_halvings);
     }
 
-    // Of the pictures, until what the track may be off is some pixels.
+    // Returns how often to halve the images until the track's drift is some pixels.
     int num_halvings(std::size_t from, std::size_t to) const {
         const double sigma_px = drift_.position_sigma_m(from, to) * track_.rig.focal_px /
                                 track_.statistics.median_depth_m;
@@ -137,7 +139,7 @@ private:
     const types::Track& track_;
     const DriftModel& drift_;
     LoopVerifier verifier_;
-    std::size_t spacing_;                       // of the keyframes that loops are looked for at
+    std::size_t spacing_;                       // between keyframes at which loops are searched for
     std::vector<std::optional<Loop>> loop_of_;  // by the later keyframe
 };
 
@@ -145,7 +147,7 @@ Eigen::Isometry3d by_track(const types::Track& track, const Loop& loop) {
     return track.keyframes[loop.from].T_world_cam.inverse() * track.keyframes[loop.to].T_world_cam;
 }
 
-// What the track's drift does not forbid.
+// Returns the loops that the track's drift allows.
 std::vector<Loop> possible(const types::Track& track,
                            const DriftModel& drift,
                            std::vector<Loop> loops) {

@@ -12,15 +12,16 @@
 
 namespace divemesh::loops {
 
+// The accepted loops of a dive, with statistics of the search.
 struct FoundLoops {
     std::vector<Loop> loops;
     types::LoopStatistics statistics;
 };
 
-// Places that the dive came to again: keyframes that look alike, where the track may have been at
-// the same place by then; that agree in geometry; and that agree with each other. From a place that
-// was recognised the loops grow: the keyframes before and after it are measured by where they must
-// be.
+// Finds places that the dive visits again: keyframes that look similar, whose poses may coincide
+// given the drift, that pass geometric verification, and whose loops are consistent. Loops grow
+// from a recognised place: the keyframes before and after it are searched at their expected
+// position.
 FoundLoops find_loops(const types::Track& track,
                       const DriftModel& drift,
                       const keyframes::KeyframeStore& store,

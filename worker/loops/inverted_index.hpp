@@ -8,19 +8,19 @@
 
 namespace divemesh::loops {
 
-// Which views look alike: an inverted file from visual words to the views that show them (Sivic
-// and Zisserman 2003), words weighted by how rare they are.
+// An index of similar keyframes: an inverted file from visual words to the keyframes that show them
+// (Sivic and Zisserman 2003), with words weighted by their rarity.
 class InvertedIndex {
 public:
     explicit InvertedIndex(const StoredKeypoints& views);
 
-    // Likeness of view `view` with every view, 0 to 1: the shared part of their histograms of
-    // words.
+    // Returns the similarity of keyframe `view` with every keyframe, 0 to 1: the shared part of
+    // their word histograms.
     std::vector<float> similarity(std::size_t view) const;
 
 private:
     struct Entry {
-        std::int32_t key = 0;  // view in a word's list, word in a view's
+        std::int32_t key = 0;  // a keyframe in a word's list, a word in a keyframe's list
         float weight = 0.0F;
     };
     std::vector<std::vector<Entry>> words_of_view_;

@@ -8,13 +8,13 @@
 
 namespace divemesh::loops {
 
-// A landmark of one visit, found again in a keyframe of another.
+// A landmark of one visit, found again in a keyframe of another visit.
 struct Reobservation {
     std::size_t landmark = 0;  // index into Track::landmarks
     types::LandmarkObservation seen;
 };
 
-// Two keyframes that show the same place, with the motion between them as their pictures say.
+// Two keyframes that show the same place, with the relative pose measured by their images.
 struct Loop {
     std::size_t from = 0;  // the earlier keyframe
     std::size_t to = 0;

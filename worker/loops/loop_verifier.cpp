@@ -6,7 +6,7 @@
 namespace divemesh::loops {
 namespace {
 
-constexpr double kSigmaShare = 0.01;  // of the depth: what a loop's translation is good for
+constexpr double kSigmaShare = 0.01;  // of the depth: sigma of a loop's translation
 constexpr double kMaxRotation_rad = 0.02;
 constexpr std::size_t kMaxImages = 16;
 
@@ -16,7 +16,7 @@ double median_depth_m(const std::vector<KnownPoint>& points) {
     return stats::upper_median(std::move(depths_m));
 }
 
-// The same motion, measured by the points of either.
+// Returns true if both directions measured the same motion.
 bool same(const Eigen::Isometry3d& T_to_from, const Eigen::Isometry3d& T_from_to, double sigma_m) {
     const Eigen::Isometry3d round = T_to_from * T_from_to;
     return round.translation().norm() < 5.0 * sigma_m &&

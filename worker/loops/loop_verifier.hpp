@@ -14,20 +14,21 @@
 
 namespace divemesh::loops {
 
-// Whether two keyframes show the same place, by geometry: descriptors agree on one rigid motion,
-// and with it landmarks of each are found again in the other, all over the picture.
+// The verification by geometry that two keyframes show the same place: their descriptors agree on
+// one rigid motion, and with it landmarks of each are found again in the other, spread over the
+// image.
 class LoopVerifier {
 public:
-    // Refers to all of them.
+    // Keeps references to all arguments.
     LoopVerifier(const types::RectifiedRig& rig,
                  const std::vector<types::Keyframe>& keyframes,
                  const std::vector<types::Landmark>& landmarks,
                  const keyframes::KeyframeStore& store);
 
-    // From nothing but what the two look like.
+    // Returns the loop found from the appearance alone; nullopt if the places differ.
     std::optional<Loop> verify(std::size_t from, std::size_t to, std::uint64_t seed);
-    // From a guess of the motion between them, to some pixels, as they are when the pictures have
-    // been halved `num_halvings` times.
+    // Returns the loop found from a guess of the relative pose that is accurate to some pixels in
+    // images halved `num_halvings` times; nullopt if it is not confirmed.
     std::optional<Loop> measure(std::size_t from,
                                 std::size_t to,
                                 const Eigen::Isometry3d& T_to_from,
@@ -49,8 +50,8 @@ private:
     const std::vector<types::Landmark>& landmarks_;
     const keyframes::KeyframeStore& store_;
     StoredKeypoints views_;
-    std::vector<std::vector<Seen>> seen_;    // by each keyframe
-    std::map<std::size_t, cv::Mat> images_;  // the last ones used
+    std::vector<std::vector<Seen>> seen_;    // landmarks by keyframe
+    std::map<std::size_t, cv::Mat> images_;  // most recently used images
 };
 
 }  // namespace divemesh::loops

@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kMaxHammingDistance = 72;
 constexpr double kRatio = 0.85;
-constexpr double kTolerance_px = 4.0;  // corners sit on whole pixels of their level
+constexpr double kTolerance_px = 4.0;  // corners are at whole pixels of their level
 constexpr std::size_t kMinAgreeing = 12;
-constexpr double kSigma_px = 1.0;  // of a corner's place, on its own level
+constexpr double kSigma_px = 1.0;  // of a corner's position, on its own level
 
 struct Nearest {
     int index = -1;

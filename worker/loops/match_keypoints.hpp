@@ -10,13 +10,15 @@
 
 namespace divemesh::loops {
 
-// Points of two views with depth in both that are each other's nearest by descriptor, and clearly
-// nearer than the second (Lowe 2004). `previous` of a pair is of view a, `current` of view b.
+// Returns pairs of keypoints with depth in both keyframes that are mutual nearest neighbours by
+// descriptor and clearly nearer than the second (Lowe 2004). `previous` of a pair belongs to a,
+// `current` to b.
 odometry::PointPairs match_keypoints(const types::RectifiedRig& rig,
                                      const features::DescribedKeypoints& a,
                                      const features::DescribedKeypoints& b);
 
-// T_b_a on which enough of the matches agree, to some pixels. Nothing: not the same place.
+// Returns T_b_a on which enough matches agree, accurate to some pixels; nullopt: not the same
+// place.
 std::optional<Eigen::Isometry3d> register_keypoints(const types::RectifiedRig& rig,
                                                     const features::DescribedKeypoints& a,
                                                     const features::DescribedKeypoints& b,

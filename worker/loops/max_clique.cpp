@@ -30,10 +30,12 @@ public:
 private:
     struct Coloured {
         std::size_t vertex = 0;
-        std::size_t colour = 0;  // from 1 on: no clique among it and those before is larger
+        // From 1: an upper bound on the size of a clique among this and earlier vertices.
+        std::size_t colour = 0;
     };
 
-    // Vertices of one colour are not joined, so a clique has at most one of each.
+    // Colours the candidates. Vertices of one colour are not joined, so a clique has at most one of
+    // each colour.
     std::vector<Coloured> coloured(const std::vector<std::size_t>& candidates) const {
         std::vector<std::vector<std::size_t>> classes;
         for (const std::size_t vertex : candidates) {

@@ -5,9 +5,9 @@
 
 namespace divemesh::loops {
 
-// A largest set of vertices of which any two are joined; `joined` is symmetric. Branch and bound
-// with greedy colouring as the bound (Tomita and Seki 2003); a graph too hard for a quarter of a
-// million branches gives the best set found by then. Returns indices, rising.
+// Returns a max clique, i.e. a largest set of pairwise joined vertices; `joined` is symmetric.
+// Branch and bound with greedy colouring as the bound (Tomita and Seki 2003); after a quarter of a
+// million branches it returns the best set found so far. The indices ascend.
 std::vector<std::size_t> max_clique(const std::vector<std::vector<bool>>& joined);
 
 }  // namespace divemesh::loops

@@ -11,8 +11,7 @@ namespace divemesh::loops {
 namespace {
 
 constexpr double kLoopSigma_rad = 0.003;
-// Of a step from keyframe to keyframe: its own share of a drift that grows with the root of the
-// way.
+// Share of a step between keyframes in a drift that grows with the square root of the distance.
 constexpr double kStepShare = 0.2;
 
 struct Pose {

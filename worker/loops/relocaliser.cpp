@@ -9,7 +9,7 @@
 namespace divemesh::loops {
 namespace {
 
-// Of the corners of a view, looked for along the rows of the right picture.
+// Measures the disparities of keypoints by searching along the rows of the right image.
 void measure_disparities(const types::RectifiedFrame& frame,
                          int num_disparities_px,
                          features::DescribedKeypoints& view) {

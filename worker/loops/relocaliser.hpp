@@ -14,23 +14,24 @@
 
 namespace divemesh::loops {
 
-// The last keyframe in full, and what each is recognised by: when the scene was out of sight, and
-// what comes into sight again overlaps with it, the dive goes on where it is.
+// The memory of the last keyframe and its keypoints. If the scene was lost and comes back
+// overlapping that keyframe, tracking continues from there.
 class Relocaliser {
 public:
-    // Remembers nothing unless `used`.
+    // Stores keyframes only if `used`.
     Relocaliser(const types::RectifiedRig& rig, bool used, int num_disparities_px);
 
-    // A frame was not constrained by vision.
+    // Marks that a frame was not constrained by vision.
     void mark_lost() { lost_ = true; }
 
-    // A frame about to be kept. After sight was lost: features of the last keyframe that it shows
-    // join `features` under their ids, and `motion` is put right.
+    // Called for a frame that is about to become a keyframe. After a loss, features of the last
+    // keyframe that it shows are added to `features` with their ids, and `motion` is corrected.
     void relocalise(const types::RectifiedFrame& frame,
                     std::uint64_t seed,
                     types::Features& features,
                     odometry::MotionModel& motion);
-    // It was kept, at this pose. What it is recognised by; nothing: no loop is looked for.
+    // Stores the frame as a keyframe with this pose. Returns its keypoints; nullopt if loops are
+    // not searched for.
     std::optional<features::DescribedKeypoints> keep(const types::RectifiedFrame& frame,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam);
@@ -38,7 +39,7 @@ public:
 private:
     struct Known {
         Eigen::Isometry3d T_current_reference = Eigen::Isometry3d::Identity();
-        types::Features features;  // of the last keyframe, by their ids, where they are now
+        types::Features features;  // of the last keyframe, with their ids, at current positions
     };
     std::optional<Known> match_last_keyframe(const types::RectifiedFrame& frame,
                                              std::uint64_t seed) const;
@@ -47,8 +48,8 @@ private:
     bool used_;
     int num_disparities_px_;
     bool lost_ = false;
-    features::DescribedKeypoints view_;       // of the frame about to be kept
-    features::DescribedKeypoints last_view_;  // of the last keyframe, as what follows
+    features::DescribedKeypoints view_;       // of the frame about to become a keyframe
+    features::DescribedKeypoints last_view_;  // of the last keyframe, as are the members below
     cv::Mat last_left_;
     types::Features last_features_;
     Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();

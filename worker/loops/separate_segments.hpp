@@ -7,16 +7,16 @@
 
 namespace divemesh::loops {
 
-// A dive that loses the scene goes on in a new piece, unless the track follows on, by inertia or
-// because it was for less than a second, or a loop ties what follows to what was seen before.
-// Pieces are numbered in the order of their first keyframes, from 0 on.
+// Numbers the tracking segments. A dive that loses the scene starts a new segment, unless the gap
+// is bridged (by inertial sensors or because it is shorter than a second) or a loop connects it to
+// an earlier one. Segments are numbered from 0 in the order of their first keyframes.
 void number_segments(const DriftModel& drift,
                      const std::vector<Loop>& loops,
                      std::vector<types::Keyframe>& keyframes);
 
-// Where a piece lies against the others is a guess. So that surfaces are not laid over each other
-// that may not belong together, each is moved along world x, out of the way of those before it;
-// `reach_m` is how far its cameras see.
+// Moves each segment along world x, away from those before it. The relative position of segments is
+// a guess, and surfaces that may not belong together must not overlap. `reach_m` is how far the
+// cameras see.
 void separate_segments(double reach_m, std::vector<types::Keyframe>& keyframes);
 
 }  // namespace divemesh::loops

@@ -7,8 +7,8 @@
 
 namespace divemesh::loops {
 
-// What the keyframes of a dive are recognised by, in order, from where it is kept: of an hour it
-// would take a third of a gigabyte. Refers to both.
+// The keypoints of a dive's keyframes, in order, read from the store on access: for an hour-long
+// dive they would take a third of a gigabyte of memory. Keeps references to both arguments.
 class StoredKeypoints {
 public:
     StoredKeypoints(const keyframes::KeyframeStore& store,

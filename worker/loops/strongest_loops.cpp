@@ -11,7 +11,7 @@ std::vector<std::size_t> strongest_loops(const std::vector<Loop>& loops,
                drift.segment(a.to) == drift.segment(b.to);
     };
     std::vector<std::size_t> result;
-    std::size_t first = 0;  // of the run
+    std::size_t first = 0;  // first loop of the run
     for (std::size_t i = 0; i < loops.size(); ++i) {
         if (i == 0 || i - first == longest || !joins_the_same(loops[first], loops[i])) {
             first = i;

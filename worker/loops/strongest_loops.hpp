@@ -8,8 +8,9 @@
 
 namespace divemesh::loops {
 
-// Of every run of neighbouring loops that join the same two pieces of the track the one that sees
-// most again, so that about `most` are left, evenly over the dive. Returns indices, rising.
+// Returns, of every run of neighbouring loops that join the same two parts of the track, the one
+// with the most reobservations, so that about `most` are left, evenly over the dive. The indices
+// ascend.
 std::vector<std::size_t> strongest_loops(const std::vector<Loop>& loops,
                                          const DriftModel& drift,
                                          std::size_t most);

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::size_t kBranches = 10;
 constexpr int kSweeps = 5;
-constexpr std::size_t kMaxSamples = 25'000;  // some 20 for a word of the third level
-// From so many descriptors on a fourth level keeps the words short.
+constexpr std::size_t kMaxSamples = 25'000;  // about 20 for a word of the third level
+// From this many descriptors a fourth level keeps the lists of the words short.
 constexpr std::size_t kManyDescriptors = 500'000;
 
 features::Descriptor majority(const std::vector<features::Descriptor>& members) {
@@ -37,7 +37,8 @@ std::size_t nearest(const std::vector<features::Descriptor>& centres,
 
 using Clusters = std::vector<std::vector<features::Descriptor>>;
 
-// k-majority: as k-means, in Hamming space. `centres` come out as the clusters' own.
+// Clusters descriptors by k-majority: k-means in Hamming space. `centres` become those of the
+// clusters.
 Clusters cluster(const std::vector<features::Descriptor>& descriptors,
                  std::vector<features::Descriptor>& centres) {
     Clusters clusters;

@@ -11,10 +11,10 @@
 namespace divemesh::odometry {
 namespace {
 
-constexpr double kStill_px = 1.0;          // half of what makes an outlier
-constexpr double kMaxStep_px = 1.0;        // of disparity within one thing
-constexpr double kSameComponent_px = 2.0;  // of its disparity from the feature's
-constexpr double kMaxShare = 0.25;         // of the picture that a fish fills
+constexpr double kStill_px = 1.0;          // half the outlier tolerance
+constexpr double kMaxStep_px = 1.0;        // of disparity within one component
+constexpr double kSameComponent_px = 2.0;  // between its disparity and the feature's
+constexpr double kMaxShare = 0.25;         // of the image that a fish fills
 constexpr int kRim_px = 3;                 // where disparities of both sides mix
 
 bool by_id(const types::Feature& a, const types::Feature& b) { return a.id < b.id; }
@@ -24,7 +24,8 @@ cv::Point pixel_of(const types::Feature& feature) {
             static_cast<int>(std::lround(feature.pixel.y()))};
 }
 
-// Connected surfaces of a disparity image, each looked at once however many features lie on it.
+// The connected components of a disparity image; each is returned once, however many features lie
+// on it.
 class DepthComponents {
 public:
     explicit DepthComponents(const cv::Mat& disparity_px)
@@ -33,14 +34,15 @@ public:
 
     struct DepthComponent {
         cv::Rect where;
-        cv::Mat mask;  // of `where`
+        cv::Mat mask;  // of the size of `where`
     };
-    // The one under a feature; none where nothing has its depth or it was asked for before.
+    // Returns the component under a feature; nullopt if no pixel there has its depth, or the
+    // component has been returned before.
     std::optional<DepthComponent> take_component_at(const types::Feature& feature);
 
 private:
     cv::Mat disparity_px_;
-    cv::Mat found_;  // with a pixel of rim on every side
+    cv::Mat found_;  // with a one-pixel border
 };
 
 std::optional<DepthComponents::DepthComponent> DepthComponents::take_component_at(
@@ -53,15 +55,14 @@ std::optional<DepthComponents::DepthComponent> DepthComponents::take_component_a
         found_.at<std::uint8_t>(seed + cv::Point(1, 1)) != 0)
         return {};
     DepthComponent component;
-    const int num_pixels =
-        cv::floodFill(disparity_px_,  // which FLOODFILL_MASK_ONLY leaves as it is
-                      found_,
-                      seed,
-                      {},
-                      &component.where,
-                      cv::Scalar(kMaxStep_px),
-                      cv::Scalar(kMaxStep_px),
-                      4 | cv::FLOODFILL_MASK_ONLY | (kThis << 8));
+    const int num_pixels = cv::floodFill(disparity_px_,  // not changed, by FLOODFILL_MASK_ONLY
+                                         found_,
+                                         seed,
+                                         {},
+                                         &component.where,
+                                         cv::Scalar(kMaxStep_px),
+                                         cv::Scalar(kMaxStep_px),
+                                         4 | cv::FLOODFILL_MASK_ONLY | (kThis << 8));
     cv::Mat found = found_(component.where + cv::Point(1, 1));
     component.mask = found == kThis;
     found.setTo(kBefore, component.mask);

@@ -9,24 +9,24 @@
 
 namespace divemesh::odometry {
 
-// What moves by itself, fish and snow: features that did not go with the camera's motion. They tell
-// nothing of that motion any more, but are followed on, so that the surface can be kept free of
-// what they lie on.
+// Dynamic features, e.g. on fish and marine snow: they did not follow the camera's motion. They no
+// longer contribute to the motion, but tracking continues, so that the depth under them can be
+// masked.
 class DynamicFeatures {
 public:
     explicit DynamicFeatures(const types::RectifiedRig& rig) : rig_(rig) {}
 
-    // What to track: the features of the scene and these, ids rising.
+    // Returns the features to track: `scene` and the dynamic ones, ids ascending.
     types::Features with_dynamic(const types::Features& scene) const;
-    // Takes these out of the tracks and keeps where they are now.
+    // Removes the dynamic features from the tracks and stores their current positions.
     void take_dynamic(types::Features& tracks);
-    // Pairs that are not among the inliers of the motion move by themselves from now on; what goes
-    // with the scene after all is followed no more.
+    // Classifies pairs that are not inliers of the motion as dynamic. Dynamic features that follow
+    // the static scene after all are dropped.
     void classify(const PointPairs& pairs, const Registration& motion);
 
-    // As last seen.
+    // Returns the dynamic features as last seen.
     const types::Features& now() const { return features_; }
-    // Those that were found to move just now, as the frame before had them.
+    // Returns the features newly classified as dynamic, as the previous frame had them.
     const types::Features& before() const { return started_; }
 
 private:
@@ -35,12 +35,12 @@ private:
 
     types::RectifiedRig rig_;
     types::Features features_;
-    types::Features previous_;  // as the frame before had them
+    types::Features previous_;  // as the previous frame had them
     types::Features started_;
 };
 
-// Takes out of the depth the patches of surface that lie under moving features and under none of
-// the scene: features that went along with the camera, and are not among the moving ones.
+// Removes from the depth the surface components under dynamic features that have no static feature
+// on them. Static features are those of `scene` that are not in `dynamic`.
 void mask_dynamic_features(const types::Features& dynamic,
                            const types::Features& scene,
                            types::DepthMap& depth);

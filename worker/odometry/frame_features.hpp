@@ -9,33 +9,33 @@
 #include "worker/types/keyframe.hpp"
 #include "worker/types/rectified_rig.hpp"
 
-// What happens to features between the steps of one frame and the next.
+// The handling of features between the steps of one frame and the next.
 namespace divemesh::odometry {
 
-// Of this frame's random numbers, whatever was drawn before.
+// Returns the seed of this frame's random numbers, independent of earlier draws.
 std::uint64_t seed_of(std::int64_t seed, const types::RectifiedFrame& frame);
 
-// T_world_cam where the dive begins: the body at the origin, gravity down.
+// Returns T_world_cam at the start of the dive: the body at the origin, gravity down.
 Eigen::Isometry3d first_pose(const imu::InertialPrior& inertial,
                              const types::RectifiedRig& rig,
                              std::int64_t timestamp_ns);
 
-// The tracks without what moves by itself: fish and snow.
+// Returns the tracks without dynamic features: fish and marine snow.
 types::Features without_dynamic_features(const types::Features& tracks,
                                          const PointPairs& pairs,
                                          const Registration& motion);
 
-// Those that went with the camera's motion, as they are now.
+// Returns the inliers of the motion as features at their current positions.
 types::Features static_features(const Registration& motion);
 
-// Those that the tracker had lost and finds again now that the motion is known.
+// Adds features that the tracker had lost and finds again once the motion is known.
 void add_lost_features(const types::RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,
                        int num_disparities_px,
                        features::FeatureTracker& tracker,
                        types::Features& features);
 
-// Where the picture has lost its features, new ones with their disparity and its slope.
+// Adds new features with disparity and slope where the image has none.
 void add_new_features(const types::RectifiedRig& rig,
                       const types::RectifiedFrame& frame,
                       const types::DepthMap& depth,
@@ -43,7 +43,7 @@ void add_new_features(const types::RectifiedRig& rig,
                       features::FeatureTracker& tracker,
                       types::Features& features);
 
-// What the gyroscope read while vision alone saw the camera turn.
+// Updates the gyroscope bias from the rotation that vision alone measured.
 void learn_bias(imu::InertialPrior& inertial,
                 const types::RectifiedRig& rig,
                 const Registration& vision,

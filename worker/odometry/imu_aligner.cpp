@@ -12,7 +12,7 @@ constexpr std::int64_t kMinInterval_ns = 2'000'000'000;
 constexpr std::size_t kMaxRotations = 600;
 constexpr std::size_t kMinNumPairs = 30;
 
-// As measured. Ids rise in both.
+// Returns the inliers of `vision` as measured. Ids ascend in both.
 PointPairs inliers_of(const PointPairs& measured, const Registration& vision) {
     PointPairs inliers;
     std::set_intersection(measured.begin(),

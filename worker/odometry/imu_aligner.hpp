@@ -10,18 +10,18 @@
 
 namespace divemesh::odometry {
 
-// Watches the first minute of a dive for a time offset and a misalignment of the inertial unit, so
-// that the tracking does not lean on a prediction that is always late or askew. What is not plainly
-// there is left alone; the adjustment of the whole dive looks again.
+// An estimator of the IMU's time offset and misalignment in the first minute of a dive, so that the
+// tracking does not use a prediction that is late or misaligned. Only significant values are
+// applied; the bundle adjustment of the whole dive estimates them again.
 class ImuAligner {
 public:
     explicit ImuAligner(const types::Recording& recording) : samples_(recording.imu()) {}
 
-    // `vision` saw the camera move over the interval; of `measured`, pairs as the two frames alone
-    // have them, its inliers count. (Landmarks will not do for that: the window places them with
-    // the very gyroscope that is judged here, and an error of it would confirm itself.) Changes
-    // `inertial` when the turns so far say so: after two seconds, and whenever there are half as
-    // many turns again.
+    // Adds the rotation over the interval by the inliers of `vision` among `measured`, pairs as
+    // measured by the two frames alone. (Landmarks would not do: the sliding window places them
+    // with the same gyroscope, so its error would confirm itself.) Corrects `inertial` when the
+    // rotations so far are significant: after two seconds, and whenever their number has grown by
+    // half.
     void watch(const types::RectifiedRig& rig,
                const PointPairs& measured,
                const Registration& vision,

@@ -7,7 +7,7 @@
 namespace divemesh::odometry {
 namespace {
 
-// Longer than this nobody swims on as before.
+// After this time a diver no longer moves as before.
 constexpr double kMaxExtrapolation_s = 0.5;
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
@@ -74,7 +74,7 @@ void MotionModel::advance(const Eigen::Isometry3d& T_current_previous, std::int6
             inertial_state_.reset();
     }
     const Eigen::Quaterniond turned(T_previous_current.linear());
-    // In the frame of the new camera, from where the next step is reckoned.
+    // In the new camera's frame, where the next step starts.
     velocity_cam_ = T_current_previous.linear() * T_previous_current.translation() / interval_s;
     angular_velocity_cam_ = base::vector_from_rotation(turned) / interval_s;
     T_world_cam_ = T_world_cam_ * T_previous_current;

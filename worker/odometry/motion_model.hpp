@@ -10,22 +10,23 @@
 
 namespace divemesh::odometry {
 
-// Where the camera is and how it moves: what lets a frame be expected before it is looked at, and
-// carries on when vision fails.
+// The camera's pose and motion. It predicts a frame before its features are tracked, and continues
+// when vision fails.
 class MotionModel {
 public:
     MotionModel(const types::RectifiedRig& rig, const imu::InertialPrior& inertial)
         : rig_(rig), inertial_(inertial) {}
 
     void start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_cam);
-    // The camera's turn by the inertial sensors since the last frame.
+    // Returns the camera's rotation by the inertial sensors since the last frame; nullopt if
+    // unknown.
     std::optional<types::KnownRotation> rotation(std::int64_t timestamp_ns) const;
-    // T_current_previous by the inertial unit once velocity and vertical are known; else at
-    // constant velocity, turned as the inertial sensors say, where they do.
+    // Returns T_current_previous predicted by the IMU, if velocity and vertical are known; else at
+    // constant velocity, with the inertial sensors' rotation if known.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
-    // The last pose is known better now; with an inertial unit so are velocity and vertical.
+    // Corrects the last pose, and with an IMU the velocity and the vertical.
     void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
     void correct(const Eigen::Vector3d& velocity_world,
                  const Eigen::Vector3d& gravity_direction_world) {
@@ -40,7 +41,7 @@ private:
     // T_previous_current.
     Eigen::Isometry3d predict_by_imu(const imu::PreintegratedImu& motion) const;
 
-    // What the inertial unit has to be told to say how the body moves.
+    // The state that the IMU needs to predict the motion of the body.
     struct InertialState {
         Eigen::Vector3d velocity_world;
         Eigen::Vector3d gravity_direction_world;

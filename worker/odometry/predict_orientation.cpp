@@ -3,8 +3,8 @@
 namespace divemesh::odometry {
 namespace {
 
-// The translation that the inliers ask for once the rotation is given. Near points know it best:
-// weight by disparity squared, as the depth error goes with 1 / disparity^2.
+// Returns the best translation of the inliers for a given rotation. Near points measure it best:
+// the weight is disparity squared, as the depth error is proportional to 1 / disparity^2.
 Eigen::Vector3d translation_for(const Eigen::Matrix3d& R, const PointPairs& inliers) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double weights = 0.0;

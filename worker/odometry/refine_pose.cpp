@@ -19,12 +19,12 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix36d = Eigen::Matrix<double, 3, 6>;
 
 constexpr int kMaxIterations = 10;
-constexpr double kHuber = 2.0;       // sigmas of a whole measurement
+constexpr double kHuber = 2.0;       // sigmas of a whole measurement (u, v, disparity)
 constexpr double kConverged = 1e-6;  // rad and m
 constexpr double kMinDepth_m = 1e-3;
 constexpr double kFirstDamping = 1e-6;  // of the diagonal
 constexpr double kMoreDamping = 100.0;
-constexpr double kTolerance = 1e-3;  // of the cost, which moves with the covariances, too
+constexpr double kTolerance = 1e-3;  // of the cost, which also changes with the covariances
 
 // The normal equations of one step, rotation first.
 struct NormalEquations {
@@ -33,7 +33,7 @@ struct NormalEquations {
     double cost = 0.0;
 };
 
-// d h / d p.
+// Returns d h / d p.
 Eigen::Matrix3d projection_jacobian(const types::RectifiedRig& rig, const Eigen::Vector3d& p) {
     const double scale = rig.focal_px / p.z();
     Eigen::Matrix3d by_point;
@@ -43,7 +43,7 @@ Eigen::Matrix3d projection_jacobian(const types::RectifiedRig& rig, const Eigen:
     return by_point;
 }
 
-// d p / d m of a triangulated point.
+// Returns d p / d m of a triangulated point.
 Eigen::Matrix3d point_by_measurement(const types::RectifiedRig& rig,
                                      const Eigen::Vector3d& p,
                                      double disparity_px) {
@@ -55,7 +55,7 @@ Eigen::Matrix3d point_by_measurement(const types::RectifiedRig& rig,
     return by_measurement;
 }
 
-// False when the point would lie behind the camera.
+// Returns false if the point would lie behind the camera.
 bool add_pair(const types::RectifiedRig& rig,
               const PointPair& pair,
               const Eigen::Isometry3d& T_current_previous,
@@ -94,7 +94,7 @@ void add_known_rotation(const types::KnownRotation& known,
     equations.g.head<3>() += information * error;
 }
 
-// Cost infinite where a point lies behind the camera.
+// Returns infinite cost if a point lies behind the camera.
 NormalEquations linearise(const types::RectifiedRig& rig,
                           const PointPairs& pairs,
                           const std::optional<types::KnownRotation>& known,

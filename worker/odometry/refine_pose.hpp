@@ -9,9 +9,9 @@
 
 namespace divemesh::odometry {
 
-// Step 6: rotation and translation refined by Levenberg-Marquardt from the guess, over the pairs
-// and the inertial unit's word. With m = (u, v, disparity), p the point triangulated from m_a, h
-// the projection and R <- exp(w) R, T <- T + t each step:
+// Step 6: refines rotation and translation by Levenberg-Marquardt from the guess, over the pairs
+// and the rotation known from the IMU. With m = (u, v, disparity), p the point triangulated from
+// m_a, h the projection and R <- exp(w) R, T <- T + t each step:
 //
 //     e = h(R p + T) - m_b,   C = S_b + J S_a J^T,   J = d h(R p + T) / d m_a
 //     min sum huber(e^T C^-1 e) + |log(R q_known^-1)|^2 / sigma^2
@@ -22,15 +22,15 @@ RefinedPose refine_pose(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const MotionGuess& guess);
 
-// Of a motion that refine_pose has found, the inverse of its normal equations: rotation vector
-// (rad), then translation (m), of R <- exp(w) R, T <- T + t.
+// Returns the covariance of a motion found by refine_pose, the inverse of its normal equations:
+// rotation vector (rad), then translation (m), of R <- exp(w) R, T <- T + t.
 Eigen::Matrix<double, 6, 6> motion_covariance(const types::RectifiedRig& rig,
                                               const PointPairs& pairs,
                                               const Eigen::Isometry3d& T_current_previous);
 
-// Standard deviation of a motion that refine_pose has found, along what the pairs and the known
-// rotation say least about; in rad, translations as angles at the pairs' median depth. Large where
-// the pairs are too few, too far or nearly on one line.
+// Returns the standard deviation of a motion found by refine_pose in the direction that the pairs
+// and the known rotation constrain least, in rad. Translations count as angles at the pairs' median
+// depth. It is large if the pairs are too few, too far or nearly on one line.
 double max_sigma_rad(const types::RectifiedRig& rig,
                      const PointPairs& pairs,
                      const MotionGuess& motion);

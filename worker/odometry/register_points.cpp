@@ -34,7 +34,8 @@ PointPairs sample_three(const PointPairs& pairs, std::mt19937_64& random) {
     return {pairs[first], pairs[second], pairs[third]};
 }
 
-// Tries after which three inliers have been drawn together with kConfidence.
+// Returns the number of iterations after which three inliers have been drawn together with
+// probability kConfidence.
 int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
     const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
     const double miss = 1.0 - share * share * share;
@@ -66,12 +67,12 @@ Registration register_points(const types::RectifiedRig& rig,
         result.inliers = find_inliers(rig, pairs, guess->T_b_a, tolerance_px);
         tries = std::min(tries, i + 1 + num_iterations_needed(result.inliers.size(), pairs.size()));
     }
-    // Horn over all inliers, and once more over those that agree with that.
+    // Horn over all inliers, then once more over those that agree with the result.
     for (int i = 0; i < 2; ++i) {
         const auto all = align(result.inliers);
         if (!all) break;
         auto inliers = find_inliers(rig, pairs, all->T_b_a, tolerance_px);
-        if (inliers.size() < result.inliers.size() * 9 / 10) break;  // far points pull it off
+        if (inliers.size() < result.inliers.size() * 9 / 10) break;  // far points distort it
         result.T_current_previous = all->T_b_a;
         result.scale = all->scale;
         result.inliers = std::move(inliers);

@@ -8,9 +8,10 @@
 
 namespace divemesh::odometry {
 
+// The motion from vision, with its inliers.
 struct Registration {
-    bool found = false;       // enough pairs agree, and they determine it
-    bool degenerate = false;  // enough agree, but they do not
+    bool found = false;       // enough pairs agree, and they determine the motion
+    bool degenerate = false;  // enough agree, but do not determine the motion
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     double scale = 1.0;  // Horn's s over the inliers: reported, never applied
     PointPairs inliers;
@@ -18,13 +19,13 @@ struct Registration {
 };
 
 inline constexpr std::size_t kMinInliers = 8;
-// A pair agrees with a motion within this.
+// Max error of a pair that agrees with a motion.
 inline constexpr double kInlierTolerance_px = 2.0;
 
-// Step 4: RANSAC over Horn's absolute orientation, three pairs a try: vision alone, and whatever
-// moves by itself (fish, snow) left out. A pair agrees when the moved point projects to within
-// `tolerance_px` of where it was seen, disparity included: metres would favour what is near. The
-// same pairs and seed give the same result.
+// Step 4: RANSAC over Horn's absolute orientation with three pairs per iteration: vision alone, and
+// dynamic features (fish, marine snow) are outliers. A pair agrees if the moved point projects to
+// within `tolerance_px` of its measurement, disparity included; an error in metres would favour
+// near points. The result depends only on the pairs and the seed.
 Registration register_points(const types::RectifiedRig& rig,
                              const PointPairs& pairs,
                              double tolerance_px,

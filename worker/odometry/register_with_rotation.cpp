@@ -13,12 +13,13 @@ namespace divemesh::odometry {
 namespace {
 
 constexpr int kMaxRansacIterations = 60;
-constexpr int kMinRansacIterations = 10;  // one pair's noise moves the translation: some are better
+constexpr int kMinRansacIterations = 10;  // several, as one pair's noise moves the translation
 constexpr double kConfidence = 0.9999;
-constexpr double kMaxSigma_rad = 0.02;    // ten pixels: worse than going on as before
-constexpr double kMinTrustedShare = 0.7;  // of the pairs, that agree with a turn not to be doubted
+constexpr double kMaxSigma_rad = 0.02;    // ten pixels: worse than the prediction
+constexpr double kMinTrustedShare = 0.7;  // share of pairs that confirms the known rotation
 
-// Tries after which an inlier has been drawn with kConfidence.
+// Returns the number of iterations after which an inlier has been drawn with probability
+// kConfidence.
 int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
     const double miss = 1.0 - static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
     if (miss <= 1.0 - kConfidence) return kMinRansacIterations;
@@ -26,7 +27,7 @@ int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
     return static_cast<int>(std::clamp<double>(tries, kMinRansacIterations, kMaxRansacIterations));
 }
 
-// The best motion among the expected one and those that turn with the gyroscope.
+// Returns the best motion among the expected one and those with the gyroscope's rotation.
 Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
                                    const PointPairs& pairs,
                                    const Eigen::Matrix3d& R_current_previous,
@@ -53,7 +54,7 @@ Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
     return best;
 }
 
-// Refined over its inliers, and once more over those that agree with that.
+// Refines the motion over its inliers, then once more over those that agree with the result.
 Registration settled(const types::RectifiedRig& rig,
                      const PointPairs& pairs,
                      const Eigen::Isometry3d& T_current_previous,

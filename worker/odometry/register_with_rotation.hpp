@@ -10,12 +10,12 @@
 
 namespace divemesh::odometry {
 
-// Step 4 with the turn known by the gyroscope: one pair gives the translation, so that few tries
-// find the motion among many outliers, on planes too. `expected` (T_current_previous) is tried
-// first. Where the turn is unknown, or fewer than most pairs agree with it, the paper's Horn is
-// asked as well and the better of the two taken. The motion given back is refined over the
-// inliers by vision alone. Inliers that, with the turn where it is known, leave some part of the
-// motion open are degenerate: nothing is found.
+// Step 4 with the rotation known from the gyroscope: one pair gives the translation, so that few
+// iterations find the motion among many outliers, on planes too. `expected` (T_current_previous) is
+// tried first. If the rotation is unknown, or too few pairs agree with it, register_points runs as
+// well and the better result is taken. The returned motion is refined over the inliers by vision
+// alone. If the inliers and the known rotation leave a part of the motion undetermined, the result
+// is degenerate and not `found`.
 Registration register_with_rotation(const types::RectifiedRig& rig,
                                     const PointPairs& pairs,
                                     const std::optional<types::KnownRotation>& rotation,

@@ -11,13 +11,13 @@
 
 namespace divemesh::odometry {
 
-// Adds up what the frames say about how well the tracking went.
+// The statistics of the tracking, accumulated over the frames.
 class TrackSummary {
 public:
     void add_frame(const types::Features& features,
                    const Registration& motion,
                    const MotionGuess& guess);
-    // The first frame: nothing to compare it with.
+    // Counts the first frame, which has no motion.
     void add_first_frame() {
         ++num_frames_;
         ++num_tracked_;
@@ -47,7 +47,7 @@ private:
     std::vector<double> scales_;
     std::vector<double> depths_m_;               // median of each frame
     std::vector<double> lives_frames_;           // of the tracks that ended
-    std::unordered_map<std::int64_t, int> age_;  // of the tracks that go on
+    std::unordered_map<std::int64_t, int> age_;  // of the current tracks
 };
 
 }  // namespace divemesh::odometry

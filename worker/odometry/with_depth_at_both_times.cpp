@@ -7,7 +7,7 @@ PointPairs with_depth_at_both_times(const types::RectifiedRig& rig,
                                     const types::Features& current) {
     PointPairs pairs;
     auto before = previous.begin();
-    for (const types::Feature& feature : current) {  // ids rise in both
+    for (const types::Feature& feature : current) {  // ids ascend in both
         while (before != previous.end() && before->id < feature.id) ++before;
         if (before == previous.end()) break;
         if (before->id != feature.id || !types::has_depth(*before) || !types::has_depth(feature))

@@ -19,9 +19,10 @@ struct PointPair {
     Eigen::Vector3d p_previous = Eigen::Vector3d::Zero();  // m, in the camera at t-1
     Eigen::Vector3d p_current = Eigen::Vector3d::Zero();   // m, in the camera at t
 };
+// ids ascending
 using PointPairs = std::vector<PointPair>;
 
-// Step 3: keeps the features whose depth is known at t-1 and at t.
+// Step 3: returns the features whose depth is known at t-1 and at t.
 PointPairs with_depth_at_both_times(const types::RectifiedRig& rig,
                                     const types::Features& previous,
                                     const types::Features& current);

@@ -28,7 +28,7 @@ constexpr double kHuberReprojection = 1.5;  // in sigmas
 constexpr double kHuberOrientation = 2.0;
 constexpr double kHuberDepth = 2.0;
 constexpr double kMinWalk = 1e-6;          // rad/s, m/s^2
-constexpr double kWindowTolerance = 1e-4;  // of the cost
+constexpr double kWindowTolerance = 1e-4;  // relative change of the cost
 constexpr double kDiveTolerance = 1e-5;
 
 }  // namespace

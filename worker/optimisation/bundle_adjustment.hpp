@@ -14,7 +14,7 @@
 
 namespace divemesh::optimisation {
 
-// The body at a keyframe, as the adjustments estimate it.
+// The state of the body at a keyframe.
 struct BodyState {
     Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_world_imu = Eigen::Vector3d::Zero();
@@ -25,20 +25,21 @@ struct BodyState {
     Eigen::Isometry3d T_world_imu() const;
 };
 
-// How uncertain a state is against what was held, axes of the world.
+// The covariance of a state relative to what was held constant, in the axes of the world.
 struct StateCovariance {
     Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d rotation_rad2 = Eigen::Matrix3d::Zero();
 };
 
+// The covariances of several states.
 struct JointCovariance {
     std::vector<StateCovariance> states;
-    Eigen::MatrixXd positions_m2;  // of all positions with each other, three rows a state
+    Eigen::MatrixXd positions_m2;  // joint covariance of all positions, three rows per state
 };
 
-// Bundle adjustment: body states and landmarks that fit best what the cameras and the inertial
-// sensors measured. States and landmarks belong to the caller, stay where they are until a solver
-// has changed them. One thread: the same input gives the same bits.
+// Bundle adjustment: estimates body states and landmarks from what the cameras and the inertial
+// sensors measured. The caller owns states and landmarks and must not move them in memory; solvers
+// change them in place. Single-threaded: the same input gives the same bits.
 class BundleAdjustment {
 public:
     explicit BundleAdjustment(const types::RectifiedRig& rig);
@@ -47,19 +48,19 @@ public:
     BundleAdjustment& operator=(const BundleAdjustment&) = delete;
 
     void add_state(BodyState& state, bool fixed);
-    // Those of one landmark after one another.
+    // Adds an observation of a landmark; those of one landmark must follow each other.
     void add_observation(BodyState& state,
                          Eigen::Vector3d& p_world,
                          const Eigen::Vector3d& measured_px,
                          const Eigen::Vector3d& sigma_px);
-    // The gyroscope between two states; `random_walk` of its bias in rad/s^2/sqrt(Hz).
+    // Adds the gyroscope's rotation between two states; `random_walk` of its bias in
+    // rad/s^2/sqrt(Hz).
     void add_gyro_rotation(BodyState& from,
                            BodyState& to,
                            const imu::GyroscopeIntegral& rotation,
                            double random_walk);
-    // Gyroscope and accelerometer between two states, and their biases, which walk as `noise` says.
-    // `gravity_direction_world`, a unit vector, is where gravity points: unknown, and the same all
-    // along.
+    // Adds gyroscope and accelerometer between two states, and the random walk of their biases by
+    // `noise`. `gravity_direction_world`, a unit vector along gravity, is unknown and constant.
     void add_imu_preintegration(BodyState& from,
                                 BodyState& to,
                                 const imu::PreintegratedImu& motion,
@@ -67,13 +68,15 @@ public:
                                 Eigen::Vector3d& gravity_direction_world);
     void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
-    // The AHRS's word. `q_world_ahrs`, its world in ours, is unknown and the same all along.
+    // Adds an orientation from the AHRS. `q_world_ahrs`, the AHRS's world in ours, is unknown and
+    // constant.
     void add_orientation(BodyState& state,
                          Eigen::Quaterniond& q_world_ahrs,
                          const Eigen::Quaterniond& q_ahrs_imu,
                          double sigma_rad);
 
-    // Depth below a surface that lies `offset_m` above the world's origin, unknown as well.
+    // Adds a depth below a surface that lies `offset_m` above the world's origin; the offset is
+    // unknown too.
     void add_depth(BodyState& state,
                    Eigen::Vector3d& gravity_direction_world,
                    double& offset_m,
@@ -84,7 +87,8 @@ public:
                                double sigma);
 
     void add_prior(const LinearPrior& prior);
-    // What was added says this about all but the landmarks and the `leaving` blocks of numbers.
+    // Returns the prior that all added factors give for the remaining blocks: landmarks and the
+    // `leaving` blocks are marginalised.
     LinearPrior marginalise(const std::vector<double*>& leaving);
 
     // A few states, dense.

@@ -6,7 +6,8 @@
 
 namespace divemesh::optimisation {
 
-// Linearly between those of the keyframes, beyond their ends as at the end.
+// Returns the covariance interpolated linearly between keyframes; before the first and after the
+// last it is constant.
 types::PoseCovariance covariance_between(const types::CovarianceTrack& keyframes,
                                          std::int64_t timestamp_ns);
 

@@ -10,9 +10,11 @@
 namespace divemesh::optimisation {
 namespace {
 
-constexpr double kMinRotation = 1e-3;  // of the largest column: below, a straight path
+// Relative to the largest column; below it the path is straight.
+constexpr double kMinRotation = 1e-3;
 
-// Columns: what the rigid motions about the centre do to the positions.
+// Returns, in its columns, the displacements of the positions by the rigid motions about their
+// centre.
 Eigen::MatrixXd rigid_motions(const std::vector<Eigen::Vector3d>& positions) {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3d& p : positions) centre += p / static_cast<double>(positions.size());

@@ -8,29 +8,33 @@
 
 namespace divemesh::optimisation {
 
-// `covariance_m2`: three rows a position, in the axes of the positions.
+// Returns the expected error after alignment. `covariance_m2` has three rows per position, in the
+// positions' axes.
 types::PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
                                        const Eigen::MatrixXd& covariance_m2);
 
-// What the errors do, one standard deviation, to a factor on heights that is measured from outside,
-// as a depth sensor does: with v the heights less the level that fits them best (a tilt is no error
-// of the factor), sqrt(v' P_z v) / v' v. 0 for a path that is level.
+// Returns the standard deviation of a scale factor of heights caused by the errors, when the factor
+// is measured against an outside reference such as a depth sensor. With v the heights minus the
+// plane that fits them best (a tilt does not change the factor): sqrt(v' P_z v) / v' v. 0 for a
+// level path.
 double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
                             const Eigen::MatrixXd& covariance_m2);
 
-// With what following the keyframes adds at the frames between them: errors of their own, which no
-// alignment takes away.
+// Adds the errors of the frames between keyframes; they are independent, so no alignment removes
+// them.
 types::PathUncertainty with_frames_between(types::PathUncertainty keyframes,
                                            const types::CovarianceTrack& of_keyframes,
                                            const types::CovarianceTrack& of_frames);
 
-// By how much, along one axis, the poses move what is near them; 0: not known.
+// Returns the standard deviation, along one axis, of how far the poses' errors move what is near
+// them; 0: unknown.
 double shared_sigma_m(const types::PathUncertainty& path);
 
-// What a sum of squares of normal numbers stays below in 95 of 100 cases, by its mean and its
-// degrees of freedom: as a multiple of chi-square (Satterthwaite 1946).
+// Returns the 95 % quantile of a sum of squares of normal variables, given its mean and degrees of
+// freedom, as a multiple of chi-square (Satterthwaite 1946).
 double quantile_95(double mean_square, double degrees_of_freedom);
-// Of the squared length of a normal vector of this covariance.
+// Returns the same quantile of the squared length of a normally distributed vector with this
+// covariance.
 double squared_length_95(const Eigen::Matrix3d& covariance);
 
 }  // namespace divemesh::optimisation

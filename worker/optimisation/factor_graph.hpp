@@ -14,13 +14,13 @@
 
 namespace divemesh::optimisation {
 
-// Unknown numbers. They lie where the caller has them, and are known by that.
+// A block of unknowns. Its values are owned by the caller, and their address identifies it.
 struct Block {
     double* values = nullptr;
     int size = 0;
     ceres::Manifold* manifold = nullptr;  // nullptr: a vector
     bool fixed = false;
-    Eigen::VectorXd first_estimate;  // where derivatives are taken; empty: where it is now
+    Eigen::VectorXd first_estimate;  // linearisation point; empty: the current values
 
     int tangent_size() const { return manifold ? manifold->TangentSize() : size; }
     const double* linearised_at() const {
@@ -28,40 +28,42 @@ struct Block {
     }
 };
 
+// A cost function over some blocks; `loss` may be nullptr.
 struct Factor {
     std::unique_ptr<ceres::CostFunction> cost;
     ceres::LossFunction* loss = nullptr;
     std::vector<int> blocks;
 };
 
-// A landmark as a state saw it.
+// An observation of a landmark from a state.
 struct StereoFactor {
     StereoReprojection reprojection;
-    int rotation = 0;  // blocks
+    int rotation = 0;  // index of a block
     int position = 0;
     std::size_t landmark = 0;
 };
 
-// Unknowns, and what was measured of them: sums of squares, cameras' under `reprojection_loss`.
+// A graph of unknowns and the factors that measure them. The cost is a sum of squares; camera
+// observations are under `reprojection_loss`.
 class FactorGraph {
 public:
     explicit FactorGraph(double reprojection_huber) : reprojection_loss_(reprojection_huber) {}
 
-    // Its index. One that is known already stays as it is.
+    // Returns the block's index; a block that exists already is not changed.
     int add_block(double* values, int size, ceres::Manifold* manifold = nullptr);
     void fix(double* values);
-    // Derivatives by a block are taken there from now on.
+    // Sets the block's linearisation point.
     void set_first_estimate(double* values, const Eigen::VectorXd& at);
-    // Blocks that are not known yet are vectors. `loss` stays the caller's.
+    // Adds a factor; blocks that do not exist yet become vectors. The caller keeps `loss`.
     void add_factor(std::unique_ptr<ceres::CostFunction> cost,
                     ceres::LossFunction* loss,
                     const std::vector<double*>& blocks);
-    // Observations of one landmark are added after one another.
+    // Adds an observation; those of one landmark must follow each other.
     void add_observation(const StereoReprojection& reprojection,
                          double* q_world_imu,
                          double* p_world_imu,
                          Eigen::Vector3d& p_world);
-    // Observations of what is not in front of the camera.
+    // Removes observations of landmarks that are not in front of the camera.
     void drop_unseen();
 
     const std::vector<Block>& blocks() const { return blocks_; }
@@ -72,7 +74,8 @@ public:
     int index_of(const double* values) const { return index_.at(values); }
     bool contains(const double* values) const { return index_.contains(values); }
 
-    // All of it as a problem for Ceres, which refers to this graph. First estimates are not heeded.
+    // Returns the whole graph as a Ceres problem that refers to this graph. First estimates are
+    // ignored.
     std::unique_ptr<ceres::Problem> problem();
 
 private:

@@ -10,15 +10,15 @@
 namespace divemesh::optimisation {
 namespace {
 
-constexpr double kMedianOfThree = 2.366;  // of chi-square with 3 degrees of freedom
+constexpr double kMedianOfThree = 2.366;  // median of chi-square with 3 degrees of freedom
 
-// Per axis.
+// Variances per axis.
 struct Variance {
     double position_m2 = 0.0;
     double rotation_rad2 = 0.0;
 };
 
-// Frames from one keyframe to the next, and how far the odometry misses it.
+// The frames from one keyframe to the next, and the odometry's error over them.
 struct Interval {
     std::size_t from = 0;
     std::size_t to = 0;
@@ -49,7 +49,7 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
     return result;
 }
 
-// Of one step from frame to frame.
+// Returns the variance of one step from frame to frame.
 Variance step_variance(const std::vector<Interval>& intervals) {
     const auto typical = [&](double Variance::*part) {
         std::vector<double> values;

@@ -9,10 +9,10 @@
 
 namespace divemesh::optimisation {
 
-// Of every frame: linearly between those of the keyframes, beyond their ends as at the end; and
-// what the odometry that it follows them by adds. That errs by independent steps, as far as it
-// misses from one keyframe to the next, median over the dive or here, whichever is more; tied to
-// keyframes at both ends its error is a Brownian bridge.
+// Returns the covariance of every frame: interpolated linearly between keyframes (constant outside)
+// plus the error of the odometry between them. That error is a random walk, sized by how far the
+// odometry misses the next keyframe: the larger of the median over the dive and the local value. As
+// it is tied to keyframes at both ends, it is a Brownian bridge.
 types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
                                       const types::Trajectory& odometry,
                                       const std::vector<types::Keyframe>& keyframes,

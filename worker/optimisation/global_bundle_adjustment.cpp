@@ -13,16 +13,16 @@ namespace {
 
 constexpr int kMaxIterations = 15;
 constexpr std::size_t kMaxObservations = 400'000;
-// Baseline and focal length of a careful calibration: they are not estimated here, so what they err
-// by is added (Schmidt's consider parameters).
+// Scale error of a careful calibration's baseline and focal length. They are not estimated here, so
+// their uncertainty is added (Schmidt's consider parameters).
 constexpr double kScaleSigma = 0.001;
-constexpr std::size_t kMaxCovariances = 64;  // keyframes; they change slowly between
+constexpr std::size_t kMaxCovariances = 64;  // keyframes; covariances change slowly between them
 
 Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
 }
 
-// Every n-th landmark, so that no more than kMaxObservations remain.
+// Returns n such that every n-th landmark makes no more than kMaxObservations.
 std::size_t stride_for(const std::vector<types::Landmark>& landmarks) {
     std::size_t num_observations = 0;
     for (const types::Landmark& landmark : landmarks)
@@ -30,7 +30,7 @@ std::size_t stride_for(const std::vector<types::Landmark>& landmarks) {
     return 1 + num_observations / kMaxObservations;
 }
 
-// Of every `stride`-th landmark: those that were adjusted.
+// Returns the reprojection RMS of every `stride`-th landmark, i.e. of the adjusted ones.
 double reprojection_rms_px(const types::RectifiedRig& rig,
                            const std::vector<types::Keyframe>& keyframes,
                            const std::vector<types::Landmark>& landmarks,

@@ -15,6 +15,7 @@
 
 namespace divemesh::optimisation {
 
+// The result of the bundle adjustment of a whole dive.
 struct GlobalBundleAdjustment {
     double reprojection_rms_px = 0.0;
     types::CovarianceTrack

@@ -6,18 +6,17 @@
 namespace divemesh::optimisation {
 namespace {
 
-// The AHRS errs by half a degree, slowly: neighbours in time say the same thing again. White noise
-// with the slow part of a Gauss-Markov error has its variance times twice its time constant over
-// the interval.
+// The AHRS has a slow error of half a degree: neighbours in time repeat the same error. A
+// Gauss-Markov error is represented by white noise whose variance is multiplied by twice its time
+// constant over the interval.
 constexpr double kAhrsSigma_rad = 0.01;
 constexpr double kAhrsTimeConstant_s = 30.0;
-constexpr double kPressureSigma_m = 0.02;  // with the waves above
-constexpr double kInitialGravitySigma =
-    0.2;  // of the vertical, where only the pressure knows of it
+constexpr double kPressureSigma_m = 0.02;     // including the waves above
+constexpr double kInitialGravitySigma = 0.2;  // of the vertical, if the pressure is its only sensor
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
-// Central differences of the positions.
+// Sets velocities by central differences of the positions.
 void set_velocities(const std::vector<types::Keyframe>& keyframes, std::vector<BodyState>& states) {
     for (std::size_t k = 0; k < states.size(); ++k) {
         const std::size_t before = k > 0 ? k - 1 : k;
@@ -90,7 +89,7 @@ void add_inertial_factors(BundleAdjustment& bundle_adjustment,
                           std::vector<BodyState>& states,
                           WorldReference& reference) {
     set_velocities(keyframes, states);
-    bool chained = false;  // the readings from the keyframe before
+    bool chained = false;  // true if readings from the previous keyframe exist
     for (std::size_t k = 0; k < states.size(); ++k) {
         const std::int64_t now_ns = keyframes[k].timestamp_ns;
         const imu::SensorReadings readings =

@@ -11,9 +11,9 @@ namespace {
 constexpr double kFirstDamping = 1e-4;
 constexpr double kMinDamping = 1e-12;
 constexpr double kMaxDamping = 1e12;
-constexpr double kMinGain = 1e-3;  // of the decrease that was expected
+constexpr double kMinGain = 1e-3;  // of the expected decrease
 
-// The values of all unknowns, to go back to.
+// The saved values of all unknowns, to restore after a rejected step.
 class Values {
 public:
     explicit Values(const FactorGraph& graph) {

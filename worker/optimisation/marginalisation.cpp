@@ -10,10 +10,11 @@
 namespace divemesh::optimisation {
 namespace {
 
-// Directions that the leaving measurements said nothing about, relative to the strongest.
+// Eigenvalue, relative to the largest, below which the leaving measurements do not observe a
+// direction.
 constexpr double kNoInformation = 1e-14;
 
-// b - a in the tangent space at a.
+// Returns b - a in the tangent space at a.
 Eigen::VectorXd difference(const ceres::Manifold* manifold,
                            const double* b,
                            const double* a,
@@ -55,7 +56,7 @@ public:
                 out = J;
                 continue;
             }
-            // The solver multiplies by the plus operation's derivative at x: this undoes it.
+            // The solver multiplies by the derivative of the plus operation at x; this undoes it.
             RowMajor minus(delta.size(), at.size());
             manifolds_[b]->MinusJacobian(parameters[b], minus.data());
             out = J * minus;
@@ -73,7 +74,7 @@ struct SquareRoot {
     Eigen::VectorXd r;
 };
 
-// A symmetric H and b = J^T r as a square-root form of no more rows than H has rank.
+// Returns a symmetric H and b = J^T r in square-root form, with at most rank(H) rows.
 SquareRoot square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& b) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (H + H.transpose()));
     const double least = kNoInformation * std::max(1e-300, eigen.eigenvalues().maxCoeff());
@@ -84,15 +85,15 @@ SquareRoot square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& b) {
             roots.cwiseInverse().asDiagonal() * vectors.transpose() * b};
 }
 
-// The Schur complement of the first `num_leaving` unknowns. Those that nothing holds leave without
-// a word.
+// Returns the Schur complement of the first `num_leaving` unknowns. Unobserved ones among them add
+// no information.
 SquareRoot without_first(const Eigen::MatrixXd& H,
                          const Eigen::VectorXd& b,
                          Eigen::Index num_leaving) {
     const Eigen::Index num_kept = H.cols() - num_leaving;
     if (num_leaving == 0) return square_root(H, b);
     const Eigen::MatrixXd H_leaving = H.topLeftCorner(num_leaving, num_leaving);
-    // Scaled to a unit diagonal: units must not decide what counts as unobserved.
+    // Scaled to a unit diagonal, so that units do not affect what counts as unobserved.
     const Eigen::VectorXd scale = H_leaving.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * H_leaving *
                                                                scale.asDiagonal());
@@ -133,7 +134,7 @@ LinearPrior marginalise(FactorGraph& graph, const std::vector<double*>& leaving)
                  Eigen::Map<const Eigen::VectorXd>(block.linearised_at(), block.size)});
     }
     if (prior.blocks.empty()) return {};
-    // The gradient where the blocks were first estimated, not where they are now.
+    // The gradient at the first estimates of the blocks, not at their current values.
     const SquareRoot rest = without_first(H, reduced.b - H * moved, num_leaving);
     prior.J = rest.J;
     prior.r_at = rest.r;

@@ -7,14 +7,15 @@
 
 namespace divemesh::optimisation {
 
-// What measurements that are kept no longer said about the parameters that are: a Gaussian in
-// square-root form,
+// The marginalisation prior: what dropped measurements say about the remaining parameters, as a
+// Gaussian in square-root form,
 //
 //     r(x) = J (x - at) + r_at          - : the difference of each block's manifold
 //
-// J stays as it was first estimated, whatever x becomes: what was unobservable then stays so
-// (first-estimate Jacobians; Huang, Mourikis and Roumeliotis, "Observability-based rules for
-// designing consistent EKF SLAM estimators", 2010). Blocks are known by where their values lie.
+// J keeps its first linearisation, whatever x becomes, so that unobservable directions stay
+// unobservable (first-estimate Jacobians; Huang, Mourikis and Roumeliotis, "Observability-based
+// rules for designing consistent EKF SLAM estimators", 2010). Blocks are identified by the address
+// of their values.
 struct LinearPrior {
     struct Block {
         double* values = nullptr;
@@ -28,13 +29,13 @@ struct LinearPrior {
     bool empty() const { return blocks.empty(); }
 };
 
-// What a graph says about its free blocks but those `leaving`, and but its landmarks, by the Schur
-// complement at the present estimate; derivatives are taken at the first estimates that the graph
-// knows, which stay. Fixed blocks are taken as known.
+// Returns the prior of a graph's free blocks without the `leaving` blocks and the landmarks, by the
+// Schur complement at the current estimate. Derivatives are taken at the graph's first estimates,
+// which stay. Fixed blocks are taken as known.
 LinearPrior marginalise(FactorGraph& graph, const std::vector<double*>& leaving);
 
-// The prior as a factor of `graph`, and as the first estimate of its blocks. What is no vector must
-// be known to the graph already.
+// Adds the prior to `graph` as a factor and sets the first estimates of its blocks. Blocks that are
+// not vectors must exist in the graph already.
 void add_prior(FactorGraph& graph, const LinearPrior& prior);
 
 }  // namespace divemesh::optimisation

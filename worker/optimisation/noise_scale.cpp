@@ -30,8 +30,8 @@ double NoiseScale::scale(int num_parameters) const {
     return std::max(kMinScale, std::sqrt(squares_ / free * repetition()) / mean_slope);
 }
 
-// How many times over neighbouring observations of a landmark say the same thing. What was fitted
-// to n independent ones leaves them with a correlation of -1/n.
+// Returns how many times neighbouring observations of a landmark repeat the same error. Fitting to
+// n independent observations leaves a correlation of -1/n.
 double NoiseScale::repetition() const {
     if (num_pairs_ == 0.0 || pair_squares_ <= 0.0) return 1.0;
     const double length = num_pairs_ / num_landmarks_ + 1.0;

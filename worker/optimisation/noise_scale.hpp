@@ -4,9 +4,9 @@
 
 namespace divemesh::optimisation {
 
-constexpr double kOutlierSigmas = 5.0;  // per row: what is further off counts for nothing
+constexpr double kOutlierSigmas = 5.0;  // per row; residuals beyond get weight 0
 
-// How noisy the cameras' residuals are against the sigmas stated, by Huber's psi over whole
+// The noise of the cameras' residuals relative to the stated sigmas, by Huber's psi over whole
 // residuals at `huber` sigmas:
 //
 //     scale^2 = n / (n - p) mean(|psi|^2 / rows) / mean(div psi / rows)^2 (1 + c) / (1 - c)
@@ -16,12 +16,12 @@ class NoiseScale {
 public:
     explicit NoiseScale(double huber) : huber_(huber) {}
 
-    // The next observation of a landmark, whose first `rows` rows were measured; `before`: the one
-    // before it, nullptr: the first.
+    // Adds the next observation of a landmark, whose first `rows` rows were measured. `before` is
+    // its previous observation, nullptr for the first.
     void add(const Eigen::Vector3d& r, const Eigen::Vector3d* before, int rows);
     void end_landmark() { ++num_landmarks_; }
 
-    // At least 1.
+    // Returns the scale, at least 1.
     double scale(int num_parameters) const;
 
 private:

@@ -13,8 +13,9 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kMinDiagonal = 1e-6;      // before it is raised
-constexpr double kMinDeterminant = 1e-12;  // of a landmark's H, against that of a round one
+constexpr double kMinDiagonal = 1e-6;  // before damping
+// Of a landmark's H, relative to a sphere's with the same trace.
+constexpr double kMinDeterminant = 1e-12;
 
 struct Robust {
     double cost = 0.0;    // rho
@@ -33,7 +34,7 @@ Eigen::Matrix3d raised(Eigen::Matrix3d H, double damping) {
     return H;
 }
 
-// Zero where it is not determined.
+// Returns the inverse, 0 if it is not determined.
 Eigen::Matrix3d inverse(const Eigen::Matrix3d& H) {
     const double third = H.trace() / 3.0;
     if (!(H.determinant() > kMinDeterminant * third * third * third))
@@ -135,8 +136,8 @@ void NormalEquations::add(const StereoFactor& seen, LandmarkTerm& landmark) {
     landmark.b += weighted.transpose() * r;
     if (landmark.last_coupling == 0) landmark.first_coupling = couplings_.size();
 
-    // The tangent of a rotation is half a turn about axes of the world; the position moves the
-    // landmark's place in the camera as the landmark does, the other way.
+    // The tangent of a quaternion is half a rotation vector in world axes. The derivative with
+    // respect to the position is the negative of that with respect to the landmark.
     const Eigen::Vector3d from_imu = Eigen::Map<const Eigen::Vector3d>(point) -
                                      Eigen::Map<const Eigen::Vector3d>(position.linearised_at());
     const std::array<int, 2> starts = {start(seen.rotation), start(seen.position)};

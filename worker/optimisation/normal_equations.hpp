@@ -10,28 +10,27 @@
 
 namespace divemesh::optimisation {
 
-// Where the free blocks of a graph that something was measured of have their columns, in tangent
-// coordinates.
+// The columns, in tangent coordinates, of a graph's free blocks that have measurements.
 struct Columns {
-    std::vector<int> start;  // by block; -1: none
+    std::vector<int> start;  // by block; -1: no column
     int num = 0;
 
-    // Those of `first` come first, in that order.
+    // Returns the columns, with those of `first` at the front in that order.
     static Columns of(const FactorGraph& graph, const std::vector<double*>& first = {});
 };
 
-// A graph around its present estimate, to second order by Gauss and Newton:
+// The second-order approximation (Gauss-Newton) of a graph around its current estimate:
 //
 //     cost(x) = c + b^T x + x^T H x / 2,   H = J^T W J,  b = J^T W r
 //
-// W: the weights of robust losses. Landmarks are kept apart, three columns each, and eliminated by
-// the Schur complement. Dense: for windows.
+// W: the weights of the robust losses. Landmarks are stored separately, three columns each, and
+// eliminated by the Schur complement. The rest is dense, for sliding windows.
 class NormalEquations {
 public:
-    // Refers to `graph`.
+    // Keeps a reference to `graph`.
     NormalEquations(const FactorGraph& graph, Columns columns);
 
-    // At the present values; derivatives at the first estimates where there are any.
+    // Linearises at the current values; derivatives are taken at first estimates where set.
     void linearise();
     double cost() const { return cost_; }
 
@@ -39,8 +38,9 @@ public:
         Eigen::MatrixXd H;  // lower triangle
         Eigen::VectorXd b;
     };
-    // Without the landmarks. The diagonal of H is raised by `damping` of itself first
-    // (Marquardt 1963). Without damping, landmarks that are not determined say nothing.
+    // Returns the equations with the landmarks eliminated. The diagonal of H is first increased by
+    // the fraction `damping` (Marquardt 1963). Without damping, undetermined landmarks add no
+    // information.
     Reduced without_landmarks(double damping) const;
 
     struct Step {
@@ -48,11 +48,11 @@ public:
         std::vector<Eigen::Vector3d> landmarks;
         double expected_decrease = 0.0;  // of the cost
     };
-    // Nothing where the equations cannot be solved.
+    // Returns the step; nullopt if the equations cannot be solved.
     std::optional<Step> step(double damping) const;
 
 private:
-    // d r / d x^T d r / d landmark of one observation and one of its blocks.
+    // (d r / d x)^T (d r / d landmark) of one observation and one of its blocks.
     struct Coupling {
         int start = 0;
         Eigen::Matrix3d W;
@@ -77,8 +77,8 @@ private:
     std::vector<Coupling> couplings_;
 };
 
-// Half the sum of squares at the present values, under the losses. Nothing where a landmark is not
-// in front of a camera that sees it.
+// Returns half the sum of squares at the current values, with losses. nullopt if a landmark is not
+// in front of a camera that observes it.
 std::optional<double> cost_of(const FactorGraph& graph);
 
 }  // namespace divemesh::optimisation

@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kLandmarkSize = 3;
 constexpr int kRows = 3;                         // of a camera's residual
-constexpr std::size_t kMaxTriplets = 4'000'000;  // before they are summed
+constexpr std::size_t kMaxTriplets = 4'000'000;  // before they are summed up
 
-// Sums entries of a symmetric matrix, lower triangle.
+// The sum of entries of a symmetric matrix, lower triangle.
 class Accumulator {
 public:
     explicit Accumulator(int size) : sum_(size, size) {}
@@ -42,9 +42,9 @@ private:
     std::vector<Eigen::Triplet<double>> triplets_;
 };
 
-// A few rows of the Jacobian, dense over the columns they touch.
+// A few rows of the Jacobian, dense over the columns they use.
 struct Rows {
-    std::vector<int> columns;  // rising
+    std::vector<int> columns;  // ascending
     Eigen::MatrixXd J;
 };
 
@@ -80,7 +80,8 @@ void add(const std::vector<int>& columns, const Eigen::MatrixXd& H, Accumulator&
                     H(i, j));
 }
 
-// What the observations of one landmark say about the rest. It has the last three columns.
+// Adds the information of one landmark's observations about the other blocks. The landmark has the
+// last three columns.
 void add_landmark(Rows rows, Accumulator& sum) {
     const auto num_kept = static_cast<int>(std::ssize(rows.columns)) - kLandmarkSize;
     const Eigen::MatrixXd C = rows.J.leftCols(num_kept);
@@ -93,14 +94,14 @@ void add_landmark(Rows rows, Accumulator& sum) {
     add(rows.columns, C.transpose() * C - cross.transpose() * factor.solve(cross), sum);
 }
 
-// A solved problem, linear around its solution, its losses left out.
+// A solved problem, linearised at its solution, without its losses.
 struct Linearised {
     std::vector<int> start;  // of each kept block; -1: constant
     int num_kept = 0;        // columns; those of the landmarks come after
     std::vector<double> residuals;
     ceres::CRSMatrix jacobian;
 
-    // -1: none.
+    // Returns the landmark of a row; -1: it has none.
     int landmark_of(int row) const {
         const int end = jacobian.rows[static_cast<std::size_t>(row) + 1];
         if (end == jacobian.rows[static_cast<std::size_t>(row)]) return -1;
@@ -110,7 +111,7 @@ struct Linearised {
     Eigen::Vector3d residual(int first_row) const {
         return Eigen::Map<const Eigen::Vector3d>(residuals.data() + first_row);
     }
-    // 3, or 2 without disparity.
+    // Returns 3, or 2 without disparity.
     int num_measured(int first_row) const {
         return landmark_of(first_row + 2) >= 0 && residual(first_row).z() != 0.0 ? 3 : 2;
     }
@@ -140,7 +141,7 @@ Linearised linearise(ceres::Problem& problem,
     return result;
 }
 
-// Calls `landmark` with the first rows of all observations of one, for each; all other rows are
+// Calls `landmark` for each landmark with the first rows of its observations. All other rows are
 // added to `others`.
 template <typename OfLandmark>
 void for_each_landmark(const Linearised& all, Accumulator& others, const OfLandmark& landmark) {
@@ -159,7 +160,7 @@ void for_each_landmark(const Linearised& all, Accumulator& others, const OfLandm
     }
 }
 
-// Of the observations that are no outliers, measured rows alone.
+// Returns the measured rows of the observations that are inliers.
 std::vector<int> good_rows(const Linearised& all, const std::vector<int>& observations) {
     std::vector<int> rows;
     for (const int first : observations)
@@ -168,13 +169,13 @@ std::vector<int> good_rows(const Linearised& all, const std::vector<int>& observ
     return rows;
 }
 
-// A landmark's observations with the landmark eliminated: information and gradient of the rest,
-// every residual under Huber's weight.
+// A landmark's observations with the landmark eliminated: information and gradient of the other
+// blocks, each residual with Huber's weight.
 struct Score {
     std::vector<int> columns;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
-    double num_free = 0.0;  // rows more than the landmark has unknowns
+    double num_free = 0.0;  // number of rows minus the landmark's unknowns
 };
 
 std::optional<Score> score_of(const Linearised& all,
@@ -200,7 +201,7 @@ std::optional<Score> score_of(const Linearised& all,
     const Eigen::MatrixXd C = rows.J.leftCols(num_kept);
     const Eigen::MatrixXd rest = C - A * factor.solve(A.transpose() * C);
     rows.columns.resize(static_cast<std::size_t>(num_kept));
-    // What is fitted to a landmark leaves its residuals too small.
+    // Fitting the landmark makes its residuals too small; this corrects for it.
     const auto num_free = static_cast<double>(good.size() - kLandmarkSize);
     const double rows_per_free = static_cast<double>(good.size()) / num_free;
     return Score{rows.columns,
@@ -260,7 +261,7 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
         num_free += score->num_free;
         ++num_landmarks;
     });
-    // The same for what is fitted to all of them.
+    // The same correction for what is fitted to all landmarks.
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
     const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /
                        std::max(1.0, num_free - num_fitted);

@@ -9,8 +9,8 @@
 namespace divemesh::optimisation {
 namespace {
 
-constexpr std::size_t kNumApart = 7;             // keyframes apart from each other
-constexpr std::size_t kMaxWindowKeyframes = 12;  // with those where the camera stood still
+constexpr std::size_t kNumApart = 7;             // keyframes with motion between them
+constexpr std::size_t kMaxWindowKeyframes = 12;  // including those where the camera stood still
 constexpr int kMaxIterations = 6;
 constexpr double kOutlier = 5.0;     // in sigmas, per measurement
 constexpr double kMinShift = 0.002;  // of the picture's width, median: less is standing still
@@ -58,7 +58,7 @@ void SlidingWindow::add_keyframe(const types::Keyframe& keyframe,
     entry.moved = has_moved(entry);
     entries_.push_back(std::move(entry));
     keyframes_.push_back(keyframe);
-    // The mean velocity over the first interval is what there is to start from.
+    // The first state starts with the mean velocity over the first interval.
     if (index == 1) entries_[0].state.velocity_world = entries_[1].state.velocity_world;
 }
 
@@ -113,7 +113,8 @@ types::SolverOutcome SlidingWindow::adjust() {
     return outcome;
 }
 
-// Keyframes where nothing moved do not push out those that know how it moved before.
+// Returns the first keyframe of the window. Keyframes without motion do not push out those with
+// motion.
 std::size_t SlidingWindow::first_in_window() const {
     std::size_t first = entries_.size();
     std::size_t num_apart = 0;
@@ -127,10 +128,10 @@ bool SlidingWindow::chained(std::size_t k) const {
     return k > 0 && (entries_[k].readings.motion || entries_[k].readings.rotation);
 }
 
-// All that the oldest keyframe's leaving takes with it becomes a prior of what stays. Landmarks
-// that it saw leave as well; of one that the last keyframe still sees, the way there: what is seen
-// from then on is a landmark of its own. So no measurement counts twice, and no landmark enters the
-// prior.
+// Turns the factors that leave with the oldest keyframe into a prior of the remaining blocks. The
+// landmarks that it observed leave too. A landmark that the last keyframe still observes is split:
+// later observations belong to a new landmark. So no measurement counts twice, and no landmark
+// enters the prior.
 void SlidingWindow::marginalise_oldest() {
     BundleAdjustment leaving(rig_);
     add_states(leaving);
@@ -199,7 +200,7 @@ void SlidingWindow::add_readings(BundleAdjustment& bundle_adjustment) {
     for (std::size_t k = oldest_; k < entries_.size(); ++k) {
         const imu::SensorReadings& readings = entries_[k].readings;
         add_absolute_factors(bundle_adjustment, readings, entries_[k].state, *reference_);
-        if (k == oldest_) continue;  // the way to it is in the prior
+        if (k == oldest_) continue;  // the factors that lead to it are in the prior
         BodyState& from = entries_[k - 1].state;
         if (k == 1) add_gravity_prior(bundle_adjustment, readings, *reference_);
         if (!chained(k - 1)) add_bias_priors(bundle_adjustment, readings, from);

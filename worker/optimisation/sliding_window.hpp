@@ -19,23 +19,23 @@
 
 namespace divemesh::optimisation {
 
-// The last keyframes and what they saw and felt, adjusted together: poses, velocities, biases,
-// landmarks and the vertical all free, so that a noisy depth is never taken for the truth. What
-// older keyframes saw and felt stays as a prior. Without inertial sensors vision does it alone.
+// The last keyframes with their features and sensor readings, adjusted together: poses, velocities,
+// biases, landmarks and the vertical are all free, so a noisy depth is never taken as exact. Older
+// keyframes remain as a marginalisation prior. Without inertial sensors it uses vision alone.
 class SlidingWindow {
 public:
-    // `noise`: of the readings, as InertialPrior has it.
+    // `noise` is that of the readings, as InertialPrior::noise() returns it.
     SlidingWindow(const types::RectifiedRig& rig, const types::ImuNoise& noise)
         : rig_(rig), noise_(noise) {}
 
-    // `readings`: of the sensors at the keyframe, and since the one before.
+    // Adds a keyframe; `readings` are the sensors' at the keyframe and since the previous one.
     void add_keyframe(const types::Keyframe& keyframe,
                       const types::Features& features,
                       const imu::SensorReadings& readings);
     // There are two keyframes at least.
     types::SolverOutcome adjust();
 
-    // Where a landmark is known, it takes the place of the point measured at t-1.
+    // Replaces the point measured at t-1 by the landmark, if there is one.
     void use_landmarks(const Eigen::Isometry3d& T_world_previous,
                        odometry::PointPairs& pairs) const;
 
@@ -44,27 +44,27 @@ public:
     const BodyState& state() const { return entries_.back().state; }  // of the last keyframe
     const WorldReference& reference() const { return *reference_; }
     const std::vector<types::Keyframe>& keyframes() const { return keyframes_; }
-    std::vector<types::Landmark> landmarks() const;  // seen by two keyframes or more
+    std::vector<types::Landmark> landmarks() const;  // observed in two keyframes or more
 
 private:
     struct Entry {
         BodyState state;
         imu::SensorReadings readings;
-        std::vector<std::size_t> landmarks;  // seen here
-        bool moved = true;                   // since the keyframe before
+        std::vector<std::size_t> landmarks;  // observed here
+        bool moved = true;                   // since the previous keyframe
     };
     std::size_t landmark_of(const types::Feature& feature, const types::Keyframe& keyframe);
     BodyState first_state(const types::Keyframe& keyframe,
                           const imu::SensorReadings& readings) const;
     bool has_moved(const Entry& entry) const;
-    // A landmark with all that was seen of it, for the adjustment of the whole dive; before
-    // `first_in_window` is what the prior holds.
+    // A landmark with all its observations, for the bundle adjustment of the whole dive. The prior
+    // contains those before `first_in_window`.
     struct TrackedLandmark {
         types::Landmark whole;
         std::size_t first_in_window = 0;
     };
     std::size_t first_in_window() const;
-    // Whether the sensors reach back from a keyframe to the one before.
+    // Returns true if sensor readings connect a keyframe with the previous one.
     bool chained(std::size_t k) const;
     void marginalise_oldest();
     void marginalise_oldest(BundleAdjustment& leaving, std::size_t landmark);
@@ -81,12 +81,12 @@ private:
     types::RectifiedRig rig_;
     types::ImuNoise noise_;
     std::vector<types::Keyframe> keyframes_;
-    std::deque<Entry> entries_;  // states stay where they are: the prior knows them by place
+    std::deque<Entry> entries_;  // a deque keeps addresses, by which the prior identifies states
     std::vector<TrackedLandmark> landmarks_;
     std::unordered_map<std::int64_t, std::size_t> landmark_of_feature_;
     std::unique_ptr<WorldReference> reference_ = std::make_unique<WorldReference>();
-    LinearPrior prior_;       // by what has left the window
-    std::size_t oldest_ = 0;  // keyframe in the window
+    LinearPrior prior_;       // of what has left the window
+    std::size_t oldest_ = 0;  // index of the oldest keyframe in the window
 };
 
 }  // namespace divemesh::optimisation

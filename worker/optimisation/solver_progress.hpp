@@ -7,8 +7,8 @@
 
 namespace divemesh::optimisation {
 
-// Keeps progress and cancellation alive inside a long solve. The exception waits until the solver
-// has stopped: it must not pass through Ceres.
+// The callback that reports progress and allows cancellation during a long solve. An exception is
+// stored until the solver has stopped, as it must not pass through Ceres.
 class SolverProgress : public ceres::IterationCallback {
 public:
     SolverProgress(const base::ProgressCallback& report, Progress progress)
@@ -24,6 +24,7 @@ public:
         return ceres::SOLVER_CONTINUE;
     }
 
+    // Throws the stored exception, if any.
     void rethrow() const {
         if (failure_) std::rethrow_exception(failure_);
     }

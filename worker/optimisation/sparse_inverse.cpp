@@ -6,8 +6,8 @@
 namespace divemesh::optimisation {
 namespace {
 
-// Z L = L^-T D^-1 read from the last column backwards: of column j only rows that L has are needed,
-// and those need only what L has in columns after j.
+// Solves Z L = L^-T D^-1 from the last column backwards. Column j of Z needs only the rows in L,
+// and those need only entries of L in columns after j.
 Eigen::SparseMatrix<double> invert(const Eigen::SparseMatrix<double>& L, const Eigen::VectorXd& D) {
     using Iterator = Eigen::SparseMatrix<double>::InnerIterator;
     const auto size = static_cast<int>(L.cols());

@@ -21,7 +21,8 @@ std::string to_hex(std::span<const unsigned char> bytes) {
     return hex;
 }
 
-// Notes lie one behind the other: a header, the owner's name, the content, each padded to 4 bytes.
+// Searches the notes, which follow each other: a header, the owner's name, the content, each padded
+// to 4 bytes.
 std::string find_build_id(std::span<const unsigned char> notes) {
     while (notes.size() >= sizeof(ElfW(Nhdr))) {
         ElfW(Nhdr) header;
@@ -37,7 +38,8 @@ std::string find_build_id(std::span<const unsigned char> notes) {
     return "";
 }
 
-// The first object is the program itself: a result other than 0 ends the walk there.
+// Searches one object. The first one is the program itself: returning a value other than 0 ends the
+// iteration there.
 int look(dl_phdr_info* object, std::size_t, void* found) {
     auto& id = *static_cast<std::string*>(found);
     for (int i = 0; i < object->dlpi_phnum && id.empty(); ++i) {

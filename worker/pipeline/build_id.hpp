@@ -4,8 +4,8 @@
 
 namespace divemesh::pipeline {
 
-// What the linker marked this program with (NT_GNU_BUILD_ID), in hex: differs whenever its code
-// does, also between two builds of one version. "" when it was linked without.
+// Returns the linker's build id of this program (NT_GNU_BUILD_ID) in hex. It differs whenever the
+// code differs, also between two builds of one version. "" if the program was linked without one.
 std::string build_id();
 
 }  // namespace divemesh::pipeline

@@ -4,7 +4,7 @@
 
 namespace divemesh::pipeline {
 
-// What was found about the cloud when it was written.
+// Metrics of the cloud, known when it is written.
 struct CloudMetrics {
     std::int64_t num_points = 0;  // written
     double spacing_m = 0.0;

@@ -12,8 +12,8 @@
 
 namespace divemesh::pipeline {
 
-// What the store holds of some frames, made ready for fusion, in order; the next ones are read
-// while the caller works on this one.
+// A prefetcher that reads frames from the store and prepares them for fusion, in order. The next
+// ones are read while the caller works on the current one.
 class DepthViewPrefetcher {
 public:
     // `frames` and `store` must outlive it.
@@ -23,16 +23,17 @@ public:
                         const keyframes::KeyframeStore& store,
                         base::TaskPool& task_pool);
 
-    // Null at the end. Throws what reading throws.
+    // Returns the next frame's view; null at the end. Rethrows errors of reading.
     std::shared_ptr<const fusion::DepthView> next();
 
 private:
-    // Reading takes about as long as fusing: two are at work or wait while the caller fuses.
+    // Reading takes about as long as fusing: two frames are being read or waiting while the caller
+    // fuses.
     static constexpr std::size_t kNumLanes = 3;
     struct Lane {
         explicit Lane(base::TaskPool& task_pool) : task(task_pool) {}
         std::shared_ptr<const fusion::DepthView> view;
-        base::BackgroundTask task;  // ends before what it writes to goes
+        base::BackgroundTask task;  // declared last, so that it ends before its target is destroyed
     };
     void fetch(Lane& lane);
 

@@ -8,8 +8,8 @@
 
 namespace divemesh::pipeline {
 
-// The frames of a recording, rectified; the next one is decoded while the caller works on this one.
-// Nobody else may read frames of the recording meanwhile.
+// A prefetcher that reads and rectifies the frames of a recording. The next one is decoded while
+// the caller works on the current one. Meanwhile no other code may read frames of the recording.
 class FramePrefetcher {
 public:
     // Starts at the first frame.
@@ -17,7 +17,7 @@ public:
                     const camera::Rectifier& rectifier,
                     base::TaskPool& task_pool);
 
-    // Nothing at the end. Throws what decoding throws.
+    // Returns the next frame; nullopt at the end. Rethrows errors of decoding.
     std::optional<types::RectifiedFrame> next();
 
 private:

@@ -9,7 +9,8 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Beside the meshing: what is asked of the volume is asked before.
+// Writes the cloud in the background during meshing; everything needed from the volume is read
+// before.
 void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolume> cloud) {
     const fusion::PointOctree& octree = cloud->octree();
     const auto points = std::make_shared<const fusion::ConfirmedPoints>(
@@ -22,7 +23,7 @@ void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolum
         });
         writer.commit();
     });
-    if (made.options().num_threads == 1) made.cloud_writer.wait();  // makes room for the mesh
+    if (made.options().num_threads == 1) made.cloud_writer.wait();  // frees memory for the mesh
 }
 
 }  // namespace

@@ -3,8 +3,9 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr std::size_t kMinKeyframesForInertia = 4;  // keyframes that tell velocity and vertical
-constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of the bias that a window has estimated
+// Keyframes that determine velocity and vertical.
+constexpr std::size_t kMinKeyframesForInertia = 4;
+constexpr double kWindowBiasSigma = 3e-4;  // rad/s, of a bias estimated by the sliding window
 
 }  // namespace
 

@@ -10,13 +10,13 @@
 
 namespace divemesh::pipeline {
 
-// The frames that are kept, and what they saw: each of them adjusts the last ones together.
+// The keyframes and their features; each new keyframe adjusts the sliding window.
 class KeyframeMap {
 public:
     KeyframeMap(const types::RectifiedRig& rig, const imu::InertialPrior& inertial)
         : rule_(rig), sliding_window_(rig, inertial.noise()) {}
 
-    // Landmarks take the place of the points measured at t-1.
+    // Replaces the points measured at t-1 by landmarks.
     void use_landmarks(const Eigen::Isometry3d& T_world_previous,
                        odometry::PointPairs& pairs) const {
         sliding_window_.use_landmarks(T_world_previous, pairs);
@@ -27,7 +27,8 @@ public:
         return rule_.due(features, timestamp_ns);
     }
 
-    // Gives a better pose back to `motion` and a better bias to `inertial`.
+    // Adds a keyframe, and gives the corrected pose to `motion` and the corrected bias to
+    // `inertial`.
     void add(const types::RectifiedFrame& frame,
              const types::Features& features,
              odometry::MotionModel& motion,

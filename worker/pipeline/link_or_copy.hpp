@@ -4,8 +4,8 @@
 
 namespace divemesh::pipeline {
 
-// Makes `to` what the file `from` is, by a hard link where the file system allows, and its folder
-// when missing. Neither may be changed in place after that.
+// Makes `to` the same file as `from` by a hard link, or by a copy if the file system has no links.
+// Creates the folder of `to` if missing. Neither file may be changed in place afterwards.
 void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace divemesh::pipeline

@@ -35,7 +35,8 @@ void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
     optimised.covariances = scale.applied(optimised.covariances);
 }
 
-// Before anything is made of the poses, so that all that is given out has the one scale.
+// Scales all poses. It runs before anything is made from them, so that all results have the same
+// scale.
 void scale_world(double factor, Reconstruction& made) {
     made.scale.emplace(factor, made.optimised.rig.T_imu_cam);
     apply(*made.scale, made.optimised);

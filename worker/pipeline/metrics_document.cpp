@@ -52,7 +52,7 @@ void append(std::string& text, const types::Camera& camera, const Eigen::Isometr
         for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
 }
 
-// The same for the same calibration, wherever its numbers were read from.
+// Returns a hash of the calibration's numbers, independent of the file they were read from.
 std::string calibration_sha256(const types::Rig& rig) {
     std::string text;
     append(text, rig.cam0, rig.T_imu_cam0);
@@ -62,7 +62,7 @@ std::string calibration_sha256(const types::Rig& rig) {
 
 json estimate(double value, double sigma) { return {{"value", value}, {"sigma", sigma}}; }
 
-// A camera as refined: stated values with what was found to be missing.
+// Returns a refined camera: the stated values plus the estimated change, with sigmas.
 json lens(const types::Camera& stated,
           const types::LensChange& change,
           const types::LensChange::Vector& sigmas) {
@@ -280,7 +280,8 @@ void add_evaluation(const evaluation::Evaluation& evaluation, json& document) {
         document["known_distances"] = to_metrics(*evaluation.known_distances);
 }
 
-// Nothing is made of what comes nearer than the largest disparity that is looked for.
+// Returns a finding if part of the scene was closer than the max searched disparity: it is missing
+// in the model.
 std::optional<Finding> find_too_near(const MetricsInput& input) {
     constexpr double kTolerated = 0.02;
     const types::SearchStatistics& dense = input.track.dense;
@@ -340,7 +341,7 @@ json metrics_document(const MetricsInput& input) {
     return document;
 }
 
-// The high-water mark of this program's own memory; getrusage would remember what ran before exec.
+// The peak of this program's own memory; getrusage would include what ran before exec.
 std::int64_t peak_memory_bytes() {
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);) {

@@ -24,46 +24,49 @@
 
 namespace divemesh::pipeline {
 
+// Metrics of the mesh and of what it was made from.
 struct MeshMetrics {
     std::int64_t num_vertices = 0;
     std::int64_t num_triangles = 0;
     double area_m2 = 0.0;
     mesh::MeshBorders borders;
-    std::optional<mesh::SimplificationError> simplification;  // nothing: all triangles stayed
+    std::optional<mesh::SimplificationError> simplification;  // nullopt: not simplified
     double voxel_m = 0.0;
     CloudMetrics cloud;
     std::int64_t volume_memory_bytes = 0;
 };
 
+// Everything that metrics.json is made from.
 struct MetricsInput {
     std::string version;
     std::string preset;
-    ReconstructionOptions options;  // as used
+    ReconstructionOptions options;  // as used in this run
     std::string dive_name;
     std::optional<types::GeographicPosition> position;
     std::string content_sha256;
     double duration_s = 0.0;
     types::Rig rig;
-    std::optional<evaluation::GravityCheck> gravity;  // nothing: no IMU
+    std::optional<evaluation::GravityCheck> gravity;  // nullopt: no IMU
     types::RefinedCalibration refined;
-    std::optional<Eigen::Matrix3d> end_covariance_m2;  // of the last position; nothing: not known
+    std::optional<Eigen::Matrix3d> end_covariance_m2;  // of the last position; nullopt: unknown
     types::TrackStatistics track;
     types::OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;
-    double path_length_m = 0.0;  // of the final trajectory, all pieces
+    double path_length_m = 0.0;  // of the final trajectory, all segments
     std::vector<evaluation::TrackingSegment> segments;
-    std::optional<MeshMetrics> mesh;                // nothing: no surface was asked for
-    std::optional<markers::MarkerMetrics> markers;  // nothing: nobody looked for them
+    std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
+    std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for
     std::vector<StageTime> stages;
     evaluation::Evaluation evaluation;
     std::optional<evaluation::ExpectedAccuracy> expected;
-    std::vector<Finding> findings;  // of the dive; those of evaluation and expected are added
+    std::vector<Finding> findings;  // of the dive; those of `evaluation` and `expected` are added
 };
 
-// metrics.json, as schemas/metrics.schema.json describes it. What is not known is left out.
+// Returns metrics.json as described by schemas/metrics.schema.json. Unknown values are left out.
 nlohmann::json metrics_document(const MetricsInput& input);
 
-std::int64_t peak_memory_bytes();  // of this process so far
+// Returns the peak memory of this process so far.
+std::int64_t peak_memory_bytes();
 
 }  // namespace divemesh::pipeline

@@ -31,7 +31,7 @@ void finish_optimise(Reconstruction& made) {
                 camera::Rerectifier(made.dive.rig(), made.track.rig, calibration.applied_lenses)));
     io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
     io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
-    // An hour's dive needs the room for what follows.
+    // Frees memory that the later stages of an hour-long dive need.
     made.num_landmarks = std::ssize(made.track.landmarks);
     made.track.landmarks = {};
     made.track.odometry = {};

@@ -24,7 +24,7 @@ PairwiseTracker::PairwiseTracker(const types::RectifiedRig& rig,
       keyframe_rule_(rig),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0) {}
 
-// Steps 7 and 8 are fuse() and mesh(), when all poses are known.
+// Steps 7 and 8 are fuse() and mesh(), after all poses are known.
 TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     const std::int64_t now_ns = frame.timestamp_ns;
     if (!motion_.started()) motion_.start(now_ns, odometry::first_pose(inertial_, rig_, now_ns));

@@ -16,8 +16,8 @@
 
 namespace divemesh::pipeline {
 
-// The method of the paper: every frame is matched densely and registered to the frame before. What
-// one frame says is never looked at again.
+// A tracker by the paper's method: every frame is matched densely and registered to the previous
+// one. Earlier frames are not used again.
 class PairwiseTracker : public FrameTracker {
 public:
     PairwiseTracker(const types::RectifiedRig& rig,
@@ -37,7 +37,7 @@ private:
     odometry::DynamicFeatures moving_;
     keyframes::KeyframeRule keyframe_rule_;
     keyframes::MappingRule mapping_rule_;
-    types::Features features_;  // of the scene, as the last frame had them
+    types::Features features_;  // static ones, as the last frame had them
     std::vector<types::Keyframe> keyframes_;
     odometry::TrackSummary summary_;
 };

@@ -58,8 +58,8 @@ FusedMap fuse(const types::RectifiedRig& rig,
     FusedMap map;
     map.volume = fusion::make_volume(rig, options, median_depth_m, scratch);
     map.cloud = fusion::make_cloud(map.volume->settings(), options);
-    // Frames that follow one another see nearly the same points: all of them only where the points
-    // are to be closer than a voxel needs.
+    // Consecutive frames see nearly the same points, so all of them are used only if the cloud's
+    // points are to be closer than a voxel requires.
     const std::size_t cloud_step =
         map.cloud->voxel_m() < 0.5 * map.volume->voxel_m() ? 1 : kCloudStep;
     Progress done;
@@ -67,7 +67,8 @@ FusedMap fuse(const types::RectifiedRig& rig,
     done.num_frames = static_cast<std::int64_t>(frames.size());
     base::TaskPool task_pool(options.num_threads);
     DepthViewPrefetcher views(rig, map.volume->voxel_m(), frames, store, task_pool);
-    base::BackgroundTask cloud(task_pool);  // ends before the map goes, also when progress() throws
+    // Declared after the map, so that it ends first, also if progress() throws.
+    base::BackgroundTask cloud(task_pool);
     for (std::size_t i = 0; i < frames.size(); ++i) {
         progress(done);
         const auto depth = views.next();

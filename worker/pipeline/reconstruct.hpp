@@ -16,11 +16,13 @@
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/track.hpp"
 
-// The method: four stages that together are the paper's eight steps. Each takes plain values and
-// gives plain values, so a stage can start from what the one before wrote to disk
+// The method: four stages that together are the paper's eight steps. Each is a function from values
+// to values, so a stage can start from what the previous one wrote to disk
 // (worker/pipeline/stage_files.hpp).
 namespace divemesh::pipeline {
 
+// Steps 1 to 6: tracks all frames with the estimator of the options and writes the frames to map
+// into `store`.
 types::Track track(types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
@@ -34,13 +36,15 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const keyframes::KeyframeStore& store,
                                const base::ProgressCallback& progress);
 
-// What step 7 makes: where the surface is looked for, and the points that were seen.
+// The result of step 7: the volume from which the surface is extracted, and the points of the
+// cloud.
 struct FusedMap {
     std::unique_ptr<fusion::Volume> volume;
     std::unique_ptr<fusion::OctreeVolume> cloud;
 };
 
-// Voxels and points beyond `options.fusion_memory_bytes` go to the folder `scratch`.
+// Step 7: fuses the depth of the frames. Voxels and points beyond `options.fusion_memory_bytes` are
+// spilled to the folder `scratch`.
 FusedMap fuse(const types::RectifiedRig& rig,
               const std::vector<types::Keyframe>& frames,
               double median_depth_m,
@@ -49,6 +53,7 @@ FusedMap fuse(const types::RectifiedRig& rig,
               const std::filesystem::path& scratch,
               const base::ProgressCallback& progress);
 
+// Step 8: returns the surface of the volume.
 types::Mesh mesh(const fusion::Volume& volume,
                  const ReconstructionOptions& options,
                  const base::ProgressCallback& progress);

@@ -25,7 +25,7 @@ void write_exports(const Reconstruction& made) {
     io::export_reconstruction(folder, formats, position, made.request.out);
 }
 
-// Returns what metrics.json holds.
+// Writes metrics.json and the report; returns the content of metrics.json.
 nlohmann::json write_documents(const Reconstruction& made) {
     auto document = metrics_of(made);
     base::write_file(made.artifact("metrics.json"), document.dump(2) + "\n");
@@ -44,7 +44,7 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const std::vector<Stage<Reconstruction>>& stages,
                                 StageStore& store,
                                 const base::ProgressCallback& progress) {
-    // Its pool waits actively: more work than it takes off us with images of this size.
+    // OpenCV's pool waits actively, which costs more than it saves with images of this size.
     cv::setNumThreads(1);
     StageProgress stage_progress(progress);
     Reconstruction made(request);

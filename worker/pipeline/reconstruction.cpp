@@ -18,7 +18,7 @@ std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
         throw Error(ErrorCode::InvalidArgument,
                     "option correct_scale needs known distances, and the dive has no markers.json: "
                     "add one, or give marker_family and marker_size_m");
-    base::return_freed_memory();  // the texts of its tables
+    base::return_freed_memory();  // frees the text of the dive's tables
     return dive;
 }
 

@@ -23,10 +23,12 @@
 
 namespace divemesh::pipeline {
 
-// A reconstruction under way: what its stages hand on in memory. The rest is in the scratch folder.
+// The state of a running reconstruction: what its stages share in memory. The rest is in the
+// scratch folder.
 struct Reconstruction {
-    // Opens the dive and makes the folder of the artifacts. Throws Error{BadData} with the first
-    // error among the findings, Error{InvalidArgument} where the scale cannot be corrected.
+    // Opens the dive and creates the folder of the artifacts. Throws Error{BadData} with the first
+    // error among the findings, Error{InvalidArgument} if the scale correction was requested but is
+    // not possible.
     explicit Reconstruction(const ReconstructionRequest& made_for);
 
     const ReconstructionOptions& options() const { return request.options; }
@@ -36,22 +38,23 @@ struct Reconstruction {
     const ReconstructionRequest& request;
     std::unique_ptr<dive::Dive> opened_dive;
     dive::Dive& dive;
-    std::optional<dive::MarkerPlan> marker_plan;  // nullopt: no marker is looked for
+    std::optional<dive::MarkerPlan> marker_plan;  // nullopt: markers are not searched for
 
     // track
-    keyframes::KeyframeStore keyframe_store;  // from optimise on as seen through the refined lenses
-    types::Track track;                       // from optimise on without what optimise alone reads
+    keyframes::KeyframeStore keyframe_store;  // after optimise: rectified with the refined lenses
+    // After optimise: without the data that only optimise reads.
+    types::Track track;
 
-    // optimise; from markers on at the scale that they correct
+    // optimise; after markers: with the corrected scale
     types::OptimisedTrack optimised;
     std::int64_t num_landmarks = 0;
 
     // markers
     std::optional<markers::MarkerMetrics> markers;
-    std::optional<markers::WorldScale> scale;  // that was applied
+    std::optional<markers::WorldScale> scale;  // as applied
 
     // fuse
-    std::unique_ptr<fusion::Volume> volume;  // until the mesh is made of it
+    std::unique_ptr<fusion::Volume> volume;  // until the mesh is extracted
     double voxel_m = 0.0;
     std::int64_t volume_memory_bytes = 0;
     CloudMetrics cloud;
@@ -66,10 +69,10 @@ struct Reconstruction {
     // evaluate
     evaluation::Evaluation evaluation;
 
-    std::vector<StageTime> stages;  // of those that are done
+    std::vector<StageTime> stages;  // finished stages
 
-    // Write the cloud while the mesh is made, and the mesh while its images are. They end before
-    // what they read goes, so they come last.
+    // Background tasks: the cloud is written during meshing, and the mesh while its images are
+    // made. Declared last, so that they end before the data that they read is destroyed.
     base::TaskPool task_pool;
     base::BackgroundTask cloud_writer{task_pool};
     base::BackgroundTask mesh_writer{task_pool};

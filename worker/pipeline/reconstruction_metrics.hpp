@@ -6,10 +6,11 @@
 
 namespace divemesh::pipeline {
 
-// With what the dive itself knows better: its true trajectory, reference surface and distances.
+// Returns the evaluation against the truth that the dive contains: trajectory, reference surface
+// and distances.
 evaluation::Evaluation compare_with_truth(const Reconstruction& made);
 
-// metrics.json.
+// Returns the content of metrics.json.
 nlohmann::json metrics_of(const Reconstruction& made);
 
 }  // namespace divemesh::pipeline

@@ -7,8 +7,8 @@
 
 namespace divemesh::pipeline {
 
-// The table of stages, in the order in which they run. Keys of the stage store, progress, the names
-// in metrics.json and the loop over a dive all come from it.
+// Returns the table of stages in running order. The keys of the stage store, progress, the names in
+// metrics.json and the loop over a dive all come from it.
 std::vector<Stage<Reconstruction>> reconstruction_stages();
 
 }  // namespace divemesh::pipeline

@@ -13,27 +13,28 @@
 
 namespace divemesh::pipeline {
 
-// What a run of stages takes and tells.
+// The settings and callbacks of a run of stages.
 struct StageRunSettings {
     StageKeys keys;
-    std::filesystem::path scratch;  // what the stages leave for the next ones and for another run
-    bool resumable = true;          // whether they leave it
+    std::filesystem::path scratch;  // files for the next stages and for another run
+    bool resumable = true;          // whether stages save their results there
     StageStore& store;
     StageProgress& progress;
     std::function<void(const StageSpec&, const StageTime&)> done;
 };
 
-// The name of what a stage made in the store.
+// Returns the name of a stage's entry in the store.
 inline std::string entry_name(const StageSpec& stage, const StageKeys& keys) {
     return stage.name + "-" + keys.at(stage.name);
 }
 
-// What lies there may be half of an entry, of another one, or links into the store.
+// Removes the stage's files: they may be incomplete, from another entry, or links into the store.
 inline void clear_files(const StageSpec& stage, const std::filesystem::path& scratch) {
     for (const std::string& name : stage.files) std::filesystem::remove_all(scratch / name);
 }
 
-// Whether an earlier attempt has left what the stage would make, or the store has it.
+// Loads the result of a stage, left by an earlier attempt or taken from the store. Returns false if
+// there is none.
 template <typename State>
 bool load_stage(const Stage<State>& stage, State& state, const StageRunSettings& settings) {
     if (stage.load == nullptr) return false;
@@ -59,8 +60,8 @@ void make_stage(const Stage<State>& stage,
     settings.store.store(entry_name(stage.spec, settings.keys), settings.scratch, stage.spec.files);
 }
 
-// Runs those of the stages that are wanted, in their order; each is loaded where it was made
-// before. Progress shares what is wanted in the proportions of the table.
+// Runs the wanted stages in order; a stage is loaded if its result exists. Progress is divided
+// among the wanted stages in the proportions of the table.
 template <typename State>
 void run_stages(const std::vector<Stage<State>>& stages,
                 State& state,

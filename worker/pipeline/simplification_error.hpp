@@ -4,8 +4,8 @@
 
 namespace divemesh::pipeline {
 
-// Measured by nearest points, not the quadrics that chose the collapses. Neither mesh may be empty.
-// The number of threads changes no figure.
+// Returns the error measured by nearest points, not by the quadrics that chose the collapses.
+// Neither mesh may be empty. The result does not depend on the number of threads.
 mesh::SimplificationError simplification_error(const types::Mesh& original,
                                                const types::Mesh& simplified,
                                                int num_threads);

@@ -8,34 +8,34 @@
 
 namespace divemesh::pipeline {
 
-// What is known of a stage before it runs.
+// The description of a stage, known before it runs.
 struct StageSpec {
     std::string name;  // in metrics.json, in progress and among the stages of a job
-    // The stage that progress names in place of this one, which is then no stage of a job; empty:
-    // this one stands for itself.
+    // The stage that progress reports instead of this one, which is then not listed among the
+    // stages of a job; empty: this stage itself.
     std::string part_of = {};
-    double share = 0.0;  // of the progress, where every stage runs
-    // The options that no stage before this one reads: with another value the run starts here.
+    double share = 0.0;  // of the progress if every stage runs
+    // The options that this stage is the first to read: a run with another value starts here.
     std::vector<std::string> reads = {};
-    // Whether these options change what is made; null: they do.
+    // Returns true if the `reads` options affect the result; null: they always do.
     bool (*reads_count)(const ReconstructionOptions& options) = nullptr;
-    // What it leaves in the scratch folder, files and folders: an entry of the stage store.
+    // Its files and folders in the scratch folder: an entry of the stage store.
     std::vector<std::string> files = {};
 };
 
-// One stage of a run: a row of the table of stages. `State` is what the stages hand on.
+// One stage of a run: a row of the table of stages. `State` is what the stages share.
 template <typename State>
 struct Stage {
     StageSpec spec;
-    // Whether there is anything to do; null: always.
+    // Returns true if the stage is to run; null: always.
     bool (*wanted)(const State& state) = nullptr;
-    // Reads what the stage left in the scratch folder. Returns false when it is not there whole or
-    // was made from something else than `key` stands for. Null: the stage always runs.
+    // Reads what the stage left in the scratch folder. Returns false if it is missing, incomplete,
+    // or was made for another key. Null: the stage always runs.
     bool (*load)(State& state, const std::string& key) = nullptr;
     void (*run)(State& state, const base::ProgressCallback& progress) = nullptr;
-    // Writes `spec.files`, the one that carries `key` last. Null where `load` is.
+    // Writes `spec.files`, the one with `key` last. Null if `load` is null.
     void (*save)(State& state, const std::string& key) = nullptr;
-    // What follows from the result, loaded or made; null: nothing does.
+    // Runs after the result was loaded or made; null: not needed.
     void (*finish)(State& state) = nullptr;
 };
 

@@ -21,11 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kListName = "files.json";
-constexpr const char* kTemporary = "new.";  // what is being written or removed
+constexpr const char* kTemporary = "new.";  // being written or removed
 constexpr auto kTemporaryFoldersLive = std::chrono::hours(24);
 
 struct CachedFile {
-    std::string name;  // relative, may hold folders
+    std::string name;  // relative, may contain folders
     std::int64_t size_bytes = 0;
     std::string sha256;
 };
@@ -39,7 +39,7 @@ void sync(const fs::path& path, int flags) {
     if (!opened.is_open() || ::fsync(opened.get()) != 0) give_up(path);
 }
 
-// As long and as it was when it was kept; read in pieces.
+// Returns the hash of a file, read in chunks.
 std::string hash_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) give_up(file);
@@ -63,7 +63,8 @@ std::vector<std::string> files_below(const fs::path& folder, const std::string& 
     return names;
 }
 
-// A list may have been damaged or written by somebody else: no name leads out of the entry.
+// Returns true if the name stays inside the entry; a list may be damaged or written by another
+// program.
 bool stays_inside(const std::string& name) {
     const fs::path path(name);
     return !path.empty() && path.is_relative() &&
@@ -80,7 +81,7 @@ nlohmann::json to_json(const std::vector<CachedFile>& files) {
     return list;
 }
 
-// Throws when it is none of ours.
+// Reads the list of an entry; throws if it is not one of this program.
 std::vector<CachedFile> read_list(const fs::path& entry) {
     std::ifstream stream(entry / kListName);
     std::vector<CachedFile> files;
@@ -122,7 +123,7 @@ fs::path make_temporary(const fs::path& folder) {
 
 bool is_temporary(const fs::path& path) { return path.filename().string().starts_with(kTemporary); }
 
-// One process at a time throws entries out.
+// A lock, so that only one process at a time removes entries.
 class Lock {
 public:
     explicit Lock(const fs::path& folder)
@@ -166,7 +167,7 @@ bool StageCache::fetch(const std::string& key, const fs::path& into) {
         }
         fs::last_write_time(entry / kListName, fs::file_time_type::clock::now());
         return true;
-    } catch (const std::exception&) {  // damaged, or thrown out by another process meanwhile
+    } catch (const std::exception&) {  // damaged, or removed by another process meanwhile
         std::error_code ignored;
         for (const fs::path& file : fetched) fs::remove(file, ignored);
         drop(key);
@@ -181,7 +182,7 @@ void StageCache::store(const std::string& key,
     try {
         write(key, from, names);
         evict();
-    } catch (const std::exception&) {  // a full disk, most likely: the stage is done all the same
+    } catch (const std::exception&) {  // most likely a full disk; the stage is still done
     }
 }
 
@@ -203,7 +204,8 @@ void StageCache::write(const std::string& key,
         if (size_of(files) > max_bytes_) give_up(entry);
         write_list(entry, files);
         sync_folders(entry);
-        fs::rename(entry, folder_ / key);  // fails when another process was first: the same bytes
+        // Fails if another process was first, with the same bytes.
+        fs::rename(entry, folder_ / key);
         sync(folder_, O_RDONLY | O_DIRECTORY);
     } catch (const std::exception&) {
         std::error_code ignored;
@@ -216,14 +218,14 @@ void StageCache::drop(const std::string& key) {
     if (is_open()) remove(folder_ / key);
 }
 
-// Out of the way in one step, so that nobody finds half an entry.
+// Renames the entry first, so that other processes never find half an entry.
 void StageCache::remove(const fs::path& entry) const {
     try {
         const fs::path trash = make_temporary(folder_);
         std::error_code failure;
         fs::rename(entry, trash / "entry", failure);
         fs::remove_all(trash, failure);
-    } catch (const std::exception&) {  // it stays: the next one tries again
+    } catch (const std::exception&) {  // the entry stays; the next removal tries again
     }
 }
 
@@ -235,7 +237,7 @@ void StageCache::evict() const {
     for (const auto& found : fs::directory_iterator(folder_)) {
         if (!found.is_directory()) continue;
         std::error_code failure;
-        if (is_temporary(found.path())) {  // of a process that was killed
+        if (is_temporary(found.path())) {  // left by a killed process
             const auto age = fs::file_time_type::clock::now() - found.last_write_time(failure);
             if (!failure && age > kTemporaryFoldersLive) fs::remove_all(found.path(), failure);
             continue;

@@ -9,15 +9,15 @@
 
 namespace divemesh::pipeline {
 
-// The store of stages as a folder on this machine. An entry is a folder with the stage's files and
-// a list of their sizes and hashes; it is written beside, synced and renamed. Files are linked in
-// and out where the file system allows. Any number of processes may use one folder. An entry that
-// does not fit its list is removed and counts as missing. When there are more than `max_bytes`, the
-// entries that were not used for longest go.
+// The stage store as a folder on this machine. An entry is a folder with the stage's files and a
+// list of their sizes and hashes; it is written under a temporary name, synced and renamed. Files
+// are hard-linked in and out if the file system allows. Several processes may use one folder. An
+// entry that does not match its list is removed and counts as missing. Above `max_bytes` the least
+// recently used entries are removed.
 class StageCache final : public StageStore {
 public:
-    StageCache() = default;  // keeps nothing
-    // Keeps nothing when `folder` is empty or cannot be made, or `max_bytes` is 0.
+    StageCache() = default;  // a store that stays empty
+    // Stays empty if `folder` is empty or cannot be created, or `max_bytes` is 0.
     StageCache(std::filesystem::path folder, std::int64_t max_bytes);
 
     bool fetch(const std::string& key, const std::filesystem::path& into) override;

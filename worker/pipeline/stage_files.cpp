@@ -5,7 +5,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Eigen::Isometry3d and structs that hold one are stored as their 16 doubles.
+// Writes a pose as its 16 doubles, also as a member of a struct.
 void put_pose(base::BinaryWriter& file, const Eigen::Isometry3d& T_a_b) {
     file.put_raw(T_a_b.matrix());
 }

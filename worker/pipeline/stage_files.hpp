@@ -11,10 +11,10 @@
 
 namespace divemesh::pipeline {
 
-// What a stage hands to the next one, on disk. A file carries the key of what it was made from
-// (content of the dive, options, version): load gives nothing when the file is missing, was made
-// from something else, or is cut short, so that the stage runs again. Written to a temporary name
-// and renamed. save throws Error{OutOfSpace}.
+// Saves and loads the results of stages. A file contains the key of its inputs (content of the
+// dive, options, version). load returns nullopt if the file is missing, cut short or has another
+// key; the stage then runs again. Files are written to a temporary name and renamed. save throws
+// Error{OutOfSpace}.
 void save_track(const std::filesystem::path& file,
                 const std::string& key,
                 const types::Track& track);

@@ -5,8 +5,8 @@
 #include "worker/base/observer.hpp"
 #include "worker/pipeline/reconstruction.hpp"
 
-// What the rows of the table of stages (reconstruction_stages.cpp) are made of: one source file for
-// each stage. worker/pipeline/stage.hpp says what is asked of load, run, save and finish.
+// The functions in the rows of the table of stages (reconstruction_stages.cpp), one source file per
+// stage. worker/pipeline/stage.hpp specifies load, run, save and finish.
 namespace divemesh::pipeline {
 
 // Steps 1 to 6 over all frames.
@@ -15,13 +15,13 @@ void run_track(Reconstruction& made, const base::ProgressCallback& progress);
 void save_track(Reconstruction& made, const std::string& key);
 void finish_track(Reconstruction& made);
 
-// The trajectory with hindsight: loops, bundle adjustment, refined calibration.
+// The optimised trajectory: loops, bundle adjustment, refined calibration.
 bool load_optimise(Reconstruction& made, const std::string& key);
 void run_optimise(Reconstruction& made, const base::ProgressCallback& progress);
 void save_optimise(Reconstruction& made, const std::string& key);
 void finish_optimise(Reconstruction& made);
 
-// Markers in the scene: what they measure and, where asked for, the scale of all that follows.
+// Markers in the scene: their measurements and, if requested, the scale of all that follows.
 bool markers_wanted(const Reconstruction& made);
 void run_markers(Reconstruction& made, const base::ProgressCallback& progress);
 
@@ -39,14 +39,14 @@ void run_mesh(Reconstruction& made, const base::ProgressCallback& progress);
 void save_mesh(Reconstruction& made, const std::string& key);
 void finish_mesh(Reconstruction& made);
 
-// What shows the surface: GLB with a color at each vertex, keyframe images, mosaic. No texture is
-// made: the name is that of the API.
+// What shows the surface: GLB with vertex colors, keyframe images, mosaic. It makes no texture: the
+// name is that of the API.
 bool load_texture(Reconstruction& made, const std::string& key);
 void run_texture(Reconstruction& made, const base::ProgressCallback& progress);
 void save_texture(Reconstruction& made, const std::string& key);
 void finish_texture(Reconstruction& made);
 
-// The errors against what the dive knows better.
+// The errors relative to the dive's truth.
 void run_evaluate(Reconstruction& made, const base::ProgressCallback& progress);
 
 }  // namespace divemesh::pipeline

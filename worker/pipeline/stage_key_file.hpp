@@ -5,9 +5,10 @@
 
 namespace divemesh::pipeline {
 
-// A file that says from what the files beside it were made, for a stage whose files cannot say so
-// themselves. Written last: where it is, they are whole. save throws Error{OutOfSpace}.
+// A file with the key of the files beside it, for a stage whose files cannot contain the key
+// themselves. It is written last: if it exists, they are complete. save throws Error{OutOfSpace}.
 void save_stage_key(const std::filesystem::path& file, const std::string& key);
+// Returns true if the file exists and has this key.
 bool has_stage_key(const std::filesystem::path& file, const std::string& key);
 
 }  // namespace divemesh::pipeline

@@ -10,16 +10,16 @@
 
 namespace divemesh::pipeline {
 
-// The options that change no byte of any result: no stage's key has them.
+// The options that do not change any result; they are in no stage's key.
 inline constexpr std::string_view kOptionsOfTheMachine[] = {"num_threads", "fusion_memory_bytes"};
 
-// By the stage's name.
+// Keys by the stage's name.
 using StageKeys = std::map<std::string, std::string>;
 
-// What the result of each stage depends on: the dive, the program, and the options that this stage
-// or one before it reads. Two runs whose keys are equal make the same bytes; a run that differs in
-// an option starts at the stage that reads it first. An option that no stage names counts as read
-// by the first one: forgotten, it costs time, never a wrong result.
+// Returns a key of everything that each stage's result depends on: the dive, the program, and the
+// options that this stage or an earlier one reads. Two runs with equal keys make the same bytes. A
+// run with another option starts at the first stage that reads it. An option that no stage names
+// counts as read by the first one: forgetting it costs time, but never gives a wrong result.
 StageKeys stage_keys(const std::vector<StageSpec>& stages,
                      const std::string& program,
                      const std::string& content_sha256,

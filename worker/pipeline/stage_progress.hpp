@@ -8,16 +8,16 @@
 
 namespace divemesh::pipeline {
 
-// Turns the progress of one stage after the other into the progress of the whole: stage weights,
-// frames per second, seconds left.
+// The progress of the whole run, combined from that of its stages: stage weights, frames per
+// second, seconds left.
 class StageProgress {
 public:
     explicit StageProgress(base::ProgressCallback report) : report_(std::move(report)) {}
 
-    // Ends the stage before; `share` is the part of the whole that this one is expected to take.
-    // What is returned goes into the stage; it may throw Error{Cancelled}.
+    // Ends the previous stage and begins the next; `share` is its expected fraction of the whole.
+    // Returns the stage's callback, which may throw Error{Cancelled}.
     base::ProgressCallback begin(const std::string& stage, double share);
-    // Ends the last stage: everything is done.
+    // Ends the last stage and reports the run as complete.
     void finish();
 
 private:

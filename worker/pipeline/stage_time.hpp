@@ -4,15 +4,15 @@
 
 namespace divemesh::pipeline {
 
-// How long one stage of a run took.
+// The time that one stage of a run took.
 struct StageTime {
     std::string stage;
     double wall_s = 0.0;
     double cpu_s = 0.0;   // of all threads
-    bool reused = false;  // loaded: an earlier attempt or another job made it
+    bool reused = false;  // loaded from an earlier attempt or another job
 };
 
-// Measures the wall clock and the CPU time of the process from its construction on.
+// A clock of the process's wall-clock and CPU time since its construction.
 class Stopwatch {
 public:
     Stopwatch();

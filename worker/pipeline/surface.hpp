@@ -7,10 +7,10 @@
 
 namespace divemesh::pipeline {
 
-// The mesh of step 8 as it is given out.
+// The final mesh of step 8.
 struct Surface {
     types::Mesh mesh;
-    std::optional<mesh::SimplificationError> simplification;  // nothing: all triangles stayed
+    std::optional<mesh::SimplificationError> simplification;  // nullopt: not simplified
 };
 
 }  // namespace divemesh::pipeline

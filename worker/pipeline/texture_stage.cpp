@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, no artifact
+constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, not an artifact
 
 std::string read_text(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);

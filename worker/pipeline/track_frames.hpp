@@ -15,33 +15,34 @@
 
 namespace divemesh::pipeline {
 
-// A frame that is kept for mapping: what the keyframe writer needs of it.
+// The data of a frame for mapping that the keyframe writer needs.
 struct FrameToMap {
     types::DepthMap depth;  // empty: the writer matches the frame itself
     keyframes::KeyframeWriter::Seen seen;
 };
 
-// What a tracker found out about one frame.
+// A tracker's result for one frame.
 struct TrackedFrame {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();  // by steps 1 to 6
-    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();         // as known now
-    types::Features moving_before;     // features of the frame before that were found to move
-    std::optional<FrameToMap> to_map;  // nullopt: the frame is not kept
+    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();         // as estimated now
+    types::Features moving_before;     // newly found dynamic features, as in the previous frame
+    std::optional<FrameToMap> to_map;  // nullopt: not mapped
 };
 
-// Steps 1 to 6, one frame at a time.
+// A tracker: steps 1 to 6, one frame at a time.
 class FrameTracker {
 public:
     virtual ~FrameTracker() = default;
 
-    // Frames come in order.
+    // Tracks the next frame; frames must come in order.
     virtual TrackedFrame process(const types::RectifiedFrame& frame) = 0;
-    // Hands over keyframes, landmarks, the alignment of the inertial unit and statistics.
+    // Moves keyframes, landmarks, the IMU alignment and statistics to the track.
     virtual void move_to(types::Track& track) = 0;
 };
 
-// Reads all frames of a recording and has each of them processed by `tracker`, whose rig is that of
-// `rectifier`. Writes the frames to map into `store` and reports progress after each frame.
+// Reads all frames of a recording, rectifies them and has `tracker`, whose rig is that of
+// `rectifier`, process each. Writes the frames to map into `store` and reports progress after each
+// frame.
 types::Track track_frames(types::Recording& recording,
                           const camera::Rectifier& rectifier,
                           const ReconstructionOptions& options,

@@ -17,8 +17,8 @@
 
 namespace divemesh::pipeline {
 
-// The steps of the paper with landmarks of a sliding window in place of the points measured at t-1,
-// and with depth at the features alone.
+// A tracker by the steps of the paper, but with the landmarks of a sliding window instead of the
+// points measured at t-1, and with depth at the features only.
 class WindowTracker : public FrameTracker {
 public:
     WindowTracker(const types::RectifiedRig& rig,
@@ -29,7 +29,7 @@ public:
     void move_to(types::Track& track) override;
 
 private:
-    // Returns what the keyframe is recognised by; nullopt: no loop is looked for.
+    // Returns the keypoints of the keyframe; nullopt: loops are not searched for.
     std::optional<features::DescribedKeypoints> keep_keyframe(const types::RectifiedFrame& frame);
 
     types::RectifiedRig rig_;
@@ -42,7 +42,7 @@ private:
     keyframes::MappingRule mapping_rule_;
     odometry::MotionModel motion_;
     odometry::DynamicFeatures moving_;
-    types::Features features_;  // of the scene, as the last frame had them
+    types::Features features_;  // static ones, as the last frame had them
     odometry::TrackSummary summary_;
 };
 

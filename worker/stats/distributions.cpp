@@ -8,7 +8,7 @@ namespace {
 
 namespace policies = boost::math::policies;
 
-// Bad arguments give NaN, as the functions of <cmath> do.
+// Returns NaN for invalid arguments, as the functions of <cmath> do.
 using Quiet = policies::policy<policies::domain_error<policies::ignore_error>,
                                policies::overflow_error<policies::ignore_error>,
                                policies::evaluation_error<policies::ignore_error>>;

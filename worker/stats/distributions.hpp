@@ -2,11 +2,12 @@
 
 namespace divemesh::stats {
 
-// Quantile of the normal distribution at 0.975: half the width, in sigmas, of a two-sided 95 %.
+// The 0.975 quantile of the normal distribution: half the width of a two-sided 95 % interval, in
+// sigmas.
 inline constexpr double kNormal975 = 1.9599639845400545;
 
-// Return the value that a variable of this distribution stays below with probability `share`; the
-// degrees of freedom may be a fraction. NaN where there is no such distribution.
+// Return the quantile of the distribution at probability `share`. The degrees of freedom may be
+// fractional. NaN for arguments outside the distribution's domain.
 double student_t_quantile(double share, double degrees_of_freedom);
 double chi_square_quantile(double share, double degrees_of_freedom);
 

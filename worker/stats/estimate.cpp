@@ -20,9 +20,10 @@ double variance_of(const std::vector<double>& values, double mean) {
     return squares / static_cast<double>(values.size() - 1);
 }
 
-// What noise adds to noise that is there already varies more than noise alone: the replicates'
-// variance, a parabola of the added one through 0, taken back to minus 1 (Stefanski and Cook 1995).
-// A third of it is left of a figure that goes with the noise's square, all of it of a linear one.
+// Returns the standard deviation of the metric. The effect of added noise varies more than that of
+// the noise already there, so the replicates' variance is extrapolated to -1 times the added
+// variance, by a parabola through 0 (Stefanski and Cook 1995). For a metric quadratic in the noise
+// a third of it is left, for a linear one all of it.
 double deviation_of(const Simulated& simulated, double once, double twice) {
     const double variance_once = variance_of(simulated.once, once);
     const double variance_twice = variance_of(simulated.twice, twice);
@@ -42,7 +43,7 @@ double sharpened(double measured, double blurred, double blurred_twice) {
 Estimate estimate(const Simulated& simulated,
                   double sigma_relative_error,
                   const SharedError& shared) {
-    double noise = 0.0;  // what it added
+    double noise = 0.0;  // its effect on the metric
     double half_width = 0.0;
     if (simulated.once.size() > 1) {
         const double once = mean_of(simulated.once);

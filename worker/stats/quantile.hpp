@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <vector>
 
-// Quantiles of a sample. `share` is between 0 and 1; of no values each is 0.
+// Quantiles of a sample. `share` is between 0 and 1; of an empty vector each is 0.
 namespace divemesh::stats {
 
-// Returns the quantile of values in rising order by linear interpolation between the two next to
-// it: type 7 of Hyndman and Fan (1996), what R and NumPy give by default.
+// Returns the quantile of ascending values by linear interpolation between neighbours: type 7 of
+// Hyndman and Fan (1996), the default of R and NumPy.
 inline double quantile_of_sorted(const std::vector<double>& sorted, double share) {
     if (sorted.empty()) return 0.0;
     const double place = share * static_cast<double>(sorted.size() - 1);
@@ -17,7 +17,7 @@ inline double quantile_of_sorted(const std::vector<double>& sorted, double share
     return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-// Returns the value at or next below that place: always one of the values (NumPy's "lower").
+// Returns the value at that rank, rounded down: always one of the values (NumPy's "lower").
 template <typename Value>
 Value lower_quantile(std::vector<Value> values, double share) {
     if (values.empty()) return Value{};
@@ -26,8 +26,8 @@ Value lower_quantile(std::vector<Value> values, double share) {
     return values[static_cast<std::size_t>(rank)];
 }
 
-// Returns the least value that more than `share` of all values do not exceed: always one of the
-// values; at one half the upper median.
+// Returns the smallest value that more than `share` of all values do not exceed: always one of the
+// values; for one half, the upper median.
 template <typename Value>
 Value upper_quantile(std::vector<Value> values, double share) {
     if (values.empty()) return Value{};

@@ -9,10 +9,11 @@
 
 namespace divemesh::stats {
 
-// A statistic over individuals with the percentiles of a bootstrap over them (Efron 1979; 1000
-// draws, fixed seed). It is given the indices of those drawn; a draw for which it answers NaN is
-// left out. Of one individual: its value, no interval to speak of.
+// Computes a statistic from the indices of the drawn individuals.
 using Statistic = std::function<double(const std::vector<std::size_t>& drawn)>;
+// Returns a statistic with the percentile interval of a bootstrap over the individuals (Efron 1979;
+// 1000 draws). Draws for which the statistic is NaN are left out. For a single individual the
+// interval is its value.
 Estimate bootstrap(std::size_t num_individuals, const Statistic& statistic, std::uint64_t seed);
 
 }  // namespace divemesh::stats

@@ -4,7 +4,7 @@
 
 namespace divemesh::stats {
 
-// Of nothing: 0.
+// Both return 0 for an empty vector.
 double mean(const std::vector<double>& values);
 double root_mean_square(const std::vector<double>& values);
 

@@ -19,12 +19,13 @@ struct BlockKernels {
                   const std::uint16_t* entering,
                   const std::uint16_t* leaving,
                   int num);
-    // The least of cost.
+    // Returns the min of cost.
     std::uint16_t (*min_cost)(const std::uint16_t* cost, int num);
-    // The first place of `value` in cost.
+    // Returns the first index of `value` in cost.
     int (*find)(const std::uint16_t* cost, std::uint16_t value, int num);
 };
 
+// Returns the kernels for an instruction set.
 BlockKernels block_kernels(base::Instructions instructions);
 
 }  // namespace divemesh::stereo

@@ -10,12 +10,12 @@ namespace divemesh::stereo {
 namespace {
 
 constexpr int kRadius_px = 4;   // of the window
-constexpr int kMaxDetail = 31;  // grey values; 81 differences of at most twice that fit 16 bit
+constexpr int kMaxDetail = 31;  // grey values; 81 differences of at most twice that fit in 16 bits
 constexpr int kUniqueness_percent = 8;
 constexpr int kLeftRightTolerance_px = 1;
 constexpr std::int16_t kUnknown = -1;
 
-// What differs from the mean of its neighbourhood, clipped.
+// Returns the clipped difference from the mean of the neighbourhood.
 cv::Mat high_pass(const cv::Mat& image) {
     cv::Mat mean;
     cv::boxFilter(image, mean, CV_8U, cv::Size(9, 9));
@@ -33,7 +33,7 @@ cv::Mat high_pass(const cv::Mat& image) {
     return detail;
 }
 
-// Each row reversed and followed by `margin` bytes, so that d runs with the address.
+// Reverses each row and appends `margin` bytes, so that d increases with the address.
 cv::Mat reverse_rows(const cv::Mat& image, int margin) {
     cv::Mat reversed(image.rows, image.cols + margin, CV_8U, cv::Scalar(0));
     cv::flip(image, reversed.colRange(0, image.cols), 1);
@@ -122,7 +122,7 @@ void BlockMatcher::select_pixel(int x, std::uint16_t* window_cost) {
     std::copy(around, around + 3, cost + d - 1);
     if (second * (100 - kUniqueness_percent) <= best * 100) return;
 
-    // Two lines of equal slope through the three costs: what a sum of absolute differences makes.
+    // Two lines of equal slope through the three costs, the shape of a sum of absolute differences.
     const int slope = std::max(around[0], around[2]) - around[1];
     winner_[x] = static_cast<std::int16_t>(d);
     winner_subpixel_[x] =

@@ -8,16 +8,17 @@
 
 namespace divemesh::stereo {
 
-// The paper's matcher: the sum of absolute differences over a square window, least over all
-// disparities, with sub-pixel interpolation, uniqueness and left-right check. Both images are
+// The paper's matcher: the min over all disparities of the sum of absolute differences in a square
+// window, with sub-pixel interpolation, uniqueness and left-right check. Both images are
 // high-passed first, so that a different gain or backscatter in one camera does not matter. Window
-// sums run along columns and rows: the cost does not depend on the window's size.
+// sums are running sums, so the cost does not depend on the window's size.
 class BlockMatcher {
 public:
     explicit BlockMatcher(int num_disparities,
                           base::Instructions instructions = base::best_instructions());
 
-    // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown.
+    // Returns the disparity of the left image of a rectified pair (CV_8UC1), CV_32F, px; 0:
+    // unknown.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
 
 private:

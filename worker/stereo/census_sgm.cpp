@@ -18,7 +18,7 @@ struct Offset {
     int y;
 };
 
-// Every other pixel of the 9 x 7 window, as on a chess board: 30 of them, and two corners.
+// Returns every other pixel of the 9 x 7 window, like a chess board: 30 of them, and two corners.
 std::vector<Offset> census_pattern() {
     std::vector<Offset> pattern;
     for (int y = -kRadiusY_px; y <= kRadiusY_px; ++y)
@@ -29,8 +29,8 @@ std::vector<Offset> census_pattern() {
     return pattern;
 }
 
-// Beyond the border the picture goes on as its own mirror image. The planes can be read
-// `num_behind` bytes past their end.
+// Computes the census of an image, mirrored beyond its border. The planes can be read `num_behind`
+// bytes past their end.
 void census(const cv::Mat& image,
             CensusKernel kernel,
             bool mirrored,
@@ -95,7 +95,7 @@ void CensusSgm::Costs::resize(std::size_t num_bytes) {
     lines.resize((num_bytes + kMaxVectorBytes - 1) / kMaxVectorBytes);
 }
 
-// Zero before a path begins, so that the first pixel has its own costs.
+// Sets a path's costs to 0 before its first pixel, so that this pixel gets its own costs.
 void CensusSgm::begin_path(std::uint8_t* costs) const {
     std::fill_n(costs, num_disparities_, std::uint8_t{0});
     std::fill(costs + num_disparities_, costs + stride_, std::uint8_t{kOutsideCost});
@@ -129,7 +129,7 @@ void CensusSgm::prepare_row(const cv::Mat& left, int y, Row& row) const {
     const std::uint8_t* grey = left.ptr<std::uint8_t>(y);
     const std::uint8_t* above = left.ptr<std::uint8_t>(std::max(0, y - 1));
     const PenaltyKernel penalties = kernels_.penalties;
-    // Where a path begins there is nothing to step from: any penalty will do.
+    // A path's first pixel has no predecessor: any penalty is fine.
     penalties(grey + 1, above, width_ - 1, row.penalty[0].data() + 1);
     penalties(grey, above, width_, row.penalty[1].data());
     penalties(grey, above + 1, width_ - 1, row.penalty[2].data());
@@ -161,12 +161,12 @@ void CensusSgm::aggregate(int y, int num_rows) {
 
 VerticalPath CensusSgm::vertical_path(int p, int y) {
     const int num_slots = width_ + 1;
-    const int sideways = p - 1;  // from above left, above, above right
+    const int sideways = p - 1;  // -1: from above left, 0: above, 1: above right
     VerticalPath path;
     path.costs = above_[p].costs.begin();
     path.min_cost = above_[p].min_cost.data();
     path.first_slot = (sideways * y % num_slots + num_slots) % num_slots;
-    if (sideways != 0) {  // it begins anew where it enters the picture
+    if (sideways != 0) {  // a diagonal path starts anew where it enters the image
         const int slot =
             sideways < 0 ? path.first_slot : (path.first_slot + width_ - 1) % num_slots;
         begin_path(path.costs + static_cast<std::ptrdiff_t>(slot) * stride_);
@@ -193,9 +193,9 @@ void CensusSgm::select_winners(int num_rows) {
     kernels_.backward(backward, num_rows);
 }
 
-// Left-right check: of the pixels that end at one pixel of the right picture the cheapest is right,
-// of equal ones the rightmost. Cost and disparity are one number, the larger disparity the lower;
-// what ends left of the picture has its place before the others.
+// Left-right check: of the pixels that map to one pixel of the right image the cheapest is
+// confirmed, of equal ones the rightmost. Cost and disparity are packed into one number, with the
+// larger disparity lower. Matches left of the image are stored before the others.
 void CensusSgm::write_row(Row& row, float* disparity_px) {
     constexpr std::uint32_t kMaxPacked = 0xffff;
     std::fill(right_best_.begin(), right_best_.end(), ~std::uint32_t{0});

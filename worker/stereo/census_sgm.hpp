@@ -12,24 +12,24 @@ namespace divemesh::stereo {
 
 // Semi-global matching (Hirschmueller 2008) of 32-bit census signatures (Zabih and Woodfill 1994)
 // along five paths: from the left, from the right and from the three pixels above. All five end in
-// the row at hand, so one sweep down the image needs one row of costs per path and no cost volume.
-// P2 falls where the grey value steps. Winners are put to a uniqueness and a left-right check.
+// the current row, so one sweep down the image needs one row of costs per path and no cost volume.
+// P2 is lower where the grey value changes. Winners pass a uniqueness check and a left-right check.
 class CensusSgm {
 public:
-    // At most 512; rounded up to a multiple of 32.
+    // `num_disparities` is at most 512 and is rounded up to a multiple of 32.
     explicit CensusSgm(int num_disparities,
                        base::Instructions instructions = base::best_instructions());
 
-    // CV_8UC1 rectified pair -> CV_32F disparity of the left image, px; 0: unknown; negative: of a
-    // winner that a check did not confirm, to the pixel.
+    // Returns the disparity of the left image of a rectified pair (CV_8UC1), CV_32F, px; 0:
+    // unknown; negative: an unconfirmed winner, in whole pixels.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
-    // The same within a range, whose number is rounded up likewise.
+    // The same within a range; its number is rounded up likewise.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right, const types::DisparityRange& range);
 
 private:
-    static constexpr int kRowsAtOnce = 2;  // as the kernels take them
+    static constexpr int kRowsAtOnce = 2;  // per call of a kernel
 
-    // Costs where vectors begin.
+    // Costs aligned for vectors.
     struct alignas(kMaxVectorBytes) Line {
         std::uint8_t bytes[kMaxVectorBytes];
     };
@@ -39,10 +39,11 @@ private:
         std::uint8_t* begin() { return lines.front().bytes; }
     };
     struct Row {
-        std::vector<std::uint8_t> penalty[5];  // P2: three from above, from left, from right
-        Costs cost;                            // [x][d]
-        Costs sum;                             // over the paths, [x][d]
-        std::vector<std::uint8_t> min_cost;    // of the sums, by x, and where and how
+        // P2: three from above, from the left, from the right.
+        std::vector<std::uint8_t> penalty[5];
+        Costs cost;                          // [x][d]
+        Costs sum;                           // over the paths, [x][d]
+        std::vector<std::uint8_t> min_cost;  // of the sums, by x; below, its index and more
         std::vector<std::int16_t> min_at;
         std::vector<std::uint8_t> is_unique;
         std::vector<std::uint8_t> lower;
@@ -62,14 +63,14 @@ private:
     void select_winners(int num_rows);
     void write_row(Row& row, float* disparity_px);
 
-    int num_disparities_;  // of the range at hand
+    int num_disparities_;  // of the current range
     int whole_num_disparities_;
     int first_disparity_ = 0;
     SgmKernels kernels_;
     int width_ = 0;
-    int stride_ = 0;                             // of [d]: whole vectors
+    int stride_ = 0;                             // of [d], whole vectors
     std::vector<std::uint8_t> left_census_[4];   // byte planes of the signatures
-    std::vector<std::uint8_t> right_census_[4];  // from right to left: d runs with the address
+    std::vector<std::uint8_t> right_census_[4];  // from right to left: d increases with the address
     Row rows_[kRowsAtOnce];
     Slots above_[3];
     std::vector<std::uint32_t> right_best_;

@@ -10,16 +10,16 @@ namespace divemesh::stereo {
 namespace {
 
 constexpr int kScale = 4;
-constexpr int kSpan = 2;  // of the whole range
+constexpr int kSpan = 2;  // times the full range
 constexpr int kMinSpeckleSize = 24;
 constexpr float kMaxStep_px = 1.5F;
-// Of the patches: fewer beyond the range do not widen it.
+// Share of the patches; fewer beyond the range do not widen it.
 constexpr double kMinShare = 0.03;
 constexpr int kStep_px = 64;
-constexpr int kError_px = 6;  // of a disparity of the survey
+constexpr int kError_px = 6;  // of a surveyed disparity
 
 int beyond(float disparity_px, const types::DisparityRange& range) {
-    // Winners at the ends of a range are not believed.
+    // Winners at the ends of a range are rejected.
     if (disparity_px < static_cast<float>(range.first_px + 1) && range.first_px > 0) return -1;
     return disparity_px > static_cast<float>(range.first_px + range.num_px - 2) ? 1 : 0;
 }

@@ -7,10 +7,10 @@ namespace divemesh::stereo {
 namespace {
 
 constexpr int kStep_px = 64;
-constexpr int kMinFeatures = 50;   // fewer say too little of what the frame shows
-constexpr double kFarther = 0.75;  // of a feature's disparity
+constexpr int kMinFeatures = 50;   // fewer do not represent the frame
+constexpr double kFarther = 0.75;  // times a feature's disparity
 constexpr double kNearer = 1.33;
-constexpr double kMatcherError_px = 2.0;  // winners at the ends of the range are not believed
+constexpr double kMatcherError_px = 2.0;  // winners at the ends of the range are rejected
 
 }  // namespace
 
@@ -32,7 +32,7 @@ types::DisparityRange disparity_search_range(const types::Features& features,
     const int end = static_cast<int>(std::ceil(kNearer * largest + kMatcherError_px)) + 1;
     const int num = (end - first + kStep_px - 1) / kStep_px * kStep_px;
     if (num >= num_disparities_px) return whole;
-    // What the steps give beyond need lies half before and half behind.
+    // Rounding up extends the range equally at both ends.
     const int earlier = first - (num - (end - first)) / 2;
     return {std::clamp(earlier, 0, num_disparities_px - num), num};
 }

@@ -5,10 +5,10 @@
 
 namespace divemesh::stereo {
 
-// Step 1: where the dense search looks in a frame. From the least to the largest disparity of its
-// features, and a quarter nearer and a third farther, as the surface between them may be; in steps
-// of 64, so that no vector of any instruction set is half empty. All of `num_disparities_px` where
-// that is no less, or where features are few.
+// Step 1: returns the disparity search range of the dense search in a frame: from the min to the
+// max disparity of its features, extended to depths a quarter nearer and a third farther for the
+// surface between them. It is a multiple of 64, so that vectors of every instruction set are full.
+// Returns all of `num_disparities_px` if the range would be as large or the features are few.
 types::DisparityRange disparity_search_range(const types::Features& features,
                                              int num_disparities_px);
 

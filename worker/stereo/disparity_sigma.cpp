@@ -13,16 +13,16 @@ namespace divemesh::stereo {
 namespace {
 
 constexpr int kWindow_px = 7;
-constexpr double kMinNoise = 0.5;   // grey values: quantisation and a little
+constexpr double kMinNoise = 0.5;   // grey values: quantisation and a bit more
 constexpr double kMaxNoise = 8.0;   // more than that is texture
-constexpr float kFloor_px = 0.15F;  // what calibration, interpolation and slant leave
+constexpr float kFloor_px = 0.15F;  // error of calibration, interpolation and slant
 
 struct Noise {
     float energy;
     float scale;
 };
 
-// From the sums of the gradient and of its square over a window.
+// Computes sigma from the sums of the gradient and of its square over a window.
 DIVEMESH_INLINE_BODY void rate_texture(const float* __restrict gradient,
                                        const float* __restrict energy,
                                        Noise noise,
@@ -40,7 +40,7 @@ DIVEMESH_INLINE_BODY void rate_texture(const float* __restrict gradient,
 }  // namespace
 
 double image_noise(const cv::Mat& image) {
-    // [1 -2 1; -2 4 -2; 1 -2 1] turns white noise of deviation s into one of 6 s.
+    // [1 -2 1; -2 4 -2; 1 -2 1] turns white noise of standard deviation s into 6 s.
     std::array<std::int64_t, 2048> histogram{};
     std::int64_t num = 0;
     for (int y = 1; y + 1 < image.rows; y += 2) {
@@ -65,7 +65,7 @@ double image_noise(const cv::Mat& image) {
 cv::Mat disparity_sigma(const cv::Mat& image, base::Instructions instructions) {
     const double noise = image_noise(image);
     constexpr float kNum = kWindow_px * kWindow_px;
-    // Of the gradient times two.
+    // The gradient is stored times two.
     const auto noise_energy = static_cast<float>(4.0 * kNum * noise * noise / 2.0);
     const auto scale = static_cast<float>(2.0 * std::sqrt(2.0) * noise);
     const auto rate = base::compiled_for<rate_texture>(instructions);

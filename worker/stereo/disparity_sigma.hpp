@@ -6,14 +6,15 @@
 
 namespace divemesh::stereo {
 
-// Standard deviation of the image noise in grey values, from the second differences of CV_8UC1
-// (Immerkaer 1996, with a low quantile in place of the mean so that texture does not count).
+// Returns the standard deviation of the image noise in grey values, from the second differences of
+// CV_8UC1 (Immerkaer 1996, with a low quantile instead of the mean, so that texture does not
+// count).
 double image_noise(const cv::Mat& image);
 
-// What the texture around each pixel of CV_8UC1 lets a match be known to, px, CV_32F:
-// sqrt(2) sigma_n / sqrt(sum of the squared horizontal gradient over the window), noise's own
-// gradient taken off, and a floor of 0.15 px beside it. Infinite where there is nothing but noise,
-// and within half a window of the border.
+// Returns the standard deviation of a match at each pixel of CV_8UC1 given the texture around it,
+// px, CV_32F: sqrt(2) sigma_n / sqrt(sum of the squared horizontal gradient over the window),
+// without the gradient of the noise, and combined with a floor of 0.15 px. Infinite where there is
+// only noise, and within half a window of the border.
 cv::Mat disparity_sigma(const cv::Mat& image,
                         base::Instructions instructions = base::best_instructions());
 

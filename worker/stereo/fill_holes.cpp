@@ -9,16 +9,16 @@ constexpr int kDirections[8][2] = {
     {1, 0}, {0, 1}, {1, 1}, {1, -1}, {2, 1}, {1, 2}, {2, -1}, {1, -2}};
 constexpr int kDistances[3] = {1, 2, 4};
 constexpr int kReach_px = 2 * kDistances[2];
-// What a pair may differ by: each is known to half a pixel, and the surface between them leans by
-// so much per pixel; more may be an edge.
+// The max difference of a pair: each disparity is known to half a pixel, and the surface between
+// them may slant by this much per pixel. A larger difference may be an edge.
 constexpr float kPairNoise_px = 1.0F;
 constexpr float kPairSlope = 1.0F / 16.0F;
-constexpr float kAgreement_px = 2.0F;  // of winner and pair: each may be a pixel off
+constexpr float kAgreement_px = 2.0F;  // of winner and pair: each may be off by a pixel
 constexpr float kMinPairs = 3.0F;
 
 static_assert(kReach_px + base::kLanes <= PaddedDisparity::kMargin_px);
 
-// The mean of the pairs that agree with each winner, 0 where they are too few.
+// Returns the mean of the pairs that agree with each winner, 0 if there are too few.
 DIVEMESH_INLINE_BODY base::Floats supported(const float* const* rows, int x, base::Floats winner) {
     base::Floats sum = {};
     base::Floats count = {};

@@ -5,10 +5,10 @@
 
 namespace divemesh::stereo {
 
-// A winner of the matcher that its checks did not confirm (a negative disparity) is believed where
-// at least three pairs of confirmed disparities on opposite sides within 8 px say the same: it then
-// gets their mean. In two rounds, the second from what the first gave. What no winner supports, or
-// lies beside a surface and not within, stays a hole (0). `spare` is written to.
+// Fills holes: an unconfirmed winner of the matcher (a negative disparity) is accepted if at least
+// three pairs of confirmed disparities on opposite sides within 8 px agree with it. It then gets
+// their mean. There are two rounds; the second uses the results of the first. A pixel without such
+// a winner, or beside a surface instead of within it, stays a hole (0). `spare` is overwritten.
 void fill_holes(PaddedDisparity& disparity_px,
                 PaddedDisparity& spare,
                 base::Instructions instructions = base::best_instructions());

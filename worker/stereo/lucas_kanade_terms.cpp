@@ -8,10 +8,10 @@
 namespace divemesh::stereo {
 namespace {
 
-constexpr int kReadBefore_px = 2;  // of the pixels that are looked at, and as many behind
+constexpr int kReadBefore_px = 2;  // x offset of the first and the last pixel read
 constexpr int kReadBehind_px = 5;
 
-using Integers = base::Masks;  // of 32 bit
+using Integers = base::Masks;  // 32 bits
 
 struct Read {
     const std::uint8_t* left;
@@ -39,11 +39,11 @@ struct Values {
     Integers g, r, e, known;
 };
 
-// Both pictures are read through a cubic B-spline, whose phase hardly depends on the place between
-// two pixels: a bilinear or a cubic (Keys) one draws fine texture up to 0.05 px toward the nearest
-// pixel (Schreier, Braasch and Sutton 2000). The gradient is the mean of both pictures', which
-// halves what noise adds to it; central differences, whose noise has nothing in common with that of
-// e.
+// Both images are interpolated by a cubic B-spline, whose phase hardly depends on the position
+// between two pixels: bilinear or cubic (Keys) interpolation pulls fine texture by up to 0.05 px
+// towards the nearest pixel (Schreier, Braasch and Sutton 2000). The gradient is the mean of both
+// images', which halves its noise. It uses central differences, whose noise is uncorrelated with
+// that of e.
 DIVEMESH_INLINE_BODY Values values_at(const Read& in, int x) {
     constexpr float kScale = kGreyScale;
     const auto first = base::load_lanes<Integers>(in.first + x);
@@ -71,7 +71,7 @@ DIVEMESH_INLINE_BODY Values values_at(const Read& in, int x) {
             known};
 }
 
-// The values of a row take the place of the oldest ones, in `rows` and in the sums.
+// Replaces the values of the oldest row by those of a new one, in `rows` and in the sums.
 DIVEMESH_INLINE_BODY void exchange_row(const Read& in,
                                        int width,
                                        std::int16_t* const (&rows)[4],

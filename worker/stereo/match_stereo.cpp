@@ -17,14 +17,14 @@ namespace {
 constexpr int kMinSpeckleSize = 120;  // pixels
 constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
 constexpr float kMaxSigma_px = 1.0F;
-constexpr float kMinSigma_px = 0.15F;  // what calibration, interpolation and slant leave
+constexpr float kMinSigma_px = 0.15F;  // error of calibration, interpolation and slant
 
 void remove_islands(types::DepthMap& depth) {
     remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
 }
 
-// What is left of an island after the refinement goes; so do those that it made, where it took out
-// what has no texture.
+// Refines the disparity, and removes islands that remain after the refinement or that it made by
+// removing pixels without texture.
 void refine(const types::RectifiedFrame& frame, DisparityRefiner& refiner, types::DepthMap& depth) {
     unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
     depth.sigma_disparity_px =

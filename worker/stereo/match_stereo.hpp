@@ -8,8 +8,8 @@
 
 namespace divemesh::stereo {
 
-// Step 1: stereo disparity, dense. Which matcher is an option (block, sgm, opencv_sgbm); all give
-// sub-pixel disparity with a standard deviation and leave unknown what has no texture.
+// Step 1: the dense stereo matcher. The method is an option (block, sgm, opencv_sgbm). All give
+// sub-pixel disparities with a standard deviation and leave pixels without texture unknown.
 class StereoMatcher {
 public:
     StereoMatcher(const types::RectifiedRig& rig, const ReconstructionOptions& options);
@@ -18,7 +18,8 @@ public:
     StereoMatcher& operator=(const StereoMatcher&) = delete;
 
     types::DepthMap match(const types::RectifiedFrame& frame);
-    // sgm looks within `range`, and where a survey at a quarter of the size shows something beyond.
+    // The same; sgm searches within `range`, widened where a survey at a quarter of the size finds
+    // disparities beyond.
     types::DepthMap match(const types::RectifiedFrame& frame, const types::DisparityRange& range);
 
 private:

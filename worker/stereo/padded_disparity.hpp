@@ -6,20 +6,20 @@
 
 namespace divemesh::stereo {
 
-// A number per pixel, 0 (unknown) all around: windows may reach over the border and vectors past
-// the end of a row, as long as what they write there is 0. Memory stays from picture to picture.
+// An image of floats with a margin of 0 (unknown) all around: windows may reach over the border and
+// vectors past the end of a row, if they write only 0 there. Its memory is reused between images.
 class PaddedDisparity {
 public:
     static constexpr int kMargin_px = 16;
 
-    // What it holds is kept when the size is.
+    // Keeps the values if the size stays the same.
     void resize(cv::Size size) {
         if (size == size_) return;
         size_ = size;
         stride_ = size.width + 2 * kMargin_px;
         values_.assign(static_cast<std::size_t>(size.height + 2 * kMargin_px) * stride_, 0.0F);
     }
-    // CV_32F.
+    // Copies CV_32F values.
     void copy_from(const cv::Mat& values) {
         resize(values.size());
         for (int y = 0; y < values.rows; ++y)
@@ -35,7 +35,8 @@ public:
     cv::Size size() const { return size_; }
     int width() const { return size_.width; }
     int height() const { return size_.height; }
-    // Of y from -kMargin_px to height + kMargin_px - 1; kMargin_px values before and behind.
+    // Returns row y, from -kMargin_px to height + kMargin_px - 1, with kMargin_px values before and
+    // behind.
     float* row(int y) { return values_.data() + offset(y); }
     const float* row(int y) const { return values_.data() + offset(y); }
 

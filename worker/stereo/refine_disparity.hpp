@@ -7,19 +7,19 @@
 
 namespace divemesh::stereo {
 
-// Sub-pixel disparity without pixel locking. The winners of a matcher crowd at whole pixels; a
-// Lucas-Kanade step of each pixel alone would keep its noise. So: fill the holes that the winners
-// themselves support, smooth on the local plane, one step over a window, smooth again, farther
-// around where the step left it uncertain.
+// Sub-pixel refinement without pixel locking. A matcher's winners cluster at whole pixels, and a
+// Lucas-Kanade step of each pixel alone would keep its noise. So the refiner fills the holes that
+// the winners support, smooths on the local plane, does one step over a window, and smooths again,
+// with a wider reach where the step is uncertain.
 class DisparityRefiner {
 public:
     explicit DisparityRefiner(base::Instructions instructions = base::best_instructions())
         : instructions_(instructions), step_(instructions) {}
 
-    // CV_8UC1 pictures, CV_32F disparity, 0: unknown, negative: of a winner that a check did not
-    // confirm. Returns the standard deviation, px, CV_32F: of the least squares, from what they
-    // leave unexplained. Where that is no better than noise would have it, the disparity becomes
-    // unknown, as it does where nothing supports an unconfirmed one.
+    // Refines `disparity_px` (CV_32F, 0: unknown, negative: an unconfirmed winner) of a pair
+    // (CV_8UC1). Returns the standard deviation, px, CV_32F, from the residuals of the least
+    // squares. The disparity becomes unknown where that is no better than noise, or where an
+    // unconfirmed winner has no support.
     cv::Mat refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity_px);
 
 private:

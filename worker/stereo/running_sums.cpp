@@ -28,7 +28,7 @@ DIVEMESH_INLINE_BODY void widen_within(const std::int32_t* column_,
     }
 }
 
-// The radii that are used, so that the inner loop has a fixed length.
+// Calls the loop with a constant radius for the radii in use, so that its length is fixed.
 DIVEMESH_INLINE_BODY void widen(const std::int32_t* column, int num, int radius, float* window) {
     if (radius == 4) return widen_within(column, num, 4, window);
     if (radius == 3) return widen_within(column, num, 3, window);

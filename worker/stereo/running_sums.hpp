@@ -7,21 +7,21 @@
 
 namespace divemesh::stereo {
 
-// Sums of several quantities over a square window that runs down an image, row by row. Integers, so
-// that they are exact and cost the same at any window size.
+// Running sums of several quantities over a square window that moves down an image row by row. They
+// are integers, therefore exact, and cost the same at any window size.
 class RunningSums {
 public:
     using Row = std::vector<std::int32_t>;
 
     RunningSums(int num_terms, int width, int radius_px, base::Instructions instructions);
 
-    // The terms of the next row, to be written before add_row(); they start as they were 2 radius +
-    // 1 rows ago.
+    // Returns the buffer for a term of the next row, to be filled before add_row(). It contains the
+    // values of 2 radius + 1 rows ago.
     Row& next(int term) { return entering_[static_cast<std::size_t>(term)]; }
     void add_row();
-    // Whether a whole window has been seen; its centre is then `radius_px` above the last row.
+    // Returns true after a whole window of rows; its centre is `radius_px` above the last row.
     bool whole() const { return num_rows_ > 2 * radius_px_; }
-    // Window sums by the column of the centre; zero where the window leaves the image.
+    // Returns the window sums by the column of the centre; 0 where the window leaves the image.
     const std::vector<float>& sums(int term) const { return sums_[static_cast<std::size_t>(term)]; }
 
 private:
@@ -29,8 +29,8 @@ private:
     base::Instructions instructions_;
     int num_rows_ = 0;
     std::vector<Row> entering_;
-    std::vector<std::vector<Row>> rows_;  // the last 2 radius + 1, in turn
-    std::vector<Row> columns_;            // their sums
+    std::vector<std::vector<Row>> rows_;  // the last 2 radius + 1, cyclic
+    std::vector<Row> columns_;            // column sums of rows_
     std::vector<std::vector<float>> sums_;
 };
 

@@ -7,8 +7,8 @@
 #endif
 
 // One namespace per instruction set, each with the vector type, its operations and, by inclusion,
-// the loops over them. Nothing of the standard library may be included after a target pragma: what
-// it inlines would be compiled for that target and then serve the whole program.
+// the loops. No standard header may be included after a target pragma: its inline functions would
+// be compiled for that target and then be used by the whole program.
 namespace divemesh::stereo {
 namespace {
 
@@ -49,7 +49,7 @@ DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) {
     constexpr std::uint64_t kGather = 0x0102040810204080U;
     return ((halves[0] * kGather) >> 56) | (((halves[1] * kGather) >> 56) << 8);
 }
-// How many of the first `num` are no larger.
+// Returns how many of the first `num` bytes are <= limit.
 DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int /*num: all*/) {
     const V ones = (min(a, limit) == a) ? broadcast(1) : broadcast(0);
     std::uint64_t halves[2];
@@ -60,7 +60,7 @@ DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int /*num: all*/) {
 DIVEMESH_INLINE_BODY V broadcast_where_equal(V a, V b, int value) {
     return (a == b) ? broadcast(value) : broadcast(0);
 }
-// The bytes at d - 1, where `before` ends at the first of `here`, and those at d + 1.
+// Return the bytes at d - 1, where `before` ends at the first byte of `here`, and those at d + 1.
 #if defined(__SSE2__)
 DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
     return reinterpret_cast<V>(_mm_or_si128(_mm_slli_si128(reinterpret_cast<__m128i>(here), 1),
@@ -93,7 +93,7 @@ DIVEMESH_INLINE_BODY std::uint8_t min_of_path(PathMinima minima) {
     return minima.of[p];
 }
 DIVEMESH_INLINE_BODY V broadcast_last(PathMinima minima) { return broadcast(minima.of[3]); }
-// Bits set in each nibble of a byte.
+// Returns the number of bits set in each nibble.
 DIVEMESH_INLINE_BODY V nibble_counts(V bits) {
     const V pairs = bits - ((bits >> 1) & broadcast(0x55));
     return (pairs & broadcast(0x33)) + ((pairs >> 2) & broadcast(0x33));
@@ -206,7 +206,7 @@ DIVEMESH_INLINE_BODY V by_nibble(V table, V bits) {
         _mm256_shuffle_epi8(table, _mm256_and_si256(bits, low)),
         _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(bits, 4), low)));
 }
-// The bits of three planes are first added to a sum and a carry, which counts twice.
+// First adds the bits of three planes to a sum and a carry; the carry counts twice.
 DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, int d) {
     const V ones = _mm256_setr_epi8(0,
                                     1,
@@ -277,7 +277,7 @@ DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
     return _mm512_mask_blend_epi8(keep, broadcast(other), v);
 }
 DIVEMESH_INLINE_BODY int min_byte(V v) {
-    // With a mask, as g++ 12 warns of its own header otherwise (bug 105593).
+    // With a mask: otherwise g++ 12 warns about its own header (bug 105593).
     constexpr __mmask8 kAll = 0xff;
     const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, v, 0),
                                            _mm512_maskz_extracti64x4_epi64(kAll, v, 1));
@@ -294,7 +294,7 @@ DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int num) {
 DIVEMESH_INLINE_BODY V broadcast_where_equal(V a, V b, int value) {
     return _mm512_maskz_mov_epi8(_mm512_cmpeq_epi8_mask(a, b), broadcast(value));
 }
-// 0, 1, 2 ... and so on from `first`.
+// The bytes first, first + 1, first + 2, ...
 struct Places {
     constexpr explicit Places(int first) {
         for (int i = 0; i < kBytes; ++i) bytes[i] = static_cast<std::uint8_t>(first + i);
@@ -309,7 +309,7 @@ DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
 DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
     return _mm512_permutex2var_epi8(here, load(kOneUpper.bytes), after);
 }
-// In the lowest byte of each of four words.
+// The minima, in the lowest byte of each of four words.
 using PathMinima = __m128i;
 DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
     // With masks, as in min_byte.

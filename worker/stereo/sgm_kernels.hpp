@@ -7,53 +7,56 @@
 
 namespace divemesh::stereo {
 
-inline constexpr int kOutsideCost = 200;     // of a path beside the range: never the least
+inline constexpr int kOutsideCost = 200;     // of a path outside the range: never the min
 inline constexpr int kSmallStepPenalty = 6;  // P1
-inline constexpr int kMaxStepPenalty = 60;   // P2 on even ground
+inline constexpr int kMaxStepPenalty = 60;   // P2 where the grey value is constant
 inline constexpr int kMinStepPenalty = 20;   // P2 across an edge
 inline constexpr int kNumCensusBits = 32;
 inline constexpr int kUniqueness_percent = 5;
 inline constexpr int kMaxDisparities = 512;
-inline constexpr int kMaxVectorBytes = 64;  // bytes: the kernels read so far past the end
+inline constexpr int kMaxVectorBytes = 64;  // the kernels read this far past the end
 
-// Costs of one path, kept from row to row: slot s holds those of one pixel, [d], and their least.
-// A path that comes from above left finds the pixel before it where its own costs go when the slot
-// is (x - y) mod (width + 1); from above, x; from above right, (x + y) mod (width + 1). The slot
-// too many keeps a row that goes along with the one above it out of that one's way.
+// Costs of one path, kept from row to row: slot s holds those of one pixel, [d], and their min. A
+// path overwrites the costs of its previous pixel in place if the slot is (x - y) mod (width + 1)
+// for a path from above left, x from above, and (x + y) mod (width + 1) from above right. The extra
+// slot separates two rows that are processed together.
 struct VerticalPath {
-    std::uint8_t* costs = nullptr;  // of slot 0 at d = 0
+    std::uint8_t* costs = nullptr;  // of slot 0, d = 0
     std::uint8_t* min_cost = nullptr;
-    int first_slot = 0;  // of x = 0
+    int first_slot = 0;  // the slot of x = 0
 };
 
+// One row as input and output of the forward kernel.
 struct ForwardRow {
     int width = 0;
     int first_disparity = 0;
     int num_disparities = 0;           // multiple of 32; [d] has a stride of whole vectors
     const std::uint8_t* left[4] = {};  // byte planes of the census
-    // [width - 1 - x], from the first disparity on; readable past the end
+    // [width - 1 - x], starting at the first disparity; readable past the end
     const std::uint8_t* right_reversed[4] = {};
-    const std::uint8_t* penalty[4] = {};  // P2 by x: from above left, above, above right, left
+    // P2 by x, for the paths from above left, above, above right, left.
+    const std::uint8_t* penalty[4] = {};
     VerticalPath above[3];
     std::uint8_t* cost = nullptr;  // out, [x][d]
-    std::uint8_t* sum = nullptr;   // out, of the four paths
+    std::uint8_t* sum = nullptr;   // out, over the four paths
 };
 
+// One row as input and output of the backward kernel.
 struct BackwardRow {
     int width = 0;
     int num_disparities = 0;
     const std::uint8_t* penalty = nullptr;
     const std::uint8_t* cost = nullptr;
     const std::uint8_t* sum = nullptr;
-    // Out, by x:
+    // Outputs by x:
     std::uint8_t* min_cost = nullptr;  // of the sums
-    std::int16_t* min_at = nullptr;    // the first d that has it
+    std::int16_t* min_at = nullptr;    // the first d with min_cost
     std::uint8_t* is_unique = nullptr;
-    std::uint8_t* lower = nullptr;  // where unique the sums at d - 1 and d + 1
+    std::uint8_t* lower = nullptr;  // the sums at d - 1 and d + 1, if unique
     std::uint8_t* upper = nullptr;
 };
 
-// What a way back found, confirmed or not.
+// The winners of a backward row, confirmed or not.
 struct WinnerRow {
     int width = 0;
     int first_disparity = 0;
@@ -64,26 +67,28 @@ struct WinnerRow {
     const std::uint8_t* is_confirmed = nullptr;
 };
 
-// Census distance of one row, or of two that follow each other, at all disparities, then four path
-// steps and their sum. Sums saturate at 255.
+// Computes the census distance of one row, or of two consecutive rows, at all disparities, then the
+// steps of four paths and their sum. Sums saturate at 255.
 using ForwardKernel = void (*)(const ForwardRow* rows, int num_rows);
-// The fifth path added to the sum, and the least of it.
+// Adds the fifth path to the sum, and finds the min.
 using BackwardKernel = void (*)(const BackwardRow* rows, int num_rows);
-// To fractions of a pixel; negative: not confirmed, to the pixel; 0: from outside of the picture.
+// Computes sub-pixel disparities; negative: unconfirmed, in whole pixels; 0: the match lies outside
+// the image.
 using SubpixelKernel = void (*)(const WinnerRow& row, float* disparity_px);
-// One byte plane of the census of a row: bit k tells whether the k-th neighbour is at least as
-// bright as the centre.
+// Computes one byte plane of a row's census: bit k is 1 if the k-th neighbour is at least as bright
+// as the centre.
 using CensusKernel = void (*)(const std::uint8_t* center,
                               const std::uint8_t* const* neighbours,
                               int num,
                               std::uint8_t* plane);
 
-// P2 of `num` pairs of neighbours by their grey values.
+// Computes P2 for `num` pairs of neighbours from their grey values.
 using PenaltyKernel = void (*)(const std::uint8_t* a,
                                const std::uint8_t* b,
                                int num,
                                std::uint8_t* penalty);
 
+// The kernels of one instruction set.
 struct SgmKernels {
     ForwardKernel forward;
     BackwardKernel backward;
@@ -93,6 +98,7 @@ struct SgmKernels {
     int vector_bytes;
 };
 
+// Returns the kernels for an instruction set.
 SgmKernels sgm_kernels(base::Instructions instructions);
 
 }  // namespace divemesh::stereo

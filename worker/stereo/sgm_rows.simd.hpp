@@ -21,12 +21,13 @@ void census(const std::uint8_t* center,
     }
 }
 
-// P2 by the difference of two grey values: as it is told from an edge of the scene.
+// Computes P2 from the difference of two grey values: a large difference may be an edge of the
+// scene.
 void penalties(const std::uint8_t* __restrict a,
                const std::uint8_t* __restrict b,
                int num,
                std::uint8_t* __restrict penalty) {
-    constexpr int kHalving = 12;  // grey values that halve it
+    constexpr int kHalving = 12;  // a difference in grey values that halves P2
     for (int x = 0; x < num; ++x) {
         const int step = a[x] > b[x] ? a[x] - b[x] : b[x] - a[x];
         const float lowered =
@@ -36,8 +37,8 @@ void penalties(const std::uint8_t* __restrict a,
     }
 }
 
-// What is behind the last disparity where the vectors end later: costs too large to be chosen from
-// any path, and not too large for a byte.
+// The cost behind the last disparity, where the vectors are longer: too large to be chosen from any
+// path, and small enough for a byte.
 constexpr int kBehindRange = 140;
 static_assert(kNumCensusBits + kMaxStepPenalty < kBehindRange);
 static_assert(kBehindRange + kMaxStepPenalty <= kOutsideCost);
@@ -49,7 +50,8 @@ DIVEMESH_INLINE_BODY int stride_of(int num_disparities) {
 struct Step {
     V min_cost;
     V far;
-    V before;  // costs of the pixel before: at the last disparities, at these and at the next
+    // Costs of the previous pixel at the previous, the current and the next vector of disparities.
+    V before;
     V here;
     V after;
 };
@@ -62,7 +64,7 @@ DIVEMESH_INLINE_BODY V path_cost(const Step& step, V cost) {
     return add(subtract(min(min(step.here, near), step.far), step.min_cost), cost);
 }
 
-// The path's next step; its costs replace those that it comes from.
+// Does the next step of a path; its costs replace those of the previous pixel.
 DIVEMESH_INLINE_BODY V take_step(Step& step, std::uint8_t* costs, int d, int stride, V cost) {
     step.after = d + kBytes < stride ? load(costs + d + kBytes) : broadcast(kOutsideCost);
     const V next = path_cost(step, cost);
@@ -81,7 +83,7 @@ DIVEMESH_INLINE_BODY Step first_step(const std::uint8_t* costs, V min_cost, int 
     return step;
 }
 
-// One row on its way from left to right.
+// The state of one row's sweep from left to right.
 struct Sweep {
     const ForwardRow* row = nullptr;
     int slots[3] = {};
@@ -147,8 +149,8 @@ DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x, int num_vectors) {
     for (int& slot : sweep.slots) slot = slot == row.width ? 0 : slot + 1;
 }
 
-// The step from left to right waits for the pixel before it, so a second row goes along, far enough
-// behind to find the row above done.
+// The step from left to right waits for the previous pixel, so two rows are processed together. The
+// second lags behind, so that it finds the row above done.
 DIVEMESH_INLINE_BODY void forward_body(const ForwardRow* rows, int num_rows, int num_vectors) {
     constexpr int kLag = 2;
     Sweep sweeps[2];
@@ -173,7 +175,7 @@ DIVEMESH_INLINE_BODY void forward_body(const ForwardRow* rows, int num_rows, int
     for (int x = width - kLag; x < width; ++x) advance(sweeps[1], x, num_vectors);
 }
 
-// The first place of `best`, which is the least of the sums.
+// Returns the first index of `best`, the min of the sums.
 DIVEMESH_INLINE_BODY int find_first(const std::uint8_t* sums, int num_vectors, int best) {
     const V best_v = broadcast(best);
     int first = 0;
@@ -184,7 +186,7 @@ DIVEMESH_INLINE_BODY int find_first(const std::uint8_t* sums, int num_vectors, i
     return first;
 }
 
-// Whether nothing but the neighbours of the winner comes near it.
+// Returns true if only the winner's neighbours have sums close to it.
 DIVEMESH_INLINE_BODY bool is_unique(const std::uint8_t* sums,
                                     int num,
                                     int num_vectors,
@@ -199,12 +201,12 @@ DIVEMESH_INLINE_BODY bool is_unique(const std::uint8_t* sums,
     return (best < 255) & (winner > 0) & (winner < num - 1) & (num_near == num_own);
 }
 
-// One row on its way from right to left.
+// The state of one row's sweep from right to left.
 struct BackwardSweep {
     const BackwardRow* row = nullptr;
     V min_cost;
     alignas(kMaxVectorBytes) std::uint8_t from_right[kMaxDisparities];
-    // What the last pixel's disparities sum up to, between margins.
+    // The sums of the last pixel, between margins.
     alignas(kMaxVectorBytes) std::uint8_t sums[kMaxDisparities + 2 * kMaxVectorBytes] = {};
 };
 
@@ -254,7 +256,7 @@ DIVEMESH_INLINE_BODY void backward_body(const BackwardRow* rows, int num_rows, i
     }
 }
 
-// Between whole disparities by the two lines that a cost of absolute differences has.
+// Interpolates between whole disparities by two lines, the shape of an absolute-difference cost.
 void place(const WinnerRow& row, float* __restrict disparity_px) {
     const std::int16_t* __restrict min_at = row.min_at;
     const std::uint8_t* __restrict min_cost = row.min_cost;
@@ -273,7 +275,7 @@ void place(const WinnerRow& row, float* __restrict disparity_px) {
     }
 }
 
-// Small numbers of vectors are constants to the compiler.
+// Small numbers of vectors are passed as compile-time constants.
 void forward(const ForwardRow* rows, int num_rows) {
     switch (const int num_vectors = stride_of(rows[0].num_disparities) / kBytes; num_vectors) {
         case 1: return forward_body(rows, num_rows, 1);

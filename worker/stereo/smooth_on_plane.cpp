@@ -14,7 +14,7 @@ constexpr int kNumRows = 2 * kRadius + 1;
 constexpr int kWideStride_px = 3;
 constexpr float kMaxSlope = 1.0F;  // disparity per pixel; steeper is an edge
 constexpr float kMaxGate_px = 0.8F;
-constexpr float kCertain_px = 0.15F;  // a disparity this well known is left as it is
+constexpr float kCertain_px = 0.15F;  // a disparity with a smaller sigma is not changed
 constexpr float kReach_px = 2 * kRadius * kWideStride_px + kWindow_px;
 constexpr float kMaxWindows = kReach_px * kReach_px / (1.0F * kWindow_px * kWindow_px);
 constexpr float kMaxOthers = kNumRows * kNumRows - 1;
@@ -26,8 +26,8 @@ struct Mean {
     base::Floats num_others;
 };
 
-// Mirror pairs of the neighbours, `stride` apart, that lie on one plane with the centre, within its
-// gate, are averaged with it.
+// Averages the centre with the mirror pairs of neighbours, `stride` apart, that lie on one plane
+// with it, within its gate.
 DIVEMESH_INLINE_BODY Mean
 mean_on_plane(const float* const* rows, int x, int stride, base::Floats center, base::Floats gate) {
     base::Floats sum = {};

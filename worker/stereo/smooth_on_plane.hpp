@@ -5,17 +5,17 @@
 
 namespace divemesh::stereo {
 
-// Mean of those pairs of opposite neighbours within 2 px whose own mean is within `gate_px` of the
-// centre: planes of any slant stay as they are, edges stay sharp.
+// Averages each disparity with those pairs of opposite neighbours within 2 px whose own mean is
+// within `gate_px` of the centre: planes of any slant stay as they are, edges stay sharp.
 void smooth_on_plane(const PaddedDisparity& disparity_px,
                      float gate_px,
                      PaddedDisparity& smooth_px,
                      base::Instructions instructions = base::best_instructions());
 
-// The same for uncertain disparities, with the gate at two of their standard deviations, by
-// neighbours three times as far. The deviation falls as it does for a mean of the square root of so
-// many windows as do not overlap: where texture is weak, neighbours are off together. That of a
-// wide window stays. Certain ones stay as they are.
+// The same for uncertain disparities, with a gate of two standard deviations and neighbours three
+// times as far. The standard deviation falls only with the fourth root of the number of windows
+// that do not overlap: where texture is weak, the errors of neighbours are correlated. That of a
+// wide window stays. Certain disparities stay as they are.
 void smooth_uncertain(const PaddedDisparity& disparity_px,
                       const PaddedDisparity& sigma_px,
                       PaddedDisparity& smooth_px,

@@ -10,7 +10,7 @@
 namespace divemesh::stereo {
 namespace {
 
-// Pixels of one row that hang together.
+// Connected pixels of one row.
 struct Run {
     std::int32_t begin;
     std::int32_t end;
@@ -18,7 +18,7 @@ struct Run {
 
 struct Runs {
     std::vector<Run> all;
-    std::vector<std::size_t> first_of_row{0};  // and one behind
+    std::vector<std::size_t> first_of_row{0};  // and the end of the last row
 };
 
 bool together(float a, float b, float max_step_px) {
@@ -40,7 +40,7 @@ Runs find_runs(const cv::Mat& disparity_px, float max_step_px) {
     return runs;
 }
 
-// Of one row with those of the row above.
+// Joins the runs of one row with those of the row above.
 void join_runs(const cv::Mat& disparity_px,
                float max_step_px,
                const Runs& runs,
@@ -64,7 +64,7 @@ void join_runs(const cv::Mat& disparity_px,
     }
 }
 
-// change(first disparity, number of them) for each run of a small island.
+// Calls change(first disparity, number of them) for each run of a small island.
 template <typename Change>
 void for_each_speckle(cv::Mat& disparity_px,
                       int min_pixels,

@@ -8,19 +8,20 @@ namespace divemesh::stereo {
 namespace {
 
 constexpr float kMaxStep_px = 0.8F;
-// Known ones of a window. Of the wide one a quarter: it is for weak texture on a surface.
+// Min number of known pixels in a window. The wide one needs only a quarter: it is for weak texture
+// on a surface.
 constexpr float kMinPixels = 12.0F;
 constexpr float kMinWidePixels = 0.25F * 9 * kWindow_px * kWindow_px;
-// Variances, in squares of grey values as they are kept.
+// Variances, in the squared unit of the stored grey values.
 constexpr float kMinNoise = kGreyScale * kGreyScale / 12.0F;    // rounding to grey values
 constexpr float kGainPrior = 100.0F * kGreyScale * kGreyScale;  // noise of 1, gains within 0.1
-// Of the noise of e: what is in the mean gradient of two pictures read through B-splines, whose
-// weights for e are (1 4 1)/6 and for a gradient (1 4 0 -4 -1)/12.
+// The noise variance of the mean gradient, relative to that of e, for two images interpolated by
+// B-splines with weights (1 4 1)/6 for e and (1 4 0 -4 -1)/12 for a gradient.
 constexpr float kGradientNoise = 0.118F;
-// A B-spline correlates the noise of neighbours: 1 + 2 (4/9 + 1/18) for what varies little.
+// A B-spline correlates the noise of neighbours: 1 + 2 (4/9 + 1/18) for slowly varying quantities.
 constexpr float kCorrelatedNoise = 2.0F;
-// The energy of the gradient beyond that of noise alone: as much again, which a matcher that
-// chooses among chance likenesses does not reach over a window, and so many standard deviations.
+// Min energy of the gradient beyond that of noise alone: as much again (which chance matches do not
+// reach over a window), and this many standard deviations.
 constexpr float kMinTexture = 1.0F;
 constexpr float kMinSignificance = 4.5F;
 
@@ -29,9 +30,9 @@ struct Fit {
     base::Floats sigma_px;  // 0: not determined
 };
 
-// Least squares for the step s and the gain a of e = -g s + a r + b, a held near zero. What the fit
-// leaves of e is the noise of both pictures, whatever its source: it tells how much of the
-// gradient's energy is noise too, which would shorten the step, and how well s is known.
+// Solves for the step s and the gain a of e = -g s + a r + b by least squares, with a held near
+// zero. The residual is the noise of both images, whatever its source. It tells how much of the
+// gradient's energy is noise too, which would shorten the step, and how uncertain s is.
 DIVEMESH_INLINE_BODY Fit fit_step(const base::Floats (&sums)[kNumTerms], float min_num_pixels) {
     const base::Floats n = sums[kCount];
     const base::Floats g = sums[kG], r = sums[kR], e = sums[kE];
@@ -85,7 +86,8 @@ DIVEMESH_INLINE_BODY void step_row(const Columns& columns,
     }
 }
 
-// Steps and deviations of blocks, each from its own sums and those of the eight around it.
+// Computes steps and sigmas of blocks, each from its own sums and those of the eight blocks around
+// it.
 void fit_blocks(
     const float* const (&sums)[kNumTerms], int stride, int num, float* step, float* sigma) {
     for (int i = 0; i < num; i += base::kLanes) {
@@ -104,7 +106,7 @@ void fit_blocks(
     }
 }
 
-// Of what the narrow window did not determine.
+// Applies the steps of the blocks where the narrow window had no result.
 void step_by_block_row(
     int width, const float* steps, const float* sigmas, float* disparity, float* sigma) {
     for (int start = 0; start < width; start += base::kLanes) {

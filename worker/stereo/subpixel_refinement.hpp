@@ -9,21 +9,22 @@
 
 namespace divemesh::stereo {
 
-// A wide window measures what its disparities are off together. By itself each is off by as much as
-// a winner of the matcher is where there is little texture, and its neighbours with it.
+// Sigma of a disparity refined by the wide window, which measures only the common error of its
+// disparities. Each single one is still as uncertain as a matcher's winner with little texture, and
+// its neighbours with it.
 inline constexpr float kWideSigma_px = 1.0F;
 
-// One Lucas-Kanade step of a disparity over a window of 9 x 9 px in which every pixel keeps its own
-// disparity; gain and bias between the cameras are estimated with it. Where there is too little
-// texture for that, over 27 x 27 px.
+// One Lucas-Kanade step of the disparities over a window of 9 x 9 px, in which every pixel keeps
+// its own disparity. Gain and bias between the cameras are estimated too. Windows with too little
+// texture grow to 27 x 27 px.
 class SubpixelRefinement {
 public:
     explicit SubpixelRefinement(base::Instructions instructions)
         : instructions_(instructions), terms_(instructions) {}
 
-    // CV_8UC1 pictures of more than 8 x 8 px; `disparity_px` takes the step. `sigma_px`: standard
-    // deviation of the least squares, from what they leave unexplained; 0: even the wide window
-    // shows hardly more than noise.
+    // Applies the step to `disparity_px`; images are CV_8UC1, larger than 8 x 8 px. `sigma_px` is
+    // the standard deviation from the residuals of the least squares; 0: even the wide window shows
+    // hardly more than noise.
     void take(const cv::Mat& left,
               const cv::Mat& right,
               PaddedDisparity& disparity_px,

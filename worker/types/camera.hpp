@@ -4,9 +4,11 @@
 
 namespace divemesh::types {
 
+// The lens distortion models: radial-tangential (Brown 1966) and equidistant (Kannala and Brandt
+// 2006).
 enum class Distortion { None, RadialTangential, Equidistant };
 
-// One camera as calibrated: pinhole with lens distortion, pixel centres at integers (OpenCV).
+// The calibration of one camera: pinhole with lens distortion, pixel centres at integers (OpenCV).
 // Distortion coefficients: k1 k2 p1 p2 (radial-tangential) or k1 k2 k3 k4 (equidistant).
 struct Camera {
     int width_px = 0;

@@ -2,7 +2,7 @@
 
 namespace divemesh::types {
 
-// Where a disparity is looked for: first_px, first_px + 1, ..., `num_px` of them.
+// The disparities that a matcher searches: first_px, first_px + 1, ..., `num_px` of them.
 struct DisparityRange {
     int first_px = 0;
     int num_px = 0;

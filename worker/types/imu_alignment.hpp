@@ -4,11 +4,11 @@
 
 namespace divemesh::types {
 
-// How the inertial unit stands beside the cameras' clock and frame: what the calibration misses.
-// Frame `body` is the imu as calibrated, fixed to the cameras; `imu` is how the unit really sits.
-// Both have one origin.
+// The error of the calibration between the IMU and the cameras, in time and rotation. Frame `body`
+// is the IMU as calibrated, fixed to the cameras; `imu` is how the IMU is really mounted. Both
+// share one origin.
 struct ImuAlignment {
-    double time_offset_s = 0.0;  // t_imu = t_cam + offset, as Kalibr has it
+    double time_offset_s = 0.0;  // t_imu = t_cam + offset, as in Kalibr
     Eigen::Quaterniond q_body_imu = Eigen::Quaterniond::Identity();
 };
 

@@ -9,14 +9,14 @@
 
 namespace divemesh::types {
 
-// What a stereo pair says about depth, in the rectified left image.
+// The disparities of a stereo pair, in the rectified left image.
 struct DepthMap {
     cv::Mat disparity_px;        // CV_32F, height x width; <= 0: unknown
     cv::Mat sigma_disparity_px;  // CV_32F, standard deviation; where disparity_px > 0
     SearchOutcome search;        // not kept in the store
 };
 
-// A rectified pair.
+// A rectified stereo pair.
 struct RectifiedFrame {
     int index = 0;
     std::int64_t timestamp_ns = 0;
@@ -24,8 +24,8 @@ struct RectifiedFrame {
     cv::Mat right;  // CV_8UC1
 };
 
-// A frame that is kept for mapping: its pose here, its pictures and depth in the keyframe store
-// under the same frame index. Nothing but a guess ties keyframes of different pieces.
+// A frame that is kept for mapping. Its images and depth are in the keyframe store under the same
+// frame index. Keyframes of different segments are related by a guess alone.
 struct Keyframe {
     int frame_index = 0;
     std::int64_t timestamp_ns = 0;
@@ -33,9 +33,10 @@ struct Keyframe {
     std::int32_t segment = 0;
 };
 
+// The image and the depth of a keyframe.
 struct KeyframeImages {
     cv::Mat left_color;  // CV_8UC3 BGR, rectified; grey dives: three equal channels
-    DepthMap depth;      // empty when no surface is asked for
+    DepthMap depth;      // empty when no surface is requested
 };
 
 }  // namespace divemesh::types

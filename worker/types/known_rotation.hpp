@@ -4,7 +4,7 @@
 
 namespace divemesh::types {
 
-// How far an orientation that the inertial unit gives is to be trusted.
+// A rotation measured by the IMU, with its uncertainty.
 struct KnownRotation {
     Eigen::Quaterniond q;
     double sigma_rad = 0.0;

@@ -6,7 +6,7 @@
 
 namespace divemesh::types {
 
-// A feature as a keyframe saw it, in the rectified pair.
+// A feature observed in a keyframe, in the rectified pair.
 struct LandmarkObservation {
     std::int32_t keyframe = 0;  // index into Track::keyframes
     float u_px = 0.0F;
@@ -14,6 +14,7 @@ struct LandmarkObservation {
     float disparity_px = 0.0F;  // <= 0: seen by the left camera alone
 };
 
+// A point of the scene with all its observations; p_world in m.
 struct Landmark {
     Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
     std::vector<LandmarkObservation> observations;

@@ -4,8 +4,8 @@
 
 namespace divemesh::types {
 
-// How a calibration errs, of one camera: relative focal length (both axes), principal point (px)
-// and the first two coefficients of the distortion.
+// The error of one camera's calibration: relative focal length (both axes), principal point (px)
+// and the first two distortion coefficients.
 struct LensChange {
     static constexpr int kSize = 5;
     using Vector = Eigen::Matrix<double, kSize, 1>;

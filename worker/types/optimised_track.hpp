@@ -15,6 +15,7 @@
 
 namespace divemesh::types {
 
+// Statistics of the optimisation.
 struct OptimiseStatistics {
     double reprojection_rms_px = 0.0;
     SolverTally pose_graph;         // of the loops
@@ -25,13 +26,14 @@ struct OptimiseStatistics {
     PathUncertainty path;  // of the final trajectory
 };
 
+// The result of the optimisation of a whole dive.
 struct OptimisedTrack {
-    Trajectory trajectory;  // every frame, with hindsight
+    Trajectory trajectory;  // every frame, after optimisation
     std::vector<Keyframe> keyframes;
-    std::vector<Keyframe> mapped;  // Track::mapped with hindsight
-    RectifiedRig rig;              // its body as refined
+    std::vector<Keyframe> mapped;  // Track::mapped after optimisation
+    RectifiedRig rig;              // with the refined T_imu_cam
     RefinedCalibration calibration;
-    CovarianceTrack covariances;  // of every frame; empty: not known
+    CovarianceTrack covariances;  // of every frame; empty: unknown
     OptimiseStatistics statistics;
     std::vector<Finding> findings;
 };

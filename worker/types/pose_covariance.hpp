@@ -6,12 +6,12 @@
 
 namespace divemesh::types {
 
-// How uncertain a pose is relative to the first one, in the axes of the body at the first pose.
+// The covariance of a pose relative to the first pose, in the body axes of the first pose.
 struct PoseCovariance {
     std::int64_t timestamp_ns = 0;
     Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d rotation_rad2 = Eigen::Matrix3d::Zero();
 };
-using CovarianceTrack = std::vector<PoseCovariance>;  // stamps strictly rising
+using CovarianceTrack = std::vector<PoseCovariance>;  // timestamps strictly ascending
 
 }  // namespace divemesh::types

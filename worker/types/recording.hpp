@@ -10,53 +10,58 @@
 
 namespace divemesh::types {
 
+// One sample of gyroscope and accelerometer, in the imu frame.
 struct ImuSample {
     std::int64_t timestamp_ns = 0;
     Eigen::Vector3d angular_velocity_imu = Eigen::Vector3d::Zero();  // rad/s
     Eigen::Vector3d acceleration_imu = Eigen::Vector3d::Zero();      // m/s^2, specific force
 };
 
+// One orientation from the AHRS, in the AHRS's world (z up).
 struct OrientationSample {
     std::int64_t timestamp_ns = 0;
     Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
 };
 
+// One depth from the pressure sensor.
 struct PressureSample {
     std::int64_t timestamp_ns = 0;
     double depth_m = 0.0;  // positive down
 };
 
-// One synchronised stereo pair as recorded, distorted; 8 bit, grey.
+// One synchronised stereo pair as recorded (not undistorted), 8 bit grey.
 struct StereoFrame {
-    int index = 0;  // in the list of matched pairs; skipped frames leave a gap
+    int index = 0;  // in the list of matched pairs; skipped frames leave gaps
     std::int64_t timestamp_ns = 0;
     cv::Mat left;
     cv::Mat right;
 };
 
+// The pose of the body at a time.
 struct StampedPose {
     std::int64_t timestamp_ns = 0;
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
 };
-using Trajectory = std::vector<StampedPose>;  // stamps strictly rising
+using Trajectory = std::vector<StampedPose>;  // timestamps strictly ascending
 
-// What the reconstruction sees of a dive, wherever it comes from. Frames come in order, one at a
-// time; a second pass starts again with rewind().
+// A dive as the reconstruction reads it, independent of the file format. Frames come in order, one
+// at a time; rewind() starts a second pass.
 class Recording {
 public:
     virtual ~Recording() = default;
 
     virtual const Rig& rig() const = 0;
-    virtual int num_frames() const = 0;  // matched pairs, the undecodable ones included
-    virtual const std::vector<ImuSample>& imu() const = 0;           // rising; empty: none
-    virtual const std::vector<OrientationSample>& ahrs() const = 0;  // rising; empty: none
+    virtual int num_frames() const = 0;  // matched pairs, including those that do not decode
+    virtual const std::vector<ImuSample>& imu() const = 0;           // ascending; empty: no IMU
+    virtual const std::vector<OrientationSample>& ahrs() const = 0;  // ascending; empty: no AHRS
     virtual const std::vector<PressureSample>& pressure() const = 0;
 
-    // The next pair that decodes; nothing at the end. What does not decode is skipped, counted and
-    // kept as a finding. One thread at a time.
+    // Returns the next pair that decodes; nullopt at the end. Frames that do not decode are
+    // skipped, counted and reported as a finding. Not thread-safe.
     virtual std::optional<StereoFrame> next_frame() = 0;
-    // The left picture of a frame that next_frame() gave, 8 bit BGR; grey dives: three equal
-    // channels. Decoded when asked for: most frames are never looked at in colour. Any thread.
+    // Returns the left image of a frame that next_frame() returned, 8 bit BGR; of a grey dive with
+    // three equal channels. It is decoded on demand, as most frames are never needed in colour.
+    // Thread-safe.
     virtual cv::Mat left_in_color(int frame_index) const = 0;
     virtual void rewind() = 0;
     virtual std::int64_t num_skipped_frames() const = 0;

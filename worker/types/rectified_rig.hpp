@@ -4,9 +4,9 @@
 
 namespace divemesh::types {
 
-// The ideal pair that rectification makes: both image planes parallel, rows aligned, no
-// distortion. Frame `cam` below and in all steps is the rectified left camera (z forward, x to the
-// right camera).
+// The ideal stereo pair after rectification: parallel image planes, aligned rows, no distortion.
+// Frame `cam` below and in all steps is the rectified left camera (z forward, x to the right
+// camera).
 struct RectifiedRig {
     int width_px = 0;
     int height_px = 0;

@@ -8,22 +8,22 @@
 
 namespace divemesh::types {
 
-// What the whole dive says about the calibration it came with, and what of it is believed.
+// The calibration estimated from the whole dive, and which parts of it are applied.
 struct RefinedCalibration {
-    // Of the inertial unit; sigmas 0 without a gyroscope.
+    // Of the IMU; the sigmas are 0 without a gyroscope.
     ImuAlignment imu;
     double time_offset_sigma_s = 0.0;
     Eigen::Vector3d rotation_sigma_rad = Eigen::Vector3d::Zero();  // of q_body_imu, axes of body
     bool time_offset_applied = false;
     bool rotation_applied = false;
-    // Of the lenses, left and right.
+    // Of the two lenses, left and right.
     std::array<LensChange, 2> lenses;
     std::array<LensChange::Vector, 2> lens_sigmas = {LensChange::Vector::Zero(),
                                                      LensChange::Vector::Zero()};
-    // Of these k1 and k2 alone, with the rest as stated: how features drift looks like another
-    // focal length, but not like another distortion.
+    // The applied change: k1 and k2 alone, the rest as calibrated. Drifting features look like
+    // another focal length, but not like another distortion.
     std::array<LensChange, 2> applied_lenses;
-    double lens_shift_px = 0.0;  // root mean square over the picture, of what they move
+    double lens_shift_px = 0.0;  // RMS over the image of the shift by applied_lenses
     bool lenses_applied = false;
 
     ImuAlignment applied_alignment() const {

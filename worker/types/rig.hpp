@@ -7,6 +7,7 @@
 
 namespace divemesh::types {
 
+// The noise densities and random walks of the IMU.
 struct ImuNoise {
     double gyroscope_noise_density = 2e-3;      // rad/s/sqrt(Hz)
     double gyroscope_random_walk = 2e-5;        // rad/s^2/sqrt(Hz)
@@ -21,7 +22,7 @@ struct Rig {
     Camera cam1;
     Eigen::Isometry3d T_imu_cam0 = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_imu_cam1 = Eigen::Isometry3d::Identity();
-    std::optional<ImuNoise> imu_noise;  // set when the dive has an IMU
+    std::optional<ImuNoise> imu_noise;  // nullopt if the dive has no IMU
 
     Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }
     double baseline_m() const { return T_cam1_cam0().translation().norm(); }

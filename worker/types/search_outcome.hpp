@@ -6,8 +6,9 @@
 
 namespace divemesh::types {
 
-// Where a picture was searched, and how many of the patches of its survey (CoarseDisparitySearch)
-// lie outside of that: what a search within a range cannot find, it cannot count either.
+// The disparity search range of an image, and how many patches of its survey
+// (CoarseDisparitySearch) lie outside the range: a search within a range cannot count what it
+// misses.
 struct SearchOutcome {
     DisparityRange range;
     std::int64_t num_patches = 0;
@@ -15,10 +16,10 @@ struct SearchOutcome {
     std::int64_t num_too_near = 0;
 };
 
-// The same of many pictures.
+// The same, summed over many images.
 struct SearchStatistics {
     std::int64_t num_frames = 0;
-    std::int64_t sum_ranges_px = 0;  // disparities looked for
+    std::int64_t sum_ranges_px = 0;  // searched disparities
     std::int64_t num_patches = 0;
     std::int64_t num_too_far = 0;
     std::int64_t num_too_near = 0;

@@ -13,14 +13,15 @@
 
 namespace divemesh::types {
 
+// Statistics of the tracking.
 struct TrackStatistics {
-    std::int64_t num_frames = 0;             // that decoded
-    std::int64_t num_skipped_frames = 0;     // that did not
+    std::int64_t num_frames = 0;             // decoded
+    std::int64_t num_skipped_frames = 0;     // did not decode
     std::int64_t num_frames_tracked = 0;     // constrained by vision
-    std::int64_t num_degenerate_frames = 0;  // that saw too little, too far or on one line
+    std::int64_t num_degenerate_frames = 0;  // too few or too distant features, or all on one line
     double mean_tracked_features = 0.0;
-    double inlier_share = 0.0;                 // of the tracked features, after RANSAC
-    double imu_vision_disagreement_deg = 0.0;  // RMS per frame of gyro against vision; 0: no IMU
+    double inlier_share = 0.0;                 // inliers after RANSAC / tracked features
+    double imu_vision_disagreement_deg = 0.0;  // gyro against vision, RMS per frame; 0: no IMU
     double horn_scale_median = 1.0;            // Horn's s, estimated and reported, never applied
     double median_depth_m = 0.0;               // of the features
     double median_track_life_frames = 0.0;
@@ -29,15 +30,15 @@ struct TrackStatistics {
     SearchStatistics dense;     // of the frames whose depth is in the store
 };
 
-// Steps 1 to 6 over all frames.
+// The result of steps 1 to 6 over all frames.
 struct Track {
     RectifiedRig rig;
-    Trajectory causal;    // every frame, as known at its time
-    Trajectory odometry;  // the motion from frame to frame, chained: drifts but never jumps
+    Trajectory causal;    // every frame, from data up to its time
+    Trajectory odometry;  // chained frame-to-frame motion: drifts but never jumps
     std::vector<Keyframe> keyframes;
-    std::vector<Keyframe> mapped;  // whose depth is in the store: keyframes and some between
+    std::vector<Keyframe> mapped;  // frames with depth in the store: keyframes and some between
     std::vector<Landmark> landmarks;
-    ImuAlignment imu_alignment;  // as found on the way
+    ImuAlignment imu_alignment;  // as estimated during tracking
     TrackStatistics statistics;
 };
 

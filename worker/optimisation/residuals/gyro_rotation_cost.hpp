@@ -8,12 +8,12 @@
 
 namespace divemesh::optimisation {
 
-// The turn between two keyframes by the gyroscope:
+// The gyroscope's rotation between two keyframes:
 //
-//     r = log((q_ij exp(J (b_i - b_0)))^-1 q_i^-1 q_j) / sigma_turn
+//     r = log((q_ij exp(J (b_i - b_0)))^-1 q_i^-1 q_j) / sigma_rotation
 //
 // Blocks: q_world_imu of i and j (x y z w), bias of i (rad/s). The logarithm is that of small
-// rotations: the rest is far below the noise.
+// rotations; its error is far below the noise.
 struct GyroRotationCost {
     imu::GyroscopeIntegral integral;
 

@@ -9,17 +9,17 @@
 
 namespace divemesh::optimisation {
 
-// The inertial unit between two keyframes i and j, dt apart (Forster et al. 2017, eq. 45), with
-// g = kGravity_m_s2 * down:
+// The IMU between two keyframes i and j, dt apart (Forster et al. 2017, eq. 45), with g =
+// kGravity_m_s2 * down:
 //
-//     e_turn     = log((q_ij exp(J_R (b_g - b_g0)))^-1 q_i^-1 q_j)
+//     e_rotation = log((q_ij exp(J_R (b_g - b_g0)))^-1 q_i^-1 q_j)
 //     e_velocity = q_i^-1 (v_j - v_i - g dt) - (dv + J_v (b - b_0))
 //     e_position = q_i^-1 (p_j - p_i - v_i dt - g dt^2 / 2) - (dp + J_p (b - b_0))
 //     r = L^-1 e,   L L^T = the covariance of the integral
 //
 // Blocks: q_world_imu (x y z w), p_world_imu, velocity_world, gyroscope and accelerometer bias of
 // i; the first three of j; gravity_direction_world (unit vector). The logarithm is that of small
-// rotations: the rest is far below the noise.
+// rotations; its error is far below the noise.
 class ImuPreintegrationCost {
 public:
     explicit ImuPreintegrationCost(const imu::PreintegratedImu& integral)

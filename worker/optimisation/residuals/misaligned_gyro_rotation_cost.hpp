@@ -8,13 +8,14 @@
 
 namespace divemesh::optimisation {
 
-// The turn between two keyframes by a gyroscope that sits askew by m and whose clock is off by dt:
+// The rotation between two keyframes from a gyroscope with misalignment m and time offset dt:
 //
 //     r = log((M q_ij exp(J_b (b_i - b_0) + J_t (dt - dt_0)) M^-1)^-1 q_i^-1 q_j) / sigma
 //
-// M = exp(m) maps imu to body; q_ij was integrated at dt_0, and J_t = w_j - q_ij^-1 w_i are the
-// rates at its two ends. Blocks: q_world_body of i and j (x y z w), bias of i (rad/s, imu), m
-// (rad), dt (s). Logarithms are those of small rotations; m stays within some degrees.
+// M = exp(m) maps imu to body; q_ij was integrated at dt_0, and J_t = w_j - q_ij^-1 w_i is the
+// difference of the rates at its two ends. Blocks: q_world_body of i and j (x y z w), bias of i
+// (rad/s, imu), m (rad), dt (s). Logarithms are those of small rotations; m stays within a few
+// degrees.
 struct MisalignedGyroRotationCost {
     imu::GyroscopeIntegral integral;
     Eigen::Vector3d d_rotation_d_time = Eigen::Vector3d::Zero();  // rad/s

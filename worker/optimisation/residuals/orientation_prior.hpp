@@ -7,7 +7,7 @@
 
 namespace divemesh::optimisation {
 
-// An orientation of the body that a sensor (AHRS) states in a world of its own, to sigma per axis:
+// An orientation of the body measured by a sensor (AHRS) in its own world, with sigma per axis:
 //
 //     r = log(q_ahrs_imu^-1 q_world_ahrs^-1 q_world_imu) / sigma
 //

@@ -9,15 +9,15 @@
 
 namespace divemesh::optimisation {
 
-// A point measured by the stereo camera at both times, m = (u, v, disparity). The point of t-1,
-// moved and projected, against what was seen at t:
+// A point measured by the stereo camera at both times, m = (u, v, disparity). The point of t-1 is
+// moved, projected and compared with the measurement at t:
 //
 //     e = h(R p(m_a) + T) - m_b         p: triangulation, h: projection
 //     r = L^-1 e,   L L^T = S_b + J S_a J^T,   J = d h(R p(m) + T) / d m at m_a
 //
-// Both ends are noisy, the far points' depths most: weighting by the whole covariance, which moves
-// with (R, T), keeps that noise from shrinking the motion (errors in variables; Matthies and
-// Shafer, "Error modeling in stereo navigation", 1987).
+// Both measurements are noisy, the depths of far points most. Weighting by the whole covariance,
+// which changes with (R, T), keeps that noise from shrinking the motion (errors in variables;
+// Matthies and Shafer, "Error modeling in stereo navigation", 1987).
 struct PointTransfer {
     types::RectifiedRig rig;
     Eigen::Vector3d previous_px;

@@ -4,7 +4,7 @@
 
 namespace divemesh::optimisation {
 
-// How deep the body is below the surface by its pressure:
+// The depth of the body below the surface from its pressure:
 //
 //     r = (offset + down^T p - depth) / sigma
 //

@@ -4,7 +4,7 @@
 
 namespace divemesh::optimisation {
 
-// A vector that walks at random from one keyframe to the next, such as a sensor's bias:
+// The random walk of a vector from one keyframe to the next, such as a sensor's bias:
 //
 //     r = (x_j - x_i) / sigma
 struct RandomWalk {

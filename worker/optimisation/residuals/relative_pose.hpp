@@ -7,7 +7,7 @@
 
 namespace divemesh::optimisation {
 
-// The motion between two poses, known to sigma per axis:
+// The relative pose of two poses, known with sigma per axis:
 //
 //     r_0..2 = (R_a^T (p_b - p_a) - p_known) / sigma_m
 //     r_3..5 = log(q_known^-1 q_a^-1 q_b) / sigma_rad

@@ -6,7 +6,7 @@
 
 namespace divemesh::optimisation {
 
-// A rotation that is known from elsewhere (IMU, AHRS) to sigma per axis:
+// A rotation known from another sensor (IMU, AHRS), with sigma per axis:
 //
 //     r = log(q_known^-1 * exp(w)) / sigma        w: Rodrigues vector [rad]
 struct RotationPrior {

@@ -8,14 +8,15 @@
 
 namespace divemesh::optimisation {
 
-// A landmark against what the rectified pair measured of it, m = (u, v, disparity):
+// The reprojection error of a landmark in a rectified pair, with the measurement m = (u, v,
+// disparity):
 //
 //     p = T_cam_imu T_imu_world p_world
 //     r = (f px/pz + cx - u, f py/pz + cy - v, f b/pz - d) / sigma
 //
-// Disparity, not the right column: it is measured from the left one, so their errors are
-// independent. Without disparity the third row is 0. Blocks: q_world_imu (x y z w), p_world_imu
-// (m), p_world (m).
+// The disparity is used instead of the right column: it is measured relative to the left column, so
+// their errors are independent. Without disparity the third row is 0. Blocks: q_world_imu (x y z
+// w), p_world_imu (m), p_world (m).
 struct StereoReprojection {
     types::RectifiedRig rig;
     Eigen::Vector3d measured_px;
@@ -42,8 +43,10 @@ struct StereoReprojection {
         return true;
     }
 
-    // And the residual's derivative by the landmark; by the position it is the opposite. For a q
-    // that is not quite a unit, too: of the formula as it is computed.
+    // Returns the residual and its derivative with respect to the landmark; that with respect to
+    // the position is the negative. The derivative is that of the formula as computed, so it also
+    // holds for a q of not exactly unit length. False if the landmark is not in front of the
+    // camera.
     bool linearise(const double* q_world_imu,
                    const double* p_world_imu,
                    const double* p_world,
@@ -74,8 +77,8 @@ struct StereoReprojection {
     static ceres::CostFunction* create(const StereoReprojection& reprojection);
 };
 
-// The same with its derivatives written out: most of what an adjustment computes is this. With
-// u = -q.vec() and d = p_world - p_world_imu,
+// The same with analytic derivatives, as it takes most of the time of a bundle adjustment. With u =
+// -q.vec() and d = p_world - p_world_imu,
 //
 //     q^-1 d = d + 2 w (u x d) + 2 u x (u x d)
 //     d/du   = -2 w [d]x + 2 ((u d) 1 + u d^T - 2 d u^T),   d/dw = 2 (u x d)

@@ -5,7 +5,7 @@
 
 namespace divemesh::optimisation {
 
-// A vector that is known beforehand to sigma per axis, such as a gyroscope's bias:
+// A vector known in advance with sigma per axis, such as a gyroscope's bias:
 //
 //     r = (x - x_known) / sigma
 struct VectorPrior {
