@@ -107,7 +107,7 @@ std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
 
 void require_tracked(const types::TrackStatistics& track) {
     if (share_tracked(track) >= kMinShare) return;
-    throw Error(ErrorCode::BadData, lost_frames(track) + ": there is no model. " + kTrackBetter);
+    throw Error(ErrorCode::BadData, lost_frames(track) + ": there is no model; " + kTrackBetter);
 }
 
 std::vector<Finding> tracking_findings(const types::TrackStatistics& track) {
