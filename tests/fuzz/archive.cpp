@@ -11,11 +11,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto file = folder / "upload";
     std::ofstream(file, std::ios::binary)
         .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-    dive::DiveLimits limits;
+    divemesh::dive::DiveLimits limits;
     limits.max_unpacked_bytes = std::int64_t{64} << 20;
     limits.max_image_pixels = 1 << 20;
     try {
-        const auto dive = dive::Dive::open(file, folder.path(), limits);
+        const auto dive = divemesh::dive::Dive::open(file, folder.path(), limits);
         while (dive->next_frame()) continue;
         dive->content_sha256();
         dive->duration_s();

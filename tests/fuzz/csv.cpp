@@ -5,24 +5,24 @@
 namespace {
 
 // Two lists of pictures, with an empty line between them.
-void read_cameras(std::string_view text, dive::FindingLog& findings) {
+void read_cameras(std::string_view text, divemesh::dive::FindingLog& findings) {
     const auto gap = text.find("\n\n");
-    const auto left = dive::parse_camera_rows(text.substr(0, gap), "cam0", findings);
-    const auto right = dive::parse_camera_rows(
+    const auto left = divemesh::dive::parse_camera_rows(text.substr(0, gap), "cam0", findings);
+    const auto right = divemesh::dive::parse_camera_rows(
         gap == std::string_view::npos ? text : text.substr(gap), "cam1", findings);
-    dive::match_pairs(left, right, findings);
+    divemesh::dive::match_pairs(left, right, findings);
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     divemesh::fuzz::Input input(data, size);
-    dive::FindingLog findings;
+    divemesh::dive::FindingLog findings;
     switch (input.choice(5)) {
-        case 0: dive::parse_imu(input.rest(), "data.csv", findings); break;
-        case 1: dive::parse_ahrs(input.rest(), "data.csv", findings); break;
-        case 2: dive::parse_pressure(input.rest(), "data.csv", findings); break;
-        case 3: dive::parse_ground_truth(input.rest(), "data.csv", findings); break;
+        case 0: divemesh::dive::parse_imu(input.rest(), "data.csv", findings); break;
+        case 1: divemesh::dive::parse_ahrs(input.rest(), "data.csv", findings); break;
+        case 2: divemesh::dive::parse_pressure(input.rest(), "data.csv", findings); break;
+        case 3: divemesh::dive::parse_ground_truth(input.rest(), "data.csv", findings); break;
         default: read_cameras(input.rest(), findings);
     }
     return 0;

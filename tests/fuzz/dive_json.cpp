@@ -4,9 +4,9 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto text = divemesh::fuzz::Input(data, size).rest();
-    dive::FindingLog findings;
-    dive::parse_dive_info(text, findings);
-    dive::parse_known_distances(text, findings);
-    dive::parse_markers(text, findings);
+    divemesh::dive::FindingLog findings;
+    divemesh::dive::parse_dive_info(text, findings);
+    divemesh::dive::parse_known_distances(text, findings);
+    divemesh::dive::parse_markers(text, findings);
     return 0;
 }

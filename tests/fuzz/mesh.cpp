@@ -7,12 +7,11 @@
 // OBJ and GLB: no triangle of what is read names a vertex that is missing, and memory stays a
 // small multiple of the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace divemesh::worker;
     divemesh::fuzz::Input input(data, size);
     const auto bytes = input.rest();
-    for (const auto parse : {io::parse_obj, io::parse_glb}) {
+    for (const auto parse : {divemesh::io::parse_obj, divemesh::io::parse_glb}) {
         try {
-            const types::Mesh mesh = parse(bytes, "mesh");
+            const divemesh::types::Mesh mesh = parse(bytes, "mesh");
             if (mesh.vertices.size() > bytes.size()) std::abort();
             for (const auto& triangle : mesh.triangles)
                 for (const std::uint32_t vertex : triangle)

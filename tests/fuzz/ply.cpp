@@ -8,10 +8,9 @@
 // Whatever is read can be used: what belongs to a vertex is there for each, and no triangle names
 // one that is missing.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace divemesh::worker;
     try {
-        const types::Mesh mesh =
-            io::parse_ply(divemesh::fuzz::Input(data, size).rest(), "mesh.ply");
+        const divemesh::types::Mesh mesh =
+            divemesh::io::parse_ply(divemesh::fuzz::Input(data, size).rest(), "mesh.ply");
         const std::size_t num = mesh.vertices.size();
         for (const std::size_t of_each : {mesh.normals.size(),
                                           mesh.colors.size(),

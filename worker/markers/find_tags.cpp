@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "worker/markers/april_tag.hpp"
-#include "worker/markers/tag_layout.hpp"
 
 namespace divemesh::markers {
 namespace {

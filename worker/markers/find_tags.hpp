@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/dive/marker_plan.hpp"
+#include "worker/markers/tag_layout.hpp"
 
 namespace divemesh::markers {
 

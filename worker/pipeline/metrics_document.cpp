@@ -11,6 +11,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/json.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/camera/rectified_lens.hpp"
 
 namespace divemesh::pipeline {
 namespace {

@@ -14,8 +14,6 @@ inline void PrintTo(const Finding& finding, std::ostream* out) {
          << finding.where << "': " << finding.message << " | " << finding.remedy;
 }
 
-namespace worker {
-
 // A list of findings has one of this severity and code that names this place, in its words too.
 MATCHER_P3(HasFinding, severity, code, place, "") {
     return std::any_of(arg.begin(), arg.end(), [&](const Finding& finding) {
@@ -25,5 +23,4 @@ MATCHER_P3(HasFinding, severity, code, place, "") {
     });
 }
 
-}  // namespace worker
 }  // namespace divemesh
