@@ -8,7 +8,7 @@
 
 namespace divemesh {
 
-// How a failed test shows a finding.
+// Prints a finding when a test fails.
 inline void PrintTo(const Finding& finding, std::ostream* out) {
     *out << "\n    " << to_string(finding.severity) << " " << finding.code << " at '"
          << finding.where << "': " << finding.message << " | " << finding.remedy;
@@ -16,7 +16,8 @@ inline void PrintTo(const Finding& finding, std::ostream* out) {
 
 namespace worker {
 
-// A list of findings has one of this severity and code that names this place, in its words too.
+// Matches a list of findings that contains one with this severity and code, and with `place` in its
+// location or message.
 MATCHER_P3(HasFinding, severity, code, place, "") {
     return std::any_of(arg.begin(), arg.end(), [&](const Finding& finding) {
         const std::string words = finding.where + " " + finding.message;
