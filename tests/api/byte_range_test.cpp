@@ -8,7 +8,7 @@ namespace {
 struct Case {
     const char* header;
     std::int64_t size;
-    std::int64_t offset;  // -1: outside
+    std::int64_t offset;  // -1: outside the file
     std::int64_t length;
     bool partial;
 };
@@ -50,7 +50,7 @@ TEST(ByteRangeTest, AnswersSingleRangesAsRfc9110Says) {
     }
 }
 
-// The digest of nothing, as in the examples of RFC 9530.
+// The digest of an empty text, as in the examples of RFC 9530.
 TEST(ByteRangeTest, WritesADigestAsAStructuredField) {
     EXPECT_EQ(digest_field("e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"),
               "sha-256=:47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=:");

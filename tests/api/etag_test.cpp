@@ -15,7 +15,7 @@ ErrorCode refusal_of(const std::string& if_match) {
     } catch (const Error& error) {
         return error.code();
     }
-    return ErrorCode::Cancelled;  // nothing was refused
+    return ErrorCode::Cancelled;  // the call was not refused
 }
 
 TEST(EtagTest, DiffersWithTheBodyAndIsQuoted) {

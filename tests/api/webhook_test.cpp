@@ -9,7 +9,7 @@ namespace {
 
 namespace ip = boost::asio::ip;
 
-// The example of the Standard Webhooks specification's reference libraries (S32).
+// The example from the reference libraries of the Standard Webhooks specification (S32).
 TEST(WebhookTest, SignsAsTheSpecificationsExample) {
     EXPECT_EQ(webhook_signature("whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw",
                                 "msg_p5jXN8AQM9LWM0D4loKWxJek",

@@ -1,4 +1,4 @@
-// Job states are written in C++ and in SQL. Here the two meet.
+// Job states are written in C++ and in SQL; this test compares the two.
 #include <gtest/gtest.h>
 
 #include <soci/soci.h>

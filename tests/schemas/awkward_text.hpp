@@ -4,7 +4,7 @@
 
 namespace divemesh {
 
-// Everything in it that CMake or C++ could take for its own.
+// Returns an embedded text with every character that CMake or C++ could misread.
 std::string_view awkward_txt();
 
 }  // namespace divemesh

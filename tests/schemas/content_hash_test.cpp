@@ -23,7 +23,8 @@ TEST(Sha256Test, GoesOnAfterItWasAskedForItsDigest) {
     EXPECT_EQ(hash.hex(), sha256_hex("abc"));
 }
 
-// The figure is what `sha256sum mav0/a mav0/b | sha256sum` prints for files holding "abc" and "".
+// The digest is what `sha256sum mav0/a mav0/b
+// sha256sum` prints for files with "abc" and "".
 TEST(ContentHashTest, IsTheDigestOfTheSortedListThatSha256sumPrints) {
     const std::vector<HashedFile> files = {{"mav0/b", sha256_hex("")},
                                            {"mav0/a", sha256_hex("abc")}};

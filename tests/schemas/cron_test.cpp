@@ -23,7 +23,7 @@ struct Case {
     std::int64_t next;
 };
 
-// By hand, from a calendar. 2026-11-24 is a Tuesday, 2028 is a leap year, 2100 is none.
+// Worked out by hand from a calendar. 2026-11-24 is a Tuesday; 2028 is a leap year, 2100 is not.
 const Case kCases[] = {
     {"* * * * *", at(2026, 11, 24, 12, 0), at(2026, 11, 24, 12, 1)},
     {"* * * * *", at(2026, 12, 31, 23, 59), at(2027, 1, 1)},
@@ -41,12 +41,12 @@ const Case kCases[] = {
     {"*/15 9-17 * * 1-5", at(2026, 11, 27, 17, 45), at(2026, 11, 30, 9)},
     {"5/20 * * * *", at(2026, 11, 24, 12, 5), at(2026, 11, 24, 12, 25)},
     {"0 0 1,15 jan,JUL *", at(2026, 7, 15), at(2027, 1, 1)},
-    // Both day fields restricted: either one will do.
+    // Both day fields are restricted: either one matches.
     {"0 0 13 * fri", at(2026, 11, 24), at(2026, 11, 27)},
     {"0 0 13 * fri", at(2026, 12, 11), at(2026, 12, 13)},
-    // One of them with a star: both have to fit (Monday, and an odd day).
+    // One of them has a star: both must match (Monday, and an odd day).
     {"0 0 */2 * mon", at(2026, 11, 24), at(2026, 12, 7)},
-    // Where Europe's clocks leap, UTC has all its hours.
+    // Where clocks in Europe jump, UTC has all its hours.
     {"30 2 * * *", at(2026, 3, 29, 1), at(2026, 3, 29, 2, 30)},
     {"30 2 * * *", at(2026, 10, 25, 2, 30), at(2026, 10, 26, 2, 30)},
 };

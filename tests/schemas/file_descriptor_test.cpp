@@ -36,7 +36,7 @@ TEST(FileDescriptorTest, ClosingTellsWhetherTheSystemCould) {
     EXPECT_TRUE(file.close());
     EXPECT_FALSE(file.is_open());
     EXPECT_TRUE(file.close());
-    FileDescriptor gone(1 << 20);  // a number that nothing has
+    FileDescriptor gone(1 << 20);  // a descriptor number that is not in use
     EXPECT_FALSE(gone.close());
     EXPECT_EQ(errno, EBADF);
 }

@@ -1,4 +1,4 @@
-// The walk over the markers against files of a real encoder.
+// Compares the walk over the markers with files of a real encoder.
 #include "schemas/jpeg_header.hpp"
 
 #include <gtest/gtest.h>

@@ -24,7 +24,7 @@ json random_document(std::mt19937& random, int depth) {
     return object;
 }
 
-// nlohmann's merge_patch() is the other implementation of RFC 7396.
+// Compares with nlohmann's merge_patch(), another implementation of RFC 7396.
 TEST(MergePatchTest, MakesTheOtherDocumentWhateverTheyAre) {
     std::mt19937 random(7);
     for (int i = 0; i < 5000; ++i) {

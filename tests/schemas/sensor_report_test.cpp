@@ -1,5 +1,5 @@
-// The reader of reports against schemas/sensor-report.schema.json, which others write their devices
-// by.
+// Compares the reader of reports with schemas/sensor-report.schema.json, by which others program
+// their devices.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -32,7 +32,7 @@ bool fits_schema(const json& report) {
         schema, valijson::adapters::NlohmannJsonAdapter(report), nullptr);
 }
 
-// Where it is wrong, by the reader; "" when it takes it.
+// Returns the place of the error that the reader finds; "" if it accepts the report.
 std::string fault_of(const json& report) {
     try {
         sensor_report(report);

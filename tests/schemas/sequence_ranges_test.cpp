@@ -10,7 +10,7 @@
 namespace divemesh {
 namespace {
 
-// What a set of the same numbers says.
+// Returns the length of the contiguous run from the start, from a set of the same numbers.
 std::int64_t contiguous(const std::set<std::int64_t>& numbers) {
     std::int64_t next = 0;
     while (numbers.contains(next)) ++next;
@@ -43,7 +43,7 @@ TEST(SequenceRangesTest, SaysWhatASetSaysWhateverTheOrderAndTheRepeats) {
 TEST(SequenceRangesTest, WhatTheSenderLostIsWaitedForNoMore) {
     SequenceRanges ranges;
     for (const std::int64_t number : {0, 1, 5, 6, 9}) ranges.add(number);
-    ranges.give_up({2, 7});  // of which 5 and 6 came
+    ranges.give_up({2, 7});  // 5 and 6 of them had arrived
     EXPECT_EQ(ranges.num_lost(), 4);
     EXPECT_EQ(ranges.acknowledged(), 7);
     ranges.give_up({8, 12});

@@ -9,7 +9,7 @@
 
 namespace divemesh::synthetic {
 
-// A recording of which every pair is altered before it is seen.
+// A recording that passes every frame through `alter` before it returns it.
 class AlteredRecording : public types::Recording {
 public:
     using Alter = std::function<void(types::StereoFrame&)>;

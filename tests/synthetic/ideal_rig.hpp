@@ -4,7 +4,8 @@
 
 namespace divemesh::synthetic {
 
-// An ideal pair 12 cm apart, its principal point in the middle of the picture.
+// Returns an ideal stereo pair with a baseline of 12 cm and the principal point at the image
+// centre.
 inline types::RectifiedRig ideal_rig(int width_px, int height_px, double focal_px) {
     types::RectifiedRig rig;
     rig.width_px = width_px;

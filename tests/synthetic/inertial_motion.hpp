@@ -8,17 +8,17 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/imu/preintegration.hpp"
 
-// What a perfect inertial unit feels on a way that is given as a function of time,
-// T_world_imu(t_s).
+// The readings of an ideal IMU on a path given as a function of time, T_world_imu(t_s).
 namespace divemesh::synthetic {
 
 constexpr double kDerivativeStep_s = 1e-3;
 
-// The way of stereo_world.hpp at ten frames a second.
+// Returns a pose on the path of stereo_world.hpp, at ten frames per second.
 inline Eigen::Isometry3d T_world_imu_at(double t_s) {
     return T_world_cam(10.0 * t_s) * rig().T_imu_cam.inverse();
 }
 
+// Returns the velocity in the world, m/s, by central differences.
 template <typename Motion>
 Eigen::Vector3d velocity(const Motion& T_world_imu, double t_s) {
     const double h = kDerivativeStep_s;
@@ -27,6 +27,7 @@ Eigen::Vector3d velocity(const Motion& T_world_imu, double t_s) {
            (12.0 * h);
 }
 
+// Returns the ideal reading at a time, accelerations with gravity.
 template <typename Motion>
 types::ImuSample imu_at(const Motion& T_world_imu, double t_s) {
     const double h = kDerivativeStep_s;
@@ -43,6 +44,7 @@ types::ImuSample imu_at(const Motion& T_world_imu, double t_s) {
     return sample;
 }
 
+// Returns readings from `from_s` to `to_s`, with `bias` added.
 template <typename Motion>
 std::vector<types::ImuSample> imu_along(const Motion& T_world_imu,
                                         double from_s,

@@ -10,7 +10,7 @@
 
 namespace divemesh::synthetic {
 
-// The derivatives that a cost function states against central differences of what it computes.
+// Expects the derivatives of a cost function to equal central differences of its residuals.
 inline void expect_true_jacobians(const ceres::CostFunction& cost,
                                   std::vector<std::vector<double>> blocks) {
     const auto rows = static_cast<std::size_t>(cost.num_residuals());

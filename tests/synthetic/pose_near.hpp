@@ -6,7 +6,7 @@
 
 namespace divemesh::synthetic {
 
-// Says by how many degrees and metres a pose is off.
+// Matches a pose near `expected`; on failure it prints the error in degrees and metres.
 MATCHER_P3(IsPoseWithin, expected, degrees, metres, "") {
     const Eigen::Isometry3d difference = expected.inverse() * arg;
     const double rotation_deg =

@@ -11,7 +11,8 @@ namespace divemesh::synthetic {
 
 using HeightOf = std::function<double(double x, double y)>;
 
-// Humps of 0.3 to 2 m length, another place for every seed, 0.1 m high or so.
+// Returns the height of ground with humps of 0.3 to 2 m length, about 0.1 m high, m; different for
+// each seed.
 inline HeightOf rough_ground(unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> any(0.0, 1.0);
@@ -35,8 +36,8 @@ inline HeightOf rough_ground(unsigned seed) {
     };
 }
 
-// A height field of size 2 * half_x by 2 * half_y about the middle, a vertex every `step_m`, moved
-// along its normal by noise of `sigma_m`.
+// Returns a height field of size 2 * half_x by 2 * half_y around the origin, with a vertex every
+// `step_m`, moved along its normal by noise of `sigma_m`.
 inline types::Mesh ground_mesh(const HeightOf& height,
                                double half_x_m,
                                double half_y_m,

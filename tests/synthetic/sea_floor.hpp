@@ -11,14 +11,15 @@
 
 namespace divemesh::synthetic {
 
-// A camera of 320x240 over a flat floor, which is read exactly anywhere.
+// Returns a rig of 320x240 px that looks at the floor.
 inline types::RectifiedRig small_rig() {
     types::RectifiedRig small = ideal_rig(320, 240, 250.0);
     small.T_imu_cam = rig().T_imu_cam;
     return small;
 }
 
-// Speckles of three sizes. With a period along x the floor looks the same again after it.
+// A flat floor with speckles of three sizes, whose brightness is known exactly everywhere. With a
+// period along x it repeats after that distance.
 class SeaFloor {
 public:
     static constexpr double kDepth_m = 2.0;  // the plane z = 2 m in the world
@@ -34,7 +35,7 @@ public:
         return sum;
     }
 
-    // What a camera sees, with the depth of every pixel.
+    // Returns the image of a camera, with the depth of every pixel.
     types::KeyframeImages look(const Eigen::Isometry3d& T_world_cam) const {
         const types::RectifiedRig rig = small_rig();
         cv::Mat gray(rig.height_px, rig.width_px, CV_8U);
@@ -56,7 +57,7 @@ public:
         return images;
     }
 
-    // What it is recognised by.
+    // Returns the described keypoints of an image, with their disparities.
     static features::DescribedKeypoints view(const Eigen::Isometry3d& T_world_cam,
                                              const types::KeyframeImages& images) {
         cv::Mat gray;
@@ -68,7 +69,7 @@ public:
         return view;
     }
 
-    // The point of the floor at a pixel, in the camera.
+    // Returns the point of the floor at a pixel, in the camera frame.
     static Eigen::Vector3d seen_at(const Eigen::Isometry3d& T_world_cam, double u_px, double v_px) {
         const Eigen::Vector3d ray_cam = small_rig().point_cam(u_px, v_px, 1.0);
         const Eigen::Vector3d ray_world = T_world_cam.linear() * ray_cam;
@@ -76,7 +77,7 @@ public:
     }
 
 private:
-    // -0.5 to 0.5 at the corners of the lattice, a smooth step between.
+    // Returns -0.5 to 0.5 at the corners of the lattice, with a smooth step in between.
     static double smooth(double x, double y, std::uint64_t octave) {
         const double column = std::floor(x);
         const double row = std::floor(y);

@@ -7,7 +7,7 @@
 
 namespace divemesh::synthetic {
 
-// A recording of inertial sensors alone: no picture in it.
+// A recording of inertial sensors and pressure, without images.
 struct SensorRecording : types::Recording {
     types::Rig its_rig;
     std::vector<types::ImuSample> its_imu;

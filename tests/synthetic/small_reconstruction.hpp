@@ -9,7 +9,7 @@
 
 namespace divemesh::synthetic {
 
-// As much of a reconstruction's folder as a comparison needs.
+// Writes the files of a reconstruction's folder that a comparison reads.
 inline void write_reconstruction(const std::filesystem::path& folder, const types::Mesh& mesh) {
     std::filesystem::create_directories(folder);
     io::write_ply(folder / "mesh.ply", mesh);
@@ -19,7 +19,7 @@ inline void write_reconstruction(const std::filesystem::path& folder, const type
         {"dive", {{"name", "<b>" + folder.filename().string() + "</b>"}, {"content_sha256", ""}}}};
 }
 
-// A cone about the origin.
+// Returns the height of a cone around the origin.
 inline double cone(double x, double y, double radius_m, double height_m) {
     return height_m * std::max(0.0, 1.0 - std::hypot(x, y) / radius_m);
 }

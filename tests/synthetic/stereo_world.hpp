@@ -12,7 +12,7 @@
 
 namespace divemesh::synthetic {
 
-// With the camera a hand's breadth from the unit, turned by a quarter.
+// Returns a rig of 640x480 px whose camera is 8 cm from the IMU and rotated by about 90 degrees.
 inline types::RectifiedRig rig() {
     types::RectifiedRig rig = ideal_rig(640, 480, 500.0);
     rig.T_imu_cam.linear() = base::rotation_from_vector({0.02, -0.03, 1.56}).toRotationMatrix();
@@ -20,7 +20,7 @@ inline types::RectifiedRig rig() {
     return rig;
 }
 
-// A diver's way along a wall: 3 cm a frame, with roll, pitch, yaw and heave.
+// Returns the pose on a diver's path along a wall: 3 cm per frame, with roll, pitch, yaw and heave.
 inline Eigen::Isometry3d T_world_cam(double frame) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << 0.03 * frame, 0.05 * std::sin(0.05 * frame), 0.04 * std::sin(0.04 * frame);
@@ -31,7 +31,8 @@ inline Eigen::Isometry3d T_world_cam(double frame) {
     return T;
 }
 
-// A rough wall 2 m in front of the way, and fish: every point of those swims its own way.
+// A rough wall 2 m in front of the path, and fish, whose points each move with a velocity of their
+// own.
 class World {
 public:
     World(double length_m, double fish_share, std::uint32_t seed) : random_(seed) {
@@ -46,7 +47,7 @@ public:
         }
     }
 
-    // What the frame sees, with `noise_px` on u, v and disparity.
+    // Returns the features of a frame, with noise of `noise_px` on u, v and disparity.
     types::Features see(const Eigen::Isometry3d& T_world_camera, int frame, double noise_px) {
         types::Features features;
         for (std::size_t i = 0; i < points_.size(); ++i) {

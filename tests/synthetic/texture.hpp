@@ -6,7 +6,7 @@
 
 namespace divemesh::synthetic {
 
-// A smooth picture without repetition, so that it can be read anywhere exactly: waves of many
+// Returns a smooth texture without repetition, known exactly everywhere: the sum of waves of many
 // lengths and directions.
 inline double texture(double x, double y) {
     double sum = 0.0;
@@ -19,7 +19,7 @@ inline double texture(double x, double y) {
     return sum;
 }
 
-// The texture moved by (dx, dy), with its contrast and brightness changed.
+// Returns an image of the texture moved by (dx, dy), with changed contrast and brightness.
 inline cv::Mat textured_image(double dx,
                               double dy,
                               double contrast = 1.0,

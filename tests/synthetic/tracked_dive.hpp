@@ -9,8 +9,8 @@
 
 namespace divemesh::synthetic {
 
-// The way of stereo_world.hpp at ten frames a second as a tracker hands it over: odometry without
-// error, every fifth frame a keyframe, true landmarks, seen with the noise of features.
+// Returns the path of stereo_world.hpp at ten frames per second as a tracker's result: odometry
+// without error, every fifth frame a keyframe, true landmarks, observed with the noise of features.
 inline types::Track tracked_dive(int num_keyframes) {
     constexpr int kStep = 5;
     constexpr double kNoise_px = 0.25;

@@ -12,7 +12,8 @@
 
 namespace divemesh::synthetic {
 
-// What truly rose and sank, from a scene's own geometry, on the cells that a comparison compared.
+// The true change of height between two scenes, from their own geometry, on the cells that a
+// comparison compared.
 class TrueChange {
 public:
     struct Sums {
@@ -21,8 +22,8 @@ public:
         double changed_m2 = 0.0;
     };
 
-    // `model_a` and `comparison` are folders, `truth_a` the true path of the earlier dive, which
-    // says where the model's world lies in the scene's.
+    // `model_a` and `comparison` are folders. `truth_a` is the true path of the earlier dive, which
+    // gives the pose of the model's world in the scene.
     TrueChange(const simulator::Scene& before,
                const simulator::Scene& after,
                const std::filesystem::path& model_a,
@@ -38,7 +39,8 @@ public:
                 .T_reference_surface;
     }
 
-    // Over the compared cells whose centres lie in the box (frame of the comparison).
+    // Returns the sums over the compared cells whose centres lie in the box (frame of the
+    // comparison).
     Sums in(const Eigen::AlignedBox2d& box) const {
         Sums sums;
         const double pixel_m = scale_.at("pixel_m");

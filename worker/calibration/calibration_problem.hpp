@@ -45,8 +45,9 @@ public:
                        const types::Recording& recording,
                        const imu::InertialPrior& inertial);
 
-    // Rounds of least squares, each linear in a time offset and lenses near those of the last one.
-    // Returns how the last round ended; that the unknowns moved until then is a limit as well.
+    // Solves in rounds of least squares, each linearised in time offset and lenses at the last
+    // result. Returns how the last round ended; StoppedAtLimit also if the unknowns still changed
+    // in it.
     types::SolverOutcome solve(bool free_lenses,
                                const base::ProgressCallback& progress,
                                const Progress& at);
@@ -65,9 +66,9 @@ private:
     };
     struct Round {
         types::SolverOutcome outcome;
-        bool still = false;  // the unknowns have not moved: no other round is needed
+        bool still = false;  // the unknowns changed too little for another round to be needed
     };
-    // The sigmas are known after the last one.
+    // Does one round. It finds the sigmas if `last` is true or the unknowns are still.
     Round round(bool free_lenses,
                 bool last,
                 const base::ProgressCallback& progress,

@@ -10,16 +10,17 @@
 
 namespace divemesh::calibration {
 
+// The calibration, and how the solvers that estimated it ended.
 struct CalibrationRefinement {
     types::RefinedCalibration calibration;
-    std::vector<types::SolverOutcome> solves;  // empty: there was too little to estimate it from
+    std::vector<types::SolverOutcome> solves;  // empty: too few data to estimate it
 };
 
-// Bundle adjustment with the calibration free, over keyframes and evenly thinned landmarks: time
-// offset and rotation of the inertial unit by its gyroscope, focal length, principal point, k1 and
-// k2 of both lenses by the pictures as they were recorded, each with a prior as wide as a careful
-// calibration errs. A change is believed when it is significant and large enough to matter: a good
-// calibration stays as it is, and so does one that a failed solver gives.
+// Returns the calibration by a bundle adjustment over keyframes and evenly thinned landmarks with
+// the calibration free: time offset and rotation of the IMU by its gyroscope; focal length,
+// principal point, k1 and k2 of both lenses by the images as recorded. Each has a prior as wide as
+// the error of a careful calibration. A change is applied if it is significant and large enough to
+// matter, so a good calibration stays as it is. The result of a failed solve is not applied.
 CalibrationRefinement refine_calibration(const types::Track& track,
                                          const types::Recording& recording,
                                          const ReconstructionOptions& options,

@@ -14,10 +14,10 @@
 
 namespace divemesh::loops {
 
-// Landmarks of each visit get what the other saw of them as observations, for the adjustment of the
-// whole dive to use; where the track has run too far off for it to find back, a pose graph brings
-// the keyframes near first. Keyframes learn which piece they belong to. Returns how the solver of
-// the pose graph ended; nullopt: none was needed.
+// Adds the reobservations of the loops to the landmarks, for the bundle adjustment of the whole
+// dive. If the track has drifted too far for that to converge, a pose graph first moves the
+// keyframes closer. Also sets the keyframes' segments. Returns how the solver of the pose graph
+// ended; nullopt if no pose graph was needed.
 std::optional<types::SolverOutcome> close_loops(const types::RectifiedRig& rig,
                                                 const std::vector<Loop>& loops,
                                                 const DriftModel& drift,

@@ -8,9 +8,10 @@
 
 namespace divemesh::loops {
 
-// Pose graph: keyframes moved so that the loops close, the correction spread along the track by how
-// far it may have drifted where. The first keyframe stays. Landmarks go with the keyframe that saw
-// them first. Where the solver fails everything stays where it is.
+// Pose graph: moves the keyframes so that the loops close, with the correction distributed along
+// the track according to its drift. The first keyframe stays. Landmarks move with the keyframe that
+// observed them first. If the solver fails, keyframes and landmarks stay as they are. Returns how
+// the solver ended.
 types::SolverOutcome optimise_pose_graph(const std::vector<Loop>& loops,
                                          const DriftModel& drift,
                                          std::vector<types::Keyframe>& keyframes,

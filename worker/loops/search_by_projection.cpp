@@ -17,8 +17,8 @@ constexpr double kTolerance_px = 2.0;
 constexpr std::size_t kMinFound = 20;
 constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
-constexpr std::size_t kMinCells = 8;  // of the picture that hold one
-// The left picture alone says nothing of disparity.
+constexpr std::size_t kMinCells = 8;  // cells of the image with a found point
+// The left image alone does not measure disparity.
 const Eigen::Vector3d kLeftSigma_px(types::kFeatureSigma_px.x(), types::kFeatureSigma_px.y(), 1e4);
 
 types::Features look_for(const types::RectifiedRig& rig,

@@ -16,8 +16,8 @@ namespace divemesh::odometry {
 //     e = h(R p + T) - m_b,   C = S_b + J S_a J^T,   J = d h(R p + T) / d m_a
 //     min sum huber(e^T C^-1 e) + |log(R q_known^-1)|^2 / sigma^2
 //
-// C is taken anew where each step begins and held while it is made: differentiating it without the
-// likelihood's log det C would pay for large covariances. Scale stays 1.
+// C is computed at the start of each step and held constant during it: differentiating it without
+// the likelihood's log det C would reward large covariances. Scale stays 1.
 RefinedPose refine_pose(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const MotionGuess& guess);

@@ -6,8 +6,8 @@
 
 namespace divemesh::odometry {
 
-// What step 6 gives: the motion, and how the solver ended. Where it failed, the best motion by
-// then, at worst the guess.
+// The result of step 6: the motion, and how the solver ended. If the solver failed, the motion is
+// the best one found before; at worst it is the guess.
 struct RefinedPose {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     types::SolverOutcome outcome;

@@ -23,13 +23,14 @@ public:
         ++num_tracked_;
     }
 
-    // Counts how the solver ended. Returns the motion.
+    // Counts how the solver of step 6 ended. Returns its motion, T_current_previous.
     Eigen::Isometry3d counted(const RefinedPose& pose) {
         pose_solver_.add(pose.outcome);
         return pose.T_current_previous;
     }
 
-    // Without skipped frames and the dense search, which are counted elsewhere.
+    // Returns the statistics without skipped frames and the dense search, which are counted
+    // elsewhere.
     types::TrackStatistics statistics() const;
 
 private:

@@ -91,15 +91,16 @@ public:
     // `leaving` blocks are marginalised.
     LinearPrior marginalise(const std::vector<double*>& leaving);
 
-    // A few states, dense.
+    // Solves for a few states with dense matrices. Returns how the solver ended.
     types::SolverOutcome solve_dense(int max_iterations);
-    // Any number of states, sparse, by Ceres. Reports `at` to `progress` every iteration. Throws
-    // what the callback throws.
+    // Solves for any number of states with Ceres' sparse solver. Reports `at` to `progress` in
+    // every iteration and rethrows what the callback throws. Returns how the solver ended.
     types::SolverOutcome solve_sparse(int max_iterations,
                                       const base::ProgressCallback& progress,
                                       const Progress& at);
-    // Of states that solve_sparse has solved for, everything else marginalised; the cameras' noise
-    // as their residuals show it. Nothing when the states are not determined.
+    // Returns the joint covariance of states after solve_sparse, with everything else marginalised
+    // and the cameras' noise scaled to their residuals. `states` is empty if they are not
+    // determined.
     JointCovariance covariances(const std::vector<BodyState*>& states);
 
 private:

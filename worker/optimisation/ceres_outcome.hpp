@@ -6,7 +6,7 @@
 
 namespace divemesh::optimisation {
 
-// Returns what Ceres says about a solve.
+// Returns the outcome that corresponds to Ceres' summary of a solve.
 types::SolverOutcome outcome_of(const ceres::Solver::Summary& summary);
 
 }  // namespace divemesh::optimisation

@@ -18,16 +18,15 @@ namespace divemesh::optimisation {
 // The result of the bundle adjustment of a whole dive.
 struct GlobalBundleAdjustment {
     double reprojection_rms_px = 0.0;
-    types::CovarianceTrack
-        covariances;              // of keyframes all along; empty when they are not determined
-    types::PathUncertainty path;  // of the keyframes' positions
+    types::CovarianceTrack covariances;  // of keyframes over the whole dive; empty: not determined
+    types::PathUncertainty path;         // of the keyframes' positions
     types::SolverOutcome outcome;
-    std::size_t landmark_stride = 1;  // of the landmarks that were adjusted
+    std::size_t landmark_stride = 1;  // every n-th landmark was adjusted
 };
 
-// All keyframes and landmarks of a dive adjusted together, with what the gyroscope says between
-// keyframes and, weakly, the AHRS at them. The first keyframe stays where it is. Landmarks are
-// thinned evenly so that an hour's dive stays solvable.
+// Adjusts all keyframes and landmarks of a dive together, with the inertial sensors between
+// keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
+// evenly, so that an hour-long dive can be solved.
 GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,

@@ -5,11 +5,11 @@
 
 namespace divemesh::optimisation {
 
-// Moves the unknowns of a graph to where its cost is least near by (Levenberg and Marquardt, the
-// damping as in Nielsen, "Damping parameter in Marquardt's method", 1999), landmarks eliminated,
-// the rest dense. Ends when a step lowers the cost by less than `tolerance` of it. Returns how it
-// ended; the unknowns are where the cost was lowest. One thread: the same input gives the same
-// bits.
+// Moves the unknowns of a graph to the nearest local min of the cost (Levenberg and Marquardt, the
+// damping as in Nielsen, "Damping parameter in Marquardt's method", 1999). Landmarks are
+// eliminated, the rest is dense. Ends when a step reduces the cost by less than the fraction
+// `tolerance`. Returns how it ended; the unknowns have the values with the lowest cost found.
+// Single-threaded: the same input gives the same bits.
 types::SolverOutcome levenberg_marquardt(FactorGraph& graph, int max_iterations, double tolerance);
 
 }  // namespace divemesh::optimisation

@@ -9,9 +9,9 @@
 
 namespace divemesh::optimisation {
 
-// Step 6 as the paper has it, and the yardstick of refine_pose: rotation (Rodrigues vector) and
-// translation by Levenberg-Marquardt from the guess, over the pairs and the inertial unit's word,
-// robustly. Scale stays 1.
+// Step 6 as in the paper, and the reference for tests of refine_pose: robust Levenberg-Marquardt on
+// rotation (Rodrigues vector) and translation from the guess, over the pairs and the IMU's
+// rotation. Scale stays 1.
 odometry::RefinedPose refine_pose_by_ceres(const types::RectifiedRig& rig,
                                            const odometry::PointPairs& pairs,
                                            const odometry::MotionGuess& guess);

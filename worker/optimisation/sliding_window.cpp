@@ -13,7 +13,7 @@ constexpr std::size_t kNumApart = 7;             // keyframes with motion betwee
 constexpr std::size_t kMaxWindowKeyframes = 12;  // including those where the camera stood still
 constexpr int kMaxIterations = 6;
 constexpr double kOutlier = 5.0;     // in sigmas, per measurement
-constexpr double kMinShift = 0.002;  // of the picture's width, median: less is standing still
+constexpr double kMinShift = 0.002;  // of the image width, median; below it the camera stands still
 const Eigen::Vector3d kLandmarkSigma_px = 0.5 * types::kFeatureSigma_px;  // of an adjusted landmark
 
 Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {

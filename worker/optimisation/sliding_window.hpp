@@ -32,7 +32,8 @@ public:
     void add_keyframe(const types::Keyframe& keyframe,
                       const types::Features& features,
                       const imu::SensorReadings& readings);
-    // There are two keyframes at least.
+    // Adjusts the keyframes in the window, of which there must be at least two. Returns how the
+    // solver ended.
     types::SolverOutcome adjust();
 
     // Replaces the point measured at t-1 by the landmark, if there is one.

@@ -34,7 +34,8 @@ public:
              odometry::MotionModel& motion,
              imu::InertialPrior& inertial);
 
-    // Hands over keyframes and landmarks as last estimated, and how the solver ended.
+    // Moves keyframes and landmarks, as last estimated, to the track, and the outcomes of the
+    // sliding window's solver to its statistics.
     void move_to(types::Track& track) const;
 
 private:

@@ -220,8 +220,8 @@ json estimation(const MetricsInput& input) {
     return result;
 }
 
-// The speed of the whole leaves out `evaluate`, which only dives with truth have, and is not told
-// when a stage was reused: it would be of another run.
+// Returns the speed. That of the whole run excludes `evaluate`, which only dives with truth have.
+// It is left out if a stage was reused, as it would belong to another run.
 json speed(const MetricsInput& input) {
     json stages = json::array();
     double wall_s = 0.0;

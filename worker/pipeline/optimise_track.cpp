@@ -21,9 +21,10 @@
 namespace divemesh::pipeline {
 namespace {
 
-// How far a camera sees, in median depths of the dive.
+// Range of a camera, in median depths of the dive.
 constexpr double kReach = 3.0;
 
+// Runs the steps of optimise_track, and runs them again with less if the result is worse.
 class TrackOptimiser {
 public:
     TrackOptimiser(const types::Track& track,
@@ -72,7 +73,7 @@ private:
     const base::ProgressCallback& progress_;
     imu::InertialPrior inertial_;
     loops::DriftModel drift_;
-    std::vector<loops::Loop> loops_;  // that are believed
+    std::vector<loops::Loop> loops_;  // the accepted ones
     types::OptimisedTrack result_;
 };
 
@@ -85,7 +86,8 @@ void TrackOptimiser::find_loops() {
     base::return_freed_memory();
 }
 
-// The track, what changes from here on, with the loops that are believed closed.
+// Returns the parts of the track that change from here on, with the accepted loops closed. If
+// closing them makes the track worse, it drops the loops.
 types::Track TrackOptimiser::closed_track() {
     types::Track closed;
     closed.rig = track_.rig;
@@ -97,7 +99,7 @@ types::Track TrackOptimiser::closed_track() {
         loops::close_loops(closed.rig, loops_, drift_, closed.keyframes, closed.landmarks);
     if (!outcome) return closed;
     result_.statistics.pose_graph.add(*outcome);
-    // Where landmarks project to is left to the adjustment, which moves them.
+    // The reprojection error is not checked here: the bundle adjustment moves the landmarks.
     const types::TrackCheck check{agreement(track_, track_, 1, drift_),
                                   agreement(closed, track_, 1, drift_)};
     if (!outcome->failed() && !contradicts_odometry(check)) return closed;
@@ -130,8 +132,8 @@ void TrackOptimiser::refine_calibration(const types::Track& closed) {
     }
 }
 
-// Adjusts the whole dive, with the calibration as refined. Returns false, and takes nothing, where
-// the result is worse than the track.
+// Adjusts the whole dive with the refined calibration. Returns false and takes no result if the
+// track got worse.
 bool TrackOptimiser::adjust(types::Track closed) {
     inertial_.align({result_.calibration.applied_alignment().time_offset_s});
     calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
@@ -153,8 +155,8 @@ bool TrackOptimiser::adjust(types::Track closed) {
     return true;
 }
 
-// What may have misled the adjustment is left out, one after the other; at last the track stays as
-// the sliding window left it.
+// Leaves out what may have misled the bundle adjustment: first the refined calibration, then the
+// loops. If this does not help, the track stays as tracked.
 void TrackOptimiser::adjust_with_less() {
     if (result_.calibration.is_applied()) {
         result_.calibration.leave_as_stated();

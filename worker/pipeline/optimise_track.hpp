@@ -9,9 +9,10 @@
 
 namespace divemesh::pipeline {
 
-// Looks at the whole dive at once: closes loops, refines the calibration and adjusts keyframes and
-// landmarks together. After each of them the track is compared with how it was before; what agrees
-// less with what was measured is not taken, and a finding says so. The track needs two keyframes.
+// Optimises the whole dive: closes loops, refines the calibration, and adjusts keyframes and
+// landmarks together. After each of them the track is compared with the one before. A result that
+// agrees less with the measurements is not taken, and a finding says so. The track must have at
+// least two keyframes.
 types::OptimisedTrack optimise_track(const types::Track& track,
                                      const types::Recording& recording,
                                      const ReconstructionOptions& options,

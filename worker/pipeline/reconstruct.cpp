@@ -11,7 +11,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr std::size_t kCloudStep = 6;  // of the mapped frames
+constexpr std::size_t kCloudStep = 6;  // every n-th mapped frame
 
 types::OptimisedTrack as_tracked(const types::Track& track) {
     types::OptimisedTrack result;
@@ -39,7 +39,7 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const base::ProgressCallback& progress) {
     require_tracked(track.statistics);
     const bool whole_dive = options.adjust_whole_dive && options.estimator != "pairwise" &&
-                            track.keyframes.size() >= 2;  // the paper stops before
+                            track.keyframes.size() >= 2;  // the paper ends before this
     types::OptimisedTrack result =
         whole_dive ? optimise_track(track, recording, options, store, progress) : as_tracked(track);
     require_converged(track, result);

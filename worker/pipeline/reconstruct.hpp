@@ -28,8 +28,9 @@ types::Track track(types::Recording& recording,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress);
 
-// Throws Error{BadData} when next to no frame was tracked, or when the result diverged: what cannot
-// be right is no result.
+// Returns the optimised track: loops closed, all keyframes adjusted, calibration refined. The
+// pairwise estimator's track stays as it is. Throws Error{BadData} if hardly any frame was tracked,
+// or if the result diverged.
 types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,

@@ -10,22 +10,23 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Of the motions from frame to frame, by vision. Less than a tenth: the path is the motion model's,
-// and there is no map to speak of. One lost in five: holes in the map. One in twenty is worth a
-// word.
+// Shares of the frame-to-frame motions that vision constrains. Below a tenth, the path comes from
+// the motion model and there is hardly any map. With one motion in five lost, the map has holes.
+// One in twenty is worth mentioning.
 constexpr double kMinShare = 0.1;
 constexpr double kWarningShare = 0.8;
 constexpr double kInfoShare = 0.95;
-// Of the solves of one kind: a frame now and then is left to the motion model, more is a sign of
-// images or sensors that do not fit.
+// Share of the solves of one kind. A few frames may be left to the motion model; more failures are
+// a sign that images or sensors do not fit.
 constexpr double kMaxFailedShare = 0.05;
-// Of the cost, by the last step: residuals still shrink by half a percent a step.
+// Relative decrease of the cost by the last step: residuals still shrink by half a percent per
+// step.
 constexpr double kStillFalling = 0.01;
-// Ten times the noise of a feature, u and v together. The window throws out a single observation
-// at half of that: a mean as large is no fit.
+// Ten times the noise of a feature, u and v together. The sliding window rejects single
+// observations at half of it, so an RMS as large as this is not a fit.
 constexpr double kDiverged_px = 3.5;
-// The adjustment moves keyframes by parts of the way between them; a path several times as long as
-// the odometry's has come apart. The slack is for rigs that stand still.
+// The bundle adjustment moves keyframes by fractions of the distance between them. A path several
+// times as long as the odometry's has fallen apart. The slack is for rigs that stand still.
 constexpr double kDivergedPath = 3.0;
 constexpr double kPathSlack_m = 1.0;
 
@@ -33,7 +34,8 @@ std::int64_t num_motions(const types::TrackStatistics& track) {
     return std::max<std::int64_t>(0, track.num_frames - 1);
 }
 
-// Of the motions from frame to frame; the first frame needs none.
+// Returns the share of the frame-to-frame motions that vision constrained; the first frame has
+// none.
 double share_tracked(const types::TrackStatistics& track) {
     const std::int64_t num = num_motions(track);
     return num > 0 ? static_cast<double>(track.num_frames_tracked - 1) / static_cast<double>(num)
@@ -77,7 +79,8 @@ void add_failed(const types::SolverTally& tally,
                     "DIVE), and try the option close_loops=false or refine_lenses=false");
 }
 
-// Within pieces: where one lies against the next is a guess.
+// Returns the length of the path within segments: the position of one segment relative to the next
+// is a guess.
 template <typename Poses>
 double path_m(const Poses& poses, const std::vector<bool>& jumps) {
     double length_m = 0.0;
@@ -89,7 +92,7 @@ double path_m(const Poses& poses, const std::vector<bool>& jumps) {
     return length_m;
 }
 
-// Whether a frame is the first of a piece.
+// Returns for each frame whether it is the first of a segment after the first.
 std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
     std::vector<bool> jumps(result.trajectory.size(), false);
     std::size_t frame = 0;

@@ -8,23 +8,26 @@
 #include "worker/types/solver_outcome.hpp"
 #include "worker/types/track.hpp"
 
-// What the user is told about how tracking and adjusting went, and when the result is no model.
+// What the user is told about tracking and optimisation, and the checks that fail a job whose
+// result is not a usable model.
 namespace divemesh::pipeline {
 
-// Throws Error{BadData} when next to no frame was constrained by vision.
+// Throws Error{BadData} if hardly any frame was constrained by vision.
 void require_tracked(const types::TrackStatistics& track);
 
-// Returns what is to be said about frames without vision and about the solvers of the tracking.
+// Returns the findings about frames that vision did not constrain and about failures of the solvers
+// during tracking.
 std::vector<Finding> tracking_findings(const types::TrackStatistics& track);
 
-// Returns a warning about a solve that failed, or that stopped at its limit while its cost was
-// still falling; empty: neither. `code` names the finding, `what` the solve.
+// Returns a warning if a solve failed, or if it stopped at its limit while its cost was still
+// falling; otherwise an empty list. `code` is the code of the finding, `what` names the solve in
+// its message.
 std::vector<Finding> solver_findings(const types::SolverOutcome& outcome,
                                      const std::string& code,
                                      const std::string& what);
 
-// Throws Error{BadData} when the result cannot be right: values that are not finite, landmarks that
-// no longer project to where they were seen, a path far longer than that of the odometry.
+// Throws Error{BadData} if the result cannot be right: a pose is not finite, the landmarks have a
+// large reprojection error, or the path is far longer than that of the odometry.
 void require_converged(const types::Track& track, const types::OptimisedTrack& result);
 
 }  // namespace divemesh::pipeline

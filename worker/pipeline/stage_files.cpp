@@ -166,7 +166,8 @@ std::vector<Finding> get_findings(base::BinaryReader& file) {
     return findings;
 }
 
-// A reader past a matching key; nothing when the file is not what the stage would make now.
+// Returns a reader positioned after the matching key; nullopt if the file is not what the stage
+// would make now.
 std::optional<base::BinaryReader> open_stage(const std::filesystem::path& path,
                                              const std::string& key) {
     base::BinaryReader file(path);

@@ -9,18 +9,22 @@
 namespace divemesh::pipeline {
 namespace {
 
-// What a landmark behind the camera or far off counts for: a few strays must not decide.
+// Limit of an observation's error, and its error if the landmark is behind the camera: a few
+// outliers must not decide.
 constexpr double kMaxError_px = 10.0;
 constexpr double kMinDepth_m = 0.02;
-// A step to another model (loops, calibration) may fit each observation a little less well, since
-// the window fitted them to what it saw alone.
+// With another model (loops, calibration) each observation may fit slightly less well, because the
+// sliding window fitted the landmarks to its own observations alone.
 constexpr double kWorseReprojection = 1.5;
-// Twice the noise of a feature's u and v together: below, a fit is good whatever it was before.
+// Twice the noise of a feature's u and v together. Below it, the fit is good whatever it was
+// before.
 constexpr double kGoodReprojection_px = 0.7;
-// Steps of neighbouring keyframes against the odometry: drift is 1 % of the way and 2 cm at least,
-// which neighbours do not come near; three times that in the mean is another path.
+// For the motions between neighbouring keyframes against the odometry. The drift is 1 % of the
+// distance and at least 2 cm, and neighbours differ by far less; three times the drift in the RMS
+// means another path.
 constexpr double kMaxOdometry_sigmas = 3.0;
-// Loops are accepted within 3.5 sigma of the drift; three times as far is no correction of it.
+// Loops are accepted within 3.5 sigma of the drift; three times that distance cannot be a
+// correction of the drift.
 constexpr double kMaxMoved_sigmas = 10.0;
 
 double squared_error_px2(const types::RectifiedRig& rig,
@@ -122,7 +126,7 @@ double moved_rms_sigmas(const std::vector<types::Keyframe>& before,
     return num > 0 ? std::sqrt(squares / static_cast<double>(num)) : 0.0;
 }
 
-// Both written so that what is not a number is worse.
+// Both checks are written so that NaN counts as worse.
 bool contradicts_odometry(const types::TrackCheck& check) {
     return !(check.after.finite &&
              check.after.odometry_rms_sigmas <=

@@ -33,9 +33,9 @@ struct RefinedCalibration {
         return applied;
     }
     bool is_applied() const { return time_offset_applied || rotation_applied || lenses_applied; }
-    // What was found stays known, but nothing of it is applied.
+    // Keeps the estimates but applies none of them.
     void leave_as_stated() { time_offset_applied = rotation_applied = lenses_applied = false; }
-    // False when there was nothing to estimate it from.
+    // Returns false if there were no data to estimate it from.
     bool is_known() const { return lens_sigmas[0][0] > 0.0; }
 };
 

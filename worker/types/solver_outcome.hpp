@@ -13,22 +13,22 @@ struct SolverOutcome {
     int num_iterations = 0;
     double initial_cost = 0.0;
     double final_cost = 0.0;
-    double last_decrease = 0.0;  // by the last step that was taken, as a share of the cost
-    std::string message;         // for people
+    double last_decrease = 0.0;  // by the last accepted step, relative to the cost
+    std::string message;         // for people to read
 
     bool failed() const { return termination == Termination::Failed; }
-    // More iterations would have changed the result.
+    // Returns true if more iterations would have changed the result.
     bool stopped_early() const { return termination == Termination::StoppedAtLimit; }
 };
 
-// Outcomes of all solves of one kind, counted.
+// Counts of the outcomes of all solves of one kind.
 struct SolverTally {
     std::int64_t num_solves = 0;
     std::int64_t num_converged = 0;
     std::int64_t num_stopped_at_limit = 0;
     std::int64_t num_failed = 0;
     std::int64_t num_iterations = 0;
-    double initial_cost = 0.0;  // sums over the solves that did not fail
+    double initial_cost = 0.0;  // sum over the solves that did not fail, as is final_cost
     double final_cost = 0.0;
 
     void add(const SolverOutcome& outcome) {

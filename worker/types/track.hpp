@@ -25,9 +25,9 @@ struct TrackStatistics {
     double horn_scale_median = 1.0;            // Horn's s, estimated and reported, never applied
     double median_depth_m = 0.0;               // of the features
     double median_track_life_frames = 0.0;
-    SolverTally pose_solver;    // step 6
-    SolverTally window_solver;  // stops at its limit where time is short: no fault
-    SearchStatistics dense;     // of the frames whose depth is in the store
+    SolverTally pose_solver;    // outcomes of step 6
+    SolverTally window_solver;  // sliding window; stopping at its limit is no error
+    SearchStatistics dense;     // frames whose depth is in the store
 };
 
 // The result of steps 1 to 6 over all frames.

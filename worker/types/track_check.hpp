@@ -2,19 +2,22 @@
 
 namespace divemesh::types {
 
-// How a track agrees with what was measured, to compare it before and after a step by.
+// How well a track agrees with the measurements; a step is checked by comparing the values before
+// and after it.
 struct TrackAgreement {
     bool finite = true;
-    double reprojection_rms_px = 0.0;  // of what the track saw itself, each at most 10 px
-    double odometry_rms_sigmas = 0.0;  // of the steps between neighbouring keyframes
+    // Over the observations made during tracking, each error limited to 10 px.
+    double reprojection_rms_px = 0.0;
+    // Of the motions between neighbouring keyframes against the odometry.
+    double odometry_rms_sigmas = 0.0;
 };
 
-// What a step did to a track.
+// How a step changed a track.
 struct TrackCheck {
     TrackAgreement before;
     TrackAgreement after;
-    // How far keyframes moved against the first one, RMS, by the drift of the track and the
-    // covariance of the result; 0: no covariance is known.
+    // RMS distance that keyframes moved relative to the first one, in standard deviations by the
+    // track's drift and the result's covariance; 0: no covariance is known.
     double moved_rms_sigmas = 0.0;
 };
 

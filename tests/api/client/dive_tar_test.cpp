@@ -113,7 +113,7 @@ TEST_F(DiveTarTest, LeavesOutLinksAndSaysSo) {
 TEST_F(DiveTarTest, RefusesAFolderThatIsNoDive) {
     fs::create_directory(folder / "other");
     EXPECT_THROW(DiveTar(folder / "other"), Error);
-    EXPECT_THROW(DiveTar(folder.path()), Error);  // the parent of a dive
+    EXPECT_THROW(DiveTar(folder.path()), Error);  // the parent folder of a dive
 }
 
 TEST_F(DiveTarTest, NoticesAFileThatChangedMeanwhile) {

@@ -101,7 +101,7 @@ void FakeTusServer::serve_connection(int socket) {
         }
         pollfd waiting{socket, POLLIN, 0};
         if (::poll(&waiting, 1, 20) <= 0) {
-            pollfd next{listener_, POLLIN, 0};  // a client that came anew has left this one
+            pollfd next{listener_, POLLIN, 0};  // the client has reconnected
             if (::poll(&next, 1, 0) > 0) return;
             continue;
         }

@@ -9,12 +9,12 @@
 
 namespace divemesh {
 
-// A tus server of one upload that misbehaves as it is told, on a port of its own.
+// A tus server for one upload, on a port of its own, that produces the faults of a script.
 class FakeTusServer {
 public:
-    // What happens to one request; requests beyond the script are served well.
+    // The fault of one request; requests after the end of the script are served correctly.
     struct Fault {
-        int status = 0;               // > 0: answered with it, nothing stored
+        int status = 0;               // > 0: the answer has this status and no bytes are stored
         std::int64_t cut_after = -1;  // >= 0: the connection ends after so many bytes of a body
         bool silent = false;          // the request is never answered
     };
@@ -26,7 +26,7 @@ public:
 
     std::string url() const;
     void script_patches(std::deque<Fault> faults);
-    void forget_upload();  // 404 from now on, until it is created anew
+    void forget_upload();  // answers 404 until the upload is created again
 
     std::string stored();
     std::string last_metadata();

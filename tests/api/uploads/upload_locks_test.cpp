@@ -26,7 +26,7 @@ struct Shared {
     int num_refused = 0;
 };
 
-// Holds the turn until it is asked to stop, or for `hold` when it does not listen.
+// Holds the lock for `hold_ms`, or until it is asked to stop if it `listens`.
 asio::awaitable<void> work(Shared& shared, std::string upload, bool listens, int hold_ms) {
     std::optional<UploadLocks::Lock> lock;
     const auto asked_to_stop = std::make_shared<std::atomic<bool>>(false);
@@ -78,7 +78,7 @@ asio::awaitable<void> take_into(std::optional<UploadLocks::Lock>& lock, UploadLo
     lock.emplace(co_await locks.take("upload_a", std::move(stop)));
 }
 
-// As when a server ends while a request has its turn.
+// This happens when a server ends while a request holds its lock.
 TEST(UploadLocksTest, ATurnMayEndAfterTheTurns) {
     asio::io_context io;
     std::optional<UploadLocks::Lock> lock;

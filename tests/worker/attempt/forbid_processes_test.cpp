@@ -1,4 +1,4 @@
-// Everything happens in a child: what is forbidden stays so.
+// Everything runs in a child process, because the restriction cannot be lifted again.
 #include "worker/attempt/forbid_processes.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,8 @@ int exit_code_of(const Function& function) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// What `call` fails with once processes are forbidden; 0 when it works, -1 when they cannot be.
+// Returns the errno of `call` after processes are forbidden; 0 if it succeeds, -1 if processes
+// cannot be forbidden.
 template <class Call>
 int error_after(const Call& call) {
     const int code = exit_code_of([&] {
@@ -68,7 +69,7 @@ TEST(ForbidProcessesTest, ForkingAndExecutingFail) {
 TEST(ForbidProcessesTest, TheOtherInterfacesToTheKernelAreClosed) {
     EXPECT_EQ(error_after([] { return syscall(0x4000'0000 | SYS_getpid); }), EPERM);  // x32
     EXPECT_EQ(error_after([] {
-                  int pid = 20;  // getpid of 32 bits
+                  int pid = 20;  // the number of getpid for 32-bit programs
                   asm volatile("int $0x80" : "+a"(pid) : : "memory");
                   errno = -pid;
                   return pid;

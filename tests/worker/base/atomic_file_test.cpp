@@ -10,7 +10,8 @@ namespace {
 
 class AtomicFileTest : public FileTest {};
 
-// No file of this process may grow beyond a limit while this lives: a full disk without a mount.
+// Limits the size of files that this process may write, during its life: imitates a full disk
+// without a mount.
 class FileSizeLimit {
 public:
     explicit FileSizeLimit(rlim_t num_bytes) {

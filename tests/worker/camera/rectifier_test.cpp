@@ -38,7 +38,7 @@ types::Rig converging_rig() {
     return rig;
 }
 
-// A picture with one soft dot where the camera sees the point.
+// Returns an image with one soft dot where the camera sees the point.
 cv::Mat dot(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
     cv::Mat image(camera.height_px, camera.width_px, CV_8U, cv::Scalar(0));
     const Eigen::Vector2d at = *project(camera, p_cam);

@@ -8,7 +8,7 @@
 namespace divemesh::camera {
 namespace {
 
-// Cameras half a degree apart whose k1 is `k1`.
+// Returns a rig whose cameras are half a degree apart and have this `k1`.
 types::Rig rig_with(double k1) {
     types::Rig rig;
     rig.cam0 = {640, 480, 498.0, 497.0, 322.0, 238.0};
@@ -24,7 +24,8 @@ types::Rig rig_with(double k1) {
 constexpr double kStated = -0.108;
 constexpr double kTrue = -0.12;
 
-// What a pair rectified as stated shows of a point that the true lenses recorded.
+// Returns where a point recorded by the true lenses appears in a pair rectified with the stated
+// ones.
 Eigen::Vector3d measured_px(const types::RectifiedRig& rectified, const Eigen::Vector3d& p_cam) {
     const auto stated = rectified_lenses(rig_with(kStated));
     const auto real = rectified_lenses(rig_with(kTrue));
@@ -78,7 +79,7 @@ TEST(RerectifierTest, MovesAKeyframesDepthAsItMovesObservations) {
     }
 }
 
-// Taken from the nearest pixel alone, a slope would come out as a staircase.
+// With nearest-neighbour sampling a slope would become a staircase.
 TEST(RerectifierTest, LeavesASlopeSmooth) {
     const types::RectifiedRig rectified = Rectifier(rig_with(kStated)).rig();
     const Rerectifier rerectifier(rig_with(kStated), rectified, change_of_k1(kTrue - kStated));
@@ -96,7 +97,7 @@ TEST(RerectifierTest, LeavesASlopeSmooth) {
     double max_error_px = 0.0;
     for (int v = 100; v < 400; v += 7)
         for (int u = 150; u < 500; u += 7) {
-            Eigen::Vector2d old(u, v);  // that comes to lie at u, v
+            Eigen::Vector2d old(u, v);  // the pixel that moves to u, v
             for (int i = 0; i < 10; ++i) {
                 const Eigen::Vector3d there =
                     rerectifier.moved({old.x(), old.y(), slope_px(old.x(), old.y())});

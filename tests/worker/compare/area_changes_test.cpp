@@ -28,7 +28,8 @@ constexpr double kRadius_m = 0.25;
 constexpr double kHeight_m = 0.2;
 constexpr double kVolume_m3 = std::numbers::pi * kRadius_m * kRadius_m * kHeight_m / 3.0;
 
-// An outline of the earlier frame about a cone, a little wider, as drawn in another.
+// Returns an outline around a cone, slightly wider; given in the earlier frame and mapped by T into
+// another.
 json outline(const std::string& name, double x, double y, const Eigen::Isometry3d& T) {
     json corners = json::array();
     for (int i = 0; i < 24; ++i) {
@@ -40,7 +41,7 @@ json outline(const std::string& name, double x, double y, const Eigen::Isometry3
     return {{"name", name}, {"label", "Porites"}, {"polygon", corners}};
 }
 
-// Three cones stand, one of them goes, two come: all of one label.
+// Three cones stand, one of them disappears and two are added; all have the same label.
 class AreaChangesTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {

@@ -8,7 +8,7 @@
 namespace divemesh::compare {
 namespace {
 
-// Level ground with a flight of steps across its middle, looked at twice.
+// Level ground with a flight of steps across the middle, recorded twice.
 class ChangeScatterTest : public testing::Test {
 protected:
     static constexpr int kSide = 120;
@@ -55,7 +55,7 @@ TEST_F(ChangeScatterTest, ATenthThatTrulyChangedDoesNotHideTheScatterOfTheRest) 
 }
 
 TEST_F(ChangeScatterTest, AFewCellsOfAKindTakeTheFactorOfTheNext) {
-    a_.height_m.at<float>(100, 100) = 1.0F;  // a needle
+    a_.height_m.at<float>(100, 100) = 1.0F;  // a spike
     const auto scatter = scale_by_scatter(map_, a_, b_, 0.02);
     EXPECT_LT(scatter[5].num_cells, 200U);
     EXPECT_EQ(scatter[5].factor, scatter[4].factor);

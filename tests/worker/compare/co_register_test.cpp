@@ -18,7 +18,7 @@ using synthetic::rough_ground;
 constexpr double kStep_m = 0.02;
 constexpr double kNoise_m = 0.003;
 
-// A fifth of the ground rose by 8 cm.
+// Raises a fifth of the ground by 8 cm.
 HeightOf with_a_fifth_raised(const HeightOf& ground) {
     return [ground](double x, double y) { return ground(x, y) + (x > 1.02 ? 0.08 : 0.0); };
 }
@@ -75,7 +75,7 @@ TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
         num_within +=
             std::abs(off.z()) <= 1.96 * fit->sigma_m(fit->pivot, Eigen::Vector3d::UnitZ());
     }
-    EXPECT_GE(num_within, 26);  // 95 % of 30 are 28.5; fewer than 26 in 1 % of all trials
+    EXPECT_GE(num_within, 26);  // 95 % of 30 is 28.5; fewer than 26 occur in 1 % of all trials
 }
 
 TEST(CoRegister, RefusesAnotherPlace) {
@@ -91,7 +91,7 @@ TEST(CoRegister, RefusesAnotherPlace) {
     }
 }
 
-// Where surfaces are said to be known to centimetres, much of any ground lies within that.
+// If the stated uncertainty of surfaces is centimetres, large parts of any ground lie within it.
 TEST(CoRegister, RefusesAnotherPlaceAlsoWhereSurfacesAreNotWellKnown) {
     for (const unsigned place : {22U, 30U, 42U}) {
         types::Mesh a = ground_mesh(rough_ground(place), 1.7, 1.3, kStep_m, kNoise_m, 1);

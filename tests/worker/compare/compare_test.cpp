@@ -31,7 +31,7 @@ std::string content(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A cone of 0.25 m radius and 0.2 m height, and a hole of the same shape upside down.
+// The volume of a cone of 0.25 m radius and 0.2 m height, and of a hole of the same shape.
 constexpr double kVolume_m3 = 3.14159265 * 0.25 * 0.25 * 0.2 / 3.0;
 double cone(double x, double y) { return synthetic::cone(x, y, 0.25, 0.2); }
 

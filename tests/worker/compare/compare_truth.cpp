@@ -6,7 +6,7 @@
 #include "tests/synthetic/true_change.hpp"
 #include "worker/compare/compare.hpp"
 
-// Compares two reconstructions of simulated dives and sets the truth beside the figures.
+// Compares two reconstructions of simulated dives and prints the truth beside the metrics.
 namespace divemesh {
 namespace {
 

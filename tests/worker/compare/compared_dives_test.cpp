@@ -18,7 +18,7 @@ using nlohmann::json;
 
 constexpr double kLength_m = 2.5;
 
-// Small pictures of a reef in clear water.
+// Simulates a dive with small images of a reef in clear water.
 void dive(const std::filesystem::path& folder, std::uint64_t seed, int year) {
     const simulator::SimulateOptions options{.scene = simulator::SceneKind::Reef,
                                              .out = folder / "dive",
@@ -42,7 +42,7 @@ void dive(const std::filesystem::path& folder, std::uint64_t seed, int year) {
                                base::ignore_progress);
 }
 
-// Two years of one reef on which six boards lie.
+// Dives of two years over one reef with six boards.
 class ComparedDives : public testing::Test {
 protected:
     static void SetUpTestSuite() {
@@ -60,7 +60,7 @@ protected:
     static std::filesystem::path truth_of(const std::string& year) {
         return *folder_ / year / "dive/mav0/state_groundtruth_estimate0/data.csv";
     }
-    // The reconstruction's world in the scene's, by the whole path.
+    // Returns the pose of the reconstruction's world in the scene, aligned over the whole path.
     static Eigen::Isometry3d T_scene_world(const std::string& year) {
         return evaluation::trajectory_error(
                    io::read_trajectory(*folder_ / year / "model" / "trajectory.tum").poses,
@@ -72,7 +72,7 @@ protected:
 };
 
 TEST_F(ComparedDives, WhatGrewAndWhatWasLostLiesWithinItsInterval) {
-    for (const char* year : {"first", "second"}) {  // without what the markers say
+    for (const char* year : {"first", "second"}) {  // the markers are left out
         const auto bare = *folder_ / year / "bare";
         std::filesystem::copy(
             *folder_ / year / "model", bare, std::filesystem::copy_options::recursive);
@@ -135,7 +135,7 @@ TEST_F(ComparedDives, BoardsLieWhereTheyWereLaidInTheFirstYear) {
     EXPECT_EQ(first.size(), 9U);
     int num_shared = 0;
     for (const auto& [name, length_m] : bars("second")) {
-        if (!first.contains(name)) continue;  // beside a board that is gone
+        if (!first.contains(name)) continue;  // at a board that was removed
         EXPECT_EQ(length_m, first.at(name)) << name;
         ++num_shared;
     }

@@ -12,7 +12,7 @@ using synthetic::HeightOf;
 
 struct Compared {
     double mean_m = 0.0;
-    double within = 0.0;  // share of cores whose distance is off by no more than the LoD95
+    double within = 0.0;  // share of cores whose error is at most the LoD95
     std::size_t num = 0;
 };
 
@@ -56,7 +56,7 @@ TEST(M3c2, LevelOfDetectionHoldsFor95PercentOfNoisyPlanes) {
     const types::Mesh a = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.004, 3);
     const types::Mesh b = ground_mesh(kTilted, 0.6, 0.6, 0.01, 0.006, 4);
     const auto result = compare(a, b, [](const Eigen::Vector3f&) { return 0.0; });
-    EXPECT_GT(result.within, 0.92);  // some 250 independent cylinders: 1.4 % of deviation
+    EXPECT_GT(result.within, 0.92);  // about 250 independent cylinders: standard deviation 1.4 %
     EXPECT_LT(result.within, 0.98);
     EXPECT_NEAR(result.mean_m, 0.0, 5e-4);
 }

@@ -13,7 +13,7 @@
 namespace divemesh::dive {
 namespace {
 
-// A tiny dive in an archive, with something added to it.
+// A tiny dive in an archive, with an addition.
 class BadArchiveTest : public testing::Test {
 protected:
     std::vector<Finding> examine(Container container,
@@ -30,7 +30,7 @@ protected:
         return examine_dive(file_, scratch_.path(), base::ignore_progress).findings;
     }
 
-    // The message of the refusal under these limits; "" when it opens.
+    // Returns the message of the refusal under these limits; "" if the archive opens.
     std::string refusal(const DiveLimits& limits) {
         try {
             Dive::open(file_, scratch_.path(), limits);
@@ -160,7 +160,7 @@ TEST_F(BadArchiveTest, ASizeThatLiesInAZipIsRefused) {
         std::ifstream stream(file_, std::ios::binary);
         bytes.assign(std::istreambuf_iterator<char>(stream), {});
     }
-    // The uncompressed size of the first entry, wherever it is written: local header, data
+    // The uncompressed size of the first entry, in every place that states it: local header, data
     // descriptor, central directory (APPNOTE 4.3).
     for (const auto& [signature, offset] :
          {std::pair{"PK\x03\x04", 22}, std::pair{"PK\x07\x08", 12}, std::pair{"PK\x01\x02", 24}})

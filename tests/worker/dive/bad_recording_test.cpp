@@ -79,7 +79,7 @@ TEST_F(BadRecordingTest, YamlAliasesAndDepthAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-// Which of the two was meant nobody knows (S18).
+// It is unknown which of the two was meant (S18).
 TEST_F(BadRecordingTest, ACalibrationThatStatesSomethingTwiceIsRefused) {
     tiny_.replace(kCam0Yaml, "intrinsics:", "intrinsics: [51.0, 51.0, 32.0, 24.0]\nintrinsics:");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
@@ -220,7 +220,7 @@ TEST_F(BadRecordingTest, NumbersBeyondAllMeasureAreToldWithTheirLine) {
             << absurd;
         tiny_.write(kImuRows, rows);
     }
-    write_imu("0,0,0,1e400,0,9.8");  // is no double
+    write_imu("0,0,0,1e400,0,9.8");  // too large for a double
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_row_malformed", "imu0/data.csv:1"));
 }
 
@@ -228,7 +228,7 @@ TEST_F(BadRecordingTest, NumbersBeyondAllMeasureAreToldWithTheirLine) {
 TEST_F(BadRecordingTest, StampsBelowZeroOrBeyondAllNumbersAreTold) {
     for (const char* stamp : {"-1600000000000000000", "99999999999999999999", "1.6e18", "0x10"}) {
         std::string rows = tiny_.read(kImuRows);
-        const auto line = rows.find('\n', rows.find('\n') + 1) + 1;  // no heading
+        const auto line = rows.find('\n', rows.find('\n') + 1) + 1;  // without the heading
         tiny_.write(kImuRows, rows.insert(line, std::string(stamp) + ",0,0,0,0,0,9.8\n"));
         EXPECT_THAT(findings(),
                     HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:3"))
@@ -269,8 +269,8 @@ TEST_F(BadRecordingTest, LinesWithNulAndLinesWithoutEndAreMalformedRows) {
                 HasFinding(Severity::Warning, "imu_row_malformed", "imu0/data.csv:112"));
 }
 
-// One path in two rows, or in two writings of it: each row is what it says, none stands for
-// another (S6).
+// Rows with the same path, also in another case: each row keeps its own name, and no file stands in
+// for another (S6).
 TEST_F(BadRecordingTest, NamesThatDifferByCaseAreTwoFiles) {
     tiny_.write("DIVE.JSON", R"({"name": "Impostor"})");
     EXPECT_EQ(report().name, "Tiny");

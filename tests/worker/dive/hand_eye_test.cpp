@@ -15,7 +15,7 @@
 namespace divemesh::dive {
 namespace {
 
-// A rig that turns at random, a gyro with bias and noise.
+// Returns the motion of a rig that rotates at random, measured by a gyroscope with bias and noise.
 std::vector<RotationPair> random_motion(const Eigen::Matrix3d& R_imu_cam0) {
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
@@ -98,7 +98,7 @@ void write_mounting(const std::filesystem::path& yaml, const Eigen::Isometry3d& 
     std::ofstream(yaml) << text;
 }
 
-// The stereo calibration is right and stands the wrong way round to the IMU: only motion shows it.
+// The stereo calibration is right, but its rotation to the IMU is inverted; only motion shows it.
 TEST(HandEyeTest, SharedDivesWithCamerasInvertedAgainstTheImuAreRefused) {
     for (const std::string name : {"tank", "euroc_mh01", "barge"}) {
         const auto original = shared_data(name);

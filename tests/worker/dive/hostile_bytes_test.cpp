@@ -13,7 +13,7 @@
 namespace divemesh::dive {
 namespace {
 
-// Cuts, flips, doubles or blows up a part of the bytes, the same for the same seed.
+// Cuts, flips, doubles or inflates a part of the bytes; the same seed gives the same damage.
 std::string damaged(std::string bytes, unsigned seed) {
     std::mt19937 random(seed);
     const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
@@ -36,7 +36,7 @@ std::string read_file(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// What comes out is a report or an Error that is meant; anything else fails the test.
+// Expects a report or an intended Error; anything else fails the test.
 void expect_survived(const std::filesystem::path& path, const std::filesystem::path& scratch) {
     try {
         const auto report = examine_dive(path, scratch, base::ignore_progress);

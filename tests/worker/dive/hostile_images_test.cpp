@@ -1,4 +1,4 @@
-// S16: pictures that are made to hurt whoever decodes them, or that tell more than they should.
+// S16: images that are made to harm the decoder, or that reveal more than they should.
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -37,14 +37,15 @@ std::string big_endian_16(std::size_t value) {
     return {static_cast<char>(value >> 8), static_cast<char>(value & 255)};
 }
 
-// The JPEG with an APP1 segment right after its beginning.
+// Inserts an APP1 segment right after the beginning of the JPEG.
 std::string with_exif(const std::string& jpeg, const std::string& tiff) {
     const std::string content = std::string("Exif\0\0", 6) + tiff;
     return jpeg.substr(0, 2) + "\xff\xe1" + big_endian_16(content.size() + 2) + content +
            jpeg.substr(2);
 }
 
-// Big-endian TIFF: one directory of so many entries, which says that the next one is itself.
+// Returns a big-endian TIFF with one directory of `num_entries` entries that names itself as the
+// next directory.
 std::string directory_of_itself(std::size_t num_entries, const std::string& entry) {
     std::string tiff("MM\0*\0\0\0\x08", 8);
     tiff += big_endian_16(num_entries);
@@ -56,7 +57,7 @@ cv::Mat decoded(const std::string& bytes) {
     return decode_image(bytes, read_image_header(bytes), Channels::Bgr);
 }
 
-// Why it is refused; "" when it decodes.
+// Returns why the image is refused; "" if it decodes.
 std::string refusal(const std::string& bytes) {
     try {
         decoded(bytes);
@@ -99,8 +100,8 @@ TEST(HostileImagesTest, AJpegThatEndsEarlyIsRefused) {
         EXPECT_NE(refusal(good.substr(0, size)), "") << size << " of " << good.size();
 }
 
-// What is no picture behind a good header decodes to something of the size that it says, or not at
-// all (S16).
+// Random bytes after a valid header either decode to an image of the stated size or are refused
+// (S16).
 TEST(HostileImagesTest, GarbageBehindAGoodHeaderHurtsNobody) {
     const std::string good = jpeg(false);
     const auto scan = good.find("\xff\xda") + 14;
@@ -121,7 +122,7 @@ TEST(HostileImagesTest, GarbageBehindAGoodHeaderHurtsNobody) {
 TEST(HostileImagesTest, AnExifBombChangesNothing) {
     const std::string good = jpeg(false);
     const std::string turned("\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 12);      // orientation 6
-    const std::string huge("\x87\x69\0\x04\xff\xff\xff\xff\0\0\0\x08", 12);  // 4 G numbers, here
+    const std::string huge("\x87\x69\0\x04\xff\xff\xff\xff\0\0\0\x08", 12);  // states 4 G numbers
     for (const std::string& tiff : {directory_of_itself(1, turned),
                                     directory_of_itself(65'535, turned),
                                     directory_of_itself(65'535, huge),
@@ -131,8 +132,8 @@ TEST(HostileImagesTest, AnExifBombChangesNothing) {
         EXPECT_EQ(max_difference(decoded(with_exif(good, tiff)), decoded(good)), 0.0);
 }
 
-// S16: Where somebody dived is in the recording, for whoever may have that; not in what is shown of
-// it.
+// S16: the diver's position is in the recording, for people with access to it, but must not be in
+// the images that others see.
 TEST(HostileImagesTest, APositionInAPictureDoesNotGetIntoTheThumbnail) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");

@@ -25,7 +25,7 @@ TEST(PackFileTest, GivesBackWhatWasAppended) {
     EXPECT_EQ(pack.size_bytes(), 11);
 }
 
-// The limit of the process stands for a full disk: mounting one needs rights a test has not.
+// The size limit of the process imitates a full disk: mounting one needs rights that a test lacks.
 TEST(PackFileTest, AFullDiskIsSaidAsOutOfSpace) {
     const TemporaryFolder folder;
     PackFile pack(folder.path());

@@ -10,7 +10,8 @@
 namespace divemesh::dive {
 namespace {
 
-// The body is a frame of its own: IMU and cameras are mounted on it, ground truth is of the body.
+// The body is a separate frame: IMU and cameras are mounted on it, and ground truth is that of the
+// body.
 TEST(RigTest, AnImuThatIsNotTheBodyBecomesTheFrameOfEverything) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
@@ -19,7 +20,7 @@ TEST(RigTest, AnImuThatIsNotTheBodyBecomesTheFrameOfEverything) {
 
     const auto dive = Dive::open(tiny.folder(), folder / "scratch");
 
-    // cam0 is at the body's origin: seen from an IMU at (1, 2, 3), turned by 90 degrees about z.
+    // cam0 is at the body's origin; the IMU is at (1, 2, 3), rotated by 90 degrees about z.
     const Eigen::Isometry3d& T_imu_cam0 = dive->rig().T_imu_cam0;
     EXPECT_LT((T_imu_cam0.translation() - Eigen::Vector3d(-2, 1, -3)).norm(), 1e-9);
     EXPECT_NEAR(dive->rig().baseline_m(), 0.1, 1e-12);

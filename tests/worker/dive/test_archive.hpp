@@ -10,7 +10,7 @@ namespace divemesh::dive {
 
 enum class Container { Zip, Tar, TarGz, TarZst };
 
-// Writes archives entry by entry, hostile ones too.
+// Writes archives entry by entry, also hostile ones.
 class TestArchive {
 public:
     // With a passphrase a zip is encrypted.
@@ -22,10 +22,10 @@ public:
     TestArchive& operator=(const TestArchive&) = delete;
 
     void add(const std::string& name, const std::string& bytes);
-    // Anything but a plain file: AE_IFLNK, AE_IFCHR, AE_IFIFO ...
+    // Adds an entry that is not a plain file: AE_IFLNK, AE_IFCHR, AE_IFIFO ...
     void add_special(const std::string& name, unsigned int type, const std::string& target = "");
     void add_hard_link(const std::string& name, const std::string& target);
-    // Every regular file below `folder`, under `prefix`.
+    // Adds every regular file below `folder`, under `prefix`.
     void add_folder(const std::filesystem::path& folder, const std::string& prefix = "");
 
 private:

@@ -6,8 +6,8 @@
 
 namespace divemesh::dive {
 
-// A whole dive in EuRoC layout, as small as it can be: five pairs of 64x48 grey PNGs at 10 Hz, IMU
-// at 200 Hz, ground truth. Tests spoil one thing of it.
+// The smallest complete dive in EuRoC layout: five pairs of 64x48 grey PNGs at 10 Hz, IMU at 200
+// Hz, ground truth. Each test spoils one part of it.
 class TinyDive {
 public:
     static constexpr int kNumFrames = 5;
@@ -18,8 +18,8 @@ public:
     const std::filesystem::path& folder() const { return folder_; }
     std::string read(const std::string& file) const;
     void write(const std::string& file, const std::string& bytes) const;
-    void remove(const std::string& file) const;  // a folder with all in it
-    // The first `from` becomes `to`; throws when there is none.
+    void remove(const std::string& file) const;  // also a folder with its contents
+    // Replaces the first `from` by `to`; throws if `from` is not found.
     void replace(const std::string& file, const std::string& from, const std::string& to) const;
 
     static std::string image_name(int index);  // "1600000000000000000.png"
@@ -29,7 +29,7 @@ private:
 };
 
 std::string camera_yaml(const std::string& T_body_sensor);
-// Noise; `type` as CV_8UC1.
+// Returns a PNG of noise; `type` is a type of OpenCV, e.g. CV_8UC1.
 std::string png_of_size(int width_px, int height_px, int type);
 std::string black_png(int width_px, int height_px);
 

@@ -5,7 +5,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-// Two triangles of the same size that share nothing.
+// Returns two triangles of the same size without common vertices.
 types::Mesh two_triangles(float sigma_a,
                           float sigma_b,
                           std::uint32_t views_a,
@@ -32,7 +32,7 @@ TEST(ExpectedSurfaceTest, OfOneSigmaErrsWithin196OfIt) {
 }
 
 TEST(ExpectedSurfaceTest, HalfOfItTenTimesAsNoisyDecides) {
-    // 90 % of the noisy half have to be within: 1.6449 of its sigma.
+    // 90 % of the noisy half must be within the error: 1.6449 of its sigma.
     const auto surface = expected_surface(two_triangles(0.01F, 0.1F, 3, 1));
     ASSERT_TRUE(surface.has_value());
     EXPECT_NEAR(surface->error_95_m, 0.16449, 0.04 * 0.16449);

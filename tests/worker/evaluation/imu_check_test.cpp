@@ -7,7 +7,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-// Rolls about x by 0.5 sin(2 t) rad: what a gyro and an accelerometer at rest in place would say.
+// Returns the pose of a rig that rolls about x by 0.5 sin(2 t) rad without moving.
 Eigen::Isometry3d rolling(double t) {
     return Eigen::Isometry3d(Eigen::AngleAxisd(0.5 * std::sin(2.0 * t), Eigen::Vector3d::UnitX()));
 }

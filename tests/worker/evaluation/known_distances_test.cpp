@@ -10,8 +10,8 @@
 namespace divemesh::evaluation {
 namespace {
 
-// A rig with distorted lenses and the cameras half a degree apart, 1.2 m above the floor z = 0,
-// looking down while it moves along x.
+// A rig with distorted lenses and cameras half a degree apart, 1.2 m above the floor z = 0. It
+// looks down while it moves along x.
 class KnownDistancesTest : public testing::Test {
 protected:
     KnownDistancesTest() {
@@ -74,7 +74,7 @@ TEST_F(KnownDistancesTest, AreExactWithThePosesOfTheTruthInAnyWorld) {
 
 TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
     dive::KnownDistance wrong = bar_;
-    wrong.distance_m /= 1.02;  // so ours looks 2 % long
+    wrong.distance_m /= 1.02;  // so that the measured length is 2 % too long
     const KnownDistanceErrors errors = measure({wrong, wrong}, truth_);
     EXPECT_NEAR(errors.scale_error, 0.02, 1e-6);
     EXPECT_NEAR(errors.median_abs_error_m, bar_.distance_m * (1.0 - 1.0 / 1.02), 1e-6);
@@ -144,7 +144,7 @@ TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {
     EXPECT_EQ(measure_known_distances({marked}, nullptr, rig_, {truth_, {}}).num_measured, 0);
 }
 
-// The path drifts between seeing one end and the other: by that much the length is uncertain.
+// The path drifts between the views of the two ends, and the length is uncertain by that drift.
 TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
     types::CovarianceTrack known_well(2);
     known_well[1].timestamp_ns = 1'000'000'000;
@@ -163,13 +163,13 @@ TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
     };
     EXPECT_FALSE(sigma_m({}).has_value());
     EXPECT_NEAR(sigma_m(known_well).value(), 0.001 * bar_.distance_m, 1e-8);
-    // Variances rise by 4e-4 m2 a second, and the ends were seen 0.6 s apart.
+    // The variance increases by 4e-4 m2 per second, and the ends were seen 0.6 s apart.
     EXPECT_NEAR(sigma_m(drifting).value(),
                 std::hypot(0.001 * bar_.distance_m, std::sqrt(0.6 * 4e-4)),
                 1e-6);
 }
 
-// Noise of 0.3 px, drawn anew: sigma is what the measured lengths scatter by.
+// With new noise of 0.3 px each time, sigma equals the scatter of the measured lengths.
 TEST_F(KnownDistancesTest, SigmaIsTheScatterOfLengthsByNoisyMarks) {
     const types::CovarianceTrack known_well(1);
     std::mt19937 random(3);

@@ -10,7 +10,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-// 1 cm too long in each metre of a straight path, a pose every half metre.
+// Returns a straight path with a pose every half metre, where each metre is 1 cm too long.
 std::vector<PosePair> stretched(int num_poses) {
     std::vector<PosePair> poses(static_cast<std::size_t>(num_poses));
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -22,7 +22,7 @@ std::vector<PosePair> stretched(int num_poses) {
 
 TEST(RelativePoseError, IsWhatTheEstimateAddsOverTheLength) {
     const auto error = relative_pose_error(stretched(101), {.delta_m = 1.0});
-    EXPECT_EQ(error.num_pairs, 49);  // the first begins where a metre is reached
+    EXPECT_EQ(error.num_pairs, 49);  // the first pair begins where one metre is reached
     EXPECT_NEAR(error.translation_rmse_m, 0.01, 1e-12);
     EXPECT_NEAR(error.rotation_rmse_deg, 0.0, 1e-9);
 }

@@ -25,7 +25,7 @@ Eigen::Matrix3d orientation(double t) {
         .toRotationMatrix();
 }
 
-// The cameras have every length `shrunk` times as long as it is.
+// Returns the path by cameras that measure every length `shrunk` times as long as it is.
 types::Trajectory path_seen(double shrunk, double duration_s = kDuration_s) {
     types::Trajectory trajectory;
     for (int i = 0; i <= std::lround(10.0 * duration_s); ++i) {
@@ -71,7 +71,7 @@ TEST(ScaleCheckTest, TheAccelerometerFindsAScaleErrorOfTheCameras) {
     EXPECT_LT(check->sigma, 0.01);
 }
 
-// Sum over forty runs of the squared error in sigmas.
+// Returns the sum of the squared errors of forty runs, in sigmas.
 double squared_sigmas(double noise_m_s2, double duration_s) {
     double sum = 0.0;
     for (std::uint32_t seed = 1; seed <= 40; ++seed) {
@@ -83,7 +83,7 @@ double squared_sigmas(double noise_m_s2, double duration_s) {
     return sum;
 }
 
-// 99 % of chi-square with 40 degrees of freedom.
+// The 99 % interval of chi-square with 40 degrees of freedom.
 const auto kAsOfFortyNumbers = testing::AllOf(testing::Gt(20.7), testing::Lt(66.8));
 
 TEST(ScaleCheckTest, ItsSigmaIsAsLargeAsTheErrorsOfFortyRuns) {
@@ -123,9 +123,10 @@ TEST(ScaleCheckTest, KnownDistancesSayTheScaleAndHowWellTheyAgree) {
     const auto check = scale_by_distances(errors, {});
     ASSERT_TRUE(check.has_value());
     EXPECT_NEAR(check->scale, 1.0 / 0.98, 1e-9);
-    // Residuals of 1 mm, 1 mm and nothing; squares of the lengths add up to 6.
+    // Residuals of 1 mm, 1 mm and 0; the squares of the lengths sum to 6.
     EXPECT_NEAR(check->sigma, std::sqrt(2e-6 / 2.0 / 6.0), 1e-9);
-    // The poses move ends that are 2 m apart by 3 mm, those of the shorter lengths by 3 / sqrt(2).
+    // The poses move ends that are 2 m apart by 3 mm, and those of the shorter lengths by 3 mm /
+    // sqrt(2).
     const double by_poses = (2.0 * 0.003 / std::sqrt(2.0) + 2.0 * 0.003) / 6.0;
     EXPECT_NEAR(
         scale_by_distances(errors, {0.003, 2.0})->sigma, std::hypot(check->sigma, by_poses), 1e-9);

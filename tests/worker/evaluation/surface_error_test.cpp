@@ -12,7 +12,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-// A flat grid of cells of 10 cm in the plane z.
+// Returns a flat grid at height z with cells of 10 cm.
 types::Mesh plane(float z, int cells_x, int cells_y) {
     types::Mesh mesh;
     const auto row = static_cast<std::uint32_t>(cells_x + 1);
@@ -51,7 +51,7 @@ TEST(SurfaceError, HalfAReconstructionIsAccurateAndHalfComplete) {
     EXPECT_NEAR(error.scores[0].precision, 1.0, 1e-9);
     EXPECT_NEAR(error.scores[0].recall, 0.5 + 0.005 / 2.0, 1e-3);
     EXPECT_NEAR(error.scores[0].f1, 2.0 * 0.5025 / 1.5025, 1e-3);
-    // Distances over the missing half grow linearly from 0 to 1 m.
+    // Over the missing half, distances increase linearly from 0 to 1 m.
     EXPECT_NEAR(error.completeness.rms_m, std::sqrt(1.0 / 6.0), 2e-3);
 }
 
@@ -65,7 +65,7 @@ TEST(SurfaceError, TheTrajectorysAlignmentIsAppliedAndNoOther) {
 TEST(SurfaceError, SurfaceBeyondTheRangeOfEveryCameraIsLeftOut) {
     SurfaceErrorInput input = few_samples();
     input.camera_positions_world = {{0.0, 0.5, 0.0}};
-    // A strip of 1 x 10 m, of which the reference holds the first 5 m.
+    // A strip of 1 x 10 m; the reference contains its first 5 m.
     const SurfaceError error = surface_error(plane(0, 100, 10), plane(0, 50, 10), input);
     EXPECT_NEAR(error.share_beyond_range, 0.6, 0.01);
     EXPECT_EQ(error.scores[0].precision, 1.0);
@@ -73,7 +73,7 @@ TEST(SurfaceError, SurfaceBeyondTheRangeOfEveryCameraIsLeftOut) {
 
 TEST(SurfaceError, ErrorsAreAlsoStatedOverTheRange) {
     SurfaceErrorInput input = few_samples();
-    // So high above 1 m2 that every range is 100 m to a thousandth.
+    // So high above 1 m2 that every range is 100 m to within a thousandth.
     input.camera_positions_world = {{0.5, 0.5, 100.0}};
     input.max_range_m = 200.0;
     const SurfaceError error = surface_error(plane(0.2F, 10, 10), plane(0, 10, 10), input);
@@ -84,7 +84,8 @@ TEST(SurfaceError, ErrorsAreAlsoStatedOverTheRange) {
 TEST(SurfaceError, TheReferenceNearACameraIsSummedUpByItself) {
     SurfaceErrorInput input = few_samples();
     input.camera_positions_world = {{0.5, 0.5, 0.0}};
-    // Ours holds the first 2 m of a strip of 1 x 10 m: all that is within 1.5 m of the camera.
+    // The estimate contains the first 2 m of a strip of 1 x 10 m: all that is within 1.5 m of the
+    // camera.
     input.near_range_m = 1.5;
     const SurfaceError error = surface_error(plane(0.01F, 20, 10), plane(0, 100, 10), input);
     EXPECT_NEAR(error.near_completeness.value().p90_m, 0.01, 1e-6);
@@ -124,7 +125,7 @@ TEST(SurfaceError, AMeshWithoutAreaIsRefused) {
 }
 
 TEST(SurfaceSamples, ShareTheirNumberByArea) {
-    types::Mesh mesh;  // areas 3 and 1
+    types::Mesh mesh;  // triangles of area 3 and 1
     mesh.vertices = {{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 9}, {1, 0, 9}, {0, 2, 9}};
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     int num_low = 0;
@@ -140,7 +141,7 @@ TEST(SurfaceSamples, ShareTheirNumberByArea) {
     EXPECT_NEAR(centre.y(), 2.0F / 3.0F, 0.015F);
 }
 
-// The nearest of many points of the triangle.
+// Returns the distance to the nearest of many points of the triangle.
 float sampled_distance(const Eigen::Vector3f& point, const types::Mesh& triangle) {
     float nearest = 1e9F;
     for (int i = 0; i <= 200; ++i)

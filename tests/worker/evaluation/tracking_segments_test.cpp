@@ -5,7 +5,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-// Ten frames, 0.1 m apart; keyframes 0, 4 and 8 of the pieces given.
+// Returns ten frames 0.1 m apart; the keyframes 0, 4 and 8 have the given segments.
 types::Trajectory frames() {
     types::Trajectory trajectory;
     for (int i = 0; i < 10; ++i)
@@ -36,7 +36,7 @@ TEST(PiecesTest, APieceThatWasFoundAgainHasTwoIntervals) {
     EXPECT_EQ(segments[0].intervals[1].first_ns, 8);
     EXPECT_EQ(segments[0].num_frames, 6);
     EXPECT_EQ(segments[1].num_frames, 4);
-    EXPECT_NEAR(segments[0].path_length_m, 0.4, 1e-12);  // the jump between is no path
+    EXPECT_NEAR(segments[0].path_length_m, 0.4, 1e-12);  // the jump in between is not counted
 }
 
 TEST(PiecesTest, TheLargestHasMostFrames) {

@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::int64_t kFrame_ns = 100'000'000;
 
-// The body's pose, a function of seconds.
+// The pose of the body as a function of time in seconds.
 using Motion = std::function<Eigen::Isometry3d(double)>;
 
-// A climbing circle of radius 1 m, one turn in 2 pi seconds, looking along the tangent.
+// Returns a pose on a climbing circle of radius 1 m, one rotation in 2 pi seconds, looking along
+// the tangent.
 Eigen::Isometry3d helix(double t) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.rotate(Eigen::AngleAxisd(t, Eigen::Vector3d::UnitZ()));
@@ -59,7 +60,7 @@ TEST(TrajectoryError, IsZeroForTheSamePathInAnotherWorld) {
 }
 
 TEST(TrajectoryError, AShiftOfOnePoseInFourIsTheShareItShouldBe) {
-    // Shifts of +-4 cm across the path at right angles in turn leave centre and alignment alone.
+    // Alternating shifts of +-4 cm across the path change neither its centre nor the alignment.
     types::Trajectory truth = sample(straight, 400);
     types::Trajectory estimate = truth;
     for (std::size_t i = 0; i < estimate.size(); i += 4)
@@ -79,7 +80,7 @@ TEST(TrajectoryError, ScaleIsReportedAndNotApplied) {
     EXPECT_LT(error.sim3_ate_rmse_m, 1e-9);
     EXPECT_GT(error.ate_rmse_m, 0.015);
     ASSERT_FALSE(error.segments.empty());
-    EXPECT_NEAR(error.segments[0].translation_mean_percent, 2.0, 0.1);  // chords of 1 m arcs
+    EXPECT_NEAR(error.segments[0].translation_mean_percent, 2.0, 0.1);  // chords of arcs of 1 m
 }
 
 TEST(TrajectoryError, AConstantTurnRateErrorShowsAsDegreesPerMetre) {
@@ -96,7 +97,8 @@ TEST(TrajectoryError, AConstantTurnRateErrorShowsAsDegreesPerMetre) {
     ASSERT_EQ(error.segments.size(), 4U);
     for (const SegmentError& segment : error.segments) {
         EXPECT_NEAR(segment.rotation_mean_deg_per_m, 0.01 * 180.0 / M_PI, 1e-6);
-        // End of an arc of length L against a straight line: about rate L / 2 of the length.
+        // The end of an arc of length L is about rate L / 2 of the length away from a straight
+        // line.
         EXPECT_NEAR(segment.translation_mean_percent, 0.5 * segment.length_m, 0.02);
     }
     EXPECT_NEAR(error.path_length_m, 20.0, 1e-9);
@@ -160,7 +162,8 @@ TEST(TrajectoryError, AStraightPathIsStillAlignedAboutItself) {
     EXPECT_TRUE(error.T_reference_estimate.isApprox(some_transform().inverse(), 1e-9));
 }
 
-// 5 cm of weaving are all that positions tell of the roll; 1 mm in step with it is 1.15 degrees.
+// The path weaves by 5 cm, from which positions give a poor roll: an error of 1 mm in phase with
+// the weaving changes it by 1.15 degrees.
 TEST(TrajectoryError, TheSurfaceOfANearlyStraightPathIsNotRolledByPositions) {
     const auto weave = [](double z_share, double t) -> Eigen::Isometry3d {
         return Eigen::Isometry3d(

@@ -17,7 +17,8 @@ using Motion = std::function<Eigen::Isometry3d(double)>;
 const Eigen::Vector3d kLever_m(0.12, -0.31, 0.25);
 constexpr double kOffset_s = 3.217;
 
-// A swimmer: forward with surges, rolling, pitching and yawing at frequencies of their own.
+// Returns the pose of a swimmer: forward with surges, with roll, pitch and yaw at different
+// frequencies.
 Eigen::Isometry3d swim(double t) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() = Eigen::Vector3d(
@@ -28,7 +29,7 @@ Eigen::Isometry3d swim(double t) {
     return pose;
 }
 
-// Yaws alone.
+// Returns a pose that only yaws.
 Eigen::Isometry3d yaw(double t) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() = Eigen::Vector3d(0.3 * t, std::sin(0.4 * t), 0.0);
@@ -54,7 +55,7 @@ Eigen::Isometry3d T_body_marker() {
     return T;
 }
 
-// The rig at 10 Hz for 60 s.
+// Returns the poses of the rig at 10 Hz for 60 s.
 types::Trajectory estimate_of(const Motion& motion) {
     types::Trajectory trajectory;
     for (int i = 0; i < 600; ++i)
@@ -62,7 +63,8 @@ types::Trajectory estimate_of(const Motion& motion) {
     return trajectory;
 }
 
-// A tracker at 50 Hz, before and after the dive too, that follows the marker on its own clock.
+// Returns the poses of a tracker at 50 Hz that follows the marker on its own clock, also before and
+// after the dive.
 types::Trajectory truth_of(const Motion& motion) {
     types::Trajectory trajectory;
     for (int i = -500; i < 3500; ++i) {
@@ -82,7 +84,7 @@ types::Trajectory with_noise(types::Trajectory trajectory, double sigma_m, unsig
     return trajectory;
 }
 
-// A path that drifts: its errors add up.
+// Adds drift to a path: its errors accumulate.
 types::Trajectory with_drift(types::Trajectory trajectory, double step_m, unsigned seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, step_m);
@@ -119,8 +121,8 @@ TEST(TruthRegistration, TheErrorIsThatOfThePathAloneOnceTheTruthLiesRight) {
     EXPECT_LT(error.rotation_rmse_deg, 0.1);
 }
 
-// Two standard deviations hold in 95 % of many draws: in 36 of 40 at least, for white errors and
-// for drift.
+// Two standard deviations must hold in 95 % of many draws, i.e. in at least 36 of 40, for white
+// errors and for drift.
 TEST(TruthRegistration, StatedDeviationsHold) {
     const types::Trajectory truth = truth_of(swim);
     for (const bool drifts : {false, true}) {

@@ -19,7 +19,7 @@ TEST(CornerScoresTest, AreThoseOfOpenCv) {
     const cv::Mat image = synthetic::textured_image(0.0, 0.0);
     cv::Mat expected;
     cv::cornerMinEigenVal(image, expected, 5);
-    // OpenCV divides Sobel's sums by 4 * block * 255 and adds over the block.
+    // OpenCV divides the Sobel sums by 4 * block * 255 and adds over the block.
     expected *= 20.0 * 20.0 * 255.0 * 255.0 / (64.0 * 25.0);
     double largest = 0.0;
     cv::minMaxLoc(inner(expected), nullptr, &largest);

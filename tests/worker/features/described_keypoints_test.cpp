@@ -23,7 +23,7 @@ DescribedKeypoints view_of(const Eigen::Isometry3d& T_world_cam) {
     return SeaFloor::view(T_world_cam, SeaFloor().look(T_world_cam));
 }
 
-// Share of the matches that are right to 3 px, and their number.
+// Returns the share of matches that are correct to 3 px, and the number of matches.
 std::pair<double, std::size_t> right_matches(const Eigen::Isometry3d& T_world_a,
                                              const Eigen::Isometry3d& T_world_b) {
     const types::RectifiedRig rig = synthetic::small_rig();

@@ -18,7 +18,7 @@ SquarePlace place(const cv::Mat& image, int column, int row, double right, doubl
             static_cast<std::int16_t>(32768.0 * below)};
 }
 
-// Black and white at random: the largest sums.
+// Returns an image that is black and white at random, which gives the largest sums.
 cv::Mat extreme_image() {
     cv::Mat image(64, 64, CV_8U);
     cv::RNG random(7);

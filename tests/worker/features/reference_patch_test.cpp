@@ -13,7 +13,7 @@ namespace {
 
 using synthetic::SeaFloor;
 
-// Down to the floor and about the line of sight.
+// Returns a pose that moves down to the floor and rotates about the line of sight.
 Eigen::Isometry3d T_world_cam(int frame) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << 0.005 * frame, 0.0, 0.02 * frame;
@@ -56,7 +56,7 @@ TEST(ReferencePatchTest, AFeatureStaysInItsPlaceWhileTheCameraTurnsAndComesNeare
             tracker.track(look(floor, k), features, T_world_cam(k).inverse() * T_world_cam(k - 1));
         measure(k, features);
     }
-    EXPECT_GE(features.size(), num_first / 3);  // others have left the picture
+    EXPECT_GE(features.size(), num_first / 3);  // the others have left the image
     std::vector<double> errors_px;
     for (const types::Feature& feature : features)
         errors_px.push_back(

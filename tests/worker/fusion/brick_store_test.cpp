@@ -12,7 +12,7 @@
 namespace divemesh::fusion {
 namespace {
 
-// A store and who owns its bricks.
+// A store and the owners of its bricks.
 struct Owned {
     explicit Owned(const SpillSettings& spill = {})
         : store(spill,
@@ -44,7 +44,7 @@ Leaves leaves_of(const Owned& owned, std::size_t owner) {
     return leaves;
 }
 
-// Bricks in turn get leaves at random until each has its number of them.
+// Adds leaves at random to bricks in turn, until each brick has its number of leaves.
 void fill(
     Owned& owned, std::size_t num_bricks, int least, int most, std::vector<Leaves>& expected) {
     std::mt19937 random(7);
@@ -107,7 +107,7 @@ TEST(BrickStore, RecordsFitBricksOfTenLeavesOrMoreInWhateverOrderTheyGrow) {
         fill(owned, static_cast<std::size_t>(600'000 / most), most / 2, most, expected);
         RecordProperty("bytes_per_leaf_" + std::to_string(most),
                        std::to_string(owned.bytes_per_leaf()));
-        // 20 for leaf, place and half a handle, half a leaf that is not there, a header.
+        // 20 bytes for leaf, place and half a handle, then half an unused leaf and a header.
         EXPECT_LT(owned.bytes_per_leaf(), 24.0) << most;
     }
 }

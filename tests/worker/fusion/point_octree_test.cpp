@@ -80,7 +80,7 @@ TEST(PointOctree, VisitsBlocksOfEightLeavesASideOneAfterTheOther) {
     EXPECT_GT(blocks.size(), 20U);
 }
 
-// A rough bed, its leaves about as far apart as the points: what a dive makes of it.
+// Inserts a rough bed with leaves about as far apart as the points, as a dive produces it.
 void insert_bed(PointOctree& octree, int side, double spacing_m) {
     std::mt19937 random(1);
     std::normal_distribution<double> height(0.0, 1.5 * octree.leaf_m());

@@ -15,7 +15,8 @@ using SceneDistance = std::function<double(const Eigen::Vector3d& p_world)>;
 
 inline types::RectifiedRig small_rig() { return synthetic::ideal_rig(240, 180, 180.0); }
 
-// A camera at `eye` that looks at `target`; image up is world y, or x when it looks along y.
+// Returns the pose of a camera at `eye` that looks at `target`. The image's up direction is world
+// y, or world x if the camera looks along y.
 inline Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
     const Eigen::Vector3d forward = (target - eye).normalized();
     const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitY()).normalized();
@@ -38,12 +39,13 @@ struct SyntheticView {
     types::KeyframeImages images;
 };
 
-// What a place is painted with: red, green and blue rise with world x, y and z.
+// Returns the colour of a place: red, green and blue increase with world x, y and z.
 inline Eigen::Vector3d paint_at(const Eigen::Vector3d& p_world) {
     return 100.0 * p_world + Eigen::Vector3d(120.0, 100.0, 60.0);
 }
 
-// What a stereo camera there would see of a scene given as a signed distance, by sphere tracing.
+// Returns what a stereo camera would observe of a scene given as a signed distance, by sphere
+// tracing.
 inline SyntheticView render_view(const SceneDistance& scene,
                                  const types::RectifiedRig& rig,
                                  const Eigen::Isometry3d& T_world_cam,
@@ -78,7 +80,7 @@ inline SyntheticView render_view(const SceneDistance& scene,
     return view;
 }
 
-// A sphere half sunk into a floor.
+// Returns the signed distance of a sphere half sunk into a floor.
 inline double bump_on_floor(const Eigen::Vector3d& p) {
     return std::min(p.z(), (p - Eigen::Vector3d(0.05, 0.0, -0.05)).norm() - 0.3);
 }

@@ -15,7 +15,8 @@ namespace {
 
 constexpr float kVoxel_m = 0.02F;
 
-// A tilted wall with a ball before it, seen from the origin of the world along z.
+// Returns the signed distance of a tilted wall with a ball in front of it, seen from the world's
+// origin along z.
 double wall_and_ball(const Eigen::Vector3d& p) {
     const double wall = Eigen::Vector3d(0.3, -0.2, -1.0).normalized().dot(p) + 1.6;
     return std::min(wall, (p - Eigen::Vector3d(0.1, 0.1, 1.0)).norm() - 0.2);
@@ -47,7 +48,7 @@ protected:
         return view;
     }
 
-    // A block that earlier views have filled with whatever.
+    // Returns a block with random values, as earlier views may have left it.
     static TsdfBlock used_block(unsigned seed) {
         std::mt19937 random(seed);
         TsdfBlock block;
@@ -99,7 +100,7 @@ TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
 
 TEST_F(OneView, RowsThatAreLeftOutWouldNotHaveChanged) {
     TsdfView coarse = view_;
-    coarse.voxel_m *= 100.0F;  // its ranges reach through all of the scene
+    coarse.voxel_m *= 100.0F;  // its ranges cover the whole scene
     const DepthRanges everything(coarse);
     int num_changed = 0;
     for_each_block([&](const BlockCoordinate& at) {

@@ -75,7 +75,7 @@ TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
     const types::Mesh mesh = mesh::extract_surface(*volume, options);
     ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
-    std::vector<double> errors;  // 1 is a centimetre
+    std::vector<double> errors;  // a colour step of 1 corresponds to 1 cm
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
         const Eigen::Vector3d paint = paint_at(mesh.vertices[i].cast<double>());
         for (int c = 0; c < 3; ++c)
@@ -90,7 +90,7 @@ TEST_P(BothVolumes, NormalsAndTrianglesFaceTheCameras) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
     const types::Mesh mesh = mesh::extract_surface(*volume, options);
-    std::size_t num_away = 0;  // seen from the cameras, all of which are above
+    std::size_t num_away = 0;  // facing away from the cameras, which are all above
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
                                            .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
@@ -108,7 +108,7 @@ TEST_P(BothVolumes, NoisyViewsOfAWallMakeOneWall) {
     const types::Mesh mesh = mesh::extract_surface(*volume, options);
     const mesh::MeshComponents components = mesh::find_components(mesh);
     EXPECT_EQ(components.area_m2.size(), 1U);
-    // As large as its shadow on the wall: a second layer would double it.
+    // Compares the area with its projection onto the wall: a second layer would double it.
     double shadow = 0.0;
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
@@ -165,7 +165,7 @@ TEST_P(BothVolumes, BothMeshersFindTheSameSurface) {
     const double nets = mesh::check_topology(mesh::extract_surface(*volume, options)).area_m2;
     options.mesher = "marching_cubes";
     const double cubes = mesh::check_topology(mesh::extract_surface(*volume, options)).area_m2;
-    EXPECT_NEAR(nets / cubes, 1.0, 0.12);  // the nets end one voxel earlier at the rim
+    EXPECT_NEAR(nets / cubes, 1.0, 0.12);  // the nets end one voxel earlier at the border
 }
 
 TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
@@ -185,8 +185,8 @@ TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
 
-// A floor that runs away from the cameras: half of what a view sees is farther off than where it
-// was chosen how finely to sample.
+// A floor that extends away from the cameras: half of a view is farther away than the depth for
+// which the sampling was chosen.
 TEST_P(BothVolumes, HalfSamplingLeavesNoHolesFarAway) {
     const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
     auto options = options_for(GetParam());
@@ -209,7 +209,7 @@ TEST_P(BothVolumes, HalfSamplingLeavesNoHolesFarAway) {
             << (sampling == Sampling::Half ? "half" : "full");
         areas_m2.push_back(mesh::check_topology(mesh).area_m2);
     }
-    EXPECT_GT(areas_m2[1], 0.9 * areas_m2[0]);  // the rim is wider
+    EXPECT_GT(areas_m2[1], 0.9 * areas_m2[0]);  // the border is wider
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes,
@@ -217,13 +217,14 @@ INSTANTIATE_TEST_SUITE_P(Volumes,
                          testing::Values("tsdf", "octree"),
                          [](const auto& volume) { return volume.param; });
 
-// Fish in half of the views, each time elsewhere: the rays of the others go through.
+// A fish at a different place in each of a third of the views; the rays of the other views pass
+// through it.
 TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
     const auto options = options_for("tsdf");
     auto volume = make_volume(small_rig(), options, 1.0);
     const auto poses = views_from_above(12, 1.2);
     for (int i = 0; i < 12; ++i) {
-        const double along = 0.02 * i;  // slow: several views agree on a part of it
+        const double along = 0.02 * i;  // slow, so that several views agree on a part of it
         const SceneDistance scene = [&](const Eigen::Vector3d& p) {
             const double fish = (p - Eigen::Vector3d(along, 0.0, 0.45)).norm() - 0.12;
             return i % 12 < 4 ? std::min(p.z(), fish) : p.z();
@@ -236,7 +237,7 @@ TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
 
-// A ghost that stands still in some of the views, and that the others look through.
+// An object that stands still in some views and that the other views see through.
 class Ghost : public testing::TestWithParam<int> {};
 
 TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
@@ -265,7 +266,7 @@ TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
 
 INSTANTIATE_TEST_SUITE_P(InTwoViewsAndInFour, Ghost, testing::Values(2, 4));
 
-// Views that are off by more than they state, as many too near as too far.
+// Views with larger errors than stated, as many too near as too far.
 TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
     auto options = options_for("tsdf");
     options.voxel_m = 0.01;
@@ -273,7 +274,7 @@ TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
     const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
     const auto poses = views_from_above(25, 1.2);
     for (int i = 0; i < 25; ++i) {
-        const double off_px = 0.1 * ((7 * i) % 25 - 12);  // each from -1.2 to 1.2 once, mixed
+        const double off_px = 0.1 * ((7 * i) % 25 - 12);  // each value from -1.2 to 1.2 once, mixed
         const auto view =
             render_view(floor, small_rig(), poses[i], {.bias_px = off_px, .stated_sigma_px = 0.4});
         volume->integrate(view.keyframe, view.images);
@@ -284,11 +285,11 @@ TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
     ASSERT_GT(heights_m.size(), 1000U);
     const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
     std::nth_element(heights_m.begin(), middle, heights_m.end());
-    EXPECT_NEAR(*middle, 0.0F, 0.01F);  // a pixel is 53 mm there
+    EXPECT_NEAR(*middle, 0.0F, 0.01F);  // one pixel of disparity is 53 mm there
 }
 
-// Matchers carry the foreground's disparity over its edge, then let it fall to the background's
-// within a few pixels.
+// Matchers extend the foreground's disparity over its edge, then let it decrease to the
+// background's within a few pixels.
 void let_foreground_grow(cv::Mat& disparity) {
     cv::Mat grown;
     cv::dilate(disparity, grown, cv::Mat::ones(5, 5, CV_8U));
@@ -318,7 +319,7 @@ TEST(TsdfVolume, AnEdgeOfTheForegroundGrowsNoSkirt) {
     EXPECT_GT(on_top, 200);
 }
 
-// At half sampling a quarter of the pixels say the same.
+// With half sampling, a quarter of the pixels give the same planes.
 TEST(DepthView, HalfSamplingFindsTheSamePlanes) {
     const SceneDistance slope = [](const Eigen::Vector3d& p) {
         return Eigen::Vector3d(0.2, -0.1, 1.0).normalized().dot(p);
@@ -371,9 +372,9 @@ TEST_P(BothVolumes, WhatSpillsToDiskChangesNoByte) {
     EXPECT_EQ(meshes[0].triangles, meshes[1].triangles);
 }
 
-// The variance of depth grows with the fourth power of the range: views from 1.6 m, all wrong by
-// the same 0.15 px (18 mm), move what views from 0.8 m saw right by less than a tenth of what equal
-// weights would.
+// The variance of depth grows with the fourth power of the range. Views from 1.6 m that are all
+// wrong by the same 0.15 px (18 mm) therefore move what views from 0.8 m measured correctly by less
+// than a tenth of what equal weights would.
 TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
     const SceneDistance wall = [](const Eigen::Vector3d& p) { return p.z(); };
     const auto options = options_for("tsdf");

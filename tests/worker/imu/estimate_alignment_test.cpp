@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 
-// A diver's sway: turns about all three axes, a few degrees a second.
+// Returns a diver's swaying orientation: rotations about all three axes, a few degrees per second.
 Eigen::Quaterniond q_world_body(double t) {
     return base::rotation_from_vector({0.1 * std::sin(1.1 * t), 0.0, 0.0}) *
            base::rotation_from_vector({0.0, 0.12 * std::sin(0.8 * t + 0.5), 0.0}) *
            base::rotation_from_vector({0.0, 0.0, 0.3 * t + 0.15 * std::sin(0.6 * t + 1.0)});
 }
 
-// 30 s of a gyroscope at 200 Hz that sits and stamps as `error` says.
+// Returns 30 s of a gyroscope at 200 Hz whose rotation and time stamps have the given `error`.
 std::vector<types::ImuSample> gyroscope(const types::ImuAlignment& error) {
     std::vector<types::ImuSample> samples;
     for (int i = -100; i <= 6100; ++i) {
@@ -39,7 +39,7 @@ std::vector<types::ImuSample> gyroscope(const types::ImuAlignment& error) {
     return samples;
 }
 
-// What the pictures see at 10 Hz, one in twelve of them wrongly.
+// Returns the rotations by vision at 10 Hz, one in twelve of them wrong.
 std::vector<VisionRotation> vision_rotations(double noise_rad, double wrong_rad) {
     std::mt19937 random(3);
     std::normal_distribution<double> normal;

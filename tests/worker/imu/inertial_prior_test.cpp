@@ -14,7 +14,8 @@ Eigen::Quaterniond heading(double angle_rad) {
     return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
 }
 
-// A body that turns about the vertical; `gyroscope_rad_s` is what its gyroscope says of that.
+// Returns the recording of a body that rotates about the vertical; `gyroscope_rad_s` is what its
+// gyroscope measures.
 synthetic::SensorRecording turning_body(double gyroscope_rad_s) {
     synthetic::SensorRecording recording;
     recording.its_rig.imu_noise = types::ImuNoise{};
@@ -29,7 +30,7 @@ synthetic::SensorRecording turning_body(double gyroscope_rad_s) {
 
 constexpr std::int64_t kFrom_ns = 400'000'000;
 constexpr std::int64_t kTo_ns = 500'000'000;
-constexpr double kDrift_rad = 0.05;  // of the estimate, against the AHRS
+constexpr double kDrift_rad = 0.05;  // of the estimate relative to the AHRS
 
 TEST(InertialPrior, InThePapersPresetTheAhrsPullsADriftBack) {
     const auto recording = turning_body(kRate_rad_s);

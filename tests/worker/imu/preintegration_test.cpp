@@ -14,7 +14,7 @@ constexpr std::int64_t kFrom_ns = 203'000'000;
 constexpr std::int64_t kTo_ns = 703'000'000;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-// A lively way: half a metre and half a radian to and fro within seconds.
+// Returns a pose on a lively path: half a metre and half a radian back and forth within seconds.
 Eigen::Isometry3d lively(double t_s) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.translation() << 0.3 * t_s + 0.2 * std::sin(2.0 * t_s), 0.5 * std::sin(1.5 * t_s),
@@ -32,7 +32,7 @@ PreintegratedImu integrated(const std::vector<types::ImuSample>& samples, const 
     return std::get<PreintegratedImu>(result);
 }
 
-// Turn, velocity and position of `a` against those of `b`.
+// Returns the differences between `a` and `b` in rotation, velocity and position.
 Vector9 difference(const PreintegratedImu& a, const PreintegratedImu& b) {
     Vector9 result;
     result << base::vector_from_rotation(b.rotation.q_from_to.conjugate() * a.rotation.q_from_to),
@@ -122,7 +122,7 @@ TEST(PreintegrationTest, ItsCovarianceIsTheSpreadOfNoisyIntegrals) {
         squares += error.cwiseAbs2();
     }
 
-    // Chi-square with 9 * 500 degrees of freedom: 4 sigma to either side.
+    // Chi-square with 9 * 500 degrees of freedom, 4 sigma on either side.
     EXPECT_NEAR(squared_mahalanobis / kNumRuns, 9.0, 4.0 * std::sqrt(18.0 / kNumRuns));
     for (int i = 0; i < 9; ++i)
         EXPECT_NEAR(squares[i] / kNumRuns / clean.covariance(i, i), 1.0, 0.25) << i;

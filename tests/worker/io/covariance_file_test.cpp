@@ -13,8 +13,8 @@
 namespace divemesh::io {
 namespace {
 
-// A spreadsheet takes a cell for a formula that begins with = + - @ or a tab: but for the heading,
-// which is ours, every cell of the only table that we write is a number (S17).
+// A spreadsheet takes a cell for a formula if it begins with = + - @ or a tab. Except for our own
+// heading, every cell of the only table that we write is a number (S17).
 TEST(CovarianceFileTest, EveryCellIsANumber) {
     const TemporaryFolder folder;
     types::CovarianceTrack track(2);

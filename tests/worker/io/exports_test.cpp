@@ -59,7 +59,7 @@ TEST_F(ExportsTest, AKittiFileHoldsTheUpperThreeRowsOfThePose) {
     expect_same_pose(read.poses[1].T_world_imu, two_poses()[1].T_world_imu);
 }
 
-// The CN Tower, as the article on UTM of Wikipedia has it: 17N 630084 4833438.
+// The CN Tower as in Wikipedia's article on UTM: 17N 630084 4833438.
 TEST(GeographicFrameTest, PutsAKnownPlaceWhereItIsKnownToBe) {
     const UtmFrame frame =
         utm_frame({43.0 + 38.0 / 60 + 33.24 / 3600, -(79.0 + 23.0 / 60 + 13.7 / 3600), 90.0});
@@ -78,8 +78,8 @@ TEST(GeographicFrameTest, OnTheCentralMeridianTheGridIsNorthAndTheScaleIs0_9996)
     EXPECT_LT((frame.A.leftCols<2>() - scaled).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-// A second of latitude, whose length on the ellipsoid follows from the meridian's radius of
-// curvature, away from the central meridian, where the grid is turned by 2 degrees.
+// One second of latitude, whose length on the ellipsoid follows from the meridian's radius of
+// curvature. The place is away from the central meridian, where the grid is rotated by 2 degrees.
 TEST(GeographicFrameTest, AStepToTheNorthIsThatOfTheGrid) {
     constexpr double kStep_deg = 1.0 / 3600;
     constexpr double kLatitude_deg = 45.0;
@@ -91,7 +91,7 @@ TEST(GeographicFrameTest, AStepToTheNorthIsThatOfTheGrid) {
     const UtmFrame here = utm_frame({kLatitude_deg, 12.0 + 5.9, 30.0});
     const UtmFrame north = utm_frame({kLatitude_deg + kStep_deg, 12.0 + 5.9, 30.0});
 
-    // x points to azimuth 30, y to -60: north is cos(30) of x and sin(30) of y
+    // x points to azimuth 30 degrees and y to -60: north is cos(30) of x and sin(30) of y.
     const Eigen::Vector3d p_world(
         step_m * std::cos(std::numbers::pi / 6), step_m * std::sin(std::numbers::pi / 6), 1.0);
 

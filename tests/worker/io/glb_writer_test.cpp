@@ -26,7 +26,7 @@ protected:
         bytes_ = read(file("mesh.glb"));
         document_ = json::parse(bytes_.substr(20, word_at(bytes_, 12)));
     }
-    // The bytes an attribute of the first primitive starts with.
+    // Returns a pointer to the first bytes of an attribute of the first primitive.
     template <typename Value>
     std::vector<Value> values_of(const json& accessor_index, std::size_t num_values) const {
         const json& accessor = document_["accessors"][accessor_index.get<std::size_t>()];

@@ -31,7 +31,7 @@ std::string floats(const std::vector<float>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
 }
 
-// One triangle of three positions, without indices.
+// Returns a document of one triangle with three positions and no indices.
 json triangle_document() {
     return {{"asset", {{"version", "2.0"}}},
             {"scene", 0},
@@ -61,7 +61,7 @@ TEST_F(MeshReaderTest, OurOwnGlbComesBackInTheWorldOfTheMesh) {
 
 TEST_F(MeshReaderTest, NodesMoveTheirMeshAndUpIsZ) {
     const types::Mesh mesh = parse_glb(glb(triangle_document(), triangle_buffer()), "a.glb");
-    // glTF (x, y, z) is our (x, -z, y)
+    // glTF's (x, y, z) is our (x, -z, y).
     EXPECT_LT((mesh.vertices[2] - Eigen::Vector3f(0, -2, 1)).norm(), 1e-6F);
     ASSERT_EQ(mesh.triangles.size(), 1U);
 }

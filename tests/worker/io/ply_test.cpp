@@ -99,7 +99,7 @@ TEST_F(PlyTest, DamagedFilesAreRefused) {
     }
 }
 
-// The faces in between would name vertices that the second list takes away.
+// The faces between the lists could refer to vertices that the second list removes.
 TEST_F(PlyTest, ASecondListOfVerticesIsRefused) {
     const std::string vertex = "property float x\nproperty float y\nproperty float z\n";
     const std::string text = "ply\nformat ascii 1.0\nelement vertex 3\n" + vertex +

@@ -36,7 +36,7 @@ TEST_F(ReconstructionFolderTest, GivesBackWhatWasWritten) {
     EXPECT_TRUE(reconstruction.trajectory()[1].T_world_imu.isApprox(trajectory[1].T_world_imu));
     const auto T_imu_cam0 = reconstruction.T_imu_cam0();
     ASSERT_TRUE(T_imu_cam0);
-    // a quarter turn about z
+    // A rotation of 90 degrees about z.
     EXPECT_TRUE((*T_imu_cam0 * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0.1, 1, -0.2)));
     ASSERT_EQ(reconstruction.keyframes().size(), 1U);
     EXPECT_EQ(reconstruction.keyframes()[0].timestamp_ns, 1'600'000'000'000'000'001);

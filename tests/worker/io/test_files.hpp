@@ -12,7 +12,7 @@
 
 namespace divemesh::io {
 
-// A folder of the running test's own, removed with it.
+// A test with a folder of its own, which is removed at its end.
 class FileTest : public testing::Test {
 protected:
     FileTest() {
@@ -41,7 +41,7 @@ private:
     std::filesystem::path folder_;
 };
 
-// The Error that `act` throws; a failure when it throws none.
+// Returns the Error that `act` throws; the test fails if it throws none.
 template <typename Act>
 Error error_of(Act&& act) {
     try {
@@ -53,7 +53,7 @@ Error error_of(Act&& act) {
     return Error(ErrorCode::InvalidArgument, "");
 }
 
-// A tetrahedron with every attribute, wound outward.
+// Returns a tetrahedron with all attributes and outward normals.
 inline types::Mesh tetrahedron() {
     types::Mesh mesh;
     mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

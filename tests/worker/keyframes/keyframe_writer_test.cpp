@@ -14,7 +14,7 @@ namespace {
 
 types::RectifiedRig small_rig() { return synthetic::ideal_rig(160, 120, 120.0); }
 
-// A wall of noise at a disparity of 12 px.
+// Returns a frame of a wall with noise as texture, at a disparity of 12 px.
 types::RectifiedFrame wall(int index) {
     types::RectifiedFrame frame;
     frame.index = index;
@@ -55,7 +55,7 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     EXPECT_EQ(view[3].u_px, 3.0F);
     EXPECT_EQ(view[3].descriptor, view_of(4)[3].descriptor);
     EXPECT_TRUE(store.read_keypoints(0).empty());
-    EXPECT_THROW(store.read_left(1), Error);  // no keyframe
+    EXPECT_THROW(store.read_left(1), Error);  // not a keyframe
     EXPECT_THROW(store.read_keypoints(1), Error);
 }
 

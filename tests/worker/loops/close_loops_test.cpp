@@ -20,7 +20,8 @@ Eigen::Isometry3d above(double x_m, double y_m, double yaw_rad) {
     return T_world_cam;
 }
 
-// Straight ahead, a turn far from the start, and home again a hand's breadth aside.
+// Returns a path straight ahead, around a turn far from the start, and back home about 8 cm from
+// the start.
 Path there_and_back() {
     Path path;
     for (int i = 0; i < 12; ++i) path.push_back(above(0.4 * i, 0.0, 0.0));
@@ -30,8 +31,8 @@ Path there_and_back() {
     return path;
 }
 
-// A dive over the floor as a track gives it on: poses that drift along x, landmarks that live for
-// `life` keyframes, measured without noise.
+// A dive over the floor as a tracker passes it on: poses that drift along x, and landmarks that
+// live for kLife keyframes, measured without noise.
 struct Swim {
     Swim(const SeaFloor& floor, const Path& path, double drift) : T_world_cam(path) {
         constexpr int kLife = 3;
@@ -84,7 +85,7 @@ struct Swim {
         return found.statistics;
     }
 
-    // Of what the loops have added, root mean square and number.
+    // Returns the RMS error and the number of the observations that the loops added.
     std::pair<double, int> error_of_new_observations_px() const {
         double squares = 0.0;
         int num = 0;
@@ -126,7 +127,7 @@ TEST(CloseLoopsTest, ATrackThatHasRunFarOffIsBroughtBackFirst) {
     EXPECT_LT(
         (swim.keyframes.back().T_world_cam.translation() - swim.T_world_cam.back().translation())
             .norm(),
-        0.06);  // of 0.27
+        0.06);  // 0.27 m before
 }
 
 TEST(CloseLoopsTest, PlacesThatLookTheSameAreNotJoined) {
@@ -134,7 +135,7 @@ TEST(CloseLoopsTest, PlacesThatLookTheSameAreNotJoined) {
     for (int i = 0; i < 22; ++i) straight.push_back(above(0.25 * i, 0.0, 0.0));
     Swim swim(SeaFloor(1.5), straight, 0.001);
     const types::LoopStatistics loops = swim.close();
-    EXPECT_GT(loops.num_matched, 0);  // the pictures are the same
+    EXPECT_GT(loops.num_matched, 0);  // the images are the same
     EXPECT_EQ(loops.num_accepted, 0);
     EXPECT_EQ(swim.error_of_new_observations_px().second, 0);
 }

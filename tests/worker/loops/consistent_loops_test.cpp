@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t kLap = 60;
 
-// Once round a circle of 3 m and a tenth more; the estimate turns too far by `yaw_error` a step.
+// A lap and a sixth around a circle of 3 m radius. In the estimate, each step rotates too far by
+// `yaw_error`.
 struct Laps {
     explicit Laps(double yaw_error, std::size_t blind_at = 0) {
         Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
@@ -52,7 +53,7 @@ struct Laps {
         loop.sigma_m = 0.01;
         return loop;
     }
-    // Says that the two stand in the same place.
+    // Returns a loop that claims that both keyframes have the same pose.
     static Loop false_loop(std::size_t from, std::size_t to) {
         Loop loop;
         loop.from = from;

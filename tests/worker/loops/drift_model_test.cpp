@@ -8,8 +8,7 @@
 namespace divemesh::loops {
 namespace {
 
-// Twelve keyframes half a second apart; before the seventh the scene was out of sight for
-// `blind_s`.
+// Twelve keyframes half a second apart; before the seventh the scene was lost for `blind_s`.
 struct Dive {
     explicit Dive(double blind_s) {
         double now_s = 0.0;

@@ -10,7 +10,8 @@ namespace {
 
 using synthetic::SeaFloor;
 
-// The same floor from two places a hand's breadth apart, and a guess that is `off_m` aside.
+// Two images of the same floor from places a hand's breadth apart, and a guess that is `off_m` to
+// the side.
 struct TwoImages {
     explicit TwoImages(double off_m) {
         const SeaFloor floor;

@@ -5,8 +5,8 @@
 namespace divemesh::loops {
 namespace {
 
-// Nine keyframes, a second and 0.2 m apart, twice as long before the fourth and the seventh; all
-// but those share landmarks with the one before.
+// Nine keyframes, 1 s and 0.2 m apart; 2 s before the fourth and before the seventh. All but these
+// two share landmarks with the previous one.
 struct Dive {
     Dive() {
         std::int64_t now_ns = 0;

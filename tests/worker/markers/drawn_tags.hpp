@@ -22,7 +22,7 @@ inline types::RectifiedRig test_rig() {
     return rig;
 }
 
-// A tag on white board, the true place of its frame `marker`.
+// A tag on white board, with the true pose of its frame `marker`.
 struct DrawnTag {
     dive::MarkerFamily family = dive::MarkerFamily::Tag36h11;
     int id = 0;
@@ -38,15 +38,16 @@ struct DrawnTag {
     }
 };
 
-// How the water and the sensor spoil a picture.
+// The degradation of an image by water and sensor.
 struct Spoiling {
     double blur_px = 0.6;   // sigma
-    double contrast = 1.0;  // of what is behind the haze
+    double contrast = 1.0;  // of the scene behind the haze
     double noise = 0.0;     // sigma, grey levels
     unsigned seed = 1;
 };
 
-// Ray by ray, 6 x 6 a pixel: what an ideal camera sees of the tags before a mottled ground.
+// Returns an ideal camera's image of the tags on mottled ground, by 6 x 6 rays per pixel, degraded
+// by `spoiling`.
 inline cv::Mat draw(const std::vector<DrawnTag>& tags,
                     const Eigen::Isometry3d& T_world_cam,
                     const types::RectifiedRig& rig,
@@ -101,7 +102,7 @@ inline cv::Mat draw(const std::vector<DrawnTag>& tags,
     return result;
 }
 
-// Camera above the ground z = 0 looking down, turned and tilted.
+// Returns the pose of a camera that looks down from `position`, rotated by `yaw` and tilted, rad.
 inline Eigen::Isometry3d looking_down(const Eigen::Vector3d& position, double yaw, double tilt) {
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
     T_world_cam.translation() = position;
@@ -112,7 +113,7 @@ inline Eigen::Isometry3d looking_down(const Eigen::Vector3d& position, double ya
     return T_world_cam;
 }
 
-// The same with the origin in the middle of the picture.
+// Returns the same with the origin at the image centre.
 inline Eigen::Isometry3d looking_at_origin(double height_m, double yaw, double tilt) {
     const Eigen::Vector3d aside(0.0, -height_m * std::tan(tilt), height_m);
     return looking_down(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * aside, yaw, tilt);

@@ -11,7 +11,7 @@
 namespace divemesh::markers {
 namespace {
 
-// A swim over tags on the ground: what every keyframe sees of them, with the error of reading.
+// A swim over tags on the ground: the observations in every keyframe, with reading errors.
 class MarkerSwim {
 public:
     explicit MarkerSwim(int num_tags, unsigned seed = 1) : random_(seed) {
@@ -70,7 +70,7 @@ public:
         return plan;
     }
 
-    // The poses err by themselves, as those of a reconstruction do.
+    // Adds independent errors to the poses, as in a reconstruction.
     void shake_poses(double position_m, double rotation_rad) {
         std::normal_distribution<double> error;
         for (types::Keyframe& keyframe : keyframes_) {
@@ -123,7 +123,7 @@ TEST(MeasureMarkersTest, TagsReadWithoutErrorLieWhereTheyAre) {
     EXPECT_TRUE(metrics.findings.empty());
 }
 
-// The share of bars whose true length lies in the stated interval, over dives of their own.
+// Returns the share of bars whose true length lies in the stated interval, over several dives.
 double covered_share(double reading_px, double position_m, double rotation_rad) {
     int num = 0;
     int num_covered = 0;
@@ -157,7 +157,7 @@ TEST(MeasureMarkersTest, AFalseTagMovesNothing) {
     auto views = swim.views(0.1);
     const auto good = measure_markers(views, swim.plan(), swim.world());
     std::size_t num_false = 0;
-    for (TagView& view : views)  // id 3, now and then read far from where it is
+    for (TagView& view : views)  // id 3 is sometimes read far from its true place
         if (view.id == 3 && view.keyframe % 4 == 0 && ++num_false > 0)
             for (auto& corner : view.corners_px) corner += Eigen::Vector2d(60, 40);
     ASSERT_GT(num_false, 0U);
@@ -206,8 +206,8 @@ BarMetrics bar(double known_m, double measured_m, double sigma_m) {
     return bar;
 }
 
-// By hand: bars of 1, 2 and 0.5 m, measured as 1.01, 2.00 and 0.51 m, sigmas 1, 2 and 1 mm;
-// weights 1, 1/4, 1. Sum of w m k: 1.01 + 1.00 + 0.255 = 2.265; of w m m: 1.0201 + 1 + 0.2601
+// Worked out by hand: bars of 1, 2 and 0.5 m, measured as 1.01, 2.00 and 0.51 m, sigmas 1, 2 and 1
+// mm; weights 1, 1/4, 1. Sum of w m k: 1.01 + 1.00 + 0.255 = 2.265; of w m m: 1.0201 + 1 + 0.2601
 // = 2.2802. All: 0.9933339181. Without the first: 1.255 / 1.2601 = 0.9959527022; without the
 // second: 1.265 / 1.2802 = 0.9881268552; without the third: 2.01 / 2.0201 = 0.9950002475.
 TEST(MeasureBarsTest, LeaveOneOutIsTheErrorWithTheScaleOfTheOthers) {
@@ -259,8 +259,8 @@ TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
     EXPECT_TRUE(corrected.findings.empty());
 }
 
-// Cameras see the same of a world that is larger by a factor with their baseline, whatever lever
-// arm the body has; its first pose stays.
+// If world and baseline are scaled by the same factor, the cameras see the same, whatever the lever
+// arm of the body. The first pose stays.
 TEST(WorldScaleTest, MovesCamerasAndLeavesTheArmOfTheBody) {
     Eigen::Isometry3d T_imu_cam = looking_down({0.1, -0.2, 0.05}, 0.4, 0.2);
     types::Trajectory trajectory(2);

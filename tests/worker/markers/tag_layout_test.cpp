@@ -7,7 +7,7 @@
 namespace divemesh::markers {
 namespace {
 
-// The pictures that everybody prints: AprilRobotics/apriltag-imgs.
+// Compares with the images that everybody prints: AprilRobotics/apriltag-imgs.
 TEST(TagLayoutTest, SizesAreCountedAsThePrintedImagesHaveThem) {
     const TagLayout classic = tag_layout(dive::MarkerFamily::Tag36h11);
     EXPECT_EQ(classic.total_cells, 10);
@@ -21,7 +21,7 @@ TEST(TagLayoutTest, SizesAreCountedAsThePrintedImagesHaveThem) {
     EXPECT_TRUE(standard.white_within);
     const cv::Mat image = tag_image(dive::MarkerFamily::TagStandard41h12, 3);
     EXPECT_EQ(image.at<std::uint8_t>(1, 1), 0);    // black ring
-    EXPECT_EQ(image.at<std::uint8_t>(2, 2), 255);  // white within
+    EXPECT_EQ(image.at<std::uint8_t>(2, 2), 255);  // white inside
 }
 
 TEST(MarkerFamilyTest, HasAsManyIdsAsTheLibraryHasCodes) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kCell_m = 0.1F;
 
-// Cells of kCell_m in the plane z = 0 where `present(x, y)`.
+// Returns cells of kCell_m in the plane z = 0 where `present(x, y)`.
 template <typename Present>
 types::Mesh flat_cells(std::uint32_t num_x, std::uint32_t num_y, Present&& present) {
     types::Mesh mesh;

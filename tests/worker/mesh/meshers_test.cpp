@@ -83,8 +83,8 @@ TEST_P(BothMeshers, ATiltedPlaneIsFlatAndFacesThePositiveSide) {
     }
 }
 
-// Random signs reach every configuration of every pair of neighbouring cells: closed inside a shell
-// of positive samples, the mesh must be a manifold whatever they are.
+// Random signs cover all configurations of all pairs of neighbouring cells. Enclosed by positive
+// samples, the mesh must be a manifold for all of them.
 TEST_P(BothMeshers, RandomSignsGiveAClosedOrientedManifold) {
     for (unsigned seed = 1; seed <= 5; ++seed) {
         std::mt19937 random(seed);
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Meshers,
                          testing::Values("surface_nets", "marching_cubes"),
                          [](const auto& mesher) { return mesher.param; });
 
-// Noise of the field's own standard deviation is evened out, and a vertex never leaves its cell.
+// Noise with the field's own standard deviation is smoothed, and a vertex never leaves its cell.
 TEST(SurfaceNets, RelaxWithinTheNoiseOfTheField) {
     std::mt19937 random(3);
     std::normal_distribution<double> noise(0.0, 0.15 * kVoxel_m);

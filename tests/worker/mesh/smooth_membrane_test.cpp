@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kVoxel_m = 0.01;
 
-// Cells of a voxel in the plane z = 0; corners displaced by noise of `sigma_m` along z.
+// Returns cells of one voxel in the plane z = 0, with corners displaced along z by noise of
+// `sigma_m`.
 types::Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
     std::mt19937 random(1);
     std::normal_distribution<float> noise(0.0F, sigma_m);
@@ -37,7 +38,7 @@ types::Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
     return mesh;
 }
 
-// Of the vertices that are `margin` cells or more from every border.
+// Returns the RMS height of the vertices that are at least `margin` cells away from every border.
 double rms_height_m(const types::Mesh& mesh, std::uint32_t num_cells, std::uint32_t margin) {
     double sum = 0.0;
     int num = 0;
@@ -48,8 +49,8 @@ double rms_height_m(const types::Mesh& mesh, std::uint32_t num_cells, std::uint3
 }
 
 // With L = 10 voxels the membrane's low-pass is 1 / (1 + L^2 q), q = (kx^2 + ky^2 - kx ky) / 3 on
-// these triangles. Used twice it leaves of white noise of variance sigma^2 the part
-// (4 - 2 + 1/3) / (4 pi L^2 sqrt(det q)) (integral over wave numbers k): 0.080 sigma.
+// these triangles. Applied twice, it leaves (4 - 2 + 1/3) / (4 pi L^2 sqrt(det q)) (integral over
+// wave numbers k) of the variance sigma^2 of white noise: 0.080 sigma.
 TEST(SmoothMembrane, WhiteNoiseOnAPlaneGoesDownAsTheMembraneSays) {
     types::Mesh mesh = noisy_plane(200, 0.02F);
     smooth_membrane(mesh, kVoxel_m, 2);
@@ -69,7 +70,7 @@ struct AtRest {
     std::vector<bool> on_border;
 };
 
-// Where the membrane comes to rest, by a direct solution.
+// Returns where the membrane comes to rest, by a direct solver.
 AtRest at_rest(const types::Mesh& mesh) {
     const auto num = static_cast<Eigen::Index>(mesh.vertices.size());
     Eigen::MatrixXi arrives = Eigen::MatrixXi::Zero(num, num);  // triangles that go from i to j
@@ -95,8 +96,8 @@ AtRest at_rest(const types::Mesh& mesh) {
     return {places + solver.solve(measured - places), on_border};
 }
 
-// A grid of which some triangles are missing has borders of every kind, and vertices where two
-// parts of it meet.
+// A grid with some triangles missing has borders of every kind, and vertices where two of its parts
+// meet.
 TEST(SmoothMembrane, ComesToRestOnATornSurface) {
     constexpr std::uint32_t kCells = 22;
     for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -107,7 +108,7 @@ TEST(SmoothMembrane, ComesToRestOnATornSurface) {
         smooth_membrane(mesh, kVoxel_m, 1);
         double worst_m = 0.0;
         for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-            if (!expected.on_border[i])  // which move along their normals alone
+            if (!expected.on_border[i])  // border vertices move along their normals only
                 worst_m = std::max(worst_m, std::abs(mesh.vertices[i].z() - expected.heights_m[i]));
         EXPECT_LT(worst_m, 0.5 * 0.02) << "seed " << seed;
     }

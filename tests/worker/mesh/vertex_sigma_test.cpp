@@ -12,7 +12,7 @@ namespace {
 constexpr int kEdge = 21;
 constexpr double kVoxel_m = 0.01;
 
-// A sheet of vertices a voxel apart, bent about y with a radius; 0: flat.
+// Returns a sheet of vertices one voxel apart, bent about y with a radius; 0: flat.
 types::Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
     types::Mesh mesh;
     for (int y = 0; y < kEdge; ++y)
@@ -64,7 +64,7 @@ TEST(VertexSigmaTest, OfAPlaneSeenByViewsThatErrPartlyAlikeIsTheSpreadOfManyTria
 TEST(VertexSigmaTest, OfABendIsWhatAveragingAcrossItTakesOff) {
     constexpr double kRadius_m = 0.2;
     constexpr double kReach_m = 4.4 * kVoxel_m;
-    double sagged_m = 0.0;  // mean of the arc's depth below its crown, over the reach
+    double sagged_m = 0.0;  // mean depth of the arc below its crown, within the reach
     constexpr int kNum = 1000;
     for (int i = 0; i < kNum; ++i) {
         const double x = kReach_m * (i + 0.5) / kNum;

@@ -26,7 +26,8 @@ void add_rectangle(
     mesh.triangles.push_back({first, first + 2, first + 3});
 }
 
-// A floor of 4 x 2 m, blue, with a red plate of 1 x 1 m half a metre above its north-west corner.
+// Returns a blue floor of 4 x 2 m with a red plate of 1 x 1 m half a metre above its north-west
+// corner.
 types::Mesh floor_with_plate() {
     types::Mesh mesh;
     add_rectangle(mesh, {1, 1}, {5, 3}, 0.0F, {0, 0, 200});
@@ -97,7 +98,7 @@ TEST(Mosaic, TheHeightImageAndItsScaleGiveTheHeightBack) {
     EXPECT_NEAR(height_m(5, 5), 0.5, 1e-4);
     EXPECT_NEAR(height_m(15, 5), 0.0, 1e-4);
     EXPECT_NEAR(height_m(5, 65), -1.25, 1e-4);
-    EXPECT_EQ(steps.at<std::uint16_t>(5, 50), 0);  // nothing there
+    EXPECT_EQ(steps.at<std::uint16_t>(5, 50), 0);  // no surface
     EXPECT_EQ(json["width_px"], steps.cols);
     const cv::Mat color = cv::imread((folder / "mosaic.png").string(), cv::IMREAD_UNCHANGED);
     EXPECT_EQ(color.at<cv::Vec4b>(5, 50)[3], 0);

@@ -41,7 +41,8 @@ TEST(DynamicFeaturesTest, FishAreFollowedOnAndTakenOutOfTheTracks) {
     for (const types::Feature& feature : dynamic.now()) EXPECT_TRUE(world.is_fish(feature.id));
 }
 
-// A wall at a disparity of 20 px with a fish of 60 x 30 px at 40 px in front of it.
+// Returns the depth of a wall at a disparity of 20 px, with a fish of 60 x 30 px at 40 px in front
+// of it.
 types::DepthMap wall_and_fish() {
     types::DepthMap depth;
     depth.disparity_px = cv::Mat(240, 320, CV_32F, cv::Scalar(20.0));
@@ -54,7 +55,7 @@ TEST(LeaveOutMovingTest, TakesOutTheFishAndLeavesTheWall) {
     types::DepthMap depth = wall_and_fish();
     mask_dynamic_features({{7, {120.0, 90.0}, 40.3}}, {{3, {50.0, 90.0}, 20.0}}, depth);
     EXPECT_EQ(depth.disparity_px.at<float>(95, 130), 0.0F);
-    EXPECT_EQ(depth.disparity_px.at<float>(78, 130), 0.0F);  // its rim
+    EXPECT_EQ(depth.disparity_px.at<float>(78, 130), 0.0F);  // its border
     EXPECT_EQ(depth.disparity_px.at<float>(60, 130), 20.0F);
     EXPECT_EQ(depth.disparity_px.at<float>(200, 30), 20.0F);
 }
@@ -79,7 +80,7 @@ TEST(LeaveOutMovingTest, EachOfTwoFishGoesHoweverManyTracksAreOnThemAndOnTheWall
                           depth);
     const int num_out = 240 * 320 - cv::countNonZero(depth.disparity_px);
     EXPECT_GT(num_out, 60 * 30 + 40 * 40);
-    EXPECT_LE(num_out, 66 * 36 + 46 * 46);  // with their rims
+    EXPECT_LE(num_out, 66 * 36 + 46 * 46);  // with their borders
     EXPECT_EQ(depth.disparity_px.at<float>(95, 155), 0.0F);
     EXPECT_EQ(depth.disparity_px.at<float>(170, 220), 0.0F);
 }

@@ -11,15 +11,16 @@ namespace {
 
 constexpr int kNumFrames = 100;
 
-// Four times as fast as the way of stereo_world.hpp: turns that show a misalignment.
+// Four times as fast as the path of stereo_world.hpp, so that its rotations show a misalignment.
 Eigen::Isometry3d T_world_cam_at(double t_s) { return synthetic::T_world_cam(40.0 * t_s); }
 
 Eigen::Isometry3d T_world_imu_at(double t_s) {
     return T_world_cam_at(t_s) * synthetic::rig().T_imu_cam.inverse();
 }
 
-// A dive whose unit sits as calibrated. `landmark_error`: by how much of each turn, about which
-// axes of the camera, the landmarks that the registration used stand askew.
+// Returns the alignment found in a dive whose IMU is mounted as calibrated. `landmark_error`: the
+// landmarks used by the registration are rotated by this fraction of each rotation, about these
+// axes of the camera.
 types::ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
     const types::RectifiedRig rig = synthetic::rig();
     synthetic::SensorRecording recording;

@@ -105,7 +105,7 @@ TEST(RegisterWithTurnTest, FallsBackToHornWhenTheTurnIsUnknownOrWrong) {
 TEST(RegisterWithTurnTest, TellsWhenThePairsLeaveTheMotionOpen) {
     synthetic::World world(1.0, 0.0, 8);
     const types::RectifiedRig rig = synthetic::rig();
-    PointPairs line;  // a chain that hangs in open water
+    PointPairs line;  // a chain hanging in open water
     for (int i = 0; i < 30; ++i) {
         const Eigen::Vector3d p_previous(0.3, -0.6 + 0.04 * i, 2.0);
         const auto measured = [&](const Eigen::Vector3d& p_cam) {

@@ -23,8 +23,8 @@ Path curved_path() {
     return path;
 }
 
-// Of a path that errs by independent steps: the covariance of positions i and j is that of what
-// both have gone.
+// Returns the covariance of a path with independent errors per step: the covariance of positions i
+// and j is that of their common part.
 Eigen::MatrixXd random_walk_covariance() {
     Eigen::MatrixXd covariance(3 * kNumPositions, 3 * kNumPositions);
     for (int i = 0; i < kNumPositions; ++i)
@@ -79,7 +79,7 @@ TEST(PathUncertaintyTest, BoundsTheErrorsOfRandomWalksAfterAlignment) {
 }
 
 TEST(PathUncertaintyTest, RigidMotionsAreNoError) {
-    // The same error of all positions.
+    // All positions have the same error.
     const Eigen::MatrixXd same =
         Eigen::Matrix3d::Identity().replicate(kNumPositions, kNumPositions);
     EXPECT_LT(after_alignment(curved_path(), same).mean_square_m2, 1e-9);
@@ -87,7 +87,7 @@ TEST(PathUncertaintyTest, RigidMotionsAreNoError) {
 
 TEST(PathUncertaintyTest, AWalkThatIsNotAlignedHasTheVarianceOfItsSteps) {
     const Eigen::Matrix3d end = random_walk_covariance().bottomRightCorner<3, 3>();
-    // 7.8147: 95 % of chi-square with three degrees of freedom.
+    // 7.8147: the 95 % quantile of chi-square with three degrees of freedom.
     const double expected = 7.8147 * 39 * kStepSigma_m * kStepSigma_m;
     EXPECT_NEAR(squared_length_95(end), expected, 1e-4 * expected);
 }
@@ -98,7 +98,7 @@ TEST(PathUncertaintyTest, AnErrorAlongOneAxisIsBoundedAsANormalNumber) {
     EXPECT_NEAR(std::sqrt(squared_length_95(along)), 1.959964 * 0.2, 1e-6);
 }
 
-// The slope of true heights over estimated ones, a tilt beside it.
+// Returns the slope of true over estimated heights, fitted together with a tilt.
 double height_factor(const Path& estimate, const Path& truth) {
     Eigen::MatrixX4d columns(kNumPositions, 4);
     Eigen::VectorXd heights(kNumPositions);

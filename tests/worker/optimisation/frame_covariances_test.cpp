@@ -15,12 +15,12 @@ namespace {
 
 constexpr int kNumRuns = 100;
 constexpr int kNumKeyframes = 8;
-constexpr int kStep = 5;  // frames of 0.1 s from keyframe to keyframe
+constexpr int kStep = 5;  // frames of 0.1 s between keyframes
 constexpr double kDuration_s = 0.1 * kStep * kNumKeyframes;
 constexpr std::int64_t kEveryNthPoint = 5;
 
-// The way of stereo_world.hpp with features, gyroscope, accelerometer and baseline as wrong as the
-// adjustment takes them to be; no pictures.
+// The path of stereo_world.hpp, with errors of features, gyroscope, accelerometer and baseline as
+// large as the bundle adjustment assumes; no images.
 class NoisyDive {
 public:
     NoisyDive() {
@@ -28,7 +28,7 @@ public:
         exact_ = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, kDuration_s, {});
     }
 
-    // Normalised error of the last position relative to the first pose, squared.
+    // Returns the squared normalised error of the last position relative to the first pose.
     double nees(std::uint32_t seed) {
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
@@ -108,13 +108,13 @@ TEST(PoseCovarianceTest, IsAsLargeAsTheErrorsOfAHundredRuns) {
     for (int run = 0; run < kNumRuns; ++run)
         mean += dive.nees(static_cast<std::uint32_t>(run + 1)) / kNumRuns;
 
-    // 95 % of chi-square with 300 degrees of freedom, over 100.
+    // The 95 % interval of chi-square with 300 degrees of freedom, divided by 100.
     EXPECT_GT(mean, 2.539);
     EXPECT_LT(mean, 3.499);
 }
 
-// Eleven frames; keyframes at the first, the sixth and the eleventh. The odometry ends up `miss_m`
-// aside from the second keyframe on, and again from the third.
+// Eleven frames with keyframes at the first, the sixth and the eleventh. The odometry is off by
+// `miss_m` to the side from the second keyframe on, and by twice that from the third.
 struct Followed {
     explicit Followed(double miss_m) : odometry(11) {
         for (std::size_t i = 0; i < odometry.size(); ++i) {
@@ -152,7 +152,7 @@ TEST(PoseCovarianceTest, OfFramesLiesBetweenThoseOfTheKeyframes) {
 
 TEST(PoseCovarianceTest, FramesBetweenKeyframesErrAsTheirOdometryDoes) {
     const types::CovarianceTrack at = Followed(0.3).at_frames();
-    // Per axis 0.3^2 / 3 over five steps; the median of three is below the mean.
+    // Per axis 0.3^2 / 3 over five steps; the median of three values is below their mean.
     const double whole = 0.03 * 3.0 / 2.366;
     EXPECT_NEAR(at[2].position_m2(0, 0) - 0.8, 0.4 * 0.6 * whole, 1e-9);
     EXPECT_NEAR(at[5].position_m2(0, 0), 2.0, 1e-12);

@@ -12,13 +12,13 @@ namespace divemesh::optimisation {
 namespace {
 
 constexpr int kNumKeyframes = 20;
-constexpr int kStep = 4;  // frames of 0.1 s from keyframe to keyframe
+constexpr int kStep = 4;  // frames of 0.1 s between keyframes
 const imu::ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
 const Eigen::Quaterniond kTilt = base::rotation_from_vector({0.07, -0.09, 0.0});  // 6.5 degrees
 
 double seconds(std::int64_t time_ns) { return 1e-9 * static_cast<double>(time_ns); }
 
-// The way of stereo_world.hpp, its keyframes in a world that is tilted against the vertical.
+// The path of stereo_world.hpp, with keyframes in a world that is tilted against the vertical.
 struct TiltedDive {
     synthetic::SensorRecording recording;
     std::vector<types::Keyframe> keyframes;
@@ -37,7 +37,7 @@ struct TiltedDive {
         }
     }
 
-    // By what its cameras see and what its sensors feel.
+    // Adjusts with the measurements of cameras and sensors.
     WorldReference adjust(const imu::InertialPrior& inertial) {
         BundleAdjustment bundle_adjustment(synthetic::rig());
         see(bundle_adjustment, 0.1);
@@ -129,7 +129,7 @@ TEST(InertialFactorsTest, TakeTheDepthBetweenReadingsButNotAcrossAGap) {
     EXPECT_FALSE(inertial.depth_m(2'000'000'001));
 }
 
-// Up and down along the wall: what the depths have to say is which way that is.
+// The path goes up and down along the wall: the depths show which direction is vertical.
 TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndSinks) {
     TiltedDive dive;
     BundleAdjustment bundle_adjustment(synthetic::rig());

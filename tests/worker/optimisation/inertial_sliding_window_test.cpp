@@ -18,7 +18,8 @@ constexpr double kNoise_px = 0.2;
 const imu::ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
 const Eigen::Quaterniond kTilt = base::rotation_from_vector({0.07, -0.09, 0.0});  // 6.5 degrees
 
-// Keyframes at given times, tracked to some millimetres, in a world that the vertical is tilted in.
+// Keyframes at given times, tracked with errors of some millimetres, in a world that is tilted
+// against the vertical.
 struct Swim {
     Swim(Way the_way, double length_s)
         : way(std::move(the_way)), world(0.3 * length_s, 0.0, 11), window(synthetic::rig(), {}) {
@@ -30,7 +31,8 @@ struct Swim {
         return kTilt * way(t_s) * synthetic::rig().T_imu_cam;
     }
 
-    // `first_id`: added to the features' ids, so that a look elsewhere finds nothing known.
+    // `first_id` is added to the ids of the features, so that none of them is known if the camera
+    // looks elsewhere.
     void add_keyframe(double t_s, std::int64_t first_id = 0) {
         if (window.empty()) window = SlidingWindow(synthetic::rig(), inertial().noise());
         const auto now_ns = std::llround(1e9 * t_s);
@@ -64,7 +66,7 @@ struct Swim {
     SlidingWindow window;
 };
 
-// Swims for four seconds, slows down within one, and stands.
+// Swims for four seconds, slows down within one second, and stands still.
 Eigen::Isometry3d swim_and_stand(double t_s) {
     const double braking_s = std::clamp(t_s - 4.0, 0.0, 1.0);
     return synthetic::T_world_imu_at(std::min(t_s, 4.0) + braking_s - 0.5 * braking_s * braking_s);

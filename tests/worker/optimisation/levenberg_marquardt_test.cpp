@@ -14,11 +14,11 @@ namespace divemesh::optimisation {
 namespace {
 
 constexpr int kNumKeyframes = 7;
-constexpr int kStep = 4;  // frames of 0.1 s from keyframe to keyframe
+constexpr int kStep = 4;  // frames of 0.1 s between keyframes
 const imu::ImuBias kBias{{0.004, -0.006, 0.003}, {0.03, -0.02, 0.04}};
 
-// A window of the way of stereo_world.hpp with noise and some wild measurements, its poses
-// millimetres off.
+// A sliding window on the path of stereo_world.hpp, with noise, some gross errors, and poses that
+// are off by millimetres.
 struct NoisyWindow {
     NoisyWindow() {
         recording.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};

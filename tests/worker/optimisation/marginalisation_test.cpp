@@ -68,7 +68,7 @@ TEST(MarginalisationTest, ALinearProblemWithoutItsOldestHasTheEstimateAndCovaria
     const auto whole = whole_graph.problem();
     solve(*whole);
 
-    LinearPrior prior;  // the oldest leave one by one
+    LinearPrior prior;  // the oldest blocks leave one by one
     for (std::size_t i = 0; i < 2; ++i) {
         FactorGraph leaving(1.0);
         measure(leaving, rest, i);
@@ -89,7 +89,7 @@ TEST(MarginalisationTest, ALinearProblemWithoutItsOldestHasTheEstimateAndCovaria
     }
 }
 
-// Two orientations and the gyroscope between them; the first leaves.
+// Two orientations connected by the gyroscope; the first one leaves.
 struct Turns {
     Eigen::Quaterniond q_world_ahrs = Eigen::Quaterniond::Identity();
     Eigen::Quaterniond q_first = base::rotation_from_vector({0.3, 0.1, -0.2});
@@ -178,7 +178,7 @@ TEST(MarginalisationTest, KeepsTheFirstEstimateOfWhatItHeldBefore) {
               1e-6 * (prior.J.transpose() * prior.r_at).norm());
 }
 
-// Three keyframes that see some points each; the first leaves with the points.
+// Three keyframes that observe some points each; the first one leaves with its points.
 TEST(MarginalisationTest, LandmarksLeaveAsTheyWouldByTheSchurComplementOfCeres) {
     const types::RectifiedRig rig = synthetic::rig();
     synthetic::World world(1.0, 0.0, 5);

@@ -173,7 +173,7 @@ TEST(InertialMotionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     for (const auto& values : blocks_of(0.703)) blocks.push_back(values);
     blocks.push_back({0.0, 0.0, -1.0});
 
-    EXPECT_LT(max_residual(*cost, blocks), 1e-2);  // of a sigma
+    EXPECT_LT(max_residual(*cost, blocks), 1e-2);  // in sigmas
     blocks[3] = {0.013, -0.025, 0.004};
     blocks[4] = {0.1, 0.05, -0.02};
     blocks[6] = {0.2, 0.1, 0.0};

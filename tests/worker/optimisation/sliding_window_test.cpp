@@ -13,7 +13,7 @@ namespace {
 
 using synthetic::IsPoseWithin;
 
-constexpr int kStep = 6;  // frames from keyframe to keyframe
+constexpr int kStep = 6;  // frames between keyframes
 constexpr int kNumKeyframes = 20;
 
 imu::SensorReadings perfect_rotation(int from, int to) {
@@ -32,7 +32,7 @@ imu::SensorReadings perfect_rotation(int from, int to) {
     return readings;
 }
 
-// Swims along the wall: RANSAC against what was seen last, landmarks once they are known, a
+// Swims along the wall: RANSAC against the last keyframe, with landmarks once they are known; a
 // keyframe every kStep frames.
 SlidingWindow swim(double noise_px, double fish_share, bool gyroscope) {
     const types::RectifiedRig rig = synthetic::rig();

@@ -8,7 +8,7 @@
 namespace divemesh::optimisation {
 namespace {
 
-// A chain of blocks of three with some loops, as the poses of a dive are.
+// Returns a chain of 3x3 blocks with some loops, like the poses of a dive.
 Eigen::MatrixXd chain_with_loops(int num_blocks) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;

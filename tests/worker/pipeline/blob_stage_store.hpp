@@ -9,8 +9,8 @@
 
 namespace divemesh::pipeline {
 
-// The store of stages over blobs alone, as far as tests need it: a blob for each file, and a list
-// with their hashes that is written last. It never links, and knows no folder of its own.
+// A store of stages over blobs alone, as far as tests need it: a blob for each file, and a list
+// with their hashes that is written last. It makes no links and has no folder of its own.
 class BlobStageStore final : public StageStore {
 public:
     explicit BlobStageStore(storage::BlobStore& blobs) : blobs_(blobs) {}

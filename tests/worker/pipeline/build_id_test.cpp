@@ -9,7 +9,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// What binutils reads from this program.
+// Returns the build id that binutils reads from this program.
 std::string as_readelf_says() {
     const std::unique_ptr<FILE, int (*)(FILE*)> output(
         popen("readelf -n /proc/$PPID/exe 2>/dev/null | sed -n 's/.*Build ID: //p'", "r"), pclose);

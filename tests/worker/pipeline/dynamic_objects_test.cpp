@@ -21,14 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether a surface lies near a point.
+// The cells of a surface, to test whether a point is near it.
 class SurfaceCells {
 public:
     SurfaceCells(const types::Mesh& mesh, double cell_m) : cell_m_(cell_m) {
         for (const Eigen::Vector3f& vertex : mesh.vertices)
             cells_.insert(cell(vertex.cast<double>()));
     }
-    // Within a cell of it.
+    // Returns true if the point is within one cell of the surface.
     bool reach(const Eigen::Vector3d& p_world) const {
         const Cell at = cell(p_world);
         for (int i = 0; i < 27; ++i)
@@ -50,8 +50,8 @@ private:
     std::set<Cell> cells_;
 };
 
-// Pixels that show the same kind of thing: how many of them the fusion is given a depth of, and how
-// many lie in front of the scene on a surface that comes out.
+// Counts of the pixels that show one kind of object: with a depth that goes into the fusion, and in
+// front of the scene on a surface of the result.
 struct Pixels {
     double num = 0.0;
     double num_with_depth = 0.0;
@@ -61,8 +61,8 @@ struct Pixels {
     double share_in_mesh() const { return num_in_mesh / num; }
 };
 
-// A metre and a half past a barge, with fish and snow, reconstructed and compared with the masks of
-// what was rendered.
+// A swim of 1.5 m past a barge, with fish and snow; the reconstruction is compared with the
+// rendered masks.
 class MovingThingsTest : public testing::Test {
 protected:
     MovingThingsTest() {
@@ -91,7 +91,7 @@ protected:
                 compare(path[i], *depth, rectifier, surface);
     }
 
-    // Nothing where the frame was not fused.
+    // Returns nullopt if the frame was not fused.
     static std::optional<cv::Mat> depth_of(const keyframes::KeyframeStore& store, int frame_index) {
         try {
             return store.read(frame_index).depth.disparity_px;
@@ -137,8 +137,8 @@ protected:
     Pixels scene_;
 };
 
-// What no feature lies on, or lies on for less than two frames, is left to the fusion: it asks for
-// several views of a surface, and carves what others have seen through.
+// Objects without a feature, or with one for less than two frames, are left to the fusion: it needs
+// several views of a surface, and carves away what others see through.
 TEST_F(MovingThingsTest, FishAndSnowAreKeptOutOfTheSurface) {
     ASSERT_GT(fish_.num, 1000.0);
     ASSERT_GT(snow_.num, 1000.0);

@@ -35,7 +35,8 @@ protected:
     ReconstructionOptions options_;
 };
 
-// The next keyframe is being read when the callback throws: what it is read into must outlive that.
+// The next keyframe is being read when the callback throws: its buffer must live until the read
+// ends.
 TEST_P(FuseOnThreads, IsCancelledAtAnyFrame) {
     for (std::int64_t last = 0; last <= std::ssize(frames_); ++last) {
         std::int64_t frames_done = -1;

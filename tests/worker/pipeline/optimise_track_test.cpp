@@ -54,7 +54,7 @@ TEST_F(OptimiseTrackTest, TakesAnAdjustmentThatAgreesWithWhatWasMeasured) {
                 synthetic::IsPoseWithin(whole_way(track_.causal), 0.1, 0.005));
 }
 
-// A gyroscope of another dive, trusted as its data sheet says, bends the path.
+// The gyroscope of another dive, trusted with the noise of its data sheet, bends the path.
 TEST_F(OptimiseTrackTest, LeavesTheTrackAsItWasWhereAnAdjustmentDiverges) {
     for (types::ImuSample& sample : recording_.its_imu) {
         const double t_s = 1e-9 * static_cast<double>(sample.timestamp_ns);

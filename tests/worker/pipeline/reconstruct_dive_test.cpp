@@ -52,7 +52,7 @@ protected:
                 .cache_bytes = std::int64_t{1} << 30,
                 .options = make_options("standard", overrides)};
     }
-    // Whatever runs with the progress that it is given has to bring it to 1.
+    // Expects that a run never decreases the progress and brings it to 1.
     template <typename Run>
     nlohmann::json with_progress(const Run& run) {
         double last_fraction = 0.0;
@@ -80,7 +80,7 @@ protected:
         for (const auto& entry : fs::recursive_directory_iterator(folder_ / one)) {
             const auto name = entry.path().lexically_relative(folder_ / one);
             if (!entry.is_regular_file() || name == "metrics.json" || name == "report.html")
-                continue;  // these say how long it took
+                continue;  // these state how long the run took
             EXPECT_EQ(content(entry.path()), content(folder_ / other / name)) << name;
             ++num_compared;
         }
@@ -88,7 +88,7 @@ protected:
     }
 
     TemporaryFolder folder_;
-    fs::path cache_;  // empty: none
+    fs::path cache_;  // empty: no cache
 };
 
 TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingElseIsMade) {
@@ -108,8 +108,8 @@ TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingEl
     EXPECT_FALSE(alone.contains("mesh"));
 }
 
-// What is left out and what is made anew by the options that differ; the bytes are those of a run
-// from nothing.
+// Options that differ decide which stages are reused and which run again; the bytes are those of a
+// run without a cache.
 TEST_F(ReconstructDiveTest, ARunStartsWhereItDiffersFromAnEarlierOne) {
     const nlohmann::json plain = {{"voxel_m", 0.02}};
     const nlohmann::json coarse = {{"voxel_m", 0.03}};
@@ -147,7 +147,7 @@ TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchF
     expect_same_files("first", "again");
 }
 
-// A stage of its own between mesh and texture: how many triangles there are, for a file of its own.
+// An extra stage between mesh and texture: it writes the number of triangles to a file of its own.
 bool load_count(Reconstruction& made, const std::string& key) {
     return has_stage_key(made.scratch("count.stage"), key);
 }
@@ -174,7 +174,7 @@ std::vector<Stage<Reconstruction>> stages_with_count() {
     return stages;
 }
 
-// What each stage made goes into blobs and out of them, that of the added one too.
+// The results of all stages, also of the added one, are stored as blobs and fetched again.
 TEST_F(ReconstructDiveTest, AStageMoreAndAStoreOfBlobsMakeTheSameFiles) {
     const nlohmann::json options = {{"voxel_m", 0.02}};
     const auto plain = reconstruct("plain", options);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 using Names = std::vector<std::string>;
 
-// What small stages hand on: numbers, each made of the one before.
+// The data passed between small stages: numbers, each computed from the previous one.
 struct Numbers {
     fs::path scratch;
     ReconstructionOptions options;
@@ -81,7 +81,7 @@ std::vector<Stage<Numbers>> small_stages() {
             {.spec = {.name = "tell", .share = 0.1}, .run = run_tell}};
 }
 
-// A stage of its own: a row, and what it names.
+// An extra stage: one row, and the functions that it names.
 bool square_wanted(const Numbers& numbers) { return numbers.options.surface; }
 bool load_square(Numbers& numbers, const std::string& key) {
     return load_number(numbers.scratch / "squares/1.stage", key, numbers.square);
@@ -113,7 +113,7 @@ protected:
     StageKeys keys(const nlohmann::json& overrides) const {
         return stage_keys(specs_of(stages_), "1.0", "dive", make_options("standard", overrides));
     }
-    // One run; `scratch` is a folder of that name.
+    // Does one run in the folder `scratch`.
     Numbers run(const std::string& scratch, const nlohmann::json& overrides = kPlain) {
         fs::create_directories(folder_ / scratch);
         Numbers numbers{.scratch = folder_ / scratch,
@@ -137,7 +137,7 @@ protected:
         progress.finish();
         return numbers;
     }
-    // The fraction of the whole at which the stage began.
+    // Returns the fraction of the whole run at which the stage began.
     double begin_of(const std::string& stage) const {
         for (const Progress& at : seen_)
             if (at.stage == stage) return at.fraction;

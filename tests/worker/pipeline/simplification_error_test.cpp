@@ -7,7 +7,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// A pyramid of 0.3 m over a square of 2 m, and the square alone.
+// Returns a pyramid of 0.3 m height over a square of 2 m, or the square alone.
 types::Mesh square(bool with_apex) {
     types::Mesh mesh;
     mesh.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 class StageCacheTest : public testing::Test {
 protected:
-    // A stage's result of 2,000 bytes: a file, and one in a folder.
+    // Writes the result of a stage: 2,000 bytes in two files, one of them in a folder.
     fs::path make(const std::string& name, char content) {
         fs::create_directories(folder_ / name / "keyframes");
         std::ofstream(folder_ / name / "track.stage") << std::string(1000, content);
@@ -75,7 +75,7 @@ TEST_F(StageCacheTest, WithoutAFolderOrRoomNothingIsKept) {
 TEST_F(StageCacheTest, ADamagedEntryIsMissingAndGone) {
     const auto damage = [&](const std::string& file, const std::string& bytes) {
         store(cache_, "track-1");
-        fs::remove(cache_folder_ / "track-1" / file);  // not through the link to its source
+        fs::remove(cache_folder_ / "track-1" / file);  // a write would change the link's source
         if (!bytes.empty()) std::ofstream(cache_folder_ / "track-1" / file) << bytes;
         EXPECT_FALSE(fetch(cache_, "track-1")) << file;
         EXPECT_FALSE(fetch(cache_, "track-1")) << file;
@@ -99,7 +99,7 @@ TEST_F(StageCacheTest, WhatWasNotUsedForLongestGoesFirst) {
     age("a", 1);
     age("b", 3);
     age("c", 2);
-    EXPECT_TRUE(fetch(small, "b"));  // used just now
+    EXPECT_TRUE(fetch(small, "b"));  // makes it the last one used
 
     store(small, "d");
 
@@ -130,7 +130,8 @@ TEST_F(StageCacheTest, WhatAKilledProcessWasWritingIsNoEntryAndGoesInTheEnd) {
     EXPECT_FALSE(fs::exists(cache_folder_ / "new.abcdef"));
 }
 
-// Four at once on a cache that holds two entries of five: each gets all of an entry or nothing.
+// Four threads use a cache that holds two entries of five at a time: each fetch gets a whole entry
+// or fails.
 TEST_F(StageCacheTest, ManyAtOnceSeeWholeEntriesAlone) {
     std::vector<std::thread> threads;
     std::atomic<int> num_hits = 0;

@@ -61,7 +61,7 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
     int num_options = 0;
     for (const auto& [name, value] : values.items()) {
         if (std::ranges::count(kOptionsOfTheMachine, name) > 0) continue;
-        if (name == "exports") continue;  // made of artifacts, after all stages
+        if (name == "exports") continue;  // made from artifacts, after all stages
         if (name.starts_with("marker_")) continue;
         nlohmann::json other = values;
         if (kOtherWords.contains(name))
@@ -110,7 +110,7 @@ TEST(StageKeysTest, ExportsChangeNothingThatIsKept) {
         EXPECT_EQ(exported.at(stage), plain.at(stage)) << stage;
 }
 
-// For each option of the standard table, the first stage that it makes anew.
+// The first stage that runs again if an option of the standard table changes, for each option.
 TEST(StageKeysTest, EveryOptionIsFirstReadByTheStageThatNamesIt) {
     const std::map<std::string, std::pair<nlohmann::json, std::string>> others = {
         {"stereo", {"block", "track"}},

@@ -11,7 +11,7 @@
 #include "tests/worker/pipeline/blob_stage_store.hpp"
 #include "worker/pipeline/stage_cache.hpp"
 
-// What every store of stages promises, asked of each implementation.
+// What every store of stages promises, tested on each implementation.
 namespace divemesh::pipeline {
 namespace {
 
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 void write(const fs::path& file, const std::string& bytes) {
     fs::create_directories(file.parent_path());
-    fs::remove(file);  // never in place
+    fs::remove(file);  // replaces the file and never changes it in place
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
@@ -35,7 +35,7 @@ std::size_t num_files(const fs::path& folder) {
     return num;
 }
 
-// A folder on this machine.
+// A store in a folder on this machine.
 struct FolderStore {
     explicit FolderStore(const fs::path& at) : folder(at) {}
     std::unique_ptr<StageStore> open() const {
@@ -48,7 +48,7 @@ struct FolderStore {
     fs::path folder;
 };
 
-// Blobs: neither links nor a folder of the store's own.
+// A store of blobs, which neither links nor has a folder of its own.
 struct BlobsStore {
     explicit BlobsStore(const fs::path& at)
         : folder(at), blobs(storage::open_blob_store(at.string())) {}
@@ -68,7 +68,8 @@ struct BlobsStore {
 template <typename Implementation>
 class StageStoreTest : public testing::Test {
 protected:
-    // What a stage left: a file, and two in folders; `letter` tells entries apart.
+    // Writes the result of a stage, a file and two files in folders; `letter` distinguishes
+    // entries.
     fs::path stage_result(char letter) {
         const fs::path scratch = folder_ / ("scratch-" + std::string(1, letter));
         write(scratch / "track.stage", std::string(1000, letter));

@@ -23,8 +23,8 @@ namespace {
 constexpr double kSigma_m = 0.004;
 constexpr double kCorrelationLength_m = 0.02;
 
-// Noise of another make: white noise on a square lattice of the plane, spread by a Gaussian so that
-// the correlation is a Gaussian of the distance, 1/e at the correlation length.
+// Noise made in another way: white noise on a square lattice of the plane, blurred by a Gaussian so
+// that the correlation is a Gaussian of the distance, 1/e at the correlation length.
 class SpreadNoise {
 public:
     explicit SpreadNoise(std::uint64_t seed) : random_(seed) {
@@ -113,7 +113,7 @@ TEST(stats::Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
             if (estimated.low <= truth[k] && truth[k] <= estimated.high) ++num_held[k];
         }
     }
-    EXPECT_GT(raised, 0.005);  // what would be outside every interval if it were left in
+    EXPECT_GT(raised, 0.005);  // if left in, no interval would hold the truth
     for (std::size_t k = 0; k < truth.size(); ++k) {
         EXPECT_GE(num_held[k], 90) << "figure " << k;
         EXPECT_LE(num_held[k], 99) << "figure " << k;
@@ -148,15 +148,15 @@ TEST(stats::Estimate, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFir
     EXPECT_EQ(stats::sharpened(1.4, 1.4, 1.4), 1.4);
 }
 
-// A mesh of ground that no camera resolves: sines as fine as the blur's side and finer. What is
-// left of the truth's rugosity is brought back closer than Tukey's twicing does.
+// A mesh of ground that no camera resolves: sines as fine as the blur's side and finer. The
+// rugosity lost by the blur is restored better than by Tukey's twicing.
 TEST(stats::Estimate, SharpeningBringsBackRugosityThatABlurTook) {
     constexpr double kSide_m = 0.03;
     GridShape shape{Eigen::Vector2d::Zero(), 0.002, 401, 401};
     HeightGrid ground{shape, std::vector<double>(shape.num_nodes())};
     for (int row = 0; row < shape.num_rows; ++row)
         for (int column = 0; column < shape.num_columns; ++column) {
-            double height = 0.0;  // amplitudes fall with the wavelength, as those of a fractal do
+            double height = 0.0;  // amplitudes decrease with the wavelength, as in a fractal
             for (const double wavelength : {0.4, 0.2, 0.1, 0.05})
                 height += 0.2 * wavelength *
                           std::sin(2.0 * std::numbers::pi * shape.x_m(column) / wavelength) *
@@ -201,7 +201,7 @@ TEST(HeightGrid, BlurringIsTheMeanOfWhatIsSeenWithinTheSquare) {
         }
 }
 
-// Of a patch whose noise is a share of the one that its vertices state.
+// Returns the noise level of a patch whose noise is a share of what its vertices state.
 double noise_level_share(const HeightOf& height, double noise_share) {
     const Setting setting;
     types::Mesh mesh = sheet(0.66, 0.01, height);

@@ -14,8 +14,9 @@ double uniform(std::uint64_t& state) {
     return static_cast<double>(state >> 11U) * 0x1.0p-53;
 }
 
-// Fractional Brownian surface of Hurst exponent H: waves in random directions whose amplitude goes
-// with the power H + 1/2 of their length, an octave in many (Voss 1985); D = 3 - H.
+// Returns a fractional Brownian surface of Hurst exponent H: waves in random directions whose
+// amplitude is proportional to the power H + 1/2 of their length, many per octave (Voss 1985);
+// D = 3 - H.
 HeightGrid fractional_brownian(double H, std::uint64_t seed) {
     HeightGrid grid{{Eigen::Vector2d::Zero(), 1.0 / 256.0, 257, 257}, {}};
     grid.heights_m.assign(grid.shape.num_nodes(), 0.0);

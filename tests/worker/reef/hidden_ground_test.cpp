@@ -38,7 +38,7 @@ TEST(BridgeGaps, AHoleInAPlaneIsClosedAlongIt) {
     const HeightGrid closed = gaps_filled(holed);
     ASSERT_EQ(closed.heights_m.size(), whole.heights_m.size());
     for (std::size_t i = 0; i < closed.heights_m.size(); ++i) {
-        EXPECT_NEAR(closed.heights_m[i], whole.heights_m[i], 0.01);  // the plane rises 0.05 over it
+        EXPECT_NEAR(closed.heights_m[i], whole.heights_m[i], 0.01);  // the plane rises 0.05 there
         if (holed.heights_m[i] > kUnseen_m) {
             EXPECT_EQ(closed.heights_m[i], holed.heights_m[i]);
         }
@@ -80,7 +80,7 @@ TEST(MoveSteps, ABlockIsWiderOrNarrowerByTheDistance) {
     const HeightGrid grid = grid_of(block, 60, 0.01);
     const double volume = volume_over_plane(grid);
     EXPECT_NEAR(volume, 0.2 * 0.2 * 0.5, 1e-9);
-    // The cone takes one spacing of height for each of way: 0.49 and 0.48 are left of 0.5.
+    // The cone loses one spacing of height per spacing of distance: 0.49 and 0.48 remain of 0.5.
     const double wider = volume_over_plane(with_steps_dilated(grid, 0.02)) - volume;
     const double corners = std::numbers::pi * 0.02 * 0.02 * 0.485;
     EXPECT_NEAR(wider, 4 * 0.2 * 0.01 * (0.49 + 0.48) + corners, 0.02 * wider);
@@ -95,8 +95,8 @@ TEST(MoveSteps, GroundBelowFortyFiveDegreesStays) {
         EXPECT_EQ(with_steps_dilated(grid, outwards_m).heights_m, grid.heights_m);
 }
 
-// Blocks of 10 cm on flat ground, and the same as a camera sees it from one side: a strip of ground
-// of 3 cm behind each block, and its wall there, are missing.
+// Returns blocks of 10 cm on flat ground. Seen from one side, a strip of 3 cm of ground behind each
+// block and the block's wall there are missing.
 types::Mesh blocks(bool is_seen_from_one_side) {
     types::Mesh mesh;
     const auto floor = [&](double x0, double x1, double y0, double y1) {
@@ -160,11 +160,11 @@ TEST(HiddenGround, AChainRunsStraightOverIt) {
     line.points = {{0.0, 0.1, 0.0}, {1.0, 0.1, 0.0}};
     const json chain =
         metric_of(measure_areas(mesh, {AreaFrame::World, {line}}, {}), "t", "chain_rugosity", 0.01);
-    // Up 0.1 within one link, down 0.1 over what is hidden, 3 to 4 cm, five times over a metre.
+    // Up 0.1 m within one link, down 0.1 m over 3 to 4 cm of hidden ground, five times per metre.
     const double up = std::hypot(0.1, 0.01) - 0.01;
     const double down = std::hypot(0.1, 0.035) - 0.035;
     EXPECT_NEAR(chain["value"].get<double>(), 1.0 + 5 * (up + down), 0.02);
-    EXPECT_LE(chain["low"].get<double>(), 1.0 + 10 * up);  // the blocks' own
+    EXPECT_LE(chain["low"].get<double>(), 1.0 + 10 * up);  // of the blocks themselves
     EXPECT_GE(chain["high"].get<double>(), 1.0 + 10 * up);
 }
 

@@ -176,7 +176,7 @@ TEST(MeasureAreas, LabelsGiveDensityCoverAndSizesOverTheQuadrats) {
         areas.push_back(quadrat("colony " + std::to_string(i), 0.1 * i + 0.1, 0.1 * i + 0.15));
         areas.back().label = "Porites";
     }
-    areas.back().points = quadrat("", 0.9, 0.95).points;  // not in the quadrat
+    areas.back().points = quadrat("", 0.9, 0.95).points;  // outside the quadrat
     const json measured = measure_areas(mesh, set_of(areas), few_replicates());
     const json density = metric_of(measured, "quadrats", "population_density");
     EXPECT_EQ(density["label"], "Porites");

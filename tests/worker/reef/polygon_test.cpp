@@ -25,8 +25,8 @@ TEST(Polygon, ContainsWhatIsInsideAndItsBorder) {
 TEST(Polygon, SidesThatCrossOrTouchAreFound) {
     EXPECT_FALSE(is_self_crossing(kLetterL));
     EXPECT_TRUE(is_self_crossing({{0, 0}, {1, 1}, {1, 0}, {0, 1}}));          // bow tie
-    EXPECT_TRUE(is_self_crossing({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}));  // touches
-    EXPECT_TRUE(is_self_crossing({{0, 0}, {1, 0}, {1, 0}, {0, 1}}));          // twice
+    EXPECT_TRUE(is_self_crossing({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}));  // touches itself
+    EXPECT_TRUE(is_self_crossing({{0, 0}, {1, 0}, {1, 0}, {0, 1}}));          // a point twice
 }
 
 TEST(Polygon, OverlapWithATriangleIsExactEvenWhereThePolygonIsConcave) {

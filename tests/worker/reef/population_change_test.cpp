@@ -16,8 +16,8 @@ TEST(PopulationChange, WithNoneGoneTheCountHasThePoissonIntervalOfWhatIsNew) {
     for (const Individual& old : individuals(50, {0.02, 0.03})) colonies.push_back(old);
     const stats::Estimate change = count_change(colonies);
     EXPECT_DOUBLE_EQ(change.value, 10.0);
-    EXPECT_NEAR(change.high, 18.391, 0.02);  // Garwood's for a count of 10
-    // Of none gone Garwood's upper limit is 3.689; with 10 - 4.795 beside it (MOVER).
+    EXPECT_NEAR(change.high, 18.391, 0.02);  // Garwood's limit for a count of 10
+    // None has gone, for which Garwood's upper limit is 3.689; combined with 10 - 4.795 (MOVER).
     EXPECT_NEAR(change.low, 10.0 - std::hypot(10.0 - 4.795, 3.689), 0.05);
 }
 

@@ -5,7 +5,7 @@
 namespace divemesh::reef {
 namespace {
 
-// Garwood's limits for counts of 10 and 1, as tables of the Poisson distribution print them.
+// Garwood's limits for counts of 10 and 1, as in tables of the Poisson distribution.
 TEST(Population, DensityHasThePoissonIntervalOfTheTables) {
     const Population ten{std::vector<double>(10, 0.01), std::vector<double>(10, 0.1), 2.0};
     EXPECT_DOUBLE_EQ(density_per_m2(ten).value, 5.0);

@@ -36,13 +36,13 @@ TEST(ReefMetrics, APlaneHasRugosityOneWhereverItLies) {
     Area along = quadrat("q", 0.0, 1.0);
     for (Eigen::Vector3d& corner : along.points) corner.z() = 0.5 * corner.x();
     EXPECT_NEAR(rugosity(grid_of(tilted, along, 0.05)).value(), 1.0, 1e-6);
-    // From above it is longer by its slope.
+    // In a horizontal quadrat the surface is longer by its slope.
     expect_near_share(
         rugosity(grid_of(tilted, quadrat("q", 0.0, 1.0), 0.05)).value(), std::sqrt(1.25), 1e-4);
     expect_near_share(mesh_area(tilted, quadrat("q", 0.2, 0.7)), 0.25 * std::sqrt(1.25), 1e-4);
 }
 
-// Length of z = a sin(2 pi x / w) over one wave by Simpson's rule.
+// Returns the length of z = a sin(2 pi x / w) over one wave, by Simpson's rule.
 double wave_length(double a, double w) {
     constexpr int kNum = 2000;
     double sum = 0.0;
@@ -84,17 +84,18 @@ TEST(ReefMetrics, AHemisphereAddsItsOwnAreaAndVolume) {
     expect_near_share(mesh_area(mesh, quadrat("q", 0.0, 1.0)), 2.0 * std::numbers::pi * 0.09, 1e-3);
     const HeightGrid grid = grid_of(mesh, quadrat("q", 0.0, 1.0), 0.002);
     expect_near_share(volume_over_plane(grid), 2.0 / 3.0 * std::numbers::pi * 0.027, 1e-3);
-    EXPECT_NEAR(height_range(grid).value(), 0.3, 0.01);  // the lowest samples are at the rim
+    EXPECT_NEAR(height_range(grid).value(), 0.3, 0.01);  // the lowest samples are at the border
 }
 
 TEST(ReefMetrics, ABoxOnAPlaneHasItsWalls) {
     types::Mesh mesh = sheet(1.0, 0.1, [](double, double) { return 0.0; });
     add_box(mesh, {0.305, 0.305}, {0.705, 0.705}, 0.2);
-    // Plane, hidden under the box too; top; four walls.
+    // The plane, also where hidden under the box, the top and four walls.
     expect_near_share(mesh_area(mesh, quadrat("q", 0.0, 1.0)), 1.0 + 0.16 + 4 * 0.4 * 0.2, 1e-3);
     const HeightGrid grid = grid_of(mesh, quadrat("q", 0.0, 1.0), 0.01);
     expect_near_share(volume_over_plane(grid), 0.16 * 0.2, 1e-3);
-    // Sampled, a wall leans over one spacing; where two meet, over a corner's cell, cut both ways.
+    // When sampled, a wall leans over one spacing. Where two walls meet, it leans over the cell of
+    // a corner, which is cut both ways.
     const double s = 0.01;
     const double walls = 4 * 39 * s * std::hypot(s, 0.2);
     const double corner =
@@ -140,13 +141,14 @@ TEST(ReefMetrics, AParabolaHasTheCurvatureOfItsSecondDerivatives) {
     EXPECT_NEAR(measured.curvature_deviation, 0.0, 1e-2);
 }
 
-// Two planes at right angles, each half of the windows that hold the ridge: |sum| by hand.
+// Two planes at right angles; the windows that contain the ridge have half of each. The length of
+// the sum is worked out by hand.
 TEST(ReefMetrics, VrmOfARoofIsThatOfItsNormals) {
     HeightGrid grid{{Eigen::Vector2d::Zero(), 1.0, 5, 5}, {}};
     for (int row = 0; row < 5; ++row)
         for (int column = 0; column < 5; ++column)
             grid.heights_m.push_back(-std::abs(column - 2.0));
-    // Slopes of the three columns of windows: 1, 0, -1 at 45, 0, 45 degrees.
+    // The three columns of windows have slopes 1, 0, -1: angles 45, 0, 45 degrees.
     const double upward = 6.0 * std::sqrt(0.5) + 3.0;
     EXPECT_NEAR(terrain(grid)->vrm, 1.0 - upward / 9.0, 1e-12);
 }
@@ -156,7 +158,7 @@ TEST(ReefMetrics, AChainOverARidgeIsAsLongAsItsSides) {
     for (int i = 0; i <= 100; ++i)
         profile.push_back({0.01 * i, 0.3 - std::abs(0.6 * (0.01 * i - 0.5))});
     EXPECT_NEAR(chain_rugosity(profile).value(), std::hypot(1.0, 0.6), 1e-9);
-    profile[50].height_m = kUnseen_m;  // two links less, both as steep as the others
+    profile[50].height_m = kUnseen_m;  // two links fewer, both as steep as the others
     EXPECT_NEAR(chain_rugosity(profile).value(), std::hypot(1.0, 0.6), 1e-9);
     EXPECT_FALSE(chain_rugosity({{0.0, 1.0}, {0.1, kUnseen_m}}).has_value());
 }

@@ -15,8 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-// reference.ply is the surface that the cameras saw, the published figures are of all there is: an
-// area counts by the share that its samples see.
+// reference.ply is the surface that the cameras saw, while the published metrics are those of the
+// whole surface. An area counts by the share of it that the samples of reference.ply cover.
 class ReferenceAreas : public testing::Test {
 protected:
     void SetUp() override {

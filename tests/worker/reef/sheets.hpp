@@ -14,7 +14,8 @@ namespace divemesh::reef {
 
 using HeightOf = std::function<double(double x, double y)>;
 
-// A height field over [0, size] x [0, size], cells of `cell` cut in two, m.
+// Returns a height field over [0, size] x [0, size], m, with square cells of side `cell` cut into
+// two triangles.
 inline types::Mesh sheet(double size, double cell, const HeightOf& height) {
     types::Mesh mesh;
     const auto num = static_cast<std::uint32_t>(std::lround(size / cell));
@@ -45,7 +46,7 @@ inline void add_face(types::Mesh& mesh, const std::array<Eigen::Vector3d, 4>& co
     add_triangle(mesh, corners[0], corners[2], corners[3]);
 }
 
-// Top and four walls from z = 0, no bottom.
+// Adds a box's top and its four walls from z = 0, without a bottom.
 inline void add_box(types::Mesh& mesh,
                     const Eigen::Vector2d& low,
                     const Eigen::Vector2d& high,
@@ -69,7 +70,7 @@ inline Area quadrat(const std::string& name, double low, double high) {
     return area;
 }
 
-// The entry of a figure; null when there is none.
+// Returns the entry of a metric; null if it is missing.
 inline nlohmann::json metric_of(const nlohmann::json& measured,
                                 const std::string& area,
                                 const std::string& metric,

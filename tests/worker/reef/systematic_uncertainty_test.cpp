@@ -23,7 +23,7 @@ double hills(double x, double y) {
     return 0.1 * x + 0.0075 * std::sin(36.0 * x) * std::cos(28.0 * y);
 }
 
-// Hills whose vertices err as bends do: alike over the detail.
+// Returns hills whose vertices have errors like those of a bent model: correlated over the detail.
 types::Mesh bent_hills(std::uint64_t seed) {
     types::Mesh mesh = sheet(0.16, 0.0025, hills);
     mesh.sigma_m.assign(mesh.vertices.size(), static_cast<float>(kSigma_m));
@@ -61,7 +61,7 @@ TEST(SystematicUncertainty, OfBendsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
         EXPECT_GE(num, 0.86 * kNumSeeds) << metric;
         num_missed += kNumSeeds - num;
     }
-    EXPECT_GT(num_missed, 0);  // the intervals are not merely wide
+    EXPECT_GT(num_missed, 0);  // the intervals are not simply too wide
 }
 
 TEST(SystematicUncertainty, WhereAStepLiesCountsForItsVolume) {
@@ -70,7 +70,7 @@ TEST(SystematicUncertainty, WhereAStepLiesCountsForItsVolume) {
     MeasureOptions options;
     options.num_replicates = 8;
     options.scale_sigma = 0.0;
-    options.min_detail_m = 0.0693;  // 20 mm of standard deviation, over 60 cm of a wall of 50 cm
+    options.min_detail_m = 0.0693;  // a standard deviation of 20 mm over 60 cm of a wall 50 cm high
     const json volume =
         metric_of(measure_areas(sheet(0.6, 0.01, wall), set, options), "q", "volume");
     const double half_width = 0.5 * (volume["high"].get<double>() - volume["low"].get<double>());

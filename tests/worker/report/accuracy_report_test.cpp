@@ -32,7 +32,7 @@ bool is_valid(const json& report) {
         schema, valijson::adapters::NlohmannJsonAdapter(report), nullptr);
 }
 
-// A square of 2 m in cells of 0.1 m.
+// Returns a square of 2 m with cells of 0.1 m.
 types::Mesh square(float z_m) {
     types::Mesh mesh;
     constexpr std::uint32_t kSide = 21;
@@ -49,7 +49,8 @@ types::Mesh square(float z_m) {
     return mesh;
 }
 
-// A rig 1 m above the square, swaying about all axes; `offset_s`: of the clock it is told on.
+// Returns the path of a rig 1 m above the square that sways about all axes; `offset_s` is the
+// offset of its clock.
 types::Trajectory sway(double offset_s, const Eigen::Vector3d& lever_m) {
     types::Trajectory trajectory;
     for (int i = 0; i < 400; ++i) {
@@ -177,7 +178,7 @@ TEST_F(AccuracyReportTest, ACloudAsReferenceSaysHowDenseItIs) {
     EXPECT_NEAR(metric(report, "surface.reference_spacing_m")["value"].get<double>(), 0.1, 1e-4);
     EXPECT_NEAR(
         metric(report, "surface.completeness.median_m")["value"].get<double>(), 0.003, 1e-5);
-    // The mean distance to the nearest point of a square lattice is 0.3826 of its spacing.
+    // The mean distance to the nearest point of a square lattice is 0.3826 of the spacing.
     EXPECT_NEAR(metric(report, "surface.accuracy.mean_m")["value"].get<double>(), 0.0383, 5e-4);
 }
 

@@ -14,8 +14,8 @@
 namespace divemesh::report {
 namespace {
 
-// 40 x 20 pixels of 0.1 m from (1, 3): a floor at -2 m, its north-west quarter at -1.5 m, nothing
-// in the south-east.
+// Returns 40 x 20 pixels of 0.1 m from (1, 3): a floor at -2 m, its north-west quarter at -1.5 m,
+// no data in the south-east.
 mosaic::Mosaic stepped_floor() {
     mosaic::Mosaic mosaic;
     mosaic.color = cv::Mat(20, 40, CV_8UC4, cv::Scalar(200, 0, 0, 255));

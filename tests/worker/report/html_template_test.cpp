@@ -13,7 +13,7 @@ using nlohmann::json;
 
 constexpr char kHostile[] = R"(<script>alert('1')</script>" onload="x" & {{other}})";
 
-// What a browser reads as text.
+// Returns what a browser reads as text.
 std::string unescaped(std::string text) {
     const std::pair<const char*, const char*> kEntities[] = {
         {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&apos;", "'"}, {"&amp;", "&"}};

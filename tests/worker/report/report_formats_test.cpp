@@ -63,7 +63,8 @@ TEST(ReportJunit, EachRequirementIsACaseAndWhatIsNotMetFails) {
               std::string::npos);
 }
 
-// As a parser of XML sees it: every tag is closed in turn, no bare &, <, or control character.
+// Parses like an XML parser: every tag is closed in order, and there is no bare &, < or control
+// character.
 TEST(ReportJunit, IsWellFormedWhateverTheNames) {
     const std::string xml = report_junit(report());
     std::vector<std::string> open;

@@ -1,4 +1,5 @@
-// Stands in for the pipeline behind a real worker: what it does is the first word of the "archive".
+// Takes the place of the pipeline behind a real worker. The first word of the "archive" says what
+// it does.
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -49,7 +50,8 @@ void write_artifacts(const fs::path& out) {
     std::ofstream(out / "keyframes/000001.jpg") << "jpeg";
 }
 
-// A file that the worker may not copy: beyond the limit that both processes began with.
+// Writes a file that the worker may not copy: it exceeds the limit with which both processes
+// started.
 void write_large_file(const fs::path& out) {
     rlimit limit{};
     getrlimit(RLIMIT_FSIZE, &limit);
@@ -74,7 +76,7 @@ void fill_scratch(const fs::path& scratch, const base::ProgressCallback& progres
     }
 }
 
-// As a child would that a recording has taken over.
+// Sends messages without end, as a child process would after a recording took control of it.
 void talk() {
     for (int i = 0; i < 20'000; ++i) {
         const std::string line =
@@ -112,7 +114,8 @@ void write_limits(const pipeline::ReconstructionRequest& request) {
          << program_of_others() << '\n';
 }
 
-// The first attempt waits for the file MARKER.go; the next ones, which find the marker, do not.
+// In the first attempt, waits for the file MARKER.go; later attempts find the marker and do not
+// wait.
 void wait_once(const fs::path& marker, const base::ProgressCallback& progress) {
     if (fs::exists(marker)) return;
     write_pid(marker);
@@ -183,7 +186,7 @@ std::string problem_of_truth(TruthKind, const fs::path& file) {
     return fs::file_size(file) == 0 ? "the truth is empty" : "";
 }
 
-// Says what it was given: the mesh, the truth, the findings, the history.
+// Writes what it was given: the mesh, the truth, the findings, the history.
 nlohmann::json make_accuracy_report(const report::AccuracyReportRequest& request,
                                     const base::ProgressCallback&) {
     if (request.ground_truth && fs::file_size(*request.ground_truth) == 0)

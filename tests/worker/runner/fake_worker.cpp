@@ -1,5 +1,5 @@
-// A worker with short times: fake_worker worker CATALOG BLOBS WORK LEASE_MS DEADLINE_MS FILE_LIMIT
-// SCRATCH MIN_FREE, and its child: fake_worker attempt REQUEST.
+// A worker with short timeouts: fake_worker worker CATALOG BLOBS WORK LEASE_MS DEADLINE_MS
+// FILE_LIMIT SCRATCH MIN_FREE, and its child: fake_worker attempt REQUEST.
 #include <csignal>
 #include <stop_token>
 #include <string>

@@ -1,4 +1,4 @@
-// A real worker, parent and child, as processes; only the pipeline behind it is a fake.
+// A real worker, parent and child, runs as processes; only the pipeline behind it is a fake.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -52,7 +52,7 @@ protected:
                        output);
     }
 
-    // A dive whose reconstruction does what `script` says.
+    // Makes a job for a dive whose reconstruction does what `script` says.
     Job make_job(const std::string& script, int max_attempts = 3) {
         std::ofstream(folder_ / "archive") << script;
         const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
@@ -90,7 +90,8 @@ protected:
             return state.empty() || state == "Z";
         });
     }
-    // Not inside a write of its own: SQLite would make every other writer wait for it to wake up.
+    // Freezes the worker outside its own writes: in one, SQLite would make all other writers wait
+    // until the worker continues.
     void freeze(Process& worker) {
         catalog_.transaction([&](soci::session&) {
             worker.send(SIGSTOP);
@@ -264,7 +265,7 @@ TEST_F(JobRunnerTest, AnAttemptThatTalksWithoutEndHoldsUpNobody) {
     EXPECT_LT(storage::EventStore(catalog_).newest_sequence(), 200);
 }
 
-// What a recording is called is in the message of its failure (A9, S29).
+// The message of a failure contains names from the recording (A9, S29).
 TEST_F(JobRunnerTest, LogsOneLineForEachEventWhateverAMessageHolds) {
     const Job job = make_job("hostile");
     Process worker = start_worker();
@@ -333,7 +334,7 @@ TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     freeze(frozen);
     Process second = start_worker();
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << second.stderr_text();
-    let_go();  // now the first child succeeds as well, and its worker comes back
+    let_go();  // now the first child succeeds as well, and its worker continues
     EXPECT_TRUE(is_gone(child));
     frozen.send(SIGCONT);
     frozen.send(SIGTERM);
@@ -452,7 +453,7 @@ TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     EXPECT_EQ(jobs_.attempts(killed.id).size(), 2u);
     ASSERT_TRUE(reaches(greedy, JobState::Dead)) << worker.stderr_text();
     EXPECT_EQ(jobs_.get(greedy.id).failure.code, ErrorCode::OutOfMemory);
-    EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second on one thread
+    EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second: one thread
 }
 
 // Q13, S19

@@ -7,7 +7,7 @@
 namespace divemesh::simulator {
 namespace {
 
-// Midpoint rule from the first sample's state.
+// Integrates by the midpoint rule from the state at the first sample.
 double position_error_after_integration_m(const std::vector<ImuRecord>& records) {
     Eigen::Quaterniond q_world_imu(records.front().truth.T_world_imu.linear());
     Eigen::Vector3d position = records.front().truth.T_world_imu.translation();

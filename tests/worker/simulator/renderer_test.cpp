@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth_px = 80;
 constexpr int kHeight_px = 60;
 
-// Looks straight down from 1.5 m, turned and tilted a little.
+// Returns a pose that looks straight down from 1.5 m, slightly rotated and tilted.
 Eigen::Isometry3d look_down() {
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
     T_world_imu.translation() = Eigen::Vector3d(0.05, -0.1, 1.5);
@@ -39,7 +39,7 @@ Scene make_floor_with_box(float box_height_m) {
     return builder.finish({}, 0.0);
 }
 
-// Distance along the ray to the plane z = 0 or to the box over it, by slabs.
+// Returns the distance along the ray to the plane z = 0 or to the box on it, by slabs.
 double analytic_t(const Eigen::Vector3d& origin,
                   const Eigen::Vector3d& direction,
                   double box_height_m) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPath_m = 12.0;
 
-// Some ray towards the point, from one of 26 sides, ends at it.
+// Returns true if a ray towards the point, from one of 26 directions, ends there.
 bool lies_on_surface(const RayCaster& caster, const Eigen::Vector3f& p) {
     constexpr float kAway_m = 0.02F;
     for (int i = 0; i < 27; ++i) {
@@ -21,7 +21,7 @@ bool lies_on_surface(const RayCaster& caster, const Eigen::Vector3f& p) {
                                    static_cast<float>(i / 3 % 3 - 1),
                                    static_cast<float>(i / 9 - 1));
         if (side.isZero()) continue;
-        // Aimed a hair inside, as the ends are on edges and corners.
+        // The target is slightly inside, because the ends are on edges and corners.
         const Eigen::Vector3f from = kAway_m * side.normalized();
         const RayHit hit = caster.cast(p + from, -from.normalized());
         if (hit.valid() && std::abs(hit.t - kAway_m) < 5e-4F) return true;
@@ -97,8 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(SceneKind::Tank, SceneKind::Barge, SceneKind::Reef, SceneKind::Transect),
     [](const auto& instance) { return std::string(to_string(instance.param)); });
 
-// The corners and edges of what a camera of the simulator sees of the ground, beside and below its
-// middle; x forward, y left, z up.
+// Directions from the camera to the corners and edges of the ground in the image, beside and below
+// its centre; x forward, y left, z up.
 const std::array<Eigen::Vector3d, 5> kViews = {Eigen::Vector3d(1, 0, 0),
                                                Eigen::Vector3d(1, 0.7, 0),
                                                Eigen::Vector3d(1, -0.7, 0),

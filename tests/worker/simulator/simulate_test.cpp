@@ -108,7 +108,7 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
                        cv::IMREAD_UNCHANGED);
         ASSERT_EQ(depth_mm.type(), CV_16U);
         int num_on = 0;
-        int num_before = 0;  // in front of all that the pixel and its neighbours see: impossible
+        int num_before = 0;  // in front of all that the pixel and its neighbours see
         int num_all = 0;
         for (const Eigen::Vector3f& vertex : reference.vertices) {
             const Eigen::Vector3d p_cam = T_cam_world * vertex.cast<double>();

@@ -5,7 +5,8 @@
 namespace divemesh::simulator {
 namespace {
 
-// A plane with a box half sunk into it in its middle, and one beside it that comes or goes.
+// Returns a plane with a box half sunk into its middle, and another box beside it that appears or
+// disappears.
 Scene place(int year, SceneBuilder::Fate fate) {
     SceneBuilder builder(1, year, Eigen::Isometry3f::Identity());
     builder.add(

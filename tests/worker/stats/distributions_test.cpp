@@ -7,7 +7,7 @@
 namespace divemesh::stats {
 namespace {
 
-// Values as printed in the NIST/SEMATECH handbook, sections 1.3.6.7.2 and 1.3.6.7.4.
+// Values as in the NIST/SEMATECH handbook, sections 1.3.6.7.2 and 1.3.6.7.4.
 TEST(DistributionsTest, StudentsQuantilesAreThoseOfTheTables) {
     EXPECT_NEAR(student_t_quantile(0.975, 1), 12.706, 5e-4);
     EXPECT_NEAR(student_t_quantile(0.975, 5), 2.571, 5e-4);

@@ -8,7 +8,8 @@
 namespace divemesh::stereo {
 namespace {
 
-// A bed, a step in it, and water without texture above it: what is ambiguous must agree too.
+// Returns the disparity of a bed with a step. difficult_pair() removes the texture above it,
+// because ambiguous matches must agree too.
 double bed_with_a_step(double x, double y) { return (x < 150.0 ? 6.0 : 19.0) + 0.05 * y; }
 
 WarpedPair difficult_pair() {
@@ -20,7 +21,7 @@ WarpedPair difficult_pair() {
 
 TEST(CensusSgm, IsToTheBitThePlainMethodOverCostVolumes) {
     const WarpedPair pair = difficult_pair();
-    const cv::Rect part(40, 0, 131, 43);  // rows go in twos, and one is left
+    const cv::Rect part(40, 0, 131, 43);  // rows are processed in pairs, and one is left over
     const cv::Mat left = pair.left(part).clone();
     const cv::Mat right = pair.right(part).clone();
     for (const int range : {32, 64, 96, 128, 160}) {
@@ -36,7 +37,7 @@ TEST(CensusSgm, IsToTheBitThePlainMethodOverCostVolumes) {
 
 TEST(CensusSgm, EveryInstructionSetGivesTheSameIntegers) {
     const WarpedPair pair = difficult_pair();
-    for (const int width : {317, 320})  // whole vectors, and a rest
+    for (const int width : {317, 320})  // whole vectors, and a remainder
         for (const int range : {32, 64, 96, 128, 288}) {
             const cv::Rect part(0, 0, width, 101);
             const cv::Mat plain = CensusSgm(range, base::Instructions::Baseline)

@@ -54,7 +54,8 @@ TEST(CensusSgm, FindsTheSameWithinARangeThatHoldsTheSurface) {
     EXPECT_LT(cv::countNonZero(differs), differs.total() / 200);
 }
 
-// A floor at 20 px, a block at 90 before it in the middle third.
+// Returns the disparity of a floor at 20 px with a block at 90 px in front of it, in the middle
+// third.
 double block_on_floor(double x, double) { return x > 213.0 && x < 427.0 ? 90.0 : 20.0; }
 
 const WarpedPairOptions kLarge{.width_px = 640, .height_px = 480};
@@ -113,7 +114,7 @@ TEST(CoarseDisparitySearch, WidensARangeToHoldWhatItShows) {
     EXPECT_TRUE(holds(both, 5) && holds(both, 120));
 }
 
-// Features on the floor alone ask for a range that leaves the block out.
+// With features on the floor alone, the estimated range excludes the block.
 TEST(StereoMatcher, FindsWhatTheRangeLeavesOut) {
     const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
     for (const std::string stereo : {"sgm", "block", "opencv_sgbm"}) {

@@ -1,5 +1,5 @@
-// A disparity is given where the pictures say it, with what they let it be known to: up to the
-// border, and where texture is so weak that only a wide window shows it.
+// The images determine where there is a disparity and how large its sigma is: up to the border, and
+// also where the texture is so weak that only a wide window shows it.
 #include <gtest/gtest.h>
 
 #include <cmath>

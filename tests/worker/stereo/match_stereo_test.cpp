@@ -98,8 +98,8 @@ TEST(RefineDisparity, EveryInstructionSetGivesTheSameBytes) {
     EXPECT_EQ(cv::norm(sigma_a, sigma_b, cv::NORM_INF), 0.0);
 }
 
-// Raw winners crowd at whole pixels, which makes steps of a ramp; the ramp's slope is 1/20 px per
-// pixel here, so that a locked disparity is off by up to half a pixel.
+// Raw winners cluster at whole pixels, which turns a ramp into steps. The slope of the ramp is 1/20
+// px per pixel here, so a locked disparity is off by up to half a pixel.
 TEST(RefineDisparity, FreesTheDisparityFromPixelLocking) {
     const auto pair = make_warped_pair(slanted);
     const cv::Mat raw = CensusSgm(64).compute(pair.left, pair.right);
@@ -169,8 +169,8 @@ TEST(ImageNoise, IsThatOfTheSensorNotOfTheTexture) {
     }
 }
 
-// Of the disparities given with a standard deviation s, about two thirds must be within s. The
-// formula knows of image noise alone, so matches may be somewhat better or worse.
+// Of the disparities with a stated standard deviation s, about two thirds must be within s. The
+// formula includes image noise alone, so matches may be slightly better or worse.
 TEST(DisparitySigma, TellsTheOrderOfTheRealError) {
     WarpedPairOptions options;
     options.noise = 4.0;
@@ -209,7 +209,7 @@ MiddleburyPair read_middlebury(const std::string& folder,
     return pair;
 }
 
-// Against OpenCV's semi-global matcher on photographs with measured truth.
+// Compares with OpenCV's semi-global matcher on photographs with measured ground truth.
 TEST(Middlebury, SgmIsAtLeastAsAccurateAndDenseAsOpenCv) {
     if (!std::filesystem::exists(shared_data("middlebury")))
         GTEST_SKIP()

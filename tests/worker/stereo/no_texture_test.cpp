@@ -1,5 +1,5 @@
-// What has no texture gets no depth: rendered pairs with the sensor's noise and JPEG's blocks,
-// whose depth is known at every pixel.
+// Areas without texture get no depth. The rendered pairs have sensor noise and JPEG blocks, and the
+// depth of every pixel is known.
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -15,9 +15,9 @@ namespace divemesh::stereo {
 namespace {
 
 constexpr float kFarEdge_m = 3.5F;
-constexpr int kReach_px = 14;  // of the matcher's windows, and a little
+constexpr int kReach_px = 14;  // of the matcher's windows, with a small margin
 
-// A bed with a boulder that ends 3.5 m ahead; behind and above it nothing but water.
+// Returns a bed with a boulder; the bed ends 3.5 m ahead, and behind and above it is only water.
 simulator::Scene bed_before_open_water() {
     simulator::SceneBuilder builder(3, 1, simulator::place_at({0, 0, 0}));
     builder.add("bed",
@@ -32,7 +32,7 @@ simulator::Scene bed_before_open_water() {
     return builder.finish({}, 8.0);
 }
 
-// A diver's arm above the bed, looking ahead and a little down.
+// Returns a pose 0.9 m above the bed, looking ahead and slightly down.
 Eigen::Isometry3d look_ahead() {
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
     T_world_imu.translation() = Eigen::Vector3d(0.0, 0.0, 0.9);
@@ -44,8 +44,8 @@ using ChangeLight = std::function<void(simulator::Rendering& rendering)>;
 
 struct Look {
     types::DepthMap depth;
-    cv::Mat open_water;  // CV_8U, 255: nothing within the matcher's reach but water
-    cv::Mat surface;     // the same of the scene
+    cv::Mat open_water;  // CV_8U, 255: only water within the matcher's reach
+    cv::Mat surface;     // CV_8U, 255: only the scene within the matcher's reach
 };
 
 cv::Mat developed(const simulator::Rendering& rendering,
@@ -93,8 +93,7 @@ double share_known(const types::DepthMap& depth, const cv::Mat& where) {
 
 void leave(simulator::Rendering&) {}
 
-// All of the scene as bright as everything else: vignetting, noise and JPEG's blocks alone are
-// seen.
+// Makes the whole scene equally bright, so that only vignetting, noise and JPEG blocks are visible.
 void without_pattern(simulator::Rendering& rendering) {
     rendering.radiance.setTo(cv::Scalar::all(0.2), rendering.depth > 0.0F);
 }

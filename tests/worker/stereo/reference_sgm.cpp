@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kSmallStep = 6;  // P1
 constexpr int kMaxCost = 255;
-constexpr int kOutside = 200;  // a path's cost beyond the ends of the range
+constexpr int kOutside = 200;  // cost of a path outside the range
 constexpr int kBits = 32;
 
-// A number for each pixel and disparity.
+// One cost per pixel and disparity.
 struct CostVolume {
     CostVolume(cv::Size size_, int range_)
         : size(size_), range(range_), values(static_cast<std::size_t>(size.area()) * range) {}
@@ -33,8 +33,9 @@ struct CostVolume {
 
 int mirrored(int i, int num) { return i < 0 ? -i : i >= num ? 2 * (num - 1) - i : i; }
 
-// Bit by bit: a neighbour on the chess board of the 9 x 7 window, or in its upper right or lower
-// left corner, is at least as bright as the centre. Beyond the border lies the mirror image.
+// Returns the census bits: each is set if a neighbour is at least as bright as the centre. The
+// neighbours are the chequerboard of the 9 x 7 window and its upper right and lower left corners.
+// The image is mirrored beyond its border.
 std::bitset<kBits> signature(const cv::Mat& image, int x, int y) {
     std::bitset<kBits> bits;
     const int center = image.at<std::uint8_t>(y, x);
@@ -67,7 +68,7 @@ int large_step(const cv::Mat& image, cv::Point a, cv::Point b) {  // P2
     return std::max(20, 60 * 12 / (12 + step));
 }
 
-// Hirschmueller 2008, eq. 14: along the path that comes to a pixel from `from` on.
+// Adds the costs along the path that comes to a pixel from `from`: Hirschmueller 2008, eq. 14.
 void add_path(const cv::Mat& image, const CostVolume& costs, cv::Point from, CostVolume& sums) {
     const cv::Rect inside({0, 0}, image.size());
     CostVolume path(costs.size, costs.range);
@@ -103,7 +104,8 @@ int winner(const CostVolume& sums, int x, int y) {
     return best;
 }
 
-// Nothing but the winner's neighbours costs within 5 % of it.
+// Returns true if no disparity other than the winner and its neighbours costs within 5 % of the
+// winner.
 bool is_unique(const CostVolume& sums, int x, int y, int best) {
     const int min_cost = sums.at(x, y, best);
     if (best == 0 || best == sums.range - 1 || min_cost == kMaxCost) return false;
@@ -113,7 +115,8 @@ bool is_unique(const CostVolume& sums, int x, int y, int best) {
     return true;
 }
 
-// The cheapest of the winners that end at one pixel of the right picture, the rightmost of equals.
+// Returns the cheapest of the winners that match one pixel of the right image, the rightmost if
+// equal.
 int right_winner(const CostVolume& sums, const std::vector<int>& winners, int right_x, int y) {
     int best = -1;
     int min_cost = kMaxCost;

@@ -4,8 +4,9 @@
 
 namespace divemesh::stereo {
 
-// The definition of CensusSgm over whole cost volumes, pixel by pixel in plain integers: slow, and
-// without a line in common with the kernels. Negative: of a winner that a check did not confirm.
+// Returns the disparities by the definition of CensusSgm, over whole cost volumes, pixel by pixel
+// in plain integers: slow, and without code in common with the kernels. Negative: a check did not
+// confirm the winner.
 cv::Mat reference_sgm(const cv::Mat& left, const cv::Mat& right, int num_disparities);
 
 }  // namespace divemesh::stereo

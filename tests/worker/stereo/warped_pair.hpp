@@ -8,8 +8,8 @@
 
 namespace divemesh::stereo {
 
-// A rectified pair whose disparity is known exactly: the left image is the right one's texture, a
-// continuous function, seen through a disparity given as a function of the left pixel.
+// A rectified pair with exactly known disparity: the right image is a continuous texture, the left
+// one is the same texture warped by a disparity given as a function of the left pixel.
 struct WarpedPair {
     cv::Mat left;
     cv::Mat right;
@@ -19,13 +19,13 @@ struct WarpedPair {
 struct WarpedPairOptions {
     int width_px = 320;
     int height_px = 240;
-    double noise = 2.0;  // grey values
+    double noise = 2.0;  // sigma, grey levels
     double right_gain = 1.0;
     double right_bias = 0.0;
     double contrast = 1.0;
 };
 
-// Band-limited texture at several scales from a lattice of pseudo-random values.
+// Returns a band-limited texture at several scales from a lattice of pseudo-random values.
 inline double texture(double x, double y) {
     const auto lattice = [](std::int64_t i, std::int64_t j) {
         auto h = static_cast<std::uint64_t>(i * 73856093 ^ j * 19349663);
@@ -68,12 +68,12 @@ inline WarpedPair make_warped_pair(const std::function<double(double x, double y
     return pair;
 }
 
-// How an estimate differs from the truth, over the pixels where both are known.
+// The error of an estimate, over the pixels where both estimate and truth are known.
 struct DisparityError {
-    double density = 0.0;  // known share of the truth's pixels
-    double bad1 = 0.0;     // share of the known that is off by more than 1 px
+    double density = 0.0;  // pixels with an estimate / pixels with truth
+    double bad1 = 0.0;     // share of the estimates with an error of more than 1 px
     double median_px = 0.0;
-    double mean_px = 0.0;  // signed, of those within 1 px
+    double mean_px = 0.0;  // signed, over the errors within 1 px
 };
 
 inline DisparityError compare_disparity(const cv::Mat& estimate,

@@ -17,7 +17,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// The pictures between two times are blank, as in a cloud of silt.
+// Makes the images between two times blank, as in a cloud of silt.
 synthetic::AlteredRecording::Alter blank(double from_s, double to_s) {
     return [=, first_ns = std::optional<std::int64_t>()](types::StereoFrame& frame) mutable {
         if (!first_ns) first_ns = frame.timestamp_ns;
@@ -28,7 +28,7 @@ synthetic::AlteredRecording::Alter blank(double from_s, double to_s) {
     };
 }
 
-// Twice round the same small lap.
+// Two laps around the same small path.
 class LostSightTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {

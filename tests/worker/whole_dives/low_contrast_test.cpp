@@ -20,7 +20,7 @@ using Look = cv::Mat (*)(const cv::Mat& image);
 
 cv::Mat as_it_is(const cv::Mat& image) { return image; }
 
-// As far water leaves it.
+// Returns the image with the contrast that distant water leaves.
 cv::Mat a_third_of_the_contrast(const cv::Mat& image) {
     cv::Mat result;
     image.convertTo(result, CV_8U, 1.0 / 3.0, 85.0);
@@ -77,8 +77,8 @@ protected:
     std::unique_ptr<dive::Dive> dive_ = dive::Dive::open(*folder_ / "dive", *folder_ / "scratch");
 };
 
-// Patches without the brightness of their surroundings, with a gain and a bias of their own: the
-// contrast is nothing that has to be put right before. A millimetre is chance.
+// Patches are compared without their mean brightness, and with a gain and a bias of their own, so
+// low contrast needs no correction beforehand. One millimetre is chance.
 TEST_F(LowContrastTest, TheDiveIsFollowedAsWellAsOverEqualisedImages) {
     for (const Look look : {a_third_of_the_contrast, gamma_of_two}) {
         const Swim plain = swim(look, as_it_is);

@@ -84,7 +84,7 @@ TEST_F(MarkedDiveTest, CorrectedLengthsAreRightInEverythingThatIsGivenOut) {
         EXPECT_LT(std::abs(bar["error_percent"].get<double>()), 0.5) << bar["name"];
     }
     EXPECT_GE(num_long_bars, 1);
-    // The path by the ground truth's own scale.
+    // The path's scale relative to the ground truth.
     EXPECT_NEAR(metrics["trajectory"]["final"]["sim3_scale"].get<double>(), 1.0, 0.004);
     const io::ReconstructionFolder folder(*folder_ / "corrected");
     const types::Mesh mesh = folder.mesh();
@@ -106,7 +106,7 @@ double length_m(const types::Trajectory& path, std::size_t first, std::size_t la
     return sum;
 }
 
-// Distances between the markers of each piece.
+// Returns the distances between the markers of each segment.
 std::vector<double> distances_m(const nlohmann::json& markers) {
     std::vector<double> distances;
     for (const auto& from : markers)
