@@ -116,7 +116,7 @@ double spacing_m(const types::Mesh& cloud, int num_threads) {
         }
         nearest_m[i] = std::sqrt(static_cast<double>(nearest));
     });
-    return median(std::move(nearest_m));
+    return stats::median(std::move(nearest_m));
 }
 
 std::vector<double> histogram_of(const std::vector<double>& distances_m) {

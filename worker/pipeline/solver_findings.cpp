@@ -97,7 +97,7 @@ std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
     std::vector<bool> jumps(result.trajectory.size(), false);
     std::size_t frame = 0;
     for (std::size_t k = 1; k < result.keyframes.size(); ++k) {
-        if (result.keyframes[k].piece == result.keyframes[k - 1].piece) continue;
+        if (result.keyframes[k].segment == result.keyframes[k - 1].segment) continue;
         while (frame < jumps.size() &&
                result.trajectory[frame].timestamp_ns < result.keyframes[k].timestamp_ns)
             ++frame;

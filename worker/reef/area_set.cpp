@@ -51,8 +51,8 @@ std::string read_text(const json& entry, const char* key, const std::string& whe
 
 AreaKind read_kind(const json& entry, const std::string& where) {
     const std::string text = read_text(entry, "kind", where);
-    if (text.empty()) return entry.contains("corners") ? AreaKind::Quadrat : AreaKind::Polygon;
-    for (const AreaKind kind : {AreaKind::Quadrat, AreaKind::Polygon, AreaKind::Transect})
+    if (text.empty()) return entry.contains("corners") ? AreaKind::Quadrat : AreaKind::Outline;
+    for (const AreaKind kind : {AreaKind::Quadrat, AreaKind::Outline, AreaKind::Transect})
         if (text == to_string(kind)) return kind;
     refuse(where, "kind must be quadrat, polygon or transect, not '" + text + "'");
 }

@@ -12,7 +12,7 @@ namespace divemesh::reef {
 
 // quadrat: a frame laid on the ground, what is surveyed; polygon: a colony or a patch; transect: a
 // line along which a chain is laid.
-enum class AreaKind { Quadrat, Polygon, Transect };
+enum class AreaKind { Quadrat, Outline, Transect };
 
 // Of the points: the reconstruction's, or the ground truth's that a trajectory is aligned with.
 enum class AreaFrame { World, GroundTruth };

@@ -66,7 +66,7 @@ TEST(Colonies, HalfOnTheGroundIsHalf) {
     reef::AreaSet set;
     set.areas.push_back({"c",
                          "x",
-                         reef::AreaKind::Polygon,
+                         reef::AreaKind::Outline,
                          {{0.4, 0.4, 0}, {0.6, 0.4, 0}, {0.6, 0.6, 0}, {0.4, 0.6, 0}}});
     set.areas.push_back({"q", "", reef::AreaKind::Quadrat, set.areas[0].points});
     const auto colonies = colonies_of(set, grid, ground);

@@ -92,7 +92,7 @@ SurfacePatch noisy_patch(const Setting& setting, std::uint64_t seed) {
     return patch;
 }
 
-TEST(stats::Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
+TEST(EstimateTest, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     const Setting setting;
     const SurfacePatch exact = exact_patch(setting);
     const std::vector<double> truth = setting.metrics(exact, {exact.vertices});
@@ -120,26 +120,26 @@ TEST(stats::Estimate, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     }
 }
 
-TEST(stats::Estimate, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
+TEST(EstimateTest, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
     const stats::Estimate exact = stats::estimate({1.5, 1.5, {}, {}}, 0.25);
     EXPECT_EQ(exact.value, 1.5);
     EXPECT_EQ(exact.low, 1.5);
     EXPECT_EQ(exact.high, 1.5);
 }
 
-TEST(stats::Estimate, WhatSharpeningPutBackIsDoubted) {
+TEST(EstimateTest, WhatSharpeningPutBackIsDoubted) {
     const stats::Estimate sharper = stats::estimate({1.40, 1.45, {}, {}}, 0.25);
     EXPECT_NEAR(sharper.value, 1.45, 1e-12);
     EXPECT_NEAR(sharper.high - sharper.low, 2.0 * 1.96 * 0.05, 1e-4);
 }
 
-TEST(stats::Estimate, ErrorsThatAllVerticesShareWidenTheIntervalAndMoveNothing) {
+TEST(EstimateTest, ErrorsThatAllVerticesShareWidenTheIntervalAndMoveNothing) {
     const stats::Estimate area = stats::estimate({2.0, 2.0, {}, {}}, 0.25, {0.003, 0.008});
     EXPECT_EQ(area.value, 2.0);
     EXPECT_NEAR(area.high - area.low, 2.0 * 1.96 * 0.01, 1e-4);
 }
 
-TEST(stats::Estimate, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFirstStep) {
+TEST(EstimateTest, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFirstStep) {
     const auto parabola = [](double t) { return 2.0 - 0.3 * t + 0.05 * t * t; };
     EXPECT_NEAR(
         stats::sharpened(parabola(1.0), parabola(2.0), parabola(3.0)), parabola(0.0), 1e-12);
@@ -150,7 +150,7 @@ TEST(stats::Estimate, SharpeningFindsAParabolaOfTheBlurAndStaysWithinTwiceTheFir
 
 // A mesh of ground that no camera resolves: sines as fine as the blur's side and finer. The
 // rugosity lost by the blur is restored better than by Tukey's twicing.
-TEST(stats::Estimate, SharpeningBringsBackRugosityThatABlurTook) {
+TEST(EstimateTest, SharpeningBringsBackRugosityThatABlurTook) {
     constexpr double kSide_m = 0.03;
     GridShape shape{Eigen::Vector2d::Zero(), 0.002, 401, 401};
     HeightGrid ground{shape, std::vector<double>(shape.num_nodes())};
