@@ -140,7 +140,7 @@ void measure_outlines(const std::vector<ComparedOutline>& outlines,
                       json& result) {
     for (const ComparedOutline& outline : outlines) {
         const reef::Area& area = outline.area;
-        const double of_outline_m2 = area_m2(outline.outline);
+        const double of_outline_m2 = reef::area_m2(outline.outline);
         const OutlinedCells within = cells_within(outline.outline, grid);
         const double coverage = share_on(within, of_outline_m2, measurer.ground(), grid.cell_m);
         result["areas"].push_back(area_json(outline, of_outline_m2, coverage));

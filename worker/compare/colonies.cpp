@@ -67,7 +67,7 @@ std::vector<Colony> colonies_of(const reef::AreaSet& set,
     for (const reef::Area& area : set.areas) {
         if (area.label.empty() || area.kind == reef::AreaKind::Transect) continue;
         Colony colony{area.name, area.label, outline_from_above(area)};
-        colony.area_m2 = area_m2(colony.outline);
+        colony.area_m2 = reef::area_m2(colony.outline);
         colony.diameter_m = reef::max_diameter_m(colony.outline);
         colony.share =
             share_on(cells_within(colony.outline, grid), colony.area_m2, ground, grid.cell_m);
