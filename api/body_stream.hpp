@@ -22,8 +22,7 @@ struct BodyRead {
 class BodyStream {
 public:
     virtual ~BodyStream() = default;
-    virtual std::optional<std::int64_t> length_bytes() const = 0;  // nullopt: chunked, length
-                                                                   // unknown
+    virtual std::optional<std::int64_t> length_bytes() const = 0;  // nullopt: chunked
     virtual boost::asio::awaitable<BodyRead> read(std::span<char> buffer) = 0;
     virtual void must_end_within(std::chrono::seconds time) = 0;  // otherwise every read is Lost
     virtual void stop() = 0;

@@ -20,8 +20,7 @@ struct HttpRequest {
     std::string target;  // below the server's base path: "/api/v1/dives?state=ready"
     std::vector<std::pair<std::string, std::string>> headers;
     std::string body;
-    std::chrono::milliseconds timeout{0};  // extra time for the response to begin, beyond the usual
-                                           // stall
+    std::chrono::milliseconds timeout{0};  // for the response to begin, besides the usual stall
 };
 
 struct HttpResponse {

@@ -23,8 +23,7 @@ struct TusSettings {
 
 struct TusObserver {
     std::function<void(std::int64_t bytes_done)> on_progress;
-    std::function<void(std::int64_t offset)> on_resumed;  // > 0: the bytes that the server had
-                                                          // already
+    std::function<void(std::int64_t offset)> on_resumed;  // > 0: bytes that the server had already
     Backoff::OnWait on_wait;
 };
 

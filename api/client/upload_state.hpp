@@ -8,10 +8,8 @@ namespace divemesh::api::client {
 
 // How far an upload has come, as addresses on its server.
 struct RememberedUpload {
-    std::string upload;              // "/api/v1/uploads/<id>" of the whole upload; "": not yet
-                                     // created
-    std::vector<std::string> parts;  // of a parallel upload, "" for a part not begun; otherwise
-                                     // empty
+    std::string upload;              // "/api/v1/uploads/<id>" of the whole; "": not yet created
+    std::vector<std::string> parts;  // of a parallel upload, "" for one not begun; else empty
     bool joining = false;            // every part is complete: the final upload has been requested
 
     bool operator==(const RememberedUpload&) const = default;

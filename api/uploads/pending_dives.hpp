@@ -7,9 +7,9 @@ namespace divemesh::api {
 
 // The outcome of a round over the pending dives:
 //
-// Made    no dive is pending
-// Busy    a request held one of the upload locks, maybe only for a query: try again soon
-// Failed  a dive is still pending
+//   Made    no dive is pending
+//   Busy    a request held one of the upload locks, maybe only for a query: try again soon
+//   Failed  a dive is still pending
 enum class PendingDives { Made, Busy, Failed };
 
 // Makes the pending dives, in parallel to requests: those of a server that was killed between the

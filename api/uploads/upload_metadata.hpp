@@ -15,8 +15,7 @@ std::map<std::string, std::string> parse_upload_metadata(std::string_view header
 
 // The keys that the server uses; it stores other keys but ignores them.
 struct UploadPlan {
-    std::string name;            // filename without folders and control characters; "" if there is
-                                 // none
+    std::string name;            // filename without folders and control characters; "" if missing
     std::string archive_sha256;  // "": not stated
     std::string content_sha256;  // "": not stated
     std::string preset;          // of the reconstruction to queue; "": no reconstruction
