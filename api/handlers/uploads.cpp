@@ -86,8 +86,7 @@ Awaitable<Response> with_dive(
             services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan, sha256);
     };
     const MadeDive made = co_await in_pool(services.pool, std::move(work));
-    response.audited = upload.dive_id.empty();  // otherwise it already was a dive and did not
-                                                // change
+    response.audited = upload.dive_id.empty();  // otherwise it was a dive before
     upload.expires_at_ms = 0;
     set_progress(response, upload);
     response.set("Divemesh-Dive", made.dive.id);
@@ -197,9 +196,7 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
     auto fresh = [services, upload] {
         const Upload whole =
             reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
-        if (whole.complete())
-            free_parts(services, whole);  // left by a server that was killed
-                                          // before it could
+        if (whole.complete()) free_parts(services, whole);  // left by a killed server
         return whole;
     };
     upload = co_await in_pool(services.pool, std::move(fresh));
