@@ -21,8 +21,7 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kPageEvents = 20;                  // each client that has fallen behind has its own
-                                                 // page
+constexpr int kPageEvents = 20;                  // per client that has fallen behind
 constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have no messages to send
 
 struct EventSocket {

@@ -23,8 +23,7 @@ constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 RequestBody::RequestBody(std::shared_ptr<Connection> connection, const Timeouts& timeouts)
     : connection_(std::move(connection)), timeouts_(timeouts) {
     parser_.header_limit(kMaxHeaderBytes);
-    parser_.body_limit(boost::none);  // no body is held in memory; the handlers have their own
-                                      // limits
+    parser_.body_limit(boost::none);  // no body is held in memory; handlers have their own limits
     parser_.eager(true);
 }
 

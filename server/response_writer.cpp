@@ -21,8 +21,7 @@ namespace asio = boost::asio;
 namespace http = boost::beast::http;
 
 constexpr std::size_t kChunkBytes = std::size_t{128} << 10;
-constexpr std::int64_t kDirectBytes = 1 << 20;  // between two parts, so that other connections get
-                                                // their turn
+constexpr std::int64_t kDirectBytes = 1 << 20;  // then others get their turn
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 template <typename Body>

@@ -11,17 +11,14 @@ namespace divemesh::server {
 
 // How long a connection may keep the server waiting.
 struct Timeouts {
-    std::chrono::milliseconds header = std::chrono::seconds(60);  // until the whole header of the
-                                                                  // next request
-    std::chrono::milliseconds body = std::chrono::seconds(60);    // between two parts of a body
-    std::chrono::milliseconds rate = std::chrono::seconds(60);    // over which a body's rate is
-                                                                  // measured
-    std::chrono::milliseconds write = std::chrono::seconds(60);   // of one part of a response
-    std::chrono::milliseconds web_socket = std::chrono::seconds(30);    // without a sign of life
-    std::chrono::milliseconds stop = std::chrono::seconds(8);           // for a graceful end
-    std::chrono::milliseconds sweep = std::chrono::seconds(60);         // between two sweeps
-    std::chrono::milliseconds leases = std::chrono::seconds(5);         // between two checks of the
-                                                                        // leases
+    std::chrono::milliseconds header = std::chrono::seconds(60);      // of the next request, whole
+    std::chrono::milliseconds body = std::chrono::seconds(60);        // between two parts of a body
+    std::chrono::milliseconds rate = std::chrono::seconds(60);        // to measure a body's rate
+    std::chrono::milliseconds write = std::chrono::seconds(60);       // of one part of a response
+    std::chrono::milliseconds web_socket = std::chrono::seconds(30);  // without a sign of life
+    std::chrono::milliseconds stop = std::chrono::seconds(8);         // for a graceful end
+    std::chrono::milliseconds sweep = std::chrono::seconds(60);       // between two sweeps
+    std::chrono::milliseconds leases = std::chrono::seconds(5);       // between two checks
     std::chrono::milliseconds pending_dives = std::chrono::minutes(1);  // between two attempts
 };
 
@@ -52,8 +49,7 @@ struct ServerConfig {
     std::vector<std::string> webhook_networks;  // private networks that webhooks may reach
     double max_requests_per_s = 0.0;            // of one token, twice that in a burst; 0: no limit
     double max_failed_logins_per_s = 5.0;       // of one address, a hundred times that in a burst
-    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // until deleted dives
-                                                                           // are removed
+    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // then removed
     Timeouts timeouts = {};
 };
 
@@ -68,8 +64,7 @@ public:
     Server& operator=(const Server&) = delete;
 
     std::string url() const;                 // http://127.0.0.1:8080, with the actual port
-    const std::string& first_token() const;  // the secret if it was just created; "": there was a
-                                             // token
+    const std::string& first_token() const;  // if created now; "": there was a token
     const ServerConfig& config() const;      // with the defaults filled in
 
     void run();   // until stop(); returns when every upload is flushed and every connection closed

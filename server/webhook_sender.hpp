@@ -29,8 +29,7 @@ public:
 private:
     // Delivers `due` and the further due messages of its webhook.
     boost::asio::awaitable<void> deliver_all(storage::DueDelivery due);
-    boost::asio::awaitable<bool> deliver(storage::DueDelivery due);  // returns whether the receiver
-                                                                     // responded
+    boost::asio::awaitable<bool> deliver(storage::DueDelivery due);  // true: it responded
     std::set<std::string> busy();
 
     api::Services services_;
