@@ -9,11 +9,11 @@
 
 // The retry policy: what happens to a job when its attempt ends without a result.
 //
-// bad_data, invalid_argument, too_large, unsupported, gone
-// ____failed at once, because a retry cannot help
-// out_of_memory   once more with the settings that take the least memory, then dead
-// lost lease      at once on another worker; dead after three in a row without a renewal
-// anything else   after a growing pause, dead when the attempts are used up
+//   bad_data, invalid_argument, too_large, unsupported, gone
+//                   failed at once, because a retry cannot help
+//   out_of_memory   once more with the settings that take the least memory, then dead
+//   lost lease      at once on another worker; dead after three in a row without a renewal
+//   anything else   after a growing pause, dead when the attempts are used up
 //
 // A cancelled job is not retried, whatever its failure was. An attempt that reports cancelled
 // without a request to cancel was ended from outside and is retried.

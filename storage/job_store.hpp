@@ -91,11 +91,9 @@ public:
     Job get(const std::string& id);  // throws Error{NotFound}
     Page<Job> list(const JobFilter& filter, const PageRequest& page);
     std::vector<Attempt> attempts(const std::string& job_id);
-    std::vector<Artifact> artifacts(const std::string& job_id);  // the visible ones, of the attempt
-                                                                 // that succeeded
+    std::vector<Artifact> artifacts(const std::string& job_id);  // of the attempt that succeeded
     Artifact artifact(const std::string& job_id, const std::string& name);  // throws NotFound
-    std::string log(const std::string& job_id);               // of the newest attempt, limited in
-                                                              // size
+    std::string log(const std::string& job_id);               // of the newest attempt, truncated
     std::string log(const std::string& job_id, int attempt);  // throws Error{NotFound}
 
     // Cancels a held or queued job at once; asks the worker of a running one. Throws

@@ -20,8 +20,7 @@ inline constexpr std::array<double, 12> kStageBounds_s = {
 // How long one stage took in all attempts that ran it.
 struct StageSeconds {
     std::string stage;
-    std::array<std::int64_t, kStageBounds_s.size() + 1> num_runs = {};  // by class; the last is
-                                                                        // beyond all bounds
+    std::array<std::int64_t, kStageBounds_s.size() + 1> num_runs = {};  // by class; last: beyond
     double total_s = 0.0;
     std::int64_t num_cached = 0;  // not run, because the cache had its result
 };

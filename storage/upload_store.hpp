@@ -12,8 +12,7 @@ namespace divemesh::storage {
 // Limits of a project or a token; 0: no limit.
 struct UploadLimits {
     std::int64_t max_bytes_of_project = 0;  // including its dives
-    std::int64_t max_open_of_project = 0;   // incomplete uploads, and complete ones that are not
-                                            // yet a dive
+    std::int64_t max_open_of_project = 0;   // incomplete uploads, or complete but not yet a dive
     std::int64_t max_open_of_token = 0;
 };
 
