@@ -70,8 +70,7 @@ struct Job {
     std::vector<std::string> parents;  // all of these must succeed before it starts
     int priority = 0;                  // each step is worth ten minutes of waiting
     bool paused = false;               // held by a user
-    bool lowered = false;              // memory ran out: the next attempt uses as little as
-                                       // possible
+    bool lowered = false;              // memory ran out: the next attempt uses the least possible
     int num_attempts = 0;              // begun so far
     int max_attempts = 3;
     bool cancel_requested = false;

@@ -55,11 +55,9 @@ struct Sensor {
     std::int64_t status_at_ms = 0;                     // 0: no status yet
     std::int64_t status_age_ms = 0;                    // at the time of reading
     bool stale = true;                                 // older than kSensorSilence_ms
-    std::map<std::string, Preview> previews;           // by camera, the newest that is not
-                                                       // historical
+    std::map<std::string, Preview> previews;           // by camera, the newest not historical
     std::int64_t seen_at_ms = 0;                       // of any message
-    std::int64_t back_at_ms = 0;                       // when it is expected; 0: no dive was
-                                                       // announced
+    std::int64_t back_at_ms = 0;                       // expected; 0: no dive was announced
     SequenceRanges received;                           // of this boot
     std::int64_t created_at_ms = 0;
 };

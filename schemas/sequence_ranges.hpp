@@ -23,8 +23,7 @@ public:
     // Gives up messages that the sender no longer has.
     void give_up(const SequenceRange& range);
 
-    std::int64_t acknowledged() const;  // it and all before it were received or are lost; -1: no
-                                        // message
+    std::int64_t acknowledged() const;  // received or lost up to here; -1: no message
     std::int64_t newest() const;        // -1: no message
     std::vector<SequenceRange> gaps() const;
     std::int64_t num_lost() const { return num_lost_; }

@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr const char* kCatalogName = "catalog.db";
-constexpr const char* kEndName = "end-of-backup";  // holds the number of blobs; a truncated file
-                                                   // lacks it
+constexpr const char* kEndName = "end-of-backup";  // holds the number of blobs, detects a cut
 constexpr std::string_view kBlobsFolder = "blobs/";
 
 using Archive = std::unique_ptr<archive, int (*)(archive*)>;

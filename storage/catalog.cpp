@@ -254,8 +254,7 @@ void Catalog::require_writable() {
 
 void Catalog::copy_to(const std::string& file) {
     Implementation& self = *implementation_;
-    const auto session = self.engine->connect();  // a connection of its own, because no transaction
-                                                  // may be open
+    const auto session = self.engine->connect();  // because no transaction may be open
     try {
         self.engine->copy_to(*session, file);
     } catch (const soci::soci_error& error) {
