@@ -24,8 +24,7 @@ struct Dive {
     std::string rig;  // from dive.json, like the site
     std::vector<std::string> tags;
     std::string archive_sha256;  // of the bytes that were uploaded
-    std::string content_sha256;  // hash of the sorted (path, sha256) list, the same for zip and
-                                 // tar; "" until the client states it or intake computes it
+    std::string content_sha256;  // same for zip and tar; "" until the client or intake sets it
     std::int64_t archive_bytes = 0;
     std::string blob;             // key of the archive in the blob store; not shown over HTTP
     std::int64_t num_frames = 0;  // 0 until intake

@@ -24,8 +24,7 @@ struct Ground {
 
     HeightGrid at(double spacing_m) const;              // `spacing_m`: a multiple of the grid's
     HeightGrid gaps_filled_at(double spacing_m) const;  // the same
-    HeightGrid near(double spacing_m) const;            // the nearest spacing that is no coarser,
-                                                        // if the grid allows
+    HeightGrid near(double spacing_m) const;            // not coarser, if the grid allows
 };
 
 struct MetricKind {

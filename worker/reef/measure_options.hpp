@@ -27,8 +27,7 @@ struct MeasureOptions {
     double scale_sigma = 0.001;          // of all lengths, for a careful calibration
     double noise_share = 1.0;            // max share of the stated local sigma that is present
     double sigma_relative_error = 0.25;  // relative error of sigma itself, one standard deviation
-    double correlation_length_m = 0.0;   // of the noise; 0: that of window_px, otherwise two
-                                         // triangle sides
+    double correlation_length_m = 0.0;   // of the noise; 0: of window_px, or two triangle sides
 
     int num_replicates = 100;
     std::uint64_t seed = 1;

@@ -19,12 +19,10 @@ struct AreaTask {
 struct AreaResult {
     nlohmann::json area;                               // an entry of measure_areas()
     nlohmann::json metrics = nlohmann::json::array();  // entries of measure_areas()
-    double planar_m2 = 0.0;                            // of the outline; of the whole model: seen
-                                                       // ground
+    double planar_m2 = 0.0;                            // of the outline; whole model: as seen
     double border_sigma_m2 = 0.0;                      // sigma of the whole model's planar_m2
     double coverage = 0.0;
-    double noise_share = 1.0;  // share of the stated local sigma that the surface shows
-                               // (NoiseLevel)
+    double noise_share = 1.0;  // shown share of the stated local sigma (NoiseLevel)
 };
 
 // Measures the ground within an outline.

@@ -29,8 +29,7 @@ GridArea area_of_cell(const std::array<double, 4>& corners, double s) {  // 00 1
         ++num_triangles;
     }
     if (num_triangles == 0) return {};
-    const double share = num_seen == 4 ? 1.0 : 0.5;  // four triangles are both ways to split one
-                                                     // cell
+    const double share = num_seen == 4 ? 1.0 : 0.5;  // four triangles: a cell split both ways
     return {0.5 * twice * (num_seen == 4 ? 0.5 : 1.0), share * s * s};
 }
 

@@ -21,8 +21,7 @@ using nlohmann::json;
 constexpr double kMaxPictureSide_px = 4096.0;
 constexpr double kMaxHeightSide_px = 1024.0;
 constexpr int kJpegQuality = 88;
-static_assert(std::endian::native == std::endian::little);  // the byte order in which the page
-                                                            // reads heights
+static_assert(std::endian::native == std::endian::little);  // as the page reads heights
 
 cv::Mat read_png(const std::filesystem::path& file, int flags, int type) {
     cv::Mat image = cv::imread(file.string(), flags);
