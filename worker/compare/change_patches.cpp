@@ -201,8 +201,7 @@ private:
         const double sign = found.grown ? 1.0 : -1.0;
         ChangeSums sums = sum_over(window, found.support);
         if (sign * sums.volume_m3 <= 0.0)
-            sums = sum_over(window, found.core);  // with the core only, beside a patch of opposite
-                                                  // sign
+            sums = sum_over(window, found.core);  // the support has the opposite sign
         ChangePatch patch;
         patch.number = static_cast<int>(i) + 1;
         patch.grown = found.grown;

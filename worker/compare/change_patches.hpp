@@ -45,8 +45,7 @@ struct Changes {
 
 struct PatchOptions {
     double least_area_m2 = 0.005;
-    double core_area_m2 = 0.00125;  // area that must exceed the level, which holds for the whole
-                                    // ground
+    double core_area_m2 = 0.00125;  // must exceed the level that holds for the whole ground
     double margin_m = 0.05;         // around the significant cells, included in the volume
 };
 

@@ -30,8 +30,7 @@ struct M3c2Options {
 
 // The distance of two surfaces along a core's normal, positive if `b` lies outside `a`.
 struct M3c2Distance {
-    float distance_m = std::numeric_limits<float>::quiet_NaN();  // NaN: too few points of one
-                                                                 // surface
+    float distance_m = std::numeric_limits<float>::quiet_NaN();  // NaN: too few points
     float lod95_m = std::numeric_limits<float>::quiet_NaN();     // level of detection
 
     bool known() const { return distance_m == distance_m; }

@@ -110,8 +110,7 @@ Fit linearise(const std::vector<Partner>& partners,
         for (int axis = 0; axis < 3; ++axis)
             patch[static_cast<std::size_t>(axis)] =
                 static_cast<int>(std::floor(partner.p[axis] / patch_m));
-        patch[2] = 0;  // columns, because overhanging surface over the same ground was seen by the
-                       // same views
+        patch[2] = 0;  // columns: the same views saw what hangs over the same ground
         fit.patches.try_emplace(patch, Vector6d::Zero()).first->second += pull;
     }
     return fit;

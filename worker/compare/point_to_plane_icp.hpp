@@ -14,8 +14,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // The pose of b in a's frame, with its uncertainty.
 struct CoRegistration {
     Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
-    std::string method;            // markers, features, geometry: how the coarse alignment was
-                                   // found
+    std::string method;            // markers, features, geometry: gave the coarse alignment
     double agreement = 0.0;        // share of b's points over a's ground that lie on its surface
     double tolerance_m = 0.0;      // max distance of a point "on" the surface
     double overlap = 0.0;          // share of b's points over a's ground
