@@ -22,8 +22,8 @@ Clock::duration seconds(double value) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
 }
 
-// Returns whether the period is over, and sets the next time after `last`. Missed times are not
-// made up for.
+// Returns whether `next` is reached, and advances it by the period. Missed times are not made up
+// for.
 bool is_due(Clock::time_point& next, Clock::time_point now, double period_s) {
     if (period_s <= 0.0 || now < next) return false;
     next += seconds(period_s);

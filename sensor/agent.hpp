@@ -33,14 +33,12 @@ struct AgentSettings {
     double assessment_rate_hz = 2.0;
     std::filesystem::path battery_file;  // "": the machine's own battery
     std::optional<double> back_in_s;     // when the team is expected back, from the start
-    std::filesystem::path on_command;    // program for recording by command; "": no recording by
-                                         // command
+    std::filesystem::path on_command;    // recording program; "": no recording by command
     bool allow_set_clock = false;
     LinkSettings link;
     // For finished dives. If it has no is_link_good, the stream tells whether the link is good.
     std::optional<DiveUploadSettings> upload;
-    std::chrono::milliseconds over_after{60'000};  // without new data, for a dive that was open
-                                                   // when the agent stopped
+    std::chrono::milliseconds over_after{60'000};  // of silence, for a dive open at the last stop
     std::function<void(const std::filesystem::path& dive)> on_dive_over;
 };
 

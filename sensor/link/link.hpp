@@ -21,11 +21,9 @@ struct LinkSettings {
     double max_bytes_per_s = 0.0;                      // 0: no limit
     std::chrono::milliseconds connect_timeout{1'500};  // of each step of connecting
     std::chrono::milliseconds pause{250};              // between tries while there is no link
-    std::chrono::milliseconds timeout{3'000};          // without progress while bytes are
-                                                       // unacknowledged
+    std::chrono::milliseconds timeout{3'000};          // without progress while bytes wait
     std::chrono::milliseconds refused_pause{30'000};   // after the server refused the connection
-    std::function<void(const std::string& what)> on_event;  // readable text; called on the link's
-                                                            // thread
+    std::function<void(const std::string& what)> on_event;  // readable; on the link's thread
 };
 
 struct LinkState {

@@ -63,8 +63,7 @@ private:
     std::optional<Motion> motion_;  // the last one found
     std::optional<Motion> motion_before_;
     Eigen::Isometry3d T_first_current_ = Eigen::Isometry3d::Identity();
-    Matrix6d covariance_ = Matrix6d::Zero();  // of T_first_current_: rotation, then position, in
-                                              // the first frame
+    Matrix6d covariance_ = Matrix6d::Zero();  // rotation, then position, in the first frame
     Vector6d unrest_ = Vector6d::Zero();      // sum over num_changes_ of q, rad^2/s^3 and m^2/s^3
     int num_changes_ = 0;
     double distance_m_ = 0.0;

@@ -203,8 +203,7 @@ void SegmentChain::remove_first() {
     const auto segment = segments_.front();
     segments_.pop_front();
     size_bytes_ -= segment->size_bytes();
-    std::error_code ignored;  // on a read-only disk the file stays and is read again at the next
-                              // start
+    std::error_code ignored;  // on a read-only disk it stays until a later start
     fs::remove(segment->path(), ignored);
     const std::lock_guard lock(mutex_);
     std::erase(unsynced_, segment);

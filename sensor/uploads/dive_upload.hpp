@@ -18,10 +18,8 @@ struct DiveUploadSettings {
     std::string job;                     // preset of the reconstruction; "": no reconstruction
     std::filesystem::path state_folder;  // for the progress of the upload
     std::function<bool()> is_link_good;  // the upload waits for it; called on any thread
-    std::chrono::milliseconds good_for{5'000};              // how long it must be good before the
-                                                            // upload starts
-    std::function<void(const std::string& what)> on_event;  // readable text; called on its own
-                                                            // thread
+    std::chrono::milliseconds good_for{5'000};              // before the upload starts
+    std::function<void(const std::string& what)> on_event;  // readable; on its own thread
 };
 
 // Sends a finished dive to the server by a resumable upload, and records when the server has it.
