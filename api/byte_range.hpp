@@ -12,14 +12,15 @@ struct ByteRange {
     std::int64_t length = 0;
 };
 
-// Parses a Range header for a body of `size` bytes (RFC 9110, 14.2). The answer is the whole body
-// if there is no header, if its unit or form is not supported, or if it asks for several ranges,
-// which a server may ignore (S22: thousands of ranges cost nothing). `range` is nullopt if it lies
-// outside the body (416).
+// The part of a body that a Range header asks for; `range` is nullopt if it lies outside the body
+// (416).
 struct RangeAnswer {
     std::optional<ByteRange> range;
     bool partial = false;
 };
+// Parses a Range header for a body of `size` bytes (RFC 9110, 14.2). Returns the whole body if
+// there is no header, if its unit or form is not supported, or if it asks for several ranges, which
+// a server may ignore (S22: thousands of ranges cost nothing).
 RangeAnswer parse_range(std::string_view header, std::int64_t size);
 
 // Returns the value of Repr-Digest and Content-Digest (RFC 9530) for a SHA-256 in hex.

@@ -18,6 +18,7 @@ struct RateAdvice {
     std::int64_t wait_s = 0;
 };
 
+// Thrown for a request that exceeds a rate limit, with the advice for the client.
 class TooOften : public Error {
 public:
     TooOften(const std::string& message, RateAdvice advice)

@@ -9,6 +9,7 @@
 
 namespace divemesh::api {
 
+// The route that matches a path, with its parameters.
 struct RouteMatch {
     const Route* route = nullptr;  // null: unknown path (methods is empty) or another method
     std::map<std::string, std::string, std::less<>> parameters;  // unescaped

@@ -15,6 +15,7 @@ enum class RouteKind { Plain, Secret, BodyStream, File, WebSocket };
 
 using Handler = Awaitable<Response> (*)(Request, Services);
 
+// One route of the API.
 struct Route {
     RouteKind kind;
     verb method;
@@ -23,6 +24,7 @@ struct Route {
     Handler handler;
 };
 
+// Returns every route, in the order of the table.
 std::span<const Route> routes();
 
 }  // namespace divemesh::api

@@ -25,6 +25,7 @@ class Readiness;
 class ReportQueue;
 class SensorHub;
 
+// Limits that protect the server, and rules for what other hosts may do.
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // that new uploads must leave free

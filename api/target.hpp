@@ -12,6 +12,7 @@ namespace divemesh::api {
 // Decodes "%2F" to "/". Returns nullopt for a broken escape or one that means NUL.
 std::optional<std::string> percent_decode(std::string_view text);
 
+// A request's target, split into path and query.
 struct Target {
     std::string path;  // still escaped: "/" within a segment is "%2F"
     std::map<std::string, std::string, std::less<>> query;

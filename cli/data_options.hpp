@@ -13,6 +13,7 @@ struct DataOptions {
     std::string blobs;
 };
 
+// Adds --data, --catalog and --blobs.
 void add_data_options(CLI::App& command, DataOptions& options);
 
 // Both throw Error{InvalidArgument} if neither --data nor the URL is given.

@@ -13,6 +13,7 @@ struct PresetOptions {
     std::vector<std::string> set;
 };
 
+// Adds --preset and --set.
 void add_preset_options(CLI::App& command, PresetOptions& options);
 
 // Parses "voxel_m=0.01" into {"voxel_m": 0.01}; a value that is not JSON is a string. Throws

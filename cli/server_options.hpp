@@ -15,6 +15,7 @@ struct ServerOptions {
     std::string ca_file;
 };
 
+// Adds --server, --token-file and --ca-file.
 void add_server_options(CLI::App& command, ServerOptions& options);
 
 // Returns the account. The token comes from --token-file, otherwise from DIVEMESH_TOKEN. Throws

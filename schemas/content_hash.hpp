@@ -28,6 +28,7 @@ private:
     std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 
+// Returns the SHA-256 of bytes as 64 lower-case hex digits.
 std::string sha256_hex(std::string_view bytes);
 
 // Where the dive is among the files of a folder or archive. The root is the folder that contains

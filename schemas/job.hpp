@@ -96,6 +96,7 @@ struct Lease {
     std::string lease_id;  // random, 128 bit, hex
 };
 
+// One run of a job by a worker. Times are unix milliseconds (wall clock of the catalog).
 struct Attempt {
     std::string job_id;
     int number = 0;

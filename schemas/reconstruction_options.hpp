@@ -68,6 +68,7 @@ struct OptionText {
     std::string value;
     std::string text;  // one line: what it does, unit
 };
+// Returns every option with its value and text, for --explain.
 std::vector<OptionText> explain(const ReconstructionOptions& options);
 
 nlohmann::json options_to_json(const ReconstructionOptions& options);

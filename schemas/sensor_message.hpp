@@ -51,12 +51,13 @@ inline constexpr std::size_t kMaxFrameBytes = 4 + kMaxSensorMessageBytes + kMaxJ
 // preview is base64. Throws InvalidInput, which names every fault.
 SensorReport sensor_report(const nlohmann::json& body);
 
-// A preview as one block of bytes: the length of its header (4 bytes, big-endian), the header in
-// JSON, the JPEG. Throws Error{InvalidArgument} if it is too short.
+// The parts of a preview that is sent as one block of bytes: the length of its header (4 bytes,
+// big-endian), the header in JSON, the JPEG.
 struct PreviewFrame {
     std::string_view header;
     std::string_view jpeg;
 };
+// Splits a block of bytes into views of it. Throws Error{InvalidArgument} if it is too short.
 PreviewFrame split_preview(std::string_view frame);
 
 // Returns the report of one preview from its header {"boot_id": ..., "seq": ..., "preview": {...}}.

@@ -56,6 +56,7 @@ struct Alarm {
 // Returns the alarms of a status. `before` are the previous alarms, which end only somewhat beyond
 // their limits (hysteresis). The device's own LED and the server's warnings both use only this.
 std::vector<Alarm> alarms_of(const nlohmann::json& status, std::span<const Alarm> before = {});
+// Returns the worst level of the alarms; Ok without alarms.
 Summary summary_of(std::span<const Alarm> alarms);
 
 // Throws InvalidInput, which names every known field of a wrong type or out of range, and its place

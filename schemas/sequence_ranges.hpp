@@ -7,6 +7,7 @@
 
 namespace divemesh {
 
+// Sequence numbers from `first` to `last`, both included.
 struct SequenceRange {
     std::int64_t first = 0;
     std::int64_t last = 0;

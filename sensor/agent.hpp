@@ -19,6 +19,7 @@
 
 namespace divemesh::sensor {
 
+// What the agent is told on its command line.
 struct AgentSettings {
     api::client::Account account;
     std::string sensor_id;

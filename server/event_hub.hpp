@@ -26,6 +26,7 @@ struct SerialisedEvent {
 };
 using SerialisedEvents = std::vector<std::shared_ptr<const SerialisedEvent>>;
 
+// Serialises events, each to one JSON text.
 SerialisedEvents serialised(const std::vector<Event>& events);
 
 // Reads the events of the catalog once for all watchers, also those that other processes wrote: one

@@ -22,6 +22,7 @@ struct Timeouts {
     std::chrono::milliseconds pending_dives = std::chrono::minutes(1);  // between two attempts
 };
 
+// The configuration of a server, as `divemesh serve` takes it.
 struct ServerConfig {
     std::string listen = "127.0.0.1:8080";  // host:port, [::1]:port; port 0: any free one
     std::filesystem::path data;             // default place of catalog, blobs and admin.token

@@ -9,6 +9,7 @@
 
 namespace divemesh::storage {
 
+// What a backup contains.
 struct BackupSummary {
     std::int64_t num_blobs = 0;
     std::int64_t num_bytes = 0;

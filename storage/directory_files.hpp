@@ -14,6 +14,7 @@ namespace divemesh::storage {
 // Throws the Error that fits errno: no space, quota or file size limit -> OutOfSpace.
 [[noreturn]] void throw_errno(const std::string& doing);
 
+// Opens a folder by its path. Throws as throw_errno() does.
 FileDescriptor open_folder(const std::string& path);
 
 // Returns the folder of all `parts` but the last. A missing folder is created and made durable if

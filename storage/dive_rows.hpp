@@ -39,15 +39,16 @@ std::optional<Dive> find_recording(soci::session& session,
                                    const std::string& archive_sha256,
                                    const std::string& content_sha256);
 
+// Appends an event of the dive, with the dive as its data.
 void append_dive_event(soci::session& session, const Dive& dive, const std::string& type);
 
-// Writes the result of intake and decides: ready or refused. It also refuses a recording that
-// differs from the one its client announced, or that the project has already. Returns the dive and
-// the reason of a refusal.
+// The decision of intake about a dive, with the reason of a refusal.
 struct IntakeVerdict {
     Dive dive;
     std::optional<Failure> refusal;
 };
+// Writes the result of intake and decides: ready or refused. It also refuses a recording that
+// differs from the one its client announced, or that the project has already.
 IntakeVerdict apply_intake(soci::session& session,
                            const std::string& dive_id,
                            const IntakeResult& result);

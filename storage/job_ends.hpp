@@ -21,6 +21,7 @@ namespace divemesh::storage {
 
 inline constexpr int kMaxSilentLosses = 3;
 
+// Returns the end of an attempt that failed by itself; `retry_at_ms` is the time of a retry.
 AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t retry_at_ms);
 
 // Returns the end of an attempt whose worker was killed, froze or lost the network.

@@ -28,6 +28,7 @@ struct JobFilter {
     std::int64_t created_before_ms = std::numeric_limits<std::int64_t>::max();
 };
 
+// A job to be enqueued.
 struct NewJob {
     std::string project;
     std::string dive_id;
@@ -44,6 +45,7 @@ struct NewJob {
     std::string request_key = {};
 };
 
+// A job that was enqueued, or found instead of a new one.
 struct EnqueuedJob {
     Job job;
     bool is_new = true;  // false: the same request, or the same work not yet finished
@@ -55,6 +57,7 @@ struct JobChange {
     std::optional<bool> paused = std::nullopt;
 };
 
+// A job that a worker has claimed, with its lease and dive.
 struct Claim {
     Job job;
     Lease lease;

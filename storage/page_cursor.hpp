@@ -17,6 +17,7 @@ struct PageStart {
 // Throws Error{InvalidArgument} for a limit out of range or an invalid cursor.
 PageStart page_start(const PageRequest& page);
 
+// Returns the cursor of the page after this row.
 std::string cursor_after(std::int64_t created_at_ms, const std::string& id);
 
 // Removes the row beyond the limit and sets the cursor of the next page.

@@ -14,6 +14,7 @@ struct ProjectUsage {
     std::int64_t stored_bytes = 0;  // archives, truth, and open uploads with their announced length
 };
 
+// Read the usage of a project; "" means all projects.
 ProjectUsage read_usage(soci::session& session, const std::string& project);
 ProjectUsage read_usage(Catalog& catalog, const std::string& project);
 

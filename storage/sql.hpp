@@ -76,6 +76,8 @@ private:
     soci::statement statement_;
 };
 
+// Returns the row with this id by a PreparedSelect of the session's connection; nullopt if there is
+// none.
 template <typename Row>
 auto select_prepared(soci::session& session, const std::string& sql, const std::string& id) {
     return static_cast<Session&>(session).prepared<PreparedSelect<Row>>(sql).one(id);

@@ -19,7 +19,7 @@ struct Statistics {
     Counts attempts;
     Counts attempt_ms;                  // spent in attempts that have ended
     std::vector<StageSeconds> stages;   // by name
-    std::int64_t oldest_queued_ms = 0;  // age of the oldest job that is due; 0: none
+    std::int64_t oldest_queued_ms = 0;  // age of the oldest queued job; 0: none
     std::int64_t lease_overdue_ms =
         0;  // since the end of the oldest lease; 0: none, negative: good
     std::int64_t uploads_open = 0;
@@ -29,6 +29,7 @@ struct Statistics {
     std::int64_t deliveries_waiting = 0;
 };
 
+// Reads all statistics in one read transaction.
 Statistics read_statistics(Catalog& catalog);
 
 }  // namespace divemesh::storage

@@ -32,6 +32,7 @@ struct OneShotToken {
 
 inline constexpr std::chrono::seconds kOneShotLifetime{30};
 
+// The tokens table, with one-shot tokens.
 class TokenStore {
 public:
     explicit TokenStore(Catalog& catalog) : catalog_(catalog) {}

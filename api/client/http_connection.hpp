@@ -15,6 +15,7 @@
 
 namespace divemesh::api::client {
 
+// A request with its whole body in memory.
 struct HttpRequest {
     std::string method;
     std::string target;  // below the server's base path: "/api/v1/dives?state=ready"
@@ -23,6 +24,7 @@ struct HttpRequest {
     std::chrono::milliseconds timeout{0};  // for the response to begin, besides the usual stall
 };
 
+// A response with its whole body in memory, unless a BodySink took it.
 struct HttpResponse {
     int status = 0;
     std::map<std::string, std::string> headers;  // names in lower case

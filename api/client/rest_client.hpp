@@ -12,6 +12,7 @@
 
 namespace divemesh::api::client {
 
+// A server with the token for it.
 struct Account {
     ServerAddress server;
     std::string token;  // "" for a server without authentication
@@ -19,6 +20,7 @@ struct Account {
 
 using QueryParameters = std::vector<std::pair<std::string, std::string>>;
 
+// Escapes all but unreserved characters (RFC 3986), for a path or a query.
 std::string percent_encode(std::string_view text);
 
 // Returns the Error that a server's response means, made from its problem+json.

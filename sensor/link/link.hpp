@@ -26,6 +26,7 @@ struct LinkSettings {
     std::function<void(const std::string& what)> on_event;  // readable; on the link's thread
 };
 
+// The state of the link, for the status.
 struct LinkState {
     bool is_connected = false;
     double bytes_per_s = 0.0;  // as measured; 0: unknown

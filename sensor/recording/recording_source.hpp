@@ -15,6 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 inline constexpr const char* kRecordingDone = "recording.done";  // in the folder of a dive
 
+// What the status reports about the recording.
 struct RecordingState {
     bool is_recording = false;
     std::string dive;                 // "": no dive is open

@@ -34,6 +34,7 @@ void write_difference(const std::filesystem::path& folder,
                       bool has_outlines,
                       double full_m);
 
+// Encode an image; the JPEG is scaled down to `max_side_px`.
 std::string encode_png(const cv::Mat& image);
 std::string encode_jpeg(const cv::Mat& image, int max_side_px);
 

@@ -12,6 +12,7 @@
 
 namespace divemesh::compare {
 
+// What two dives show of one cell of the ground.
 enum class CellState : std::uint8_t {
     Unseen,  // by both dives
     OnlyA,

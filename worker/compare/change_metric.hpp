@@ -17,6 +17,7 @@ struct ChangeMetric {
     std::optional<stats::Estimate> later = {};
 };
 
+// Returns {value, low, high}.
 nlohmann::json estimate_json(const stats::Estimate& estimate);
 
 // Return an entry of "figures". It begins with `whose`, the names of its area, dive and label.

@@ -24,6 +24,7 @@ struct ChangePatch {
     double hidden_m2 = 0.0;   // area beside it that one dive did not see
 };
 
+// All patches of one sign together.
 struct ChangeTotal {
     stats::Estimate area_m2;
     stats::Estimate volume_m3;   // the upper bound includes what may be outside the patches
@@ -31,6 +32,7 @@ struct ChangeTotal {
     std::size_t num_patches = 0;
 };
 
+// The changes between two dives.
 struct Changes {
     std::vector<ChangePatch> patches;
     ChangeTotal grown;

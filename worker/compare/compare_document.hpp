@@ -19,6 +19,7 @@ struct DistanceSummary {
         1.0;  // factor of the levels of detection, so that they hold on stable ground
 };
 
+// The results that compare.json contains.
 struct ComparisonResult {
     const io::ReconstructionFolder& a;
     const io::ReconstructionFolder& b;

@@ -25,6 +25,7 @@ struct OutlinedCells {
     void add_to(cv::Mat& map) const;
 };
 
+// Returns the cells of the grid within an outline in metres.
 OutlinedCells cells_within(const reef::Polygon& outline, const RasterGrid& grid);
 
 // Returns the share of an outline of this area that a map selects; what lies outside the map does

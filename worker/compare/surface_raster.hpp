@@ -48,6 +48,7 @@ RasterGrid grid_over(const types::Mesh& a,
                      double cell_m,
                      std::int64_t max_cells);
 
+// Returns the highest surface of a mesh at the centres of the grid's cells.
 SurfaceRaster rasterise(const types::Mesh& mesh, const RasterGrid& grid);
 
 }  // namespace divemesh::compare

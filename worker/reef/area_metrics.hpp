@@ -27,6 +27,7 @@ struct Ground {
     HeightGrid near(double spacing_m) const;            // not coarser, if the grid allows
 };
 
+// One kind of metric: its name, unit, method and how it is computed.
 struct MetricKind {
     std::string metric;
     std::string unit;

@@ -17,6 +17,7 @@ enum class AreaKind { Quadrat, Polygon, Transect };
 // The frame of the points: the reconstruction's, or that of the ground truth trajectory.
 enum class AreaFrame { World, GroundTruth };
 
+// One area to be measured.
 struct Area {
     std::string name;   // unique
     std::string label;  // what it shows (species, substrate); empty: not counted
@@ -25,6 +26,7 @@ struct Area {
     std::optional<Eigen::Vector3d> normal;  // unit; nullopt: that of the corners, upward
 };
 
+// The areas of one file, in one frame.
 struct AreaSet {
     AreaFrame frame = AreaFrame::World;
     std::vector<Area> areas;

@@ -8,6 +8,7 @@ namespace divemesh::reef {
 // / (2 L0^2)).
 double rugosity_of_height_range(double range_m, double resolution_m);  // H0, L0
 
+// The extent and the resolution of a surface.
 struct Scales {
     double extent_m = 1.0;       // L
     double resolution_m = 0.01;  // L0

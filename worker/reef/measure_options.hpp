@@ -6,6 +6,7 @@
 
 namespace divemesh::reef {
 
+// Options of measuring areas. Lengths are in m.
 struct MeasureOptions {
     std::vector<double> spacings_m = {0.01, 0.02, 0.05, 0.10, 0.25, 0.50};  // multiples of 1 cm
     // Min share of an area that must have been seen. The second is for heights and volumes, which a

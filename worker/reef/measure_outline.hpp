@@ -9,6 +9,7 @@
 
 namespace divemesh::reef {
 
+// The names of an area to be measured.
 struct AreaTask {
     std::string name;
     std::string label;
@@ -16,6 +17,7 @@ struct AreaTask {
     bool is_whole_model = false;  // has no outline: the seen ground is the area
 };
 
+// The result of one area.
 struct AreaResult {
     nlohmann::json area;                               // an entry of measure_areas()
     nlohmann::json metrics = nlohmann::json::array();  // entries of measure_areas()

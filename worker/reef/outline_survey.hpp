@@ -42,6 +42,7 @@ CutOutline cut_outline(const types::Mesh& mesh,
 // one. Returns the share that was kept.
 double limit_to_noise_level(OutlineSurvey& survey, double most);
 
+// Numbers of nodes of an outline's grid.
 struct SeenNodes {
     double num_within = 0.0;
     double num_seen = 0.0;

@@ -19,6 +19,7 @@ struct Terrain {
     // Thompson 2007), the mean over the windows whose normals are known.
     double vrm = 0.0;
 };
+// Returns the means over all windows; nullopt if the ruggedness of no window is known.
 std::optional<Terrain> terrain(const HeightGrid& grid);
 
 // Returns the unit normal of the plane that fits the heights best (least squares along z); nullopt

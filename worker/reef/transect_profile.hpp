@@ -18,6 +18,7 @@ struct TransectSegment {
     double datum_m = 0.0;  // of its heights, relative to the first segment's
 };
 
+// Splits a line, m, at its points into straight segments; heights are along `normal`.
 std::vector<TransectSegment> segments_of(const std::vector<Eigen::Vector3d>& line,
                                          const Eigen::Vector3d& normal);
 

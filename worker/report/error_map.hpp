@@ -14,6 +14,7 @@ struct ErrorMap {
     double end_m = 0.0;  // the 90th percentile, rounded up to 1, 2 or 5 times a power of ten
 };
 
+// Renders the map; `input` has the cameras and the limit of range.
 ErrorMap render_error_map(const types::Mesh& mesh_world,
                           const types::Mesh& reference,
                           const evaluation::SurfaceErrorInput& input);

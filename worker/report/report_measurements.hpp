@@ -25,6 +25,7 @@ struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON 
     std::vector<Finding> findings;
 };
 
+// Measures what the inputs allow; a measurement that is not possible becomes a finding.
 ReportMeasurements measure_for_report(const ReportInputs& inputs,
                                       const AccuracyReportRequest& request,
                                       const base::ProgressCallback& progress);

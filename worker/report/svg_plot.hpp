@@ -5,6 +5,7 @@
 
 namespace divemesh::report {
 
+// One line of a plot; `x` and `y` have the same length.
 struct PlotLine {
     std::string name;
     std::string color;  // CSS
