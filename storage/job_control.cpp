@@ -37,8 +37,8 @@ void request_cancel(soci::session& session, const std::string& id) {
     execute(session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
 }
 
-// Returns the children that were never begun, so that a parent's failure failed them, and whose
-// parents may all still succeed.
+// Returns the children that failed without an attempt, so because of a parent, and whose parents
+// may all still succeed.
 std::vector<std::string> revivable_children(soci::session& session, const std::string& parent_id) {
     return select_all<TextRow>(
         session,

@@ -7,7 +7,7 @@ namespace divemesh::sensor {
 // The server's clock, as a device knows it from the welcome message and its own uptime.
 struct ServerTime {
     std::int64_t time_ms = 0;             // unix, from the welcome message
-    std::int64_t asked_at_uptime_ms = 0;  // the request's time: a lower bound of the answer's
+    std::int64_t asked_at_uptime_ms = 0;  // of the request: time_ms is not earlier
     std::int64_t heard_at_uptime_ms = 0;
 
     // Return the bounds of the server's current time, unix milliseconds.

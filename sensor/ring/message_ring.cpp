@@ -64,10 +64,10 @@ SegmentChain::Found MessageRing::loader() {
     return found;
 }
 
-// Finds messages without a record on the disk, although it has later ones of their boot: they were
-// damaged, or in memory when the power failed. For messages before the first known one, the records
-// of their commits were removed with their segments, unless something is damaged. To report a
-// message as lost that the server has changes nothing.
+// Reports messages as lost that have no record on the disk, although it has later ones of their
+// boot: they were damaged, or in memory when the power failed. Messages before the first known one
+// were committed, and the records of that were removed with their segments, unless something is
+// damaged. Reporting a message as lost that the server has changes nothing.
 void MessageRing::lose_what_is_missing() {
     for (const auto& [boot, accounted] : accounted_) {
         const auto known = accounted.first(std::numeric_limits<std::size_t>::max());

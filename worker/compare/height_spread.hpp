@@ -5,7 +5,7 @@
 
 namespace divemesh::compare {
 
-// Returns the 80th percentile; 0 without values.
+// Returns the 80th percentile of the absolute values; 0 without values.
 double percentile_80(std::vector<double> values);
 
 // Returns the 80th percentile of the distances along z from the best-fitting plane, m; 0 for fewer

@@ -19,7 +19,7 @@ constexpr float kSameSide = 0.5F;  // min cosine between the normals of partners
 constexpr double kTukey = 4.685;   // 95 % efficient for normal errors
 constexpr double kMinScale_m = 5e-4;
 constexpr double kSettled_m = 1e-5;
-constexpr std::size_t kMinPartners = 100;  // partners
+constexpr std::size_t kMinPartners = 100;
 constexpr int kMaxRounds = 40;
 
 struct Partner {

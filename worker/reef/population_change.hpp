@@ -19,8 +19,8 @@ struct Individual {
 // The same ground is surveyed twice, so unchanged colonies cancel and only the changes of colonies
 // vary.
 
-// Returns new minus gone colonies: the difference of two Poisson counts, with limits from theirs
-// (MOVER; Zou and Donner 2008).
+// Returns new minus gone colonies: the difference of two Poisson counts, with an interval from
+// those of both (MOVER; Zou and Donner 2008).
 stats::Estimate count_change(const std::vector<Individual>& individuals);
 
 // Returns the sum of the sizes after minus that before, with the variance of a compound Poisson
@@ -28,7 +28,7 @@ stats::Estimate count_change(const std::vector<Individual>& individuals);
 stats::Estimate sum_change(const std::vector<Individual>& individuals);
 
 // Returns the median of the sizes after minus that before, bootstrapped over the individuals;
-// nullopt if one of the times has none.
+// nullopt if there are no individuals at one of the times.
 std::optional<stats::Estimate> median_change(const std::vector<Individual>& individuals,
                                              std::uint64_t seed);
 
