@@ -31,12 +31,14 @@ struct ServiceLimits {
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // that new uploads must leave free
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
-    std::int64_t max_token_uploads = 200;                              // open uploads of one token
-    std::int64_t min_upload_bytes_per_s = 64;                          // else disconnected
-    std::chrono::milliseconds rate_window = std::chrono::seconds(60);  // to measure that in
+    std::int64_t max_token_uploads = 200;  // open uploads of one token
+    // A client that is slower, measured over `rate_window`, is disconnected.
+    std::int64_t min_upload_bytes_per_s = 64;
+    std::chrono::milliseconds rate_window = std::chrono::seconds(60);
     std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit
     std::int64_t max_project_dives = 0;  // 0: no limit
-    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // then removed
+    // How long deleted dives can be restored before they are removed.
+    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
     std::vector<std::string> allowed_origins;  // of other pages that may use this server
     AllowedNetworks webhook_networks;          // private networks that webhooks may reach
 };

@@ -50,7 +50,8 @@ struct ServerConfig {
     std::vector<std::string> webhook_networks;  // private networks that webhooks may reach
     double max_requests_per_s = 0.0;            // of one token, twice that in a burst; 0: no limit
     double max_failed_logins_per_s = 5.0;       // of one address, a hundred times that in a burst
-    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // then removed
+    // How long deleted dives can be restored before they are removed.
+    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
     Timeouts timeouts = {};
 };
 
