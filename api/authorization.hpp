@@ -7,23 +7,23 @@
 
 namespace divemesh::api {
 
-// Who asks, by the bearer token; with authentication off everybody is the administrator of the
-// project "default". Throws Error{Unauthorized} without a token that we know, and refuses one in
-// the address, where logs and referrers would keep it; there only ?one_shot= may be, for GET of a
-// route that takes it.
+// Returns the caller's token, found by the bearer token of the request. With authentication off
+// every caller is the administrator of the project "default". Throws Error{Unauthorized} for a
+// missing or unknown token. Refuses a token in the URL, because logs and referrers would keep it;
+// only GET of a route that takes it may have ?one_shot=.
 Awaitable<Token> authenticate(Request request, Services services, bool takes_one_shot);
 
-// Throws Error{Forbidden} that names the scope.
+// Throws Error{Forbidden}, which names the scope, if the token lacks it.
 void require_scope(const Token& token, const std::string& scope);
 
-// The project whose objects a token sees; "": all (admin).
+// Returns the project whose objects a token sees; "" means all projects (admin).
 std::string visible_project(const Token& token);
 
-// Throws Error{NotFound} for an object of a project that the token does not see, worded as if it
-// did not exist.
+// Throws Error{NotFound} if the token does not see the object's project, with the same words as for
+// an object that does not exist.
 void require_visible(const Token& token, const std::string& project, const std::string& what);
 
-// The same for a sensor that the token does not push for.
+// Throws the same error for a sensor that the token may not send reports for.
 void require_sensor(const Token& token, const std::string& sensor);
 
 }  // namespace divemesh::api

@@ -8,22 +8,23 @@
 
 namespace divemesh::api {
 
-// How a read of a request's body ended: with bytes and more to come, at its end, because the
-// client went or fell silent, or because stop() was called. Bytes may come with each of them.
+// How a read of a request's body ended: with bytes and more to come, at the end of the body,
+// because the client disconnected or fell silent, or because stop() was called. Each of them may
+// come with bytes.
 struct BodyRead {
     enum class State { More, End, Lost, Stopped };
     std::size_t num_bytes = 0;
     State state = State::More;
 };
 
-// A request's body as it arrives; the server supplies it. Used by the connection's coroutine alone,
-// but stop() is for any thread.
+// A request's body as it arrives; the server supplies it. Only the connection's coroutine uses it,
+// but any thread may call stop().
 class BodyStream {
 public:
     virtual ~BodyStream() = default;
-    virtual std::optional<std::int64_t> length_bytes() const = 0;  // nothing: chunked, not known
+    virtual std::optional<std::int64_t> length_bytes() const = 0;  // nullopt: chunked
     virtual boost::asio::awaitable<BodyRead> read(std::span<char> buffer) = 0;
-    virtual void must_end_within(std::chrono::seconds time) = 0;  // else every read is Lost
+    virtual void must_end_within(std::chrono::seconds time) = 0;  // otherwise every read is Lost
     virtual void stop() = 0;
 };
 

@@ -13,8 +13,8 @@ namespace divemesh::api {
 
 namespace {
 
-// As parse_count, and the largest number for one that is larger: a place beyond the end of any
-// file.
+// Parses as parse_count does, but returns the max for a larger number: an offset beyond the end of
+// any file.
 std::optional<std::int64_t> parse_place(std::string_view digits) {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     const auto count = parse_count(digits);
@@ -41,7 +41,7 @@ RangeAnswer parse_range(std::string_view header, std::int64_t size) {
     if (dash == std::string_view::npos || header.find(',') != std::string_view::npos) return whole;
     const auto first = parse_place(header.substr(0, dash));
     const auto last = parse_place(header.substr(dash + 1));
-    if (dash == 0) {  // the last so many bytes
+    if (dash == 0) {  // the last bytes, so many
         if (!last) return whole;
         if (*last == 0 || size == 0) return {std::nullopt, true};
         const std::int64_t length = std::min(*last, size);

@@ -5,7 +5,7 @@
 namespace divemesh::api {
 namespace {
 
-// Header fields that our clients in browsers send and read.
+// Header fields that clients in browsers send and read.
 constexpr const char* kSent =
     "Authorization, Content-Type, If-Match, If-None-Match, If-Range, Range, Idempotency-Key,"
     " Tus-Resumable, Upload-Length, Upload-Offset, Upload-Metadata, Upload-Defer-Length,"

@@ -8,17 +8,17 @@
 
 namespace divemesh::api {
 
-// Whether a page of the request's Origin may talk to us: there is none (no browser), it is our own,
-// or it is on the list. An origin of "null" is nobody's.
+// Returns whether a page of the request's Origin may use this server: there is no Origin (not a
+// browser), it is this server, or it is on the list. The origin "null" is never allowed.
 bool is_allowed_origin(const Request& request, const ServiceLimits& limits);
 
-// The answer to a preflight (Fetch standard, CORS); nothing when the request is none or its origin
-// may not.
+// Returns the response to a preflight (Fetch standard, CORS); nullopt if the request is not a
+// preflight or its origin is not allowed.
 std::optional<Response> answer_preflight(const Request& request,
                                          const std::vector<verb>& methods,
                                          const ServiceLimits& limits);
 
-// Lets a page of an origin on the list read the answer. Without the list nobody gets a header.
+// Lets a page of an origin on the list read the response. With an empty list it adds no header.
 void add_cors(const Request& request, const ServiceLimits& limits, Response& response);
 
 }  // namespace divemesh::api

@@ -6,14 +6,15 @@
 
 namespace divemesh::api {
 
-// New work is refused before the disk is full, so that reading and deleting go on. Throws
-// Error{OutOfSpace}. Blocks: for the pool.
+// Refuses new work before the disk is full, so that reading and deleting still work. Throws
+// Error{OutOfSpace}. Blocks: run it in the pool.
 void require_room(const Services& services);
 
-// The same while bytes are written: many may write at once, so that each looks often.
+// Checks the free space while bytes are written. Many requests may write at once, so each checks
+// often.
 class RoomWatch {
 public:
-    // Throws Error{OutOfSpace}; what was written stays.
+    // Throws Error{OutOfSpace}; the bytes already written stay.
     void wrote(const Services& services, std::size_t num_bytes);
 
 private:

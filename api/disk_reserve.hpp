@@ -6,15 +6,15 @@
 
 namespace divemesh::api {
 
-// Room that is kept on the disk for deleting: the catalog has to write down that something is
-// gone. A file without content beside the catalog. Thread-safe.
+// Disk space reserved for deleting, because the catalog has to write a deletion down. It is a file
+// without content beside the catalog. Thread-safe.
 class DiskReserve {
 public:
     explicit DiskReserve(std::filesystem::path file) : file_(std::move(file)) {}
 
-    // Takes the room unless it has it, or so little is free that it would be missing elsewhere.
+    // Reserves the space unless it is reserved already or less than `min_free_bytes` would be left.
     void hold(std::int64_t min_free_bytes);
-    // Gives it up. False: there was none.
+    // Releases the space. Returns false if it was not reserved.
     bool release();
 
 private:

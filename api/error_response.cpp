@@ -34,7 +34,7 @@ http::status status_of(ErrorCode code) {
     return http::status::internal_server_error;
 }
 
-// Seconds; "": trying again does not help.
+// Returns the seconds of Retry-After; "" if a retry does not help.
 std::string retry_after(ErrorCode code) {
     switch (code) {
         case ErrorCode::Locked:
@@ -46,7 +46,7 @@ std::string retry_after(ErrorCode code) {
     }
 }
 
-// As in the example of RFC 9457, 3.
+// Returns the faults in the form of the example of RFC 9457, 3.
 nlohmann::json errors_of(const std::vector<Fault>& faults) {
     nlohmann::json errors = nlohmann::json::array();
     for (const Fault& fault : faults) {
@@ -78,7 +78,7 @@ Response problem(const Request& request,
     return response;
 }
 
-// Structured fields (RFC 9651), by draft-ietf-httpapi-ratelimit-headers-10.
+// Adds the rate limit as structured fields (RFC 9651), by draft-ietf-httpapi-ratelimit-headers-10.
 void advise(Response& response, const RateAdvice& advice) {
     const std::string wait = std::to_string(advice.wait_s);
     const std::string name = '"' + advice.policy + '"';

@@ -7,21 +7,23 @@
 
 namespace divemesh::api {
 
-// The strong tag of a representation: of its very bytes.
+// Returns the strong tag of a representation's exact bytes.
 std::string etag_of(std::string_view body);
 
-// Whether a list of tags (If-None-Match) names `etag`, compared weakly; "*" names every one.
+// Returns whether a list of tags (If-None-Match) contains `etag`, compared weakly; "*" contains
+// every tag.
 bool matches_etag(std::string_view list, std::string_view etag);
 
-// Throws Error{PreconditionFailed} unless a list of tags (If-Match) names `etag`; "*" names every
-// one, weak tags none (RFC 9110, 13.1.1).
+// Throws Error{PreconditionFailed} unless a list of tags (If-Match) contains `etag`. "*" contains
+// every tag; a weak tag matches no tag (RFC 9110, 13.1.1).
 void require_listed(std::string_view list, std::string_view etag);
 
-// For a write to what GET shows as `body`. Throws Error{PreconditionRequired} without If-Match,
-// Error{PreconditionFailed} when it names another tag.
+// Checks a write to the resource that GET shows as `body`. Throws Error{PreconditionRequired}
+// without If-Match, and Error{PreconditionFailed} if it names another tag.
 void require_match(const Request& request, std::string_view body);
 
-// Adds the tag to an answer of GET or HEAD with 200 and turns it into 304 when the client has it.
+// Adds the tag to a response with 200 to GET or HEAD, and turns it into 304 if the client has that
+// version.
 void add_etag(const Request& request, Response& response);
 
 }  // namespace divemesh::api

@@ -27,7 +27,7 @@ void Response::set(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));
 }
 
-// Names of a dive may hold any bytes: what is not UTF-8 is replaced instead of thrown at.
+// Names of a dive may hold any bytes, so invalid UTF-8 is replaced; it does not throw.
 std::string json_text(const nlohmann::json& value) {
     return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -18,7 +18,7 @@
 #include "schemas/token.hpp"
 #include "storage/blob_store.hpp"
 
-// The few HTTP words that the handlers speak. Everything about sockets stays in server/.
+// The few HTTP types that the handlers use. Everything about sockets stays in server/.
 namespace divemesh::api {
 
 namespace http = boost::beast::http;
@@ -29,19 +29,19 @@ using Awaitable = boost::asio::awaitable<T>;
 
 struct Request {
     verb method = verb::get;
-    std::string target;                                          // as it came: path and query
+    std::string target;                                          // as received: path and query
     std::string path;                                            // still escaped, without query
     std::map<std::string, std::string, std::less<>> query;       // unescaped
     std::map<std::string, std::string, std::less<>> headers;     // names in lower case
     std::map<std::string, std::string, std::less<>> parameters;  // "{id}" of the path, unescaped
-    std::shared_ptr<BodyStream> stream;  // never null; of a plain route it has been read into body
+    std::shared_ptr<BodyStream> stream;  // never null; for a plain route it has been read into body
     std::string body;
-    Token token;  // who asks; without a scope on routes that need none
+    Token token;  // the caller's; without a scope on routes that need no scope
     std::string id;
     std::string trace_id;  // of a valid traceparent (W3C Trace Context); "" without one
-    std::string peer;      // address of who is at the other end of the connection
+    std::string peer;      // address of the other end of the connection
 
-    std::string header(std::string_view lower_case_name) const;  // "" when it is missing
+    std::string header(std::string_view lower_case_name) const;  // "" if it is missing
     bool has_header(std::string_view lower_case_name) const;
     const std::string& parameter(std::string_view name) const;
 };
@@ -53,16 +53,17 @@ struct FilePart {
     std::int64_t length = 0;
 };
 
-// The connection becomes a WebSocket that carries events after `since` of `project` ("": all), as
-// long as the token is valid ("": nobody asked for one).
+// Turns the connection into a WebSocket that carries events after `since` of `project` ("": all),
+// as long as the token is valid ("": no authentication).
 struct EventFeed {
     std::int64_t since = 0;
     std::string project;
     std::string token_id;
-    std::vector<std::string> sensors;  // that are watched as well, live
+    std::vector<std::string> sensors;  // watched live as well
 };
 
-// The connection becomes a WebSocket by which a sensor speaks, as long as the token is valid.
+// Turns the connection into a WebSocket that carries a sensor's stream, as long as the token is
+// valid.
 struct SensorStream {
     std::string sensor;
     std::string project;
@@ -76,21 +77,21 @@ struct Response {
     std::vector<std::pair<std::string, std::string>> headers;
     std::variant<std::string, FilePart, EventFeed, SensorStream> body = {};
 
-    // For log and metrics, set by dispatch: null and "": none.
+    // For log and metrics, set by dispatch; null and "" if there is no route or no token.
     const Route* route = nullptr;
     std::string token_id;
-    std::optional<std::int64_t> uploaded_bytes;  // of an upload that this request made whole
-    bool audited = false;                        // the event that tells so is written
+    std::optional<std::int64_t> uploaded_bytes;  // size of an upload that this request completed
+    bool audited = false;                        // the audit event has been written
 
     void set(std::string name, std::string value);
 };
 
-// What json_response puts into the body.
+// Returns the text that json_response puts into the body.
 std::string json_text(const nlohmann::json& value);
 Response json_response(http::status status, const nlohmann::json& body);
 Response empty_response(http::status status);
 
-// "Sun, 06 Nov 1994 08:49:37 GMT" (RFC 9110, section 5.6.7).
+// Returns e.g. "Sun, 06 Nov 1994 08:49:37 GMT" (RFC 9110, section 5.6.7).
 std::string http_date(std::int64_t unix_s);
 
 }  // namespace divemesh::api

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxKeyBytes = 255;
 
-// The draft's form is a string in quotes; what clients send is as often bare.
+// Returns the key. The draft's form is a quoted string; clients send bare keys as often.
 std::string key_of(const Request& request) {
     std::string key = request.header("idempotency-key");
     if (key.size() >= 2 && key.starts_with('"') && key.ends_with('"'))
@@ -58,7 +58,7 @@ storage::StoredAnswer stored(const Response& response, const std::string& finger
             std::get<std::string>(response.body)};
 }
 
-// What was done stays done when only its answer cannot be kept.
+// Stores the response. If it cannot be stored, the work still stays done.
 void keep(storage::Catalog& catalog,
           const Request& request,
           const std::string& key,

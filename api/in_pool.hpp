@@ -14,8 +14,9 @@ boost::asio::awaitable<std::invoke_result_t<Work>> run_work(Work work) {
     co_return work();
 }
 
-// Runs what may block (SQL, disk, hashing) in the pool; the caller goes on on its own executor with
-// the result or the exception. `work` is moved in: what it refers to must outlive the co_await.
+// Runs `work`, which may block (SQL, disk, hashing), in the pool. The caller resumes on its own
+// executor with the result or the exception. `work` is moved in: what it refers to must outlive the
+// co_await.
 template <typename Work>
 boost::asio::awaitable<std::invoke_result_t<Work>> in_pool(boost::asio::thread_pool& pool,
                                                            Work work) {

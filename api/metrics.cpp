@@ -36,7 +36,7 @@ std::string labels_of(std::span<const Route> all, std::size_t index) {
            std::string(all[index].path) + "\"";
 }
 
-// `counts` has a last one for what is beyond all bounds.
+// The last of `counts` is for values above all bounds.
 template <typename Counts>
 void append_histogram(std::string& text,
                       const std::string& name,

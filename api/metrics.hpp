@@ -14,21 +14,21 @@
 
 namespace divemesh::api {
 
-// Counts how large things were, by upper bounds. Thread-safe.
+// A histogram with fixed upper bounds. Thread-safe.
 class Histogram {
 public:
-    // `bounds` rise, and outlive it.
+    // `bounds` are in ascending order and outlive the histogram.
     explicit Histogram(std::span<const double> bounds)
         : bounds_(bounds), counts_(bounds.size() + 1) {}
 
     void observe(double value);
-    // Lines of Prometheus' text format; `labels` is "a=\"b\"" or "".
+    // Appends lines of Prometheus' text format; `labels` is "a=\"b\"" or "".
     void append(std::string& text, const std::string& name, const std::string& labels) const;
     std::int64_t count() const;
 
 private:
     std::span<const double> bounds_;
-    std::vector<std::atomic<std::int64_t>> counts_;  // the last one: beyond all bounds
+    std::vector<std::atomic<std::int64_t>> counts_;  // the last one: above all bounds
     std::atomic<double> sum_ = 0.0;
 };
 
@@ -43,22 +43,22 @@ class Metrics {
 public:
     Metrics() : routes_(routes().size() + 1) {}
 
-    // `route` null: no route fitted.
+    // `route` null: no route matched.
     void count_request(const Route* route, http::status status, std::chrono::nanoseconds took);
 
-    std::atomic<std::int64_t> received_bytes = 0;  // of bodies
-    std::atomic<std::int64_t> sent_bytes = 0;      // of answers' bodies
+    std::atomic<std::int64_t> received_bytes = 0;  // of request bodies
+    std::atomic<std::int64_t> sent_bytes = 0;      // of response bodies
     std::atomic<std::int64_t> connections = 0;     // open now
     std::atomic<std::int64_t> refused_connections = 0;
     std::atomic<std::int64_t> watchers = 0;  // event streams open now
     std::atomic<std::int64_t> serialised_events = 0;
     std::atomic<std::int64_t> dropped_watchers = 0;  // that fell silent or did not read
     std::atomic<std::int64_t> sensor_streams = 0;    // open now
-    std::atomic<std::int64_t> sensor_messages = 0;   // that were new
+    std::atomic<std::int64_t> sensor_messages = 0;   // new ones only
     std::atomic<std::int64_t> refused_frames = 0;    // of sensors' streams
     std::atomic<std::int64_t> webhook_failures = 0;
-    Histogram uploaded_bytes{kUploadBounds_bytes};  // of uploads that became whole
-    Histogram resumed_bytes{kUploadBounds_bytes};   // there already when a client asked for more
+    Histogram uploaded_bytes{kUploadBounds_bytes};  // of completed uploads
+    Histogram resumed_bytes{kUploadBounds_bytes};   // already stored when a client resumed
 
     std::string text(const storage::Statistics& stored, std::int64_t free_bytes) const;
 

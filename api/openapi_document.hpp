@@ -4,7 +4,7 @@
 
 namespace divemesh::api {
 
-// api/openapi.yaml as JSON, converted when the program was built.
+// Returns api/openapi.yaml as JSON, converted when the program was built.
 std::string_view openapi_json();
 
 }  // namespace divemesh::api

@@ -1,4 +1,4 @@
-// openapi_to_json IN.yaml OUT.json: runs while building, so that the server parses no YAML.
+// openapi_to_json IN.yaml OUT.json: runs during the build, so that the server parses no YAML.
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 
 namespace {
 
-// "!" is the tag of a quoted scalar, which is a string whatever it looks like.
+// "!" is the tag of a quoted scalar, which is always a string.
 nlohmann::json scalar(const YAML::Node& node) {
     const std::string& text = node.Scalar();
     if (node.Tag() == "!") return text;

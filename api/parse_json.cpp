@@ -7,7 +7,7 @@
 namespace divemesh::api {
 namespace {
 
-constexpr int kMaxDepth = 32;  // deeper is an attack on whoever copies it recursively
+constexpr int kMaxDepth = 32;  // deeper nesting is an attack on recursive code
 
 }  // namespace
 

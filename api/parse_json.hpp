@@ -5,7 +5,7 @@
 
 namespace divemesh::api {
 
-// Throws Error{InvalidArgument} for what is not JSON, or is nested too deeply.
+// Parses JSON. Throws Error{InvalidArgument} for invalid JSON or too deep nesting.
 nlohmann::json parse_json(std::string_view text);
 
 }  // namespace divemesh::api

@@ -8,15 +8,15 @@
 
 namespace divemesh::api {
 
-// audited(), for a change that the client may bind to what it read: with If-Match its transactions
-// throw Error{PreconditionFailed} unless the header names the tag of what GET answers by then,
-// which `shown` reads.
+// Returns audited() for a change that the client may tie to the version it read. With If-Match its
+// transactions throw Error{PreconditionFailed} unless the header names the tag of the resource as
+// `shown` reads it then, the same as GET.
 storage::Catalog audited_if_match(const Services& services,
                                   const Request& request,
                                   std::function<nlohmann::json()> shown);
 
-// For a change of what no GET answers by itself: it has no tag, so If-Match can be "*" alone.
-// Throws Error{PreconditionFailed}.
+// Checks a change of something that has no GET of its own and therefore no tag: If-Match can only
+// be "*". Throws Error{PreconditionFailed}.
 void require_no_tag(const Request& request);
 
 }  // namespace divemesh::api

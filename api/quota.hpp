@@ -6,8 +6,8 @@
 
 namespace divemesh::api {
 
-// Whether a project may have so many bytes more, and another dive. Throws Error{OutOfQuota}, which
-// stays until somebody deletes something. Blocks: for the pool.
+// Check whether a project may store so many more bytes, and another dive. Throw Error{OutOfQuota},
+// which lasts until a user deletes something. Block: run them in the pool.
 void require_bytes_of_quota(const Services& services,
                             const std::string& project,
                             std::int64_t more_bytes);

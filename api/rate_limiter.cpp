@@ -30,7 +30,7 @@ bool RateLimiter::allow(const std::string& key, Clock::time_point now) {
     return true;
 }
 
-// Whoever is refused has less than one left, and waits for one at most.
+// A refused client has less than one request left, and waits for one at most.
 RateAdvice RateLimiter::advice(const std::string& policy) const {
     const auto whole = [](double value) { return static_cast<std::int64_t>(std::ceil(value)); };
     return {policy,

@@ -9,8 +9,8 @@
 
 namespace divemesh::api {
 
-// What a client that was refused is told (draft-ietf-httpapi-ratelimit-headers): how much it may
-// do in which time, and when it may go on.
+// What a refused client is told (draft-ietf-httpapi-ratelimit-headers): how much it may do in which
+// time, and when it may continue.
 struct RateAdvice {
     std::string policy;  // its name: "token", "address"
     std::int64_t quota = 0;
@@ -18,6 +18,7 @@ struct RateAdvice {
     std::int64_t wait_s = 0;
 };
 
+// Thrown for a request that exceeds a rate limit, with the advice for the client.
 class TooOften : public Error {
 public:
     TooOften(const std::string& message, RateAdvice advice)
@@ -28,17 +29,18 @@ private:
     RateAdvice advice_;
 };
 
-// Token buckets: each key may do `per_second` things a second on average and `burst` at once. Keys
-// that have been quiet are forgotten; when too many are busy, all start anew. Thread-safe.
+// Token buckets: each key may do `per_second` requests a second on average and `burst` at once.
+// Keys that have been quiet are forgotten; when too many keys are busy, all buckets are reset.
+// Thread-safe.
 class RateLimiter {
 public:
     using Clock = std::chrono::steady_clock;
 
     RateLimiter(double per_second, double burst) : per_second_(per_second), burst_(burst) {}
 
-    // False: too many. A rate of 0 limits nothing.
+    // Returns false if there were too many. A rate of 0 means no limit.
     bool allow(const std::string& key, Clock::time_point now = Clock::now());
-    // For a key that allow() has just refused.
+    // Returns the advice for a key that allow() has just refused.
     RateAdvice advice(const std::string& policy) const;
 
 private:

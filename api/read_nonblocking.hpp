@@ -7,9 +7,9 @@
 
 namespace divemesh::api {
 
-// A read of a few rows by their keys, on the caller's own thread: that takes less time than the way
-// to the pool and back. Where it would have to wait (no connection is idle, another process is in
-// the way), and only there, it is asked again in the pool. `read` takes the catalog to read from.
+// Reads a few rows by their keys on the caller's own thread, which takes less time than the way to
+// the pool and back. If it would have to wait (no connection is idle, or another process holds the
+// lock), it reads them in the pool instead. `read` takes the catalog to read from.
 template <typename Read>
 Awaitable<std::invoke_result_t<Read&, storage::Catalog&>> read_nonblocking(Services services,
                                                                            Read read) {

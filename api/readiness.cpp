@@ -24,7 +24,7 @@ void probe_blobs(storage::BlobStore& blobs) {
         throw Error(ErrorCode::Unavailable, "the data written cannot be read back");
 }
 
-// "" or what went wrong.
+// Returns "" or what went wrong.
 template <typename Check>
 std::string failure_of(const std::string& name, const Check& check) {
     try {

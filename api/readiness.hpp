@@ -12,9 +12,9 @@ class Catalog;
 
 namespace divemesh::api {
 
-// Whether the server can do its work: the catalog is of this version and takes a write, the blob
-// store takes a file, and there is room on the disk. Anybody may ask, so it is found out once a
-// second at most. Thread-safe.
+// Checks whether the server can work: the catalog has this version and accepts a write, the blob
+// store accepts a file, and the disk has room. Anybody may ask, so the check runs once a second at
+// most. Thread-safe.
 class Readiness {
 public:
     struct Result {
@@ -22,7 +22,7 @@ public:
         std::string failure;  // the check that failed, and why; "": ready
     };
 
-    // Blocks: for the pool.
+    // Blocks: run it in the pool.
     Result look(storage::Catalog& catalog, storage::BlobStore& blobs, std::int64_t min_free_bytes);
 
 private:

@@ -38,7 +38,7 @@ bool bind(Parameters& parameters, std::string_view name, std::string_view escape
     return true;
 }
 
-// The parameters if `path` has the form of `pattern`.
+// Returns the parameters if `path` matches `pattern`; otherwise nullopt.
 std::optional<Parameters> match(std::string_view pattern, std::string_view path) {
     Parameters parameters;
     while (pattern.starts_with('/') && path.starts_with('/')) {
@@ -61,7 +61,7 @@ std::optional<Parameters> match(std::string_view pattern, std::string_view path)
     return parameters;
 }
 
-// Clients behind a proxy that knows GET and POST alone (tus 1.0).
+// Returns the method, also for clients behind a proxy that passes only GET and POST (tus 1.0).
 verb effective_method(const Request& request) {
     if (request.method != verb::post || !request.path.starts_with(kUploadsPath))
         return request.method;
@@ -106,7 +106,7 @@ Response no_route(const Request& request, const RouteMatch& match) {
     return response;
 }
 
-// Who asks; of an address that keeps guessing, nobody.
+// Returns the caller's token. Refuses an address with too many failed logins.
 Awaitable<Token> identify(Request request, Services services, RouteKind kind) {
     const bool takes_one_shot = kind == RouteKind::File || kind == RouteKind::WebSocket;
     const std::string peer = request.peer;
@@ -128,7 +128,8 @@ void split_target(Request& request) {
         throw Error(ErrorCode::InvalidArgument, "a request must have exactly one Host header");
 }
 
-// What is answered without a handler: preflights, and addresses and origins that are not served.
+// Returns the response that needs no handler: to preflights, and to addresses and origins that are
+// refused.
 std::optional<Response> answer_at_the_door(const Request& request,
                                            const RouteMatch& match,
                                            const ServiceLimits& limits) {
@@ -178,10 +179,10 @@ RouteMatch find_route(verb method, std::string_view path) {
 
 namespace {
 
-// Its body is read before it is handled.
+// Returns whether the body is read before the handler runs.
 bool is_whole(RouteKind kind) { return kind == RouteKind::Plain || kind == RouteKind::Secret; }
 
-// What deletes needs some room to say so in the catalog: on a full disk it has that of the reserve.
+// A deletion needs some space for its entry in the catalog: on a full disk it uses the reserve.
 Awaitable<Response> answer(Request request, Services services, const Route& route) {
     if (route.method == verb::post && is_whole(route.kind))
         co_return co_await answer_once(request, services, route);

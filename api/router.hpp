@@ -9,18 +9,19 @@
 
 namespace divemesh::api {
 
+// The route that matches a path, with its parameters.
 struct RouteMatch {
-    const Route* route = nullptr;  // null: nothing there (no methods), or not by this method
+    const Route* route = nullptr;  // null: unknown path (methods is empty) or another method
     std::map<std::string, std::string, std::less<>> parameters;  // unescaped
-    std::vector<verb> methods;                                   // what the path would answer
+    std::vector<verb> methods;                                   // that the path supports
 };
 
-// `path` is still escaped. HEAD is served by the route of GET where it has none of its own. A
-// parameter is never empty; "{name}" takes no slash, escaped or not.
+// Finds the route of `path`, which is still escaped. The route of GET serves HEAD where HEAD has no
+// route. A parameter is never empty; "{name}" matches no slash, escaped or not.
 RouteMatch find_route(verb method, std::string_view path);
 
-// Finds the route, sees who asks and whether they may, reads the body of a plain route, runs the
-// handler, and turns what it throws into an error response.
+// Finds the route, authenticates and authorizes the caller, reads the body of a plain route, runs
+// the handler, and turns an exception into an error response.
 Awaitable<Response> dispatch(Request request, Services services);
 
 }  // namespace divemesh::api

@@ -23,7 +23,7 @@ namespace {
 
 using enum RouteKind;
 
-// The whole API. api/openapi.yaml lists the same; a test keeps them equal.
+// The whole API. api/openapi.yaml lists the same routes; a test keeps them equal.
 constexpr Route kRoutes[] = {
     // clang-format off
     {Plain,      verb::options, "/api/v1/uploads",                "",            describe_uploads},

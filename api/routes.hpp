@@ -8,20 +8,23 @@
 
 namespace divemesh::api {
 
-// What flows beside a plain answer: the handler reads the request's body itself, answers bytes of a
-// blob, or turns the connection into a WebSocket.
+// How the body flows: plain request and response; plain, with a secret in the response; the handler
+// reads the request's body itself; it sends bytes of a blob; or it turns the connection into a
+// WebSocket.
 enum class RouteKind { Plain, Secret, BodyStream, File, WebSocket };
 
 using Handler = Awaitable<Response> (*)(Request, Services);
 
+// One route of the API.
 struct Route {
     RouteKind kind;
     verb method;
     std::string_view path;   // "{name}" matches one segment, "{name...}" the rest
-    std::string_view scope;  // "": anybody
+    std::string_view scope;  // "": public
     Handler handler;
 };
 
+// Returns every route, in the order of the table.
 std::span<const Route> routes();
 
 }  // namespace divemesh::api

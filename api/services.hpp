@@ -25,19 +25,22 @@ class Readiness;
 class ReportQueue;
 class SensorHub;
 
+// Limits that protect the server, and rules for what other hosts may do.
 struct ServiceLimits {
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
-    std::int64_t min_free_bytes = std::int64_t{256} << 20;  // new uploads leave so much free
+    std::int64_t min_free_bytes = std::int64_t{256} << 20;  // that new uploads must leave free
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
-    std::int64_t max_token_uploads = 200;                                 // open ones of one token
-    std::int64_t min_upload_bytes_per_s = 64;                             // slower is no client
-    std::chrono::milliseconds rate_window = std::chrono::seconds(60);     // for so long
+    std::int64_t max_token_uploads = 200;  // open uploads of one token
+    // A client that is slower, measured over `rate_window`, is disconnected.
+    std::int64_t min_upload_bytes_per_s = 64;
+    std::chrono::milliseconds rate_window = std::chrono::seconds(60);
     std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit
     std::int64_t max_project_dives = 0;  // 0: no limit
-    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);  // dives, till removed
-    std::vector<std::string> allowed_origins;  // of pages elsewhere that may talk to us
-    AllowedNetworks webhook_networks;          // of ours that webhooks may reach
+    // How long deleted dives can be restored before they are removed.
+    std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
+    std::vector<std::string> allowed_origins;  // of other pages that may use this server
+    AllowedNetworks webhook_networks;          // private networks that webhooks may reach
 };
 
 // What handlers may use. All of it outlives every connection and is thread-safe.
@@ -57,7 +60,7 @@ struct Services {
     DiskReserve& reserve;
     ReportQueue& reports;  // of sensors
     SensorHub& sensor_hub;
-    const std::atomic<bool>& stopping;  // long work in the pool gives up when it is set
+    const std::atomic<bool>& stopping;  // long work in the pool gives up once it is true
     const ServiceLimits& limits;
     bool no_auth = false;
 };

@@ -13,12 +13,12 @@
 
 namespace divemesh::api {
 
-// Beast reads into what room its buffer has, this much at most; into one without any, 512 bytes.
+// Max bytes of one read. Beast reads into the free room of its buffer; for a buffer without room it
+// reads 512 bytes.
 constexpr std::size_t kReadBytes = std::size_t{64} << 10;
 
-// A connection between a client and a server, from either end, with TLS or without: which one is
-// decided where it is made, so that whoever reads and writes need not know. Its timeouts are those
-// of the socket below.
+// One end of a connection between a client and a server, with or without TLS. That is decided where
+// it is made, so readers and writers need not know. Its timeouts are those of the socket below.
 class Stream {
 public:
     using next_layer_type = boost::beast::tcp_stream;
@@ -51,7 +51,7 @@ public:
     void cancel() { next_layer().cancel(); }
     void close() { next_layer().close(); }
 
-    // Bytes that a read gives without waiting.
+    // Returns the number of bytes that a read returns without waiting.
     std::size_t available() {
         boost::beast::error_code ignored;
         const auto decrypted = tls_ ? SSL_pending(tls_->native_handle()) : 0;
@@ -71,7 +71,7 @@ public:
 
 private:
     std::optional<next_layer_type> plain_;
-    std::unique_ptr<Tls> tls_;  // one of the two
+    std::unique_ptr<Tls> tls_;  // exactly one of the two is set
 };
 
 // Called by boost::beast::websocket to end the connection below it.

@@ -10,9 +10,9 @@
 
 namespace divemesh::api {
 
-// Tokens that were asked for within the last second, so that a busy client's are not looked up for
-// each of its requests. Whoever revokes a token in this process clears it; what another process
-// revokes opens doors here for a second more. Bounded. Thread-safe.
+// Tokens looked up within the last second, so that a busy client's token is not read for each
+// request. The code that revokes a token in this process clears the cache; a token that another
+// process revokes works here for up to a second more. Bounded. Thread-safe.
 class TokenCache {
 public:
     std::optional<Token> find(const std::string& secret_sha256);

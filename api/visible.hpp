@@ -10,9 +10,9 @@
 
 namespace divemesh::api {
 
-// What the path names by {upload_id}, {dive_id}, {sensor_id}, {schedule_id} or {job_id}. Throws
-// Error{NotFound} alike when it does not exist and when the token does not see its project,
-// Error{Gone} for an upload that ended. Read from `catalog`: block as that does.
+// Return the object that the path names by {upload_id}, {dive_id}, {sensor_id}, {schedule_id} or
+// {job_id}. Throw the same Error{NotFound} if it does not exist and if the token does not see its
+// project, and Error{Gone} for an upload that ended. They read from `catalog` and block as it does.
 Upload visible_upload(const Request& request, storage::Catalog& catalog);
 Dive visible_dive(const Request& request, storage::Catalog& catalog);
 Sensor visible_sensor(const Request& request, storage::Catalog& catalog);

@@ -5,7 +5,7 @@
 
 namespace divemesh::api {
 
-// Unix milliseconds of this machine's clock.
+// Returns this machine's clock in unix milliseconds.
 inline std::int64_t now_ms() {
     return std::chrono::duration_cast<std::chrono::milliseconds>(
                std::chrono::system_clock::now().time_since_epoch())

@@ -6,7 +6,8 @@
 
 namespace divemesh::api {
 
-// The answer to who asks for a WebSocket's address and for none: 426.
+// Returns 426 for a request to a WebSocket's address that does not ask for a WebSocket; otherwise
+// nullopt.
 std::optional<Response> web_socket_refusal(const Request& request);
 
 }  // namespace divemesh::api

@@ -20,7 +20,7 @@ std::string to_base64(const std::vector<unsigned char>& bytes) {
     return text;
 }
 
-// Of our own making: its length is a multiple of four.
+// Decodes a secret of webhook_secret(): its length is a multiple of four.
 std::vector<unsigned char> from_base64(std::string_view text) {
     std::vector<unsigned char> bytes(text.size() / 4 * 3);
     const int size = EVP_DecodeBlock(bytes.data(),

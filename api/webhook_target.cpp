@@ -24,7 +24,7 @@ bool is_name(const std::string& host) {
         return letter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '-' ||
                c == '.';
     };
-    // A last part that begins with a digit is a number to some resolvers: octal, hex, 32 bits.
+    // Some resolvers read a last part that begins with a digit as a number: octal, hex, 32 bits.
     const std::string last = host.substr(host.rfind('.') + 1);
     return host.size() <= 253 && std::all_of(host.begin(), host.end(), plain) && !last.empty() &&
            letter(last.front());
@@ -55,7 +55,8 @@ constexpr Block kSpecialV4[] = {{"0.0.0.0", 8},
                                 {"198.51.100.0", 24},
                                 {"203.0.113.0", 24},
                                 {"224.0.0.0", 3}};
-// Of 2000::/3, the only unicast that is routed: protocols, documentation, IPv4 in disguise.
+// Special blocks within 2000::/3, the only unicast that is routed: protocols, documentation,
+// embedded IPv4.
 constexpr Block kSpecialV6[] = {{"2001::", 23}, {"2001:db8::", 32}, {"2002::", 16}, {"3fff::", 20}};
 
 std::vector<unsigned char> bytes_of(const ip::address& address) {

@@ -6,7 +6,7 @@
 
 namespace divemesh::api {
 
-// Where a webhook is sent to.
+// The address that a webhook is sent to.
 struct WebhookTarget {
     bool tls = true;
     std::string host;  // a name, or an address without brackets
@@ -14,11 +14,12 @@ struct WebhookTarget {
     std::string path;  // with its query
 };
 
-// Throws Error{InvalidArgument} for what is no plain http(s) address: user names, odd ports, hosts
-// that are numbers in another form than dotted decimals, blanks and control characters.
+// Parses a webhook's URL. Throws Error{InvalidArgument} unless it is a plain http(s) address: no
+// user names, odd ports, hosts that are numbers in another form than dotted decimals, blanks or
+// control characters.
 WebhookTarget parse_webhook_url(const std::string& url);
 
-// Networks of our own that webhooks may reach, "127.0.0.1/32" or "10.1.0.0/16". Throws
+// Private networks that webhooks may reach, e.g. "127.0.0.1/32" or "10.1.0.0/16". Throws
 // Error{InvalidArgument}.
 class AllowedNetworks {
 public:
@@ -34,8 +35,8 @@ private:
     std::vector<Network> networks_;
 };
 
-// Not of this machine, of a private or local network, or otherwise special (IANA's registries of
-// special-purpose addresses, RFC 6890).
+// Returns whether an address is public: not of this machine, not of a private or local network, and
+// not otherwise special (IANA's registries of special-purpose addresses, RFC 6890).
 bool is_public(const boost::asio::ip::address& address);
 
 }  // namespace divemesh::api

@@ -6,13 +6,13 @@
 
 namespace divemesh::cli {
 
-// What every sub-command gets from the program around it.
+// What every sub-command gets from the program.
 struct Context {
     bool json = false;             // --json: results for machines
-    std::function<int()> command;  // what the chosen sub-command does; returns the exit code
+    std::function<int()> command;  // runs the chosen sub-command; returns the exit code
 };
 
-// One function per sub-command, in the file of its name: declares options and sets
+// One function per sub-command, in the file of its name: declares its options and sets
 // `context.command`.
 void add_serve(CLI::App& app, Context& context);
 void add_worker(CLI::App& app, Context& context);

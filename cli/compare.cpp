@@ -72,7 +72,7 @@ struct ServerSide {
     bool wait = true;
 };
 
-// The same of two dives or reconstructions on a server.
+// Compares two dives or reconstructions on a server.
 int run_there(const compare::CompareRequest& request,
               const ServerSide& there,
               const Context& context) {

@@ -7,7 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The folder exists and has an absolute name: children of ours run elsewhere.
+// Creates the folder and returns its absolute path, because child processes run elsewhere.
 fs::path data_folder(const DataOptions& options, const std::string& instead) {
     if (options.data.empty())
         throw Error(ErrorCode::InvalidArgument,
@@ -38,7 +38,7 @@ std::string blobs_url(const DataOptions& options) {
 
 namespace {
 
-// Beside a directory of blobs, else below the system's temporary folder.
+// Returns a folder beside a directory of blobs, otherwise below the system's temporary folder.
 fs::path beside_blobs(const DataOptions& options, const std::string& name) {
     std::string blobs = blobs_url(options);
     const std::string scheme = "file://";

@@ -6,22 +6,23 @@
 
 namespace divemesh::cli {
 
-// Where everything is kept: --data DIR, or --catalog and --blobs apart.
+// Where all data is stored: --data DIR, or --catalog and --blobs separately.
 struct DataOptions {
     std::filesystem::path data;
     std::string catalog;
     std::string blobs;
 };
 
+// Adds --data, --catalog and --blobs.
 void add_data_options(CLI::App& command, DataOptions& options);
 
-// Both throw Error{InvalidArgument} when neither --data nor the URL is given.
+// Both throw Error{InvalidArgument} if neither --data nor the URL is given.
 std::string catalog_url(const DataOptions& options);  // default sqlite:///DIR/catalog.db
 std::string blobs_url(const DataOptions& options);    // default DIR/blobs
-// Scratch of running attempts: beside a directory of blobs, else below the system's temporary
-// folder.
+// Returns the folder for scratch files of running attempts: beside a directory of blobs, otherwise
+// below the system's temporary folder.
 std::filesystem::path work_folder(const DataOptions& options);
-// What stages made, kept for other attempts: beside the work folder.
+// Returns the folder for cached results of stages: beside the work folder.
 std::filesystem::path cache_folder(const DataOptions& options);
 
 }  // namespace divemesh::cli

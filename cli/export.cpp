@@ -21,7 +21,7 @@ struct ExportOptions {
     std::optional<double> x_azimuth_deg;
 };
 
-// What is given here goes before what dive.json said.
+// An option overrides the position in dive.json.
 std::optional<types::GeographicPosition> position(const ExportOptions& options,
                                                   const io::ReconstructionFolder& reconstruction) {
     if (!options.latitude_deg) return io::position_of(reconstruction);

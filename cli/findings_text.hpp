@@ -6,7 +6,8 @@
 
 namespace divemesh::cli {
 
-// "error    mav0/cam1/data.csv:3: time goes back (timestamps_backwards)" and the remedy below it.
+// Returns e.g. "error    mav0/cam1/data.csv:3: time goes back (timestamps_backwards)" with the
+// remedy below it.
 std::string finding_text(const Finding& finding);
 
 }  // namespace divemesh::cli

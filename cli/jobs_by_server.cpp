@@ -30,7 +30,7 @@ client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::in
     };
 }
 
-// The same bytes of that kind, when the dive has them already.
+// Returns the id of the same bytes of that kind if the dive has them already; otherwise "".
 std::string find_truth(client::RestClient& rest,
                        const std::string& dive_id,
                        const std::string& kind,
@@ -75,7 +75,7 @@ std::string send_truth(client::RestClient& rest,
 
 bool is_job(const std::string& subject) { return subject.starts_with("job_"); }
 
-// A reconstruction is of a dive.
+// Returns the dive of a reconstruction.
 std::string dive_of(client::RestClient& rest, const std::string& subject) {
     if (!is_job(subject)) return subject;
     return rest.get("/api/v1/jobs/" + client::percent_encode(subject)).get<Job>().dive_id;

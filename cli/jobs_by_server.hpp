@@ -11,30 +11,31 @@
 
 namespace divemesh::cli {
 
-// A file of truth that a job is to read.
+// A file of truth that a job reads.
 struct TruthToSend {
     std::filesystem::path file;
     std::string kind;
-    std::string subject;  // whose it is: id of a dive, or of a reconstruction of it
+    std::string subject;  // id of its dive, or of a reconstruction of that dive
 };
 
-// A job that is asked of a server beside reconstructions: an accuracy report or a comparison.
+// A job on a server other than a reconstruction: an accuracy report or a comparison.
 struct ServerJob {
     std::string subject;  // id of a dive, or of a reconstruction
     std::string kind;
     nlohmann::json options = nlohmann::json::object();
     std::map<std::string, TruthToSend> truth;  // sent first, by the option that names it
-    bool wait = true;                          // until it is finished
-    std::filesystem::path out;                 // then fetch the artifacts to here; "": no
+    bool wait = true;                          // until it has finished
+    std::filesystem::path out;                 // where to download the artifacts; "": nowhere
 };
 
-// Whether a command with the option --server means something there, not a folder here.
+// Returns whether a command with the option --server is meant for the server, not for a local
+// folder.
 bool is_on_server(const CLI::App& command, const std::filesystem::path& subject);
 
-// Sends the truth, makes the job and waits as it is told, then calls `done` with the address of its
-// artifacts ("/api/v1/jobs/.../artifacts/"). Returns the exit code: of `done`; kExitFailed when the
-// job came to nothing, which stderr then explains; kExitDone with the job's id on stdout when it is
-// not waited for.
+// Sends the truth, creates the job and waits if wanted, then calls `done` with the URL of its
+// artifacts ("/api/v1/jobs/.../artifacts/"). Returns the exit code: that of `done`; kExitFailed if
+// the job did not succeed, which stderr explains; kExitDone, with the job's id on stdout, if it
+// does not wait.
 int run_on_server(api::client::RestClient& rest,
                   const ServerJob& wanted,
                   const Context& context,

@@ -20,7 +20,7 @@ std::string default_config_file() {
     return std::string(home != nullptr ? home : "") + "/.config/divemesh.toml";
 }
 
-// Every long option of every sub-command can be given as DIVEMESH_NAME too.
+// Lets every long option of every sub-command be given as DIVEMESH_NAME too.
 void name_variables(CLI::App& app) {
     for (CLI::Option* option : app.get_options()) {
         const auto& names = option->get_lnames();

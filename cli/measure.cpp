@@ -54,7 +54,7 @@ std::vector<std::string> metric_row(const json& metric) {
             "[" + number("low") + ", " + number("high") + "]"};
 }
 
-// Area by area, then what belongs to several of them.
+// Prints area by area, then what belongs to several of them.
 std::string report_text(const json& result) {
     std::string text;
     std::set<std::string> shown;

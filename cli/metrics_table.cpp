@@ -19,7 +19,7 @@ std::string number_text(const char* format, double value) {
     return text.data();
 }
 
-// Six decimals, as papers and other evaluation tools print them: micrometres of an error in metres.
+// Six decimals, as in papers and other evaluation tools: micrometres of an error in metres.
 std::string value_text(const nlohmann::json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (!value.is_number_float()) return value.dump();
@@ -44,7 +44,7 @@ std::string vector_text(const nlohmann::json& vector) {
     return text;
 }
 
-// What tells the rows of a list apart: the stage, the segment's length, the threshold.
+// Returns what distinguishes the rows of a list: the stage, the segment's length, the threshold.
 std::string take_label(nlohmann::json& item, std::size_t index) {
     for (const char* key : {"stage", "name", "length_m", "threshold_m"}) {
         const auto found = item.find(key);

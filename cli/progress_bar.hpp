@@ -5,8 +5,8 @@
 
 namespace divemesh::cli {
 
-// One line on stderr that is drawn anew: a bar on a terminal, else a line every ten seconds or when
-// the label changes. Gone from the terminal when the object ends.
+// A progress line on stderr: a bar that is redrawn on a terminal, otherwise a line every ten
+// seconds or when the label changes. The destructor removes it from the terminal.
 class ProgressBar {
 public:
     ProgressBar();
@@ -14,9 +14,9 @@ public:
     ProgressBar(const ProgressBar&) = delete;
     ProgressBar& operator=(const ProgressBar&) = delete;
 
-    // fraction < 0: not known.
+    // fraction < 0: unknown.
     void show(const std::string& label, double fraction, const std::string& detail);
-    // A line of text above the bar.
+    // Prints a line of text above the bar.
     void say(const std::string& text);
 
 private:
@@ -26,7 +26,7 @@ private:
     std::chrono::steady_clock::time_point drawn_at_{};
 };
 
-// Rate over the last seconds and the time that is left, as text.
+// Formats the rate over the last seconds and the remaining time.
 class TransferMeter {
 public:
     std::string detail(std::int64_t bytes_done, std::int64_t bytes_total);

@@ -22,7 +22,7 @@ struct ReconstructOptions {
     fs::path dive;
     fs::path out;
     PresetOptions preset;
-    nlohmann::json overrides = nlohmann::json::object();  // of the flags that have a name here
+    nlohmann::json overrides = nlohmann::json::object();  // of the options with a flag of their own
     bool no_texture = false;
     bool explain = false;
 };
@@ -63,7 +63,7 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     request.dive = options.dive;
     request.out = options.out;
     request.scratch = scratch.path();
-    request.resumable = false;  // the folder goes with this run
+    request.resumable = false;  // the folder is removed after this run
     request.preset = options.preset.preset;
     request.options = chosen;
     const nlohmann::json metrics = run_with_bar(request);
@@ -71,7 +71,7 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     return kExitDone;
 }
 
-// A flag of its own for an option of the preset.
+// Adds a flag for one option of the preset.
 template <typename Value>
 void add_override(CLI::App& command,
                   const std::shared_ptr<ReconstructOptions>& options,

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReportOptions {
-    std::string subject;  // folder of a reconstruction; on a server, a dive or a job
+    std::string subject;  // folder of a reconstruction; on a server a dive or a job
     ServerOptions server;
     bool wait = true;
     fs::path dive;
@@ -57,7 +57,7 @@ std::string unit_text(const nlohmann::json& metric) {
     return unit == "1" || !metric.at("value").is_number() ? "" : " " + unit;
 }
 
-// Lever arm and offset where they were solved.
+// Adds lever arm and time offset if they were solved.
 void add_truth(const nlohmann::json& report, std::vector<std::vector<std::string>>& rows) {
     const nlohmann::json truth = report.value("truth", nlohmann::json::object());
     if (!truth.contains("num_poses")) return;
@@ -76,7 +76,7 @@ void add_truth(const nlohmann::json& report, std::vector<std::vector<std::string
                                 value_text(lever.at("sigma").at(axis)) + " m"});
 }
 
-// What a person wants to know first: the verdicts, then the figures that papers quote.
+// Returns the verdicts, then the metrics that papers quote.
 std::string summary(const nlohmann::json& report) {
     constexpr const char* kQuoted[] = {"trajectory.final.ate_rmse_m",
                                        "trajectory.final.drift_percent",
@@ -157,7 +157,7 @@ void write_text(const fs::path& file, const std::string& text) {
     if (!stream) throw Error(ErrorCode::OutOfSpace, "cannot write " + file.string());
 }
 
-// The same on a server: truth goes there, the report comes from there.
+// Makes the report on a server: sends the truth, downloads the report.
 int report_there(const ReportOptions& options, const Context& context) {
     if (!options.dive.empty())
         throw Error(ErrorCode::InvalidArgument,

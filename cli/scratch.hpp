@@ -4,7 +4,7 @@
 
 namespace divemesh::cli {
 
-// A folder of this run's own under `parent`, removed with the object.
+// A new folder for this run under `parent`; the destructor removes it.
 class ScratchFolder {
 public:
     explicit ScratchFolder(const std::filesystem::path& parent);  // throws Error{OutOfSpace}

@@ -37,7 +37,7 @@ struct SensorOptions {
     sensor::AgentSettings agent;
 };
 
-// What happens is told by several threads, line by line.
+// Prints events of several threads, line by line.
 class Printer {
 public:
     explicit Printer(bool as_json) : as_json_(as_json) {}
@@ -104,7 +104,8 @@ sensor::AgentSettings settings_of(const SensorOptions& options, const Printer& p
     return settings;
 }
 
-// A replay ends when all of it was said and is on the server, or after a while without a server.
+// Returns whether a replay may end: all messages are on the server, or there was no server for a
+// while.
 bool is_all_said(const sensor::Agent& agent,
                  sensor::Clock::time_point over_at,
                  const SensorOptions& options) {
@@ -113,7 +114,7 @@ bool is_all_said(const sensor::Agent& agent,
 }
 
 int run_sensor(const SensorOptions& options, const Context& context) {
-    std::signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of the write, not the end
+    std::signal(SIGXFSZ, SIG_IGN);  // a full quota becomes an error of the write
     const Printer print(context.json);
     std::optional<sensor::Clock::time_point> over_at;
     sensor::AgentSettings settings = settings_of(options, print);

@@ -5,8 +5,8 @@
 
 namespace divemesh::cli {
 
-// SIGTERM and SIGINT as a stop token. Made before any other thread, so that all of them leave the
-// signals to its own.
+// SIGTERM and SIGINT as a stop token. Create it before any other thread, so that the others leave
+// the signals to its thread.
 class StopSignal {
 public:
     StopSignal();

@@ -24,7 +24,7 @@ struct TokenOptions {
     std::string id;
 };
 
-// Of whom the machine believes that they typed it.
+// Returns the name of the user, as the system knows it.
 std::string by_whom() {
     const passwd* user = getpwuid(getuid());
     return std::string("command line, ") +

@@ -63,7 +63,8 @@ HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     return {std::move(tar), hashes, name + ".tar"};
 }
 
-// The dive when the server has it already, by what it holds or by the very bytes.
+// Returns the dive if the server has it already, by its content or by the archive's bytes;
+// otherwise nullopt.
 std::optional<Dive> find_dive(client::RestClient& rest,
                               const client::DiveHashes& hashes,
                               client::Backoff& backoff) {
@@ -125,8 +126,8 @@ Dive make_dive(client::RestClient& rest,
         .get<Dive>();
 }
 
-// Whether the server holds what is here, and means to keep it: the very bytes, or the same
-// recording packed otherwise, which it has opened and hashed file by file.
+// Returns whether the server has the local dive and keeps it: the same bytes, or the same recording
+// in another archive, which it has opened and hashed file by file.
 bool is_verified(const Dive& dive, const client::DiveHashes& hashes) {
     if (dive.state == DiveState::Refused || dive.deleted_at_ms > 0) return false;
     if (dive.archive_sha256 == hashes.archive_sha256) return true;
@@ -134,8 +135,8 @@ bool is_verified(const Dive& dive, const client::DiveHashes& hashes) {
            dive.content_sha256 == hashes.content_sha256;
 }
 
-// What was remembered of an upload may be of one whose dive was deleted since, or that the server
-// no longer knows: then all is sent anew, once.
+// Sends the dive. A remembered upload may belong to a deleted dive, or be unknown to the server:
+// then everything is sent again, once.
 Dive send_and_make(client::RestClient& rest,
                    HashedSource& source,
                    const UploadOptions& options,
@@ -157,7 +158,7 @@ Dive send_and_make(client::RestClient& rest,
     }
 }
 
-// The reconstruction that was asked for: one that is there already, else a new one.
+// Returns the requested reconstruction: an existing one, otherwise a new one.
 Job ensure_job(client::RestClient& rest,
                const Dive& dive,
                const PresetOptions& preset,
@@ -192,7 +193,7 @@ int wait_for(client::RestClient& rest, const std::string& job_id, const UploadOp
 struct Sent {
     Dive dive;
     bool verified = false;
-    std::string job_id;  // "": none was asked for
+    std::string job_id;  // "": no reconstruction
 };
 
 Sent send_dive(client::RestClient& rest, const UploadOptions& options) {

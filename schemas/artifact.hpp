@@ -15,7 +15,7 @@ struct Artifact {
     std::string blob;  // key in the blob store; not shown over HTTP
 };
 
-// By the extension; application/octet-stream for what we do not know.
+// Returns the media type for a file's extension; application/octet-stream if it is unknown.
 std::string media_type_of(const std::string& name);
 
 }  // namespace divemesh

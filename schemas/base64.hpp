@@ -6,10 +6,10 @@
 
 namespace divemesh {
 
-// RFC 4648, section 4, with padding. Nothing for what is not base64.
+// Decodes base64 with padding (RFC 4648, section 4); nullopt if it is invalid.
 std::optional<std::string> decode_base64(std::string_view text);
 
-// The other way.
+// Encodes bytes as base64 with padding.
 std::string encode_base64(std::string_view bytes);
 
 }  // namespace divemesh

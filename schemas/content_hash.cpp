@@ -21,7 +21,7 @@ evp_md_ctx_st* new_context() {
     return context;
 }
 
-// What comes before the first folder called `name`, or nothing.
+// Returns what precedes the first folder called `name`; nullopt if there is none.
 std::optional<std::string_view> before_folder(std::string_view path, std::string_view name) {
     std::size_t start = 0;
     while (true) {

@@ -69,7 +69,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
     return parts;
 }
 
-// "*", "5", "1-5", "*/10", "1-30/2"; a number with a step goes on to the end, as cron has it.
+// Adds "*", "5", "1-5", "*/10" or "1-30/2"; a number with a step runs to the end, as in cron.
 template <std::size_t kSize>
 void add_range(const Field& field, std::string_view text, std::bitset<kSize>& set) {
     const auto slash = split(text, '/');

@@ -6,17 +6,17 @@
 
 namespace divemesh {
 
-// When something is due: five fields of crontab(5), minute hour day-of-month month day-of-week, in
-// UTC. A field is *, a number, a range a-b, either with a step /n, or several of these with commas;
-// months and weekdays also by three letters; Sunday is 0 or 7. As cron has it, a day is due when
-// either of the two day fields fits if both are restricted.
+// A cron expression: five fields of crontab(5), minute hour day-of-month month day-of-week, in UTC.
+// A field is *, a number, a range a-b, either with a step /n, or several of these with commas.
+// Months and weekdays may be three letters; Sunday is 0 or 7. As in cron, if both day fields are
+// restricted, a day is due when either of them matches.
 class Cron {
 public:
-    // Throws Error{InvalidArgument} that says which field is wrong, also for a day that never comes
+    // Throws Error{InvalidArgument}, which names the wrong field, also for a day that never comes
     // (30 February).
     static Cron parse(std::string_view text);
 
-    // The first due minute after `unix_ms`.
+    // Returns the first due minute after `unix_ms`.
     std::int64_t next_after_ms(std::int64_t unix_ms) const;
 
 private:

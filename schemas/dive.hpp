@@ -7,32 +7,32 @@
 
 namespace divemesh {
 
-// checking until the intake job has opened it, then ready or refused. Never changes after that.
+// checking until the intake job has read the dive, then ready or refused. It never changes after
+// that.
 enum class DiveState { Checking, Ready, Refused };
 
 std::string_view to_string(DiveState state);
 DiveState dive_state_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
-// One recording by one rig, as the catalog knows it. Times are unix milliseconds (wall clock).
+// One recording by one rig, as the catalog stores it. Times are unix milliseconds (wall clock).
 struct Dive {
     std::string id;  // made by the server
     std::string project;
     DiveState state = DiveState::Checking;
-    std::string name;  // from dive.json, else the file name it came with
+    std::string name;  // from dive.json, otherwise the name of the uploaded file
     std::string site;
-    std::string rig;  // from dive.json, as the site
+    std::string rig;  // from dive.json, like the site
     std::vector<std::string> tags;
     std::string archive_sha256;  // of the bytes that were uploaded
-    std::string content_sha256;  // of the sorted (path, sha256) list: identity across zip and tar;
-                                 // "" until stated by the client or computed by intake
+    std::string content_sha256;  // same for zip and tar; "" until the client or intake sets it
     std::int64_t archive_bytes = 0;
     std::string blob;             // key of the archive in the blob store; not shown over HTTP
     std::int64_t num_frames = 0;  // 0 until intake
     double duration_s = 0.0;      // 0 until intake
     bool has_thumbnail = false;
     std::int64_t created_at_ms = 0;
-    std::int64_t deleted_at_ms = 0;  // 0: it is not
-    std::int64_t expires_at_ms = 0;  // of a deleted one: removed for good from then on
+    std::int64_t deleted_at_ms = 0;  // 0: not deleted
+    std::int64_t expires_at_ms = 0;  // of a deleted dive: when it is removed for good
 };
 
 }  // namespace divemesh

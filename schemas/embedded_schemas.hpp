@@ -4,7 +4,7 @@
 
 namespace divemesh {
 
-// The texts of metrics.schema.json and report.schema.json as they were when the program was built.
+// Return the texts of metrics.schema.json and report.schema.json at build time.
 std::string_view metrics_schema_json();
 std::string_view report_schema_json();
 

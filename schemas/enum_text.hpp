@@ -9,7 +9,7 @@
 
 namespace divemesh {
 
-// One row of the table that gives an enum its words in JSON and SQL.
+// One row of the table that gives the words of an enum in JSON and SQL.
 template <typename Enum>
 struct EnumText {
     Enum value;
@@ -23,7 +23,8 @@ constexpr std::string_view enum_to_text(const EnumText<Enum> (&table)[N], Enum v
     throw std::logic_error("enum value without a text");
 }
 
-// Throws Error{InvalidArgument} that names `what` and lists the known words.
+// Returns the value for a word. Throws Error{InvalidArgument}, which names `what` and lists the
+// known words.
 template <typename Enum>
 Enum enum_from_text(std::span<const EnumText<Enum>> table,
                     std::string_view text,

@@ -6,28 +6,28 @@
 
 namespace divemesh {
 
-// What went wrong, in the words of the domain. api/error_response.cpp maps each code to one HTTP
-// status, cli/exit_code.hpp to an exit code. Anything that is not an Error is a bug or a broken
-// machine: "internal error".
+// The kinds of errors. api/error_response.cpp maps each code to one HTTP status, cli/exit_code.hpp
+// to an exit code. An exception that is not an Error is a bug or a broken machine: "internal
+// error".
 enum class ErrorCode {
     InvalidArgument,  // the request or an option is wrong
-    BadData,          // a recording is wrong; trying again cannot help
+    BadData,          // a recording is wrong; a retry cannot help
     NotFound,
-    Gone,                  // it was here and does not come back
-    Conflict,              // not in this state, or somebody else was first
-    Locked,                // another request holds it and has not let go in time
+    Gone,                  // it existed and does not come back
+    Conflict,              // not in this state, or another caller was first
+    Locked,                // another request holds it and did not release it in time
     PreconditionFailed,    // If-Match: it has changed since it was read
-    PreconditionRequired,  // without If-Match nobody knows what would be changed
+    PreconditionRequired,  // without If-Match it is unclear which version would be changed
     TooLarge,
     TooMany,       // too many at once, or too often: wait
     Unauthorized,  // no token, or an unknown one
     Forbidden,     // the token's scope or project does not allow it
-    Unsupported,   // a media type, protocol version or format we do not speak
+    Unsupported,   // an unsupported media type, protocol version or format
     Cancelled,
-    OutOfQuota,   // the project has as much as it may have: make room, or ask for more
+    OutOfQuota,   // the project's quota is used up: delete something, or ask for more
     OutOfSpace,   // the disk is full
-    OutOfMemory,  // of the machine, or of what a process may have
-    Unavailable,  // try again later: network, database, a locked file
+    OutOfMemory,  // of the machine, or the limit of a process
+    Unavailable,  // retry later: network, database, a locked file
 };
 
 // The message says what was wrong, where (file, line, frame) and what to do.

@@ -6,14 +6,14 @@
 
 namespace divemesh {
 
-// Owns an open file descriptor and closes it. Here because storage, worker, api's client and the
-// sensor share no lower folder.
+// Owns an open file descriptor and closes it. It is here because storage, worker, the api's client
+// and the sensor share no lower folder.
 class FileDescriptor {
 public:
     FileDescriptor() = default;
     explicit FileDescriptor(int number) : number_(number) {}  // negative: not open
     ~FileDescriptor() {
-        const int failure = errno;  // of the call that is being reported
+        const int failure = errno;  // keeps the errno of a failed call
         close();
         errno = failure;
     }
@@ -25,7 +25,7 @@ public:
 
     int get() const { return number_; }
     bool is_open() const { return number_ >= 0; }
-    // Closes it now; false and errno where the system could not write what it still held.
+    // Closes it now. Returns false with errno if the system could not write the remaining bytes.
     bool close() { return !is_open() || ::close(std::exchange(number_, -1)) == 0; }
 
 private:

@@ -8,22 +8,21 @@
 
 namespace divemesh {
 
-// One thing that is wrong with what was given, and where: a JSON pointer into it (RFC 6901), or a
-// parameter of the address.
+// One fault of an input, and where it is: a JSON pointer (RFC 6901), or a query parameter.
 struct Fault {
     std::string detail;
     std::string pointer;
     std::string parameter;
 };
 
-// All that is wrong with what was given, as far as it shows at once.
+// All faults of an input that can be found at once.
 class InvalidInput : public Error {
 public:
     explicit InvalidInput(std::vector<Fault> faults)
         : Error(ErrorCode::InvalidArgument, joined(faults)), faults_(std::move(faults)) {}
 
     const std::vector<Fault>& faults() const { return faults_; }
-    // The same of what holds it under `pointer`.
+    // Returns the same faults for a document that holds the input under `pointer`.
     InvalidInput below(const std::string& pointer) const {
         std::vector<Fault> faults = faults_;
         for (Fault& fault : faults) fault.pointer.insert(0, pointer);

@@ -43,7 +43,7 @@ std::string_view usual_remedy(ErrorCode code) {
             return "free space on the disks of the workers' scratch folder and of the blobs";
         case ErrorCode::OutOfMemory:
             return "run it on a worker with more memory, or with a larger voxel_m";
-        case ErrorCode::PreconditionFailed:  // these are of requests, not of jobs
+        case ErrorCode::PreconditionFailed:  // these concern requests, not jobs
         case ErrorCode::PreconditionRequired:
         case ErrorCode::Unavailable:
             return "see the logs of its attempts; if it is not tried again automatically, use "

@@ -20,40 +20,40 @@ enum class JobKind { Intake, Reconstruct, AccuracyReport, Compare };
 std::string_view to_string(JobKind kind);
 JobKind job_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
-// How far a job is. Comes out of the pipeline through one callback.
+// Progress of a job. The pipeline reports it through one callback.
 struct Progress {
     std::string stage;      // track, optimise, fuse, mesh, texture, evaluate
     double fraction = 0.0;  // of the whole job, 0 to 1
     std::int64_t frames_done = 0;
     std::int64_t num_frames = 0;
     double frames_per_s = 0.0;
-    double seconds_left = -1.0;  // negative: not known yet
+    double seconds_left = -1.0;  // negative: not yet known
 };
 
-// Why an attempt or a job ended as it did: the cause and what to do.
+// Why an attempt or a job failed, and what to do.
 struct Failure {
     ErrorCode code = ErrorCode::Unavailable;
-    std::string message;  // "" when nothing failed
-    std::string remedy;   // "": usual_remedy(code) serves
+    std::string message;  // "" without a failure
+    std::string remedy;   // "": usual_remedy(code) applies
 };
 
-// What helps against a failure of this class when nothing more is known of it.
+// Returns the remedy for a failure of this class if no better one is known.
 std::string_view usual_remedy(ErrorCode code);
 
-// What a reconstruction is made of, in order; publishing ends every job.
+// The stages of a reconstruction, in order; "publish" ends every job.
 inline constexpr std::array<std::string_view, 7> kStageNames = {
     "track", "optimise", "fuse", "mesh", "texture", "evaluate", "publish"};
 
-// A stage of the newest attempt that is done.
+// A finished stage of the newest attempt.
 struct StageRun {
-    std::string name;  // of kStageNames
+    std::string name;  // one of kStageNames
     double seconds = 0.0;
-    bool from_cache = false;  // an earlier attempt or job made it
+    bool from_cache = false;  // an earlier attempt or job had computed it
 };
 
-// What waits for a job that is queued. Negative: not known.
+// The forecast for a queued job. Negative: unknown.
 struct Forecast {
-    std::int64_t position = 0;  // 1: the next one
+    std::int64_t position = 0;  // 1: next
     double starts_in_s = -1.0;
     double takes_s = -1.0;
 };
@@ -67,28 +67,28 @@ struct Job {
     JobState state = JobState::Queued;
     std::string preset;                                 // of a reconstruction
     nlohmann::json options = nlohmann::json::object();  // overrides of the preset
-    std::vector<std::string> parents;  // start only when all of these have succeeded
+    std::vector<std::string> parents;  // all of these must succeed before it starts
     int priority = 0;                  // each step is worth ten minutes of waiting
-    bool paused = false;               // held by a person
-    bool lowered = false;              // memory ran out: the next attempt takes as little as it can
+    bool paused = false;               // held by a user
+    bool lowered = false;              // memory ran out: the next attempt uses the least possible
     int num_attempts = 0;              // begun so far
     int max_attempts = 3;
     bool cancel_requested = false;
     Progress progress;
     std::vector<StageRun> stages;
-    std::optional<Forecast> forecast;  // as asked for; not stored
+    std::optional<Forecast> forecast;  // computed on request, not stored
     Failure failure;
-    std::vector<RequirementResult> requirements;  // of a report that has succeeded
+    std::vector<RequirementResult> requirements;  // of a report that succeeded
     std::int64_t not_before_ms = 0;
     std::int64_t created_at_ms = 0;
     std::int64_t started_at_ms = 0;   // of the newest attempt; 0: never
     std::int64_t finished_at_ms = 0;  // 0: not finished
 };
 
-// passed, failed, or "" where nothing was required.
+// Returns passed, failed, or "" without requirements.
 std::string_view verdict_of(const Job& job);
 
-// What a worker holds while it may write to a job. Every write carries it; a stale one changes
+// A worker's right to write to a job. Every write carries it; one with a stale lease changes
 // nothing.
 struct Lease {
     std::string job_id;
@@ -96,6 +96,7 @@ struct Lease {
     std::string lease_id;  // random, 128 bit, hex
 };
 
+// One run of a job by a worker. Times are unix milliseconds (wall clock of the catalog).
 struct Attempt {
     std::string job_id;
     int number = 0;

@@ -1,4 +1,4 @@
-// The JSON of jobs, their attempts, and of the queue and workers that see to them.
+// The JSON of jobs and their attempts, of the queue and of workers.
 #include "schemas/json.hpp"
 
 namespace divemesh {

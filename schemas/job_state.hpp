@@ -5,16 +5,16 @@
 
 namespace divemesh {
 
-// The life of a job. The only place where its states and transitions are declared;
-// api/openapi.yaml and storage/migrations are held to it by tests/architecture.
+// The life of a job: the only place that declares its states and transitions. tests/architecture
+// compares api/openapi.yaml and storage/migrations with it.
 //
 //   held       paused, or its parents are unfinished
 //   queued     waits for a worker; `not_before` after a failure that may be retried
 //   running    one attempt has the lease
 //   succeeded  its artifacts are visible
-//   failed     bad data: trying again cannot help
+//   failed     bad data: a retry cannot help
 //   dead       the attempts are used up; redrive puts it back into the queue
-//   cancelled  by a person; a running job is cancelled once its process is gone
+//   cancelled  by a user; a running job is cancelled once its process is gone
 enum class JobState { Held, Queued, Running, Succeeded, Failed, Dead, Cancelled };
 
 inline constexpr auto kJobStates = [] {
@@ -31,20 +31,20 @@ inline constexpr auto kJobTransitions = [] {
     using enum JobState;
     return std::to_array<JobTransition>({
         {Held, Queued},        // resumed, or the last parent succeeded
-        {Held, Failed},        // a parent failed
-        {Held, Cancelled},     // by a person
+        {Held, Failed},        // a parent did not succeed
+        {Held, Cancelled},     // by a user
         {Queued, Held},        // paused
         {Queued, Running},     // claimed by a worker
-        {Queued, Cancelled},   // by a person, before it started
+        {Queued, Cancelled},   // by a user, before it started
         {Running, Succeeded},  // artifacts published
         {Running, Failed},     // bad data
         {Running, Queued},     // lost lease, graceful shutdown, or a failure that may be retried
         {Running, Dead},       // attempts used up
-        {Running, Cancelled},  // by a person
+        {Running, Cancelled},  // by a user
         {Dead, Queued},        // redrive
-        {Failed, Queued},      // asked for again after its cause was mended
-        {Failed, Held},        // the parent that it failed with was asked for again
-        {Cancelled, Queued},   // asked for again
+        {Failed, Queued},      // retried after its cause was fixed
+        {Failed, Held},        // retried together with the parent that it failed with
+        {Cancelled, Queued},   // retried
     });
 }();
 
@@ -54,7 +54,7 @@ constexpr bool can_transition(JobState from, JobState to) {
     return false;
 }
 
-// No worker touches a job in such a state, and no time changes it; a person still may.
+// Returns whether a state is final: no worker and no time changes it; a user still may.
 constexpr bool is_finished(JobState state) {
     return state == JobState::Succeeded || state == JobState::Failed || state == JobState::Dead ||
            state == JobState::Cancelled;
@@ -63,7 +63,7 @@ constexpr bool is_finished(JobState state) {
 std::string_view to_string(JobState state);
 JobState job_state_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
-// The life of one attempt: running until it ends in exactly one of the others.
+// The life of one attempt: running until it ends in exactly one of the other states.
 enum class AttemptState { Running, Succeeded, Failed, Cancelled, LeaseLost, Released };
 
 std::string_view to_string(AttemptState state);

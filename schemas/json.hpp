@@ -16,9 +16,9 @@
 #include "schemas/webhook.hpp"
 #include "schemas/worker.hpp"
 
-// What crosses a process boundary. JSON keys are the field names, so there is nothing to look up;
-// api/openapi.yaml documents the same. Server, CLI, worker and catalog all use these. from_json
-// refuses what has the wrong type (nlohmann::json::exception) or an unknown word (Error).
+// JSON of what crosses a process boundary, for server, CLI, worker and catalog. JSON keys are the
+// field names; api/openapi.yaml documents them. from_json throws for a wrong type
+// (nlohmann::json::exception) and for an unknown word (Error).
 namespace divemesh {
 
 void to_json(nlohmann::json& json, const Finding& finding);

@@ -7,7 +7,7 @@
 
 namespace divemesh {
 
-// A figure as a job found it, see schemas/figure.hpp for the names.
+// A metric as a job measured it, see schemas/metric.hpp for the names.
 struct MeasuredMetric {
     std::string name;
     double value = 0.0;
@@ -15,29 +15,29 @@ struct MeasuredMetric {
     std::string method;
 };
 
-// What was asked of a report, and whether it was so.
+// A requirement of a report, and whether it is met.
 struct RequirementResult {
     std::string text;             // as written: "drift_percent<=0.5"
     std::string metric;           // its full name
-    std::optional<double> value;  // nothing: there is no such figure, which is not met
+    std::optional<double> value;  // nullopt: there is no such metric, so it is not met
     bool met = false;
-    std::string reason;  // why it is not met; "" when it is
+    std::string reason;  // why it is not met; "" if it is
 };
 
-// A figure that is worse than its earlier values allow.
+// A metric that is worse than its earlier values allow.
 struct Regression {
     std::string metric;
     double value = 0.0;
-    double median = 0.0;  // of the earlier ones
-    double limit = 0.0;   // what they allow
+    double median = 0.0;  // of the earlier values
+    double limit = 0.0;   // that the earlier values allow
     std::int64_t num_earlier = 0;
 };
 
-// What a job measured, written with its success.
+// What a job measured, stored when it succeeds.
 struct Measurement {
     std::vector<MeasuredMetric> metrics;
     std::vector<RequirementResult> requirements;  // of a report
-    std::vector<Regression> regressions;          // the same
+    std::vector<Regression> regressions;          // of a report
     std::string version;                          // of the program that measured
     std::string calibration_sha256;
 };

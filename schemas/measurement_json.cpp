@@ -1,4 +1,4 @@
-// The JSON of figures, and of the truth and the schedules that they are taken with.
+// The JSON of metrics, and of the truth and the schedules that belong to them.
 #include "schemas/json.hpp"
 
 namespace divemesh {

@@ -4,10 +4,10 @@
 
 namespace divemesh {
 
-// Without what is null in its objects: a merge patch cannot say that something is null.
+// Returns the document without nulls in its objects, because a merge patch cannot set a null.
 nlohmann::json without_nulls(nlohmann::json document);
 
-// What makes `to` of `from` (RFC 7396). Neither holds a null in an object.
+// Returns the patch from `from` to `to` (RFC 7396). Neither may hold a null in an object.
 nlohmann::json merge_patch(const nlohmann::json& from, const nlohmann::json& to);
 
 }  // namespace divemesh

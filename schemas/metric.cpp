@@ -20,7 +20,7 @@ struct Description {
     std::string method;
 };
 
-// By name, with [*] for entries of lists. What ends with ".*" holds figures of any name.
+// By name, with [*] for entries of lists. A name with the end ".*" stands for metrics of any name.
 using Descriptions = std::map<std::string, Description>;
 
 // clang-format off
@@ -29,7 +29,7 @@ constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
     {"_m2", "m^2"}, {"_m3", "m^3"}, {"_px", "px"}, {"_deg", "deg"}, {"_percent", "%"}, {"_ppm", "ppm"},
     {"_bytes", "byte"}, {"_ns", "ns"}, {"_mm", "mm"}, {"_m", "m"}, {"_s", "s"}};
 
-// The first that fits: what was laid on what. `*` stands for final or causal.
+// The alignment that preceded a metric; the first match counts. `*` stands for final or causal.
 constexpr std::pair<std::string_view, std::string_view> kAlignments[] = {
     {"trajectory.*.ate_", "SE(3) over positions (Umeyama 1991), scale 1"},
     {"trajectory.*.rotation_rmse", "SE(3) over positions (Umeyama 1991), scale 1"},
@@ -41,14 +41,14 @@ constexpr std::pair<std::string_view, std::string_view> kAlignments[] = {
     {"truth.", "SE(3) over positions, scale 1"}};
 // clang-format on
 
-// Numbers that name or place something and are no figures.
+// Returns true for numbers that are names or places, not metrics.
 bool is_left_out(std::string_view key) {
     static constexpr std::string_view kKeys[] = {
         "format", "intervals", "from", "to", "id", "piece"};
     return std::find(std::begin(kKeys), std::end(kKeys), key) != std::end(kKeys);
 }
 
-// The last part of a name that says a unit: of "time_offset_s.value" its parent.
+// Returns the unit at the end of a name; for "time_offset_s.value" that of its parent.
 std::string unit_of(std::string_view name) {
     while (!name.empty()) {
         const auto dot = name.rfind('.');
@@ -145,7 +145,7 @@ const Descriptions& descriptions() {
     return known;
 }
 
-// Whether `name` is one of those that a name with [*] stands for.
+// Returns whether `name` matches a pattern with [*].
 bool fits(std::string_view pattern, std::string_view name) {
     const auto star = pattern.find("[*]");
     if (star == std::string_view::npos) return pattern == name;
@@ -157,7 +157,7 @@ bool fits(std::string_view pattern, std::string_view name) {
     return false;
 }
 
-// The full name when `text` is the end of what `pattern` stands for.
+// Returns the full name if `text` is the end of a name that `pattern` matches; otherwise nullopt.
 std::optional<std::string> completed(const std::string& pattern, std::string_view text) {
     if (pattern.ends_with(".*")) {
         const auto open = std::string_view(pattern).substr(0, pattern.size() - 1);
@@ -189,7 +189,7 @@ std::size_t num_edits(std::string_view a, std::string_view b) {  // Levenshtein
     return row.back();
 }
 
-// Edits to the nearest end of the name; none where the one holds the other.
+// Returns the number of edits to the nearest end of the name; 0 if one contains the other.
 std::size_t strangeness(std::string_view text, const std::string& name) {
     if (name.find(text) != std::string::npos) return 0;
     std::size_t best = num_edits(text, name);
@@ -223,7 +223,7 @@ std::ptrdiff_t depth_of(const std::string& name) {
     return std::count(name.begin(), name.end(), '.');
 }
 
-// What tells the entries of a list apart.
+// Returns what distinguishes an entry of a list from the others.
 std::string label_of(const json& entry, std::size_t index) {
     if (!entry.is_object()) return std::to_string(index);
     for (const char* key : {"name", "label", "stage", "id", "length_m", "threshold_m"}) {
@@ -238,7 +238,7 @@ std::string label_of(const json& entry, std::size_t index) {
     return std::to_string(index);
 }
 
-// `described`: the same name with [*] for what the entries are called.
+// `described`: the same name with [*] in place of the entries' names.
 void add_metrics(const json& value,
                  const std::string& name,
                  const std::string& described,

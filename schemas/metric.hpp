@@ -8,27 +8,27 @@
 
 namespace divemesh {
 
-// A number that a report can quote. The name is its way through metrics.json and what the report
-// adds, "trajectory.final.ate_rmse_m"; entries of lists by what tells them apart,
-// "trajectory.final.segments[2].translation_mean_percent".
+// A number that a report can quote. The name is its path in metrics.json and in what the report
+// adds, e.g. "trajectory.final.ate_rmse_m". Entries of lists are named by what distinguishes them,
+// e.g. "trajectory.final.segments[2].translation_mean_percent".
 struct Metric {
     std::string name;
-    std::optional<double> value;  // nothing: asked for and not to be had
-    std::string unit;             // SI as in the name; "1": none
+    std::optional<double> value;  // nullopt: computed but not available
+    std::string unit;             // SI as in the name; "1": dimensionless
     std::string method;           // as the schema describes it
-    std::string alignment;        // what was laid on what before it was taken
+    std::string alignment;        // which alignment preceded it
 };
 
-// Every number of the document, in the order of its keys. Method and unit come from
+// Returns every number of the document, in the order of its keys. Method and unit come from
 // metrics.schema.json and report.schema.json.
 std::vector<Metric> flatten_metrics(const nlohmann::json& document);
 
-// The full name for what a person writes: the whole name or the end of it ("drift_percent",
-// "accuracy.median_m"). Of several, that of the final trajectory goes first, then the shortest
-// way. Throws Error{InvalidArgument} that lists similar names, or those it could mean.
+// Returns the full name for what a user writes: the whole name or its end ("drift_percent",
+// "accuracy.median_m"). Of several matches the final trajectory's comes first, then the shortest
+// path. Throws Error{InvalidArgument}, which lists similar names, or the ambiguous ones.
 std::string resolve_metric(std::string_view text);
 
-// The names of all figures that the schemas describe; [*] stands for any entry of a list.
+// Returns the names of all metrics that the schemas describe; [*] stands for any entry of a list.
 std::vector<std::string> known_metric_names();
 
 }  // namespace divemesh

@@ -6,7 +6,7 @@
 
 namespace divemesh {
 
-// The queue of one project, or of all of them. Paused: what runs goes on, nothing more starts.
+// The queue of one project, or of all projects. Paused: running jobs continue, but no job starts.
 struct Queue {
     std::string project;  // "": the whole queue
     bool paused = false;

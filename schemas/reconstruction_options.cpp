@@ -9,7 +9,7 @@
 namespace divemesh {
 namespace {
 
-// Every option once: its JSON key is its field name.
+// Visits every option once: its JSON key is its field name.
 template <typename Options, typename Visit>
 void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
@@ -44,7 +44,7 @@ void for_each_option(Options& options, Visit&& visit) {
     // clang-format on
 }
 
-// What is wrong with the options, each by its name.
+// Collects what is wrong with the options, by name.
 class OptionFaults {
 public:
     void add(const std::string& name, const std::string& rule) {
@@ -142,7 +142,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
         options.fusion = "octree";
         return options;
     }
-    if (preset == "fast") {  // a look at the day's dive: calibration as stated, no loops
+    if (preset == "fast") {  // a preview on the day of the dive: calibration as stated, no loops
         options.num_features = 200;
         options.close_loops = false;
         options.refine_lenses = false;

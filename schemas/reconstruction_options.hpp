@@ -8,8 +8,8 @@
 
 namespace divemesh {
 
-// What a person may tune. Each preset is a set of these; every field can be overridden by name
-// (`--set name=value`, JSON in the API). One line per field in reconstruction_options.cpp gives
+// The options of a reconstruction. Each preset is a set of these; every field can be overridden by
+// name (`--set name=value`, JSON in the API). One line per field in reconstruction_options.cpp is
 // its text for --explain. Units end the name where they are not SI.
 struct ReconstructionOptions {
     // step 1, stereo
@@ -22,29 +22,30 @@ struct ReconstructionOptions {
     bool use_imu = true;
     bool use_ahrs = true;
     bool use_pressure = true;
-    bool adjust_whole_dive = true;  // with hindsight
-    bool close_loops = true;        // places that the dive came to again; of the above
+    bool adjust_whole_dive = true;  // bundle adjustment of the whole dive
+    bool close_loops = true;        // at revisited places; needs adjust_whole_dive
     bool align_imu = true;          // estimate its time offset and rotation against the cameras
     bool refine_lenses = true;      // estimate focal length, principal point and distortion
-    bool surface = true;            // false: the trajectory alone, steps 7 and 8 left out
+    bool surface = true;            // false: the trajectory only, without steps 7 and 8
     // step 7, fusion
-    std::string fusion = "tsdf";  // octree (the paper) | tsdf
-    double map_step = 0.02;    // of the picture, between frames that are fused; 0: keyframes alone
-    double voxel_m = 0.0;      // 0: chosen from rig and range
-    double max_depth_m = 0.0;  // 0: chosen from the rig
+    std::string fusion = "tsdf";   // octree (the paper) | tsdf
+    double map_step = 0.02;        // shift between fused frames / image width; 0: keyframes only
+    double voxel_m = 0.0;          // 0: chosen from rig and range
+    double max_depth_m = 0.0;      // 0: chosen from the rig
     double cloud_spacing_m = 0.0;  // between the points of the cloud; 0: half a voxel
-    // Of voxels and points in memory; more goes to the scratch folder. Never changes the result.
+    // Limit for voxels and points in memory; more goes to the scratch folder. Never changes the
+    // result.
     std::int64_t fusion_memory_bytes = std::int64_t{1} << 30;
     // step 8, surface
     std::string mesher = "surface_nets";  // surface_nets | marching_cubes
-    double simplify = 1.0;                // share of the triangles that stays
-    double simplify_error_m = 0;          // quadric error that ends simplifying sooner; 0: no limit
-    bool texture = true;                  // the mosaic; no texture is made yet
-    // markers in the scene; what markers.json says of them, these say in its place
+    double simplify = 1.0;                // share of the triangles to keep
+    double simplify_error_m = 0;          // quadric error at which simplifying stops; 0: no limit
+    bool texture = true;                  // the mosaic; there is no texture yet
+    // markers in the scene; these override markers.json
     std::string marker_family;   // tag36h11 | tag25h9 | tagStandard41h12; empty: as the dive says
     double marker_size_m = 0.0;  // of all tags; 0: as the dive says
     bool correct_scale = false;  // of the whole result, by the markers' known distances
-    // other programs' formats beside our own, separated by commas: kitti, euroc, obj
+    // formats of other programs to export besides our own, comma-separated: kitti, euroc, obj
     std::string exports;
     // machine
     int num_threads = 0;    // 0: all cores; never changes a byte of the result
@@ -55,11 +56,11 @@ struct ReconstructionOptions {
 
 inline constexpr std::string_view kPresets[] = {"paper", "fast", "standard", "accurate"};
 
-// The options of a preset. Throws Error{InvalidArgument} that lists the presets.
+// Returns the options of a preset. Throws Error{InvalidArgument}, which lists the presets.
 ReconstructionOptions preset_options(std::string_view preset);
 
-// The preset with overrides, checked. Throws Error{InvalidArgument} that names an unknown or
-// impossible option.
+// Returns the preset with overrides, checked. Throws Error{InvalidArgument}, which names an unknown
+// or impossible option.
 ReconstructionOptions make_options(std::string_view preset, const nlohmann::json& overrides);
 
 struct OptionText {
@@ -67,6 +68,7 @@ struct OptionText {
     std::string value;
     std::string text;  // one line: what it does, unit
 };
+// Returns every option with its value and text, for --explain.
 std::vector<OptionText> explain(const ReconstructionOptions& options);
 
 nlohmann::json options_to_json(const ReconstructionOptions& options);

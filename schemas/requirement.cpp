@@ -36,7 +36,7 @@ double parse_limit(std::string_view text, std::string_view whole) {
 
 Requirement parse_requirement(std::string_view text) {
     if (text.size() > kMaxLength) refuse(text, "it is too long");
-    // The last one: names of entries may hold such signs.
+    // The last one, because names of entries may contain such signs.
     const auto sign = text.find_last_of("<>");
     if (sign == std::string_view::npos) refuse(text, "it has no <=, >=, < or >");
     const bool or_equal = sign + 1 < text.size() && text[sign + 1] == '=';

@@ -13,13 +13,13 @@
 
 namespace divemesh {
 
-// Where a device is, as far as its silence tells. The only place where that is declared.
+// The state of a device, derived from when it was last heard of. Only declared here.
 //
-//   online     heard of within kSensorSilence_ms
+//   online     heard of within the last kSensorSilence_ms
 //   submerged  silent, and expected back later
 //   overdue    silent, and was expected back within the last kSensorLost_ms
 //   lost       silent, and was expected back before that
-//   idle       silent, and announced no dive: switched off
+//   idle       silent, and announced no dive: assumed to be switched off
 enum class SensorState { Online, Idle, Submerged, Overdue, Lost };
 std::string_view to_string(SensorState state);
 SensorState sensor_state_from_string(std::string_view text);
@@ -30,7 +30,7 @@ inline constexpr std::int64_t kSensorLost_ms = 3'600'000;
 // `back_at_ms` 0: no dive was announced.
 SensorState sensor_state(std::int64_t seen_at_ms, std::int64_t back_at_ms, std::int64_t now_ms);
 
-// A picture that a device sent, without its bytes.
+// An image that a device sent, without its bytes.
 struct Preview {
     std::int64_t id = 0;
     std::string camera;
@@ -39,62 +39,62 @@ struct Preview {
     int height = 0;
     std::int64_t num_bytes = 0;
     std::string sha256;                               // of the JPEG
-    nlohmann::json about = nlohmann::json::object();  // what the device told of it
+    nlohmann::json about = nlohmann::json::object();  // as the device reported
 };
 
-// A device as the catalog knows it. Times are unix milliseconds of the catalog's clock.
+// A device as the catalog stores it. Times are unix milliseconds of the catalog's clock.
 struct Sensor {
     std::string id;
     std::string project;
     SensorState state = SensorState::Idle;
-    Summary summary = Summary::Ok;  // of its alarms
+    Summary summary = Summary::Ok;  // of the alarms
     std::vector<Alarm> alarms;
-    std::string boot_id;  // of which is told here
+    std::string boot_id;  // the boot that this describes
     nlohmann::json hello = nlohmann::json::object();
-    nlohmann::json status = nlohmann::json::object();  // the newest that was not historical
-    std::int64_t status_at_ms = 0;                     // 0: there was none
-    std::int64_t status_age_ms = 0;                    // now
+    nlohmann::json status = nlohmann::json::object();  // the newest that is not historical
+    std::int64_t status_at_ms = 0;                     // 0: no status yet
+    std::int64_t status_age_ms = 0;                    // at the time of reading
     bool stale = true;                                 // older than kSensorSilence_ms
     std::map<std::string, Preview> previews;           // by camera, the newest not historical
-    std::int64_t seen_at_ms = 0;                       // any message
-    std::int64_t back_at_ms = 0;                       // when it is expected; 0: no dive announced
+    std::int64_t seen_at_ms = 0;                       // of any message
+    std::int64_t back_at_ms = 0;                       // expected; 0: no dive was announced
     SequenceRanges received;                           // of this boot
     std::int64_t created_at_ms = 0;
 };
 
-// The sensor as it is at `now_ms`: state, age and staleness; its alarms are as they were.
+// Returns the sensor as it is at `now_ms`: updates state, age and staleness, but not its alarms.
 Sensor as_of(Sensor sensor, std::int64_t now_ms);
 
-// Its newest word: the status, with what a later preview tells of the pictures.
+// Returns its newest status, with what a later preview reports about the images.
 nlohmann::json newest_word(const Sensor& sensor);
 
-// The gaps that are told: the first 32.
+// Returns the first 32 gaps, which are reported to the device.
 std::vector<SequenceRange> first_gaps(const SequenceRanges& received);
 
-// What a device is told about a report.
+// The answer to a device's report.
 struct SensorAnswer {
     std::string boot_id;
-    std::int64_t acknowledged = -1;   // it and all before it need not be kept any more
-    std::vector<SequenceRange> gaps;  // that are missing after that, the first ones
+    std::int64_t acknowledged = -1;   // the device may drop it and all earlier messages
+    std::vector<SequenceRange> gaps;  // the first missing messages after it
     std::int64_t num_lost = 0;
     int num_new = 0;
     int num_repeated = 0;
-    bool superseded = false;   // another device, or a later boot, speaks for this id
+    bool superseded = false;   // another device, or a later boot, uses this id
     std::int64_t time_ms = 0;  // now
 };
 
-// A stretch of the history in even steps of time; steps without a status are left out.
+// A range of the history in equal steps of time, without steps that have no status.
 struct SensorHistory {
-    // Of one field in one step: thinning hides no peak.
+    // Of one field in one step. Keeps min and max, so that thinning hides no peak.
     struct Value {
         double least = 0.0;
         double mean = 0.0;
         double largest = 0.0;
     };
     struct Step {
-        std::int64_t time_ms = 0;  // its begin
+        std::int64_t time_ms = 0;  // of its beginning
         std::int64_t num_statuses = 0;
-        std::vector<std::optional<Value>> values;  // of each field; nothing: no status told it
+        std::vector<std::optional<Value>> values;  // of each field; nullopt: in no status
     };
 
     std::int64_t from_ms = 0;
@@ -108,7 +108,7 @@ void to_json(nlohmann::json& json, const Preview& preview);
 void from_json(const nlohmann::json& json, Preview& preview);
 void to_json(nlohmann::json& json, const Sensor& sensor);
 void to_json(nlohmann::json& json, const SensorAnswer& answer);
-// By column: what plots and tables take, in a third of the bytes.
+// Writes one array per column, as plots and tables need it, in a third of the bytes.
 void to_json(nlohmann::json& json, const SensorHistory& history);
 
 }  // namespace divemesh

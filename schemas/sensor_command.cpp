@@ -17,7 +17,7 @@ constexpr EnumText<CommandState> kStates[] = {{CommandState::Pending, "pending"}
                                               {CommandState::Failed, "failed"},
                                               {CommandState::Refused, "refused"},
                                               {CommandState::Expired, "expired"}};
-// What a device may say of one.
+// The outcomes that a device may report.
 constexpr auto kOutcomes = std::span(kStates).subspan(2);
 constexpr std::size_t kMaxDetailBytes = 256;
 constexpr std::size_t kMaxCameraBytes = 16;

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Doubles hold whole numbers up to here, and so does every client's JSON.
+// Doubles, and so the JSON of every client, hold integers up to here.
 constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;
 constexpr std::size_t kMaxCameraLetters = 16;
 
@@ -27,7 +27,7 @@ std::string at_most(std::string_view what, std::size_t number) {
     return std::string(what).append(": at most ").append(std::to_string(number));
 }
 
-// 1 to 64 letters, digits, '.', '_' and '-'.
+// Returns whether a name has 1 to kMaxCameraLetters of a-z, 0-9, '_' and '-'.
 bool is_camera(std::string_view name) {
     return !name.empty() && name.size() <= kMaxCameraLetters &&
            std::all_of(name.begin(), name.end(), [](char c) {
@@ -43,7 +43,7 @@ bool is_boot_id(std::string_view id) {
     });
 }
 
-// The only kind that the message has; nothing where it has none or several.
+// Returns the message's only kind; nullopt if it has none or several.
 std::optional<EnumText<MessageKind>> kind_of(const json& message) {
     std::optional<EnumText<MessageKind>> kind;
     for (const auto& row : kKinds) {
@@ -56,7 +56,7 @@ std::optional<EnumText<MessageKind>> kind_of(const json& message) {
 
 class Reader {
 public:
-    // `jpeg`: of the preview, where it does not come as base64.
+    // `jpeg`: the preview's bytes, if they do not come as base64.
     explicit Reader(std::optional<std::string_view> jpeg = std::nullopt) : jpeg_(jpeg) {}
 
     SensorReport read(const json& body) {
@@ -134,7 +134,7 @@ private:
 
     void check_body(const SensorMessage& message, const std::string& place) {
         try {
-            // What a preview tells of the device is told as in a status.
+            // A preview reports the device's condition in the fields of a status.
             if (message.kind == MessageKind::Status || message.kind == MessageKind::Preview)
                 check_status(message.body, place);
             if (message.kind == MessageKind::Outcome) check_outcome(message.body, place);

@@ -22,17 +22,18 @@ constexpr std::size_t kMaxErrors = 32;
 constexpr std::size_t kMaxErrorBytes = 256;
 constexpr std::int64_t kMaxDive_s = 7 * 86'400;
 
-// Where a team looks, and where it ends the dive.
+// The limits from which a team should check the device, and should end the dive.
 struct Limits {
     double attention = 0.0;
     double stop = 0.0;
-    bool is_high = false;  // what is bad: more, or less
+    bool is_high = false;  // true: high values are bad; false: low ones
 };
 constexpr Limits kBattery{0.2, 0.1};
-constexpr Limits kStorage_bytes{4e9, 5e8};  // some ten minutes of stereo pictures, one
+constexpr Limits kStorage_bytes{4e9, 5e8};  // about ten minutes and one minute of stereo images
 constexpr Limits kHumidity{0.8, std::numeric_limits<double>::infinity(), true};
-constexpr Limits kUselessImages{0.1, 0.5, true};  // a share of those lately
-// What is raised goes on so far beyond its limit: a figure that trembles about it is told once.
+constexpr Limits kUselessImages{0.1, 0.5, true};  // as a share of the recent images
+// Hysteresis: a raised alarm ends only this far beyond its limit, so a value that hovers there
+// raises it once.
 constexpr double kMargin = 0.1;
 
 Summary level_of(double value, const Limits& limits, Summary before) {
@@ -148,7 +149,7 @@ bool has_open_dive(const json& status) {
     return dive != status.end() && dive->is_string() && *dive != "";
 }
 
-// Which picture there are most of that are of no use, and their share.
+// Returns the most frequent kind of useless image, and its share.
 std::pair<std::string, double> worst_images(const json& status) {
     std::pair<std::string, double> worst;
     for (const char* name : {"dark", "blurred", "frozen"}) {

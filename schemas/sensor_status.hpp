@@ -11,7 +11,7 @@
 
 namespace divemesh {
 
-// What a status tells as a number: a column of the history. A flag is 0 or 1.
+// A numeric field of a status: a column of the history. A flag is 0 or 1.
 struct StatusField {
     std::string_view name;
     bool is_flag = false;
@@ -19,8 +19,8 @@ struct StatusField {
     double largest = 0.0;
 };
 
-// The one place where these are declared; schemas/sensor-message.schema.json and
-// storage/migrations are held to it by tests.
+// The only place that declares these fields; tests compare schemas/sensor-report.schema.json and
+// storage/migrations with it.
 inline constexpr std::array<StatusField, 14> kStatusFields = {{
     {"recording", true, 0.0, 1.0},
     {"num_frames", false, 0.0, 1e12},
@@ -38,31 +38,32 @@ inline constexpr std::array<StatusField, 14> kStatusFields = {{
     {"clock_offset_ms", false, -1e15, 1e15},
 }};
 
-const StatusField* find_status_field(std::string_view name);  // null: there is none
+const StatusField* find_status_field(std::string_view name);  // null: unknown field
 
-// How a device is, as its LED says: go on, look at it, or stop the dive.
+// A device's condition, as its LED shows it: continue, check it, or stop the dive.
 enum class Summary { Ok, Attention, Stop };
 std::string_view to_string(Summary summary);
 Summary summary_from_string(std::string_view text);
 
-// Something that is wrong with a device. Names: SensorAlarm of api/openapi.yaml.
+// A problem of a device. Names: SensorAlarm of api/openapi.yaml.
 struct Alarm {
     std::string name;
     Summary level = Summary::Attention;
-    std::string detail;  // for people: what, and what to do
+    std::string detail;  // for users: what is wrong, and what to do
     bool operator==(const Alarm&) const = default;
 };
 
-// What a status says is wrong; `before`: what was, which ends a little beyond where it began. A
-// device that lights its own LED and the server that warns its team go by this alone.
+// Returns the alarms of a status. `before` are the previous alarms, which end only somewhat beyond
+// their limits (hysteresis). The device's own LED and the server's warnings both use only this.
 std::vector<Alarm> alarms_of(const nlohmann::json& status, std::span<const Alarm> before = {});
+// Returns the worst level of the alarms; Ok without alarms.
 Summary summary_of(std::span<const Alarm> alarms);
 
-// Throws InvalidInput that names every known field which is of the wrong type or out of range, and
-// where it is below `pointer`. Unknown fields are left alone: they are kept as they came.
+// Throws InvalidInput, which names every known field of a wrong type or out of range, and its place
+// below `pointer`. Unknown fields are kept as they are.
 void check_status(const nlohmann::json& status, const std::string& pointer);
 
-// A known field as a number; nothing where the status does not tell it.
+// Returns a known field as a number; nullopt if the status lacks it.
 std::optional<double> status_value(const nlohmann::json& status, const StatusField& field);
 
 void to_json(nlohmann::json& json, const Alarm& alarm);

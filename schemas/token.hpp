@@ -18,17 +18,17 @@ inline constexpr std::array<std::string_view, 8> kScopes = {"dives:read",
                                                             "metrics:read",
                                                             "admin"};
 
-// Whether it may name a project or a sensor: words that are safe in addresses, files and logs, 1 to
-// 63 of a-z, 0-9, '-' and '_', beginning with a letter or digit.
+// Returns whether a text may name a project or a sensor: safe in URLs, files and logs, 1 to 63 of
+// a-z, 0-9, '-' and '_', beginning with a letter or digit.
 bool is_plain_word(std::string_view text);
 
-// A bearer token as the catalog knows it: only its hash is stored.
+// A bearer token as the catalog stores it: with its hash only.
 struct Token {
     std::string id;
     std::string name;
     std::string project;
     std::vector<std::string> scopes;  // of kScopes
-    std::string sensor;               // the only one it may push for; "" without sensor:push
+    std::string sensor;               // the only sensor it may push for; "" without sensor:push
     std::string secret_sha256;
     std::int64_t created_at_ms = 0;
     std::int64_t last_used_at_ms = 0;  // 0: never

@@ -14,7 +14,7 @@ namespace {
         std::string(option).append(" '").append(text.substr(0, 120)).append("': give " + how));
 }
 
-// Numbers with commas between them; nothing when one is none.
+// Returns comma-separated numbers; nullopt if one is invalid.
 std::optional<std::vector<double>> numbers_of(std::string_view text) {
     std::vector<double> numbers;
     while (true) {

@@ -8,9 +8,9 @@
 
 namespace divemesh {
 
-// How a truth of another body and clock, as from an external tracker, lies to the dive.
+// How a truth of another body and clock, e.g. from an external tracker, relates to the dive.
 struct TruthOptions {
-    // What the tracker follows, on the rig's body: T_body_marker. Nothing: the body itself.
+    // The tracked point on the rig's body: T_body_marker. nullopt: the body itself.
     struct LeverArm {
         std::array<double, 3> position_m = {0.0, 0.0, 0.0};
         std::array<double, 4> orientation_wxyz = {1.0, 0.0, 0.0, 0.0};
@@ -21,10 +21,10 @@ struct TruthOptions {
     bool solve_time_offset = false;
 };
 
-// "solve", or "x,y,z" in m, or "x,y,z,qw,qx,qy,qz". Throws Error{InvalidArgument}.
+// Parses "solve", or "x,y,z" in m, or "x,y,z,qw,qx,qy,qz". Throws Error{InvalidArgument}.
 void set_lever_arm(TruthOptions& options, std::string_view text);
 
-// "solve", or seconds. Throws Error{InvalidArgument}.
+// Parses "solve", or seconds. Throws Error{InvalidArgument}.
 void set_time_offset(TruthOptions& options, std::string_view text);
 
 }  // namespace divemesh

@@ -8,11 +8,11 @@
 
 namespace divemesh {
 
-// What a webhook can be told of: topics of events.
+// The topics of events that a webhook can subscribe to.
 inline constexpr std::array<std::string_view, 4> kWebhookTopics = {
     "upload", "dive", "job", "sensor"};
 
-// Somebody elsewhere who is told of a project's events (Standard Webhooks 1.0).
+// An external receiver of a project's events (Standard Webhooks 1.0).
 struct Webhook {
     std::string id;
     std::string project;
@@ -22,7 +22,7 @@ struct Webhook {
     std::int64_t created_at_ms = 0;
 };
 
-// One event for one webhook, and how far its delivery has come.
+// One event for one webhook, and the state of its delivery.
 struct WebhookDelivery {
     std::string id;  // the message's, the same for each attempt
     std::string webhook_id;
@@ -30,7 +30,7 @@ struct WebhookDelivery {
     std::string state;  // waiting, delivered, failed
     int num_attempts = 0;
     std::int64_t next_at_ms = 0;  // of the next attempt, while waiting
-    int last_status = 0;          // of HTTP; 0: there was no answer
+    int last_status = 0;          // HTTP status; 0: no response
     std::string last_error;       // "" after a success
     std::int64_t created_at_ms = 0;
     std::int64_t finished_at_ms = 0;

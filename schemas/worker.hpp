@@ -5,13 +5,13 @@
 
 namespace divemesh {
 
-// A worker process as the catalog knows it. Times are unix milliseconds of the catalog's clock.
+// A worker process as the catalog stores it. Times are unix milliseconds of the catalog's clock.
 struct Worker {
     std::string name;  // host:pid:random
     int num_slots = 1;
     int num_running = 0;
-    bool draining = false;  // goes on with what it has and takes nothing more
-    bool alive = false;     // heard of lately
+    bool draining = false;  // finishes its jobs and takes no more
+    bool alive = false;     // heard of recently
     std::int64_t started_at_ms = 0;
     std::int64_t seen_at_ms = 0;
 };

@@ -16,13 +16,14 @@ namespace {
 using nlohmann::json;
 
 constexpr std::chrono::milliseconds kTick{100};
-constexpr double kMeasurePeriod_s = 0.9;  // with a status a second: at each
+constexpr double kMeasurePeriod_s = 0.9;  // with a status a second: at each status
 
 Clock::duration seconds(double value) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
 }
 
-// The next time after `last`; what was missed is not made up for.
+// Returns whether `next` is reached, and advances it by the period. Missed times are not made up
+// for.
 bool is_due(Clock::time_point& next, Clock::time_point now, double period_s) {
     if (period_s <= 0.0 || now < next) return false;
     next += seconds(period_s);
@@ -135,7 +136,7 @@ void Agent::check_image() {
     auto newest = source_->newest_frame();
     if (!newest || (frame_ && frame_->timestamp_ns == newest->timestamp_ns)) return;
     frame_ = std::move(newest);
-    // Not at each quick look: it takes longer than to decode the picture.
+    // Not at each quick look, because it takes longer than decoding the image.
     const bool is_new_dive = !images_.shares();
     if (source_->state().is_recording &&
         (is_due(measure_at_, Clock::now(), kMeasurePeriod_s) || is_new_dive))
@@ -172,7 +173,7 @@ void Agent::say_status() {
     say(MessageKind::Status, text_of(make_status(parts)));
 }
 
-// For a command: of the camera and the size that it asks for.
+// Makes a preview for a command, with the requested camera and size.
 std::string Agent::preview_as_asked(const json& arguments) {
     View view = settings_.view;
     if (arguments.contains("camera")) {
@@ -196,7 +197,7 @@ cv::Mat Agent::shown(View view) const {
     return image_of(*frame_, view);
 }
 
-// "" or why there is none.
+// Returns "" or why there is no preview.
 std::string Agent::say_preview(View view, std::int64_t max_bytes) {
     if (!frame_) return "there is no image yet";
     const cv::Mat image = shown(view);

@@ -19,42 +19,43 @@
 
 namespace divemesh::sensor {
 
+// What the agent is told on its command line.
 struct AgentSettings {
     api::client::Account account;
     std::string sensor_id;
-    std::filesystem::path state_folder;  // of the ring and of what has to outlive a restart
+    std::filesystem::path state_folder;  // for the ring and for state that outlives a restart
     std::int64_t ring_bytes = std::int64_t{64} << 20;
     std::string firmware;
     double status_period_s = 1.0;
-    double preview_period_s = 5.0;  // 0: none but those that are asked for
+    double preview_period_s = 5.0;  // 0: only previews by command
     View view = View::Left;
-    bool draw_tracks = false;  // with the quick look
+    bool draw_tracks = false;  // only with quick_look
     bool quick_look = false;
     double assessment_rate_hz = 2.0;
-    std::filesystem::path battery_file;  // "": what the machine says
+    std::filesystem::path battery_file;  // "": the machine's own battery
     std::optional<double> back_in_s;     // when the team is expected back, from the start
-    std::filesystem::path on_command;    // "": no recording by command
+    std::filesystem::path on_command;    // recording program; "": no recording by command
     bool allow_set_clock = false;
     LinkSettings link;
-    // Of the dives that are over; whether the link is good is seen from the stream unless it says.
+    // For finished dives. If it has no is_link_good, the stream tells whether the link is good.
     std::optional<DiveUploadSettings> upload;
-    std::chrono::milliseconds over_after{60'000};  // silence of a dive that was open at the stop
+    std::chrono::milliseconds over_after{60'000};  // of silence, for a dive open at the last stop
     std::function<void(const std::filesystem::path& dive)> on_dive_over;
 };
 
-// The agent on the device: looks at what is recorded, says how it is once a second and what it sees
-// every few, keeps all of it until the server has it, and does what it is asked to. run() is the
-// whole of it.
+// The agent on the device. It watches the recording, reports a status once a second and a preview
+// every few seconds, keeps all messages until the server has them, and carries out commands. run()
+// does all of it.
 class Agent {
 public:
-    // Throws Error{Conflict} when another agent uses the state folder.
+    // Throws Error{Conflict} if another agent uses the state folder.
     Agent(AgentSettings settings, std::unique_ptr<RecordingSource> source);
     ~Agent();
 
-    // Until it is to stop, or `is_enough`. What went wrong on the way is told in the status and
-    // goes on.
+    // Runs until `stop` is requested or `is_enough` returns true. Errors on the way are reported in
+    // the status, and it continues.
     void run(const std::stop_token& stop, const std::function<bool()>& is_enough = {});
-    // One round of run(); for programs with a loop of their own, ten times a second.
+    // Does one round of run(), for programs with their own loop; call it ten times a second.
     void step(Clock::time_point now);
 
     const MessageRing& ring() const { return ring_; }
@@ -78,19 +79,19 @@ private:
     MessageRing ring_;
     CommandExecutor executor_;
     ImageCheck images_;
-    std::unique_ptr<DiveAssessment> assessment_;  // of the dive below
+    std::unique_ptr<DiveAssessment> assessment_;  // of the dive in dive_root_
     std::filesystem::path dive_root_;
-    std::optional<FrameImages> frame_;  // the newest that was looked at
-    ImageQuality quality_;              // of the last that was measured, once a second
+    std::optional<FrameImages> frame_;  // the newest that was read
+    ImageQuality quality_;              // of the last measured frame, once a second
     Clock::time_point measure_at_;
     Clock::time_point status_at_;
     Clock::time_point preview_at_;
     Clock::time_point assessment_at_;
     std::unique_ptr<Link> link_;            // it reads the ring
-    std::unique_ptr<DiveUploads> uploads_;  // last: it asks the link
+    std::unique_ptr<DiveUploads> uploads_;  // last: it uses the link
 };
 
-// Of random letters, new at each start.
+// Returns random letters, new at each start.
 std::string new_boot_id();
 
 }  // namespace divemesh::sensor

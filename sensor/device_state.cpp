@@ -34,7 +34,8 @@ std::optional<double> battery_level(const fs::path& file) {
     return percent / 100.0;
 }
 
-// Two lines of headings; then "wlan0: 0000   54.  -56.  -256 ...": status, quality, level, noise.
+// The file has two lines of headings; then "wlan0: 0000   54.  -56.  -256 ...": status, quality,
+// level, noise.
 std::optional<double> link_rssi_dbm(const fs::path& file) {
     std::ifstream stream(file);
     std::string line;

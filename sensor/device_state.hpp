@@ -5,12 +5,11 @@
 
 namespace divemesh::sensor {
 
-// What the machine says of its battery, 0 to 1: `file` holds a percentage, as
-// /sys/class/power_supply/*/capacity does; without one the first battery there. Nothing where that
-// is not known.
+// Returns the battery level, 0 to 1; nullopt if it is unknown. `file` holds a percentage, as
+// /sys/class/power_supply/*/capacity does; "" means the first battery there.
 std::optional<double> battery_level(const std::filesystem::path& file);
 
-// Of the wireless network, where there is one.
+// Returns the signal strength of the wireless network; nullopt if there is none.
 std::optional<double> link_rssi_dbm(const std::filesystem::path& file = "/proc/net/wireless");
 
 }  // namespace divemesh::sensor

@@ -18,7 +18,7 @@ void set(json& status, const char* name, const std::optional<Value>& value) {
     if (value) status[name] = *value;
 }
 
-// As a status may hold it: valid UTF-8, at most so long.
+// Returns a text that a status may hold: valid UTF-8, limited in length.
 std::string shortened(const std::string& text, std::size_t max_num_bytes) {
     std::string clean = dive::printable(text);
     std::size_t end = std::min(clean.size(), max_num_bytes);

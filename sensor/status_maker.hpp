@@ -12,7 +12,7 @@
 
 namespace divemesh::sensor {
 
-// All that a status is made of; what is not known is left out.
+// The parts of a status; unknown ones are left out.
 struct StatusParts {
     RecordingState recording;
     std::optional<ImageCheck::Shares> pictures;
@@ -22,12 +22,12 @@ struct StatusParts {
     bool is_clock_synchronised = false;
     std::int64_t uptime_ms = 0;
     std::int64_t wall_time_ms = 0;
-    std::optional<double> back_in_s;  // the dive plan
-    nlohmann::json quick_look;        // null: none
-    std::vector<std::string> errors;  // besides the recording's
+    std::optional<double> back_in_s;  // from the dive plan
+    nlohmann::json quick_look;        // null: no quick look
+    std::vector<std::string> errors;  // besides those of the recording
 };
 
-// A status as schemas/sensor-report.schema.json has it, and the key "quick_look".
+// Returns a status as in schemas/sensor-report.schema.json, with the key "quick_look".
 nlohmann::json make_status(const StatusParts& parts);
 
 }  // namespace divemesh::sensor

@@ -11,7 +11,7 @@
 
 namespace divemesh::server {
 
-// One client's socket. Everything here is for its strand alone, except stop() and abort().
+// One client's socket. Use it on its strand only, except stop() and abort().
 class Connection : public std::enable_shared_from_this<Connection> {
 public:
     // `tls` null: plain.
@@ -19,10 +19,10 @@ public:
         : stream(std::move(socket), tls.get()), tls_(std::move(tls)) {}
 
     api::Stream stream;
-    boost::beast::flat_buffer buffer;  // bytes that came but are not parsed yet
+    boost::beast::flat_buffer buffer;  // received but not yet parsed bytes
     bool stopping = false;             // no further request is taken
 
-    // What ends the present occupation gracefully, and at once; called on the strand.
+    // End the current work of the connection: gracefully, and immediately. Called on the strand.
     std::function<void()> on_stop;
     std::function<void()> on_abort;
 
@@ -30,10 +30,10 @@ public:
     void abort();  // from any thread
 
 private:
-    std::shared_ptr<boost::asio::ssl::context> tls_;  // lives as long as what was made with it
+    std::shared_ptr<boost::asio::ssl::context> tls_;  // outlives every stream made with it
 };
 
-// The connections that are open. Thread-safe.
+// The open connections. Thread-safe.
 class Connections {
 public:
     bool add(const std::shared_ptr<Connection>& connection, std::size_t limit);  // false: too many

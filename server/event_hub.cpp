@@ -48,7 +48,7 @@ asio::awaitable<void> EventHub::run() {
     }
 }
 
-// The first look, and one that finds more than a page, starts anew at what is newest.
+// The first read, and a read that finds more than a page, start over at the newest event.
 asio::awaitable<void> EventHub::look() {
     auto ask = [this] {
         storage::EventStore store(catalog_);

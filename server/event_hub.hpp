@@ -18,7 +18,7 @@
 
 namespace divemesh::server {
 
-// An event as it is told: one text for all watchers.
+// A serialised event: one text for all watchers.
 struct SerialisedEvent {
     std::int64_t sequence = 0;
     std::string project;
@@ -26,12 +26,13 @@ struct SerialisedEvent {
 };
 using SerialisedEvents = std::vector<std::shared_ptr<const SerialisedEvent>>;
 
+// Serialises events, each to one JSON text.
 SerialisedEvents serialised(const std::vector<Event>& events);
 
-// Reads the events of the catalog once for all watchers, whatever process wrote them: one short
-// query a tenth of a second while anybody watches. Keeps the newest few, bounded in bytes, so that
-// whoever keeps up reads memory alone; who has fallen behind reads the catalog at its own pace.
-// Nothing is queued for anybody. Thread-safe.
+// Reads the events of the catalog once for all watchers, also those that other processes wrote: one
+// short query every 0.1 s while there are watchers. Keeps the newest events, bounded in bytes, so
+// that a fast watcher reads memory only; one that has fallen behind reads the catalog at its own
+// pace. There are no queues. Thread-safe.
 class EventHub {
 public:
     EventHub(storage::Catalog& catalog, boost::asio::thread_pool& pool)
@@ -42,11 +43,11 @@ public:
 
     std::int64_t newest_sequence() const { return newest_; }
 
-    // The next events after `sequence`, from memory, 64 KiB of them or a single larger one; nothing
-    // when some may be missing there.
+    // Returns the next events after `sequence`, from memory: 64 KiB of them or a single larger one.
+    // Returns nullopt if some of them may no longer be in memory.
     std::optional<SerialisedEvents> recent(std::int64_t sequence, const std::string& project) const;
 
-    // Calls `on_change`, on any thread, whenever there is something new, until unwatch().
+    // Calls `on_change`, on any thread, whenever there are new events, until unwatch().
     std::uint64_t watch(std::function<void()> on_change);
     void unwatch(std::uint64_t watcher);
     std::size_t num_watchers() const;
@@ -65,7 +66,7 @@ private:
     std::uint64_t next_watcher_ = 1;
     std::deque<std::shared_ptr<const SerialisedEvent>> recent_;
     std::size_t recent_bytes_ = 0;
-    std::int64_t complete_after_ = -1;  // everything later is in recent_; -1: not looked yet
+    std::int64_t complete_after_ = -1;  // every later event is in recent_; -1: not read yet
 };
 
 }  // namespace divemesh::server

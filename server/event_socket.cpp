@@ -21,8 +21,8 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kPageEvents = 20;                  // each who has fallen behind has a page of its own
-constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have nothing to say
+constexpr int kPageEvents = 20;                  // per client that has fallen behind
+constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have no messages to send
 
 struct EventSocket {
     explicit EventSocket(std::shared_ptr<Connection> below)
@@ -37,10 +37,11 @@ struct EventSocket {
     WebSocket socket;
     asio::steady_timer pause;
     bool closing = false;
-    bool has_pending = true;  // there may be something that it has not been told
+    bool has_pending = true;  // there may be events it has not received
 };
 
-// Woken by the hub and the desk, on the socket's strand, for as long as this lives.
+// Wakes the socket, on its strand, when the event hub or the sensor hub has news, until it is
+// destroyed.
 class Watching {
 public:
     Watching(EventHub& hub,
@@ -71,7 +72,7 @@ private:
     std::uint64_t sensor_watcher_;
 };
 
-// Answers pings and notices that the client has gone; what it says is dropped.
+// Answers pings and notices when the client disconnects; drops its messages.
 asio::awaitable<void> read_until_closed(std::shared_ptr<EventSocket> events) {
     beast::flat_buffer dropped;
     for (beast::error_code error; !error; dropped.clear()) {
@@ -81,7 +82,7 @@ asio::awaitable<void> read_until_closed(std::shared_ptr<EventSocket> events) {
     events->close();
 }
 
-// What the catalog has after `feed.since`, for who has fallen behind.
+// Returns the catalog's events after `feed.since`, for a client that has fallen behind.
 asio::awaitable<SerialisedEvents> stored_events(api::EventFeed feed, api::Services services) {
     auto ask = [&catalog = services.catalog, feed] {
         return serialised(
@@ -90,7 +91,7 @@ asio::awaitable<SerialisedEvents> stored_events(api::EventFeed feed, api::Servic
     co_return co_await api::in_pool(services.pool, std::move(ask));
 }
 
-// False: the client is gone, or the socket closes.
+// Returns false if the client is gone, or the socket closes.
 asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
                            SerialisedEvents page,
                            api::Metrics* metrics) {
@@ -103,7 +104,7 @@ asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
     co_return true;
 }
 
-// What is due of the sensors.
+// Sends the due frames of the sensors.
 asio::awaitable<bool> tell_sensors(std::shared_ptr<EventSocket> events,
                                    SensorFeed* sensors,
                                    api::Metrics* metrics) {
@@ -116,7 +117,7 @@ asio::awaitable<bool> tell_sensors(std::shared_ptr<EventSocket> events,
     co_return true;
 }
 
-// Until there is news, or a sensor's turn to be told of.
+// Waits for news, or until the next sensor frame is due.
 asio::awaitable<void> wait_for_change(std::shared_ptr<EventSocket> events,
                                       Clock::time_point next_at) {
     if (std::exchange(events->has_pending, false)) co_return;
@@ -124,7 +125,7 @@ asio::awaitable<void> wait_for_change(std::shared_ptr<EventSocket> events,
     co_await events->pause.async_wait(kAwaitErrors);
 }
 
-// Until the client goes or the connection is stopped; returns why it is closed.
+// Sends events until the client disconnects or the connection is stopped; returns why it is closed.
 asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket> events,
                                                     api::EventFeed feed,
                                                     SessionContext context) {
@@ -150,7 +151,7 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
         if (!page) page = co_await stored_events(feed, context.services);
         const bool told_all = co_await tell(events, *page, &context.services.metrics);
         if (!told_all) break;
-        // An empty page: the rest is of other projects.
+        // An empty page: the other events belong to other projects.
         feed.since = page->empty() ? newest : page->back()->sequence;
     }
     co_return websocket::close_code::going_away;

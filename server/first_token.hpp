@@ -7,9 +7,9 @@
 
 namespace divemesh::server {
 
-// Makes an admin token when the catalog has none, and writes it to `file`, which its owner alone
-// may read. Returns the secret, "" when there was a token. Throws Error{Unavailable} when the file
-// cannot be written; no token is left then.
+// Creates an admin token if the catalog has no token, and writes it to `file`, readable by its
+// owner only. Returns the secret, "" if there was a token. Throws Error{Unavailable} if the file
+// cannot be written; then it leaves no token.
 std::string make_first_token(const storage::Catalog& catalog, const std::filesystem::path& file);
 
 }  // namespace divemesh::server

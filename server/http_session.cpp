@@ -26,7 +26,7 @@ constexpr std::chrono::seconds kLinger{1};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20;
 constexpr std::size_t kRequestIdBytes = 8;
 
-// The client's own id of the request if it is short and plain, else one of ours.
+// Returns the client's own request id if it is short and plain, otherwise a new one.
 std::string request_id(const std::string& wanted) {
     const bool plain = !wanted.empty() && wanted.size() <= 64 &&
                        std::all_of(wanted.begin(), wanted.end(), [](char c) {
@@ -36,7 +36,8 @@ std::string request_id(const std::string& wanted) {
     return plain ? wanted : storage::random_hex(kRequestIdBytes);
 }
 
-// Of "00-<32 hex>-<16 hex>-<2 hex>" (W3C Trace Context); "" for anything else.
+// Returns the trace id of "00-<32 hex>-<16 hex>-<2 hex>" (W3C Trace Context); "" for any other
+// form.
 std::string trace_id(const std::string& traceparent) {
     constexpr std::string_view kForm = "00-xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx-xxxxxxxxxxxxxxxx-xx";
     if (traceparent.size() != kForm.size()) return "";
@@ -90,7 +91,7 @@ void count_bytes(const RequestBody& body, const api::Response& response, api::Me
         metrics.sent_bytes += file->length;
 }
 
-// What did not parse as HTTP. Nothing for a client that just went away or fell silent.
+// Returns the response to invalid HTTP; nullopt if the client just disconnected or fell silent.
 std::optional<api::Response> refusal(const beast::error_code& error) {
     static const auto& http_errors = http::make_error_code(http::error::end_of_stream).category();
     if (error.category() != http_errors || error == http::error::end_of_stream ||
@@ -109,7 +110,7 @@ std::optional<api::Response> refusal(const beast::error_code& error) {
     return response;
 }
 
-// Answers one request; false: the connection is of no more use.
+// Serves one request. Returns false if the connection cannot be used any more.
 asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
                                     SessionContext context) {
     auto body = std::make_shared<RequestBody>(connection, context.timeouts);
@@ -149,7 +150,7 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     co_return written&& keep_alive;
 }
 
-// False: the client speaks no TLS that we do, or takes too long.
+// Returns false if the client does not support the server's TLS, or takes too long.
 asio::awaitable<bool> shake_hands(std::shared_ptr<Connection> connection,
                                   std::chrono::milliseconds timeout) {
     connection->stream.expires_after(timeout);
@@ -158,14 +159,14 @@ asio::awaitable<bool> shake_hands(std::shared_ptr<Connection> connection,
     co_return !error;
 }
 
-// Says goodbye in TLS; whether the client answers does not matter.
+// Closes TLS; does not wait for the client to confirm.
 asio::awaitable<void> end_tls(std::shared_ptr<Connection> connection) {
     connection->stream.expires_after(kLinger);
     co_await connection->stream.tls()->async_shutdown(asio::as_tuple(asio::use_awaitable));
 }
 
-// A client that still sends would lose our answer if we just closed: what it sends is read and
-// dropped for a moment.
+// Closes the connection. A client that is still sending would lose the response if the socket just
+// closed, so its bytes are read and dropped for a moment.
 asio::awaitable<void> close_gently(std::shared_ptr<Connection> connection) {
     beast::error_code error;
     connection->stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);

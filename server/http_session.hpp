@@ -8,8 +8,9 @@
 
 namespace divemesh::server {
 
-// Reads requests, has api::dispatch answer them, writes the answers, until the client leaves, falls
-// silent or breaks HTTP, or the connection is stopped. Runs on the connection's strand.
+// Reads requests, passes them to api::dispatch and writes the responses, until the client
+// disconnects, falls silent or breaks HTTP, or the connection is stopped. Runs on the connection's
+// strand.
 boost::asio::awaitable<void> run_session(std::shared_ptr<Connection> connection,
                                          SessionContext context);
 

@@ -23,7 +23,7 @@ constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 RequestBody::RequestBody(std::shared_ptr<Connection> connection, const Timeouts& timeouts)
     : connection_(std::move(connection)), timeouts_(timeouts) {
     parser_.header_limit(kMaxHeaderBytes);
-    parser_.body_limit(boost::none);  // nothing is held in memory; the handlers have their limits
+    parser_.body_limit(boost::none);  // no body is held in memory; handlers have their own limits
     parser_.eager(true);
 }
 
@@ -77,7 +77,7 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     body.size = buffer.size();
     body.more = true;
     if (buffer.size() >= api::kReadBytes) connection_->buffer.reserve(api::kReadBytes);
-    // One piece when the link is slow, as many as fit when more is there already.
+    // Reads one part if the link is slow, as many as fit if more have arrived already.
     bool more = true;
     while (!error && more) {
         error = co_await read_some();
@@ -95,8 +95,8 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     co_return api::BodyRead{num_bytes, parser_.is_done() ? State::End : State::More};
 }
 
-// What the client had sent before it was stopped is kept: of a link that broke it need not come
-// again.
+// Keeps what the client had sent before it was stopped, so that a client whose link broke need not
+// send it again.
 bool RequestBody::has_more_at_hand() {
     return !parser_.is_done() && num_drained_ < kMaxDrainedBytes &&
            connection_->stream.available() > 0;

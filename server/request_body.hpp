@@ -9,7 +9,7 @@
 
 namespace divemesh::server {
 
-// One request as it comes over a connection: the header, then the body piece by piece.
+// One request as it arrives over a connection: the header, then the body in parts.
 class RequestBody : public api::BodyStream, public std::enable_shared_from_this<RequestBody> {
 public:
     using Message = boost::beast::http::request<boost::beast::http::buffer_body>;

@@ -20,7 +20,7 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-// What the thread finds. It may outlive whoever asked, and the server: it touches nothing else.
+// The thread's result. It may outlive the caller and the server, so it refers to no other object.
 struct Answer {
     std::mutex mutex;
     bool wanted = true;
@@ -28,7 +28,7 @@ struct Answer {
     std::exception_ptr failure;
 };
 
-// Whoever asks, for as long as it is there: its executor then lives, too.
+// The caller, while it waits: its executor is then alive, too.
 class Asking {
 public:
     explicit Asking(std::shared_ptr<Answer> answer) : answer_(std::move(answer)) {}

@@ -13,12 +13,12 @@ using Addresses = std::vector<boost::asio::ip::tcp::endpoint>;
 // Blocks; throws boost::system::system_error.
 using Lookup = std::function<Addresses(const std::string& host, const std::string& port)>;
 
-// As the system resolves names.
+// Resolves a name with the system's resolver.
 Addresses look_up(const std::string& host, const std::string& port);
 
-// The system's resolver cannot be interrupted, and Asio's asks it one name after the other: each
-// name is looked up on a thread of its own, which is left behind when it takes longer than
-// `patience`. Throws Error{Unavailable} then, and what `lookup` throws.
+// Resolves a name within `timeout`. The system's resolver cannot be interrupted, and Asio's asks it
+// for one name after the other. So each name is looked up on a thread of its own, which is
+// abandoned when it takes longer: throws Error{Unavailable} then, and what `lookup` throws.
 boost::asio::awaitable<Addresses> resolve_within(std::string host,
                                                  std::string port,
                                                  std::chrono::milliseconds timeout,

@@ -21,7 +21,7 @@ namespace asio = boost::asio;
 namespace http = boost::beast::http;
 
 constexpr std::size_t kChunkBytes = std::size_t{128} << 10;
-constexpr std::int64_t kDirectBytes = 1 << 20;  // between two pieces, so that others have a turn
+constexpr std::int64_t kDirectBytes = 1 << 20;  // then others get their turn
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 template <typename Body>
@@ -52,7 +52,7 @@ asio::awaitable<bool> write_text(std::shared_ptr<Connection> connection,
 
 struct Chunk {
     std::vector<char> bytes;
-    std::size_t size = 0;  // 0: cannot be read
+    std::size_t size = 0;  // 0: unreadable
 };
 
 asio::awaitable<Chunk> read_chunk(api::FilePart part, api::Services services, Chunk chunk) {
@@ -70,8 +70,9 @@ asio::awaitable<Chunk> read_chunk(api::FilePart part, api::Services services, Ch
     co_return chunk;
 }
 
-// From the file into the socket, as much as that takes now: none over TLS, or of what is no file.
-// Pieces go before and between: a disk is waited for in the pool, a full socket with a time limit.
+// Sends from the file into the socket as much as it takes now: no bytes over TLS, or if the blob is
+// not a file. Parts through memory come before and between: reads from the disk wait in the pool,
+// and a full socket has a timeout.
 void send_directly(api::Stream& stream, api::FilePart& part) {
     const int file = part.reader->descriptor();
     if (file < 0 || stream.tls() != nullptr) return;
@@ -84,7 +85,7 @@ void send_directly(api::Stream& stream, api::FilePart& part) {
         const auto size = static_cast<std::size_t>(end - offset);
         const auto sent = sendfile(stream.socket().native_handle(), file, &offset, size);
         if (sent < 0 && errno == EINTR) continue;
-        if (sent <= 0) break;  // what is wrong, the next piece will say
+        if (sent <= 0) break;  // the next part will show the error
     }
     part.length -= offset - part.offset;
     part.offset = offset;

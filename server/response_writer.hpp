@@ -11,12 +11,12 @@
 namespace divemesh::server {
 
 struct WriteOptions {
-    std::chrono::milliseconds timeout;  // of one piece
+    std::chrono::milliseconds timeout;  // of one part
     bool keep_alive = false;
-    bool head = false;  // the header alone, as the body would have it
+    bool head = false;  // send only the header, as it would be with the body
 };
 
-// Writes an answer, a blob's bytes piece by piece. False: the client is gone or too slow.
+// Writes a response, a blob's bytes in parts. Returns false if the client is gone or too slow.
 boost::asio::awaitable<bool> write_response(std::shared_ptr<Connection> connection,
                                             api::Response response,
                                             api::Services services,

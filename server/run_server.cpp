@@ -63,7 +63,7 @@ void say_token(const Server& server) {
 }  // namespace
 
 void run_server(const ServerConfig& config) {
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow is an error of write()
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow becomes an error of write()
     start_log();
     Server server(config);
     std::optional<WorkerSupervisor> workers;

@@ -5,7 +5,7 @@
 namespace divemesh::server {
 namespace {
 
-// Two frames in any so long: a picture right after a status does not wait.
+// Two frames per sensor in this time: an image right after a status does not wait.
 constexpr std::chrono::seconds kTwoFrames{1};
 
 }  // namespace

@@ -10,24 +10,24 @@
 
 namespace divemesh::server {
 
-// What one client is told of the sensors that it watches: each as a whole at first, then what has
-// changed, twice a second at most. What comes faster is left out, never queued: the next delta goes
-// from what was told to what is newest.
+// What one client receives of the sensors that it watches: each sensor as a whole at first, then
+// its changes, twice a second at most. Changes in between are skipped, not queued: the next delta
+// leads from the last state sent to the newest.
 class SensorFeed {
 public:
     using Clock = std::chrono::steady_clock;
 
     SensorFeed(const api::SensorHub& sensor_hub, const std::vector<std::string>& sensors);
 
-    // A frame that is due; nothing: none is before next_at().
+    // Returns a frame that is due; nullopt if none is due before next_at().
     std::optional<std::string> next(Clock::time_point now);
-    // When the first of those that wait for their time is due; max(): none waits.
+    // Returns when the first waiting frame is due; max() if none waits.
     Clock::time_point next_at() const;
 
 private:
     struct WatchedSensor {
         std::string sensor;
-        std::shared_ptr<const api::SensorSnapshot> snapshot;  // null: nothing yet
+        std::shared_ptr<const api::SensorSnapshot> snapshot;  // null: not sent yet
         Clock::time_point last = Clock::time_point::min();
         Clock::time_point last_but_one = Clock::time_point::min();
     };

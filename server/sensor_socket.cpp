@@ -36,14 +36,14 @@ constexpr std::size_t kMaxWaiting = 64;  // frames
 constexpr std::size_t kMaxWaitingBytes = std::size_t{1} << 20;
 constexpr websocket::close_code kReplaced{4409};
 
-// A frame as it was read: a report, or the answer to what is none.
+// A frame as it was read: a report, or the answer to an invalid one.
 struct Incoming {
     SensorReport report;
-    std::string refusal;  // "": it is a report
+    std::string refusal;  // "": valid report
     std::size_t num_bytes = 0;
 };
 
-// What is written at once.
+// What is written together.
 struct Batch {
     SensorReport report;
     std::vector<std::string> refusals;
@@ -100,7 +100,7 @@ public:
     asio::steady_timer pause;
     bool closing = false;
     websocket::close_code reason = websocket::close_code::going_away;
-    bool has_commands = true;  // there may be some to hand over
+    bool has_commands = true;  // there may be commands to send
 
 private:
     static bool fits(const Batch& batch, const Incoming& next) {
@@ -124,7 +124,7 @@ private:
     std::size_t num_bytes_ = 0;
 };
 
-// The stream's place at the desk, for as long as this lives.
+// The stream's connection to the sensor hub, until it is destroyed.
 class HubConnection {
 public:
     HubConnection(api::SensorHub& sensor_hub,
@@ -148,7 +148,7 @@ private:
     std::uint64_t connection_;
 };
 
-// Of what could be read of a frame that is refused.
+// Returns the sequence numbers that could be read of a refused frame.
 json sequences_in(const json& frame) {
     json sequences = json::array();
     const auto add = [&](const json& message) {
@@ -195,13 +195,13 @@ asio::awaitable<void> read_frames(std::shared_ptr<SensorSocket> sensor, api::Req
         const auto bytes = buffer.cdata();
         const std::string_view frame(static_cast<const char*>(bytes.data()), bytes.size());
         sensor->put(read_frame(request, frame, sensor->socket.got_binary()));
-        buffer = {};  // a picture's memory is not kept until the next one
+        buffer = {};  // frees an image's memory before the next read
         co_await sensor->wait_for_room();
     }
     sensor->close(websocket::close_code::going_away);
 }
 
-// False: the sensor is gone, or the socket closes.
+// Returns false if the sensor is gone, or the socket closes.
 asio::awaitable<bool> write(std::shared_ptr<SensorSocket> sensor, std::string frame) {
     const auto [error, n] = co_await sensor->socket.async_write(asio::buffer(frame), kAwaitErrors);
     co_return !error && !sensor->closing;
@@ -232,7 +232,7 @@ public:
               const SessionContext& context)
         : sensor_(std::move(sensor)), stream_(std::move(stream)), services_(context.services) {}
 
-    // Until the sensor goes or the connection is stopped.
+    // Runs until the sensor disconnects or the connection is stopped.
     asio::awaitable<void> run() {
         bool goes_on = co_await write(sensor_, welcome());
         while (goes_on) {
@@ -284,7 +284,8 @@ private:
         co_return co_await write(sensor_, answer_text(answer, committed));
     }
 
-    // What was sent on an earlier stream may have been lost with it: it is sent again.
+    // Sends commands. Those sent on an earlier stream may have been lost with it, so they are sent
+    // again.
     asio::awaitable<bool> hand_over() {
         sensor_->has_commands = false;
         auto take = [&catalog = services_.catalog,
@@ -311,12 +312,12 @@ private:
     api::SensorStream stream_;
     api::Services services_;
     Clock::time_point trusted_until_ = Clock::now() + kTokenTrusted;
-    bool is_heard_ = false;  // it has said something of now
+    bool is_heard_ = false;  // it has sent a current report
     bool is_anew_ = true;
 };
 
-// What is not written now, the sensor keeps and sends again; what belongs to another project never
-// will be.
+// Returns the close code. The sensor keeps what cannot be written now and sends it again; what
+// belongs to another project will never be accepted.
 websocket::close_reason reason_of(const std::exception& failure) {
     const auto* error = dynamic_cast<const Error*>(&failure);
     const bool is_final = error != nullptr && error->code() == ErrorCode::Conflict;

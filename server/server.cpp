@@ -87,7 +87,7 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     return limits;
 }
 
-// Says why, as far as that costs nothing: what fits into the socket's buffers, at once.
+// Tells the client the reason, as far as the socket's buffers take it without waiting.
 void reject(tcp::socket& socket) {
     static constexpr std::string_view kBody =
         R"({"type":"urn:divemesh:error:unavailable","title":"Service Unavailable","status":503,)"
@@ -100,12 +100,12 @@ void reject(tcp::socket& socket) {
     socket.non_blocking(true, ignored);
     socket.write_some(asio::buffer(kAnswer), ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
-    // To close with a request unread would take the answer back.
+    // To close the socket with an unread request would drop the response.
     std::array<char, 16 << 10> request;
     socket.read_some(asio::buffer(request), ignored);
 }
 
-// Everybody on the network could do everything: only this machine may be served without tokens.
+// Without tokens everybody on the network could do everything, so only this machine may be served.
 std::string admit(const ServerConfig& config, bool loopback, storage::Catalog& catalog) {
     if (config.no_auth && !loopback)
         throw Error(ErrorCode::InvalidArgument,
@@ -163,7 +163,7 @@ struct Server::Implementation {
 
     asio::awaitable<void> accept();
     asio::awaitable<void> drain();
-    // `work` once; what it throws is logged as `failed`.
+    // Runs `work` once; logs an exception as `failed`.
     template <typename Work>
     asio::awaitable<bool> attempt(const char* failed, Work work);
     asio::awaitable<void> sweep();
@@ -232,7 +232,7 @@ asio::awaitable<void> Server::Implementation::accept() {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kAwaitErrors);
         if (!error) {
             spawn_session(std::move(socket));
-        } else if (!stopping) {  // no file descriptor left, or the client has gone
+        } else if (!stopping) {  // no file descriptor is left, or the client has gone
             log_warning({{"event", "accept_failed"}, {"what", error.message()}});
             pause.expires_after(50ms);
             co_await pause.async_wait(kAwaitErrors);
@@ -262,8 +262,8 @@ asio::awaitable<void> Server::Implementation::sweep() {
     }
 }
 
-// At the start, and again less and less often while any of them cannot be made: each time its
-// bytes are read and hashed.
+// Tries at the start, and again at growing intervals while a dive cannot be made: each try reads
+// and hashes its bytes.
 asio::awaitable<void> Server::Implementation::make_pending_dives() {
     asio::steady_timer timer(io);
     auto pause = config.timeouts.pending_dives;
@@ -282,7 +282,7 @@ asio::awaitable<void> Server::Implementation::make_pending_dives() {
     }
 }
 
-// What blocks and throws nothing, in the pool.
+// Repeats `round`, which blocks and does not throw, in the pool.
 asio::awaitable<void> Server::Implementation::repeat(void (*round)(const api::Services&),
                                                      std::chrono::milliseconds pause) {
     asio::steady_timer timer(io);
@@ -296,14 +296,14 @@ asio::awaitable<void> Server::Implementation::repeat(void (*round)(const api::Se
 
 asio::awaitable<void> Server::Implementation::import() {
     if (config.import_folder.empty()) co_return;
-    // Named: g++ 12 destroys a braced argument of a coroutine twice.
+    // A named variable, because g++ 12 destroys a braced argument of a coroutine twice.
     const api::ImportRequest request{
         config.import_folder, config.import_project, config.import_preset};
     auto work = [this, &request] { return api::import_dives(context().services, request); };
     co_await attempt("import_failed", std::move(work));
 }
 
-// Uploads make durable what they have, WebSockets say goodbye; who takes too long is cut off.
+// Waits for uploads to flush and WebSockets to close; aborts connections that take too long.
 asio::awaitable<void> Server::Implementation::drain() {
     connections.stop_all();
     asio::steady_timer pause(io);
@@ -331,7 +331,7 @@ const std::string& Server::first_token() const { return implementation_->first_t
 const ServerConfig& Server::config() const { return implementation_->config; }
 
 void Server::run() {
-    std::signal(SIGPIPE, SIG_IGN);  // sendfile() cannot be told to raise none
+    std::signal(SIGPIPE, SIG_IGN);  // sendfile() has no flag against it
     Implementation& self = *implementation_;
     asio::co_spawn(self.io, self.make_pending_dives(), asio::detached);
     asio::co_spawn(self.io, self.accept(), asio::detached);

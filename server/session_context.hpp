@@ -6,7 +6,7 @@
 
 namespace divemesh::server {
 
-// What every connection needs; outlives them all.
+// What every connection needs; it outlives all connections.
 struct SessionContext {
     api::Services services;
     EventHub& events;

@@ -14,16 +14,16 @@
 
 namespace divemesh::server {
 
-// Without compression: events are small, pictures are compressed already.
+// Without compression: events are small, and images are compressed already.
 using WebSocket = boost::beast::websocket::stream<api::Stream&, false>;
 
 inline constexpr auto kAwaitErrors = boost::asio::as_tuple(boost::asio::use_awaitable);
-inline constexpr std::chrono::seconds kTokenTrusted{1};  // before it is looked at again
+inline constexpr std::chrono::seconds kTokenTrusted{1};  // until it is checked again
 
-// Timeouts, pings, and the largest message that the client may send.
+// Sets timeouts, pings, and the largest message that the client may send.
 void set_options(WebSocket& socket, const Timeouts& timeouts, std::size_t max_num_bytes);
 
-// Whether the token that opened the socket still does; "": nobody asked for one.
+// Returns whether the token that opened the socket is still valid; "" means no authentication.
 boost::asio::awaitable<bool> is_entitled(std::string token_id, api::Services services);
 
 }  // namespace divemesh::server

@@ -13,12 +13,12 @@
 
 namespace divemesh::server {
 
-// Empties the outbox: sends what is due, signed as Standard Webhooks has it, one message at a time
-// to each webhook, so that a dead receiver delays nobody else, and records how it ended. A message
-// goes to an address that was checked before (S31): the name is resolved once, every address it has
-// must be public or allowed, and that very one is connected to; redirects are not followed; the
-// answer's body is not read; 5 s have to do for the name and 15 s for the rest. A message may
-// arrive twice when the server is killed meanwhile: receivers tell by webhook-id.
+// Sends the due deliveries of the outbox, signed as in Standard Webhooks, and records the outcome.
+// Each webhook gets one message at a time, so a dead receiver does not delay the others. A message
+// goes only to a checked address (S31): the name is resolved once, every address of it must be
+// public or allowed, and the connection goes to one of exactly these. Redirects are not followed
+// and the response's body is not read. The name may take 5 s, the rest 15 s. A message may arrive
+// twice if the server is killed meanwhile: receivers tell by webhook-id.
 class WebhookSender {
 public:
     explicit WebhookSender(const api::Services& services);
@@ -27,9 +27,9 @@ public:
     void stop() { stopping_ = true; }
 
 private:
-    // And what else is due of its webhook.
+    // Delivers `due` and the further due messages of its webhook.
     boost::asio::awaitable<void> deliver_all(storage::DueDelivery due);
-    boost::asio::awaitable<bool> deliver(storage::DueDelivery due);  // whether somebody answered
+    boost::asio::awaitable<bool> deliver(storage::DueDelivery due);  // true: it responded
     std::set<std::string> busy();
 
     api::Services services_;

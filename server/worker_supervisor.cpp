@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 constexpr auto kCheckEvery = 100ms;
 constexpr Clock::duration kFirstPause = 1s;
 constexpr Clock::duration kMaxPause = 30s;
-constexpr auto kSettled = 60s;  // who ran so long starts again with a short pause
+constexpr auto kSettled = 60s;  // after this time a restart has a short pause again
 constexpr auto kGrace = 8s;     // between SIGTERM and SIGKILL
 
 struct Worker {
@@ -31,8 +31,8 @@ struct Worker {
     Clock::duration pause = kFirstPause;
 };
 
-// Between fork and exec nothing but system calls is allowed: other threads may hold any lock. The
-// death signal is tied to the thread that forks, which is why one thread does all of this.
+// Starts a worker. Between fork and exec only system calls are allowed, because other threads may
+// hold any lock. The death signal is tied to the thread that forks, so one thread does all of this.
 pid_t spawn(const std::vector<std::string>& command) {
     std::vector<char*> arguments;
     for (const std::string& text : command) arguments.push_back(const_cast<char*>(text.c_str()));
@@ -46,9 +46,9 @@ pid_t spawn(const std::vector<std::string>& command) {
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
     std::signal(SIGPIPE, SIG_DFL);
-    // Else a worker that outlives a killed server holds its port and its clients' connections.
+    // Otherwise a worker that outlives a killed server holds its port and its clients' connections.
     close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
-    dup2(STDERR_FILENO, STDOUT_FILENO);  // stdout is where the server says its address
+    dup2(STDERR_FILENO, STDOUT_FILENO);  // stdout is for the server's address
     execv(arguments[0], arguments.data());
     _exit(127);
 }
@@ -59,7 +59,7 @@ void start(Worker& worker, const std::vector<std::string>& command) {
     log_info({{"event", "worker_started"}, {"pid", worker.pid}});
 }
 
-// True when it has ended.
+// Returns true when it has ended.
 bool look_after(Worker& worker) {
     int status = 0;
     if (waitpid(worker.pid, &status, WNOHANG) == 0) return false;

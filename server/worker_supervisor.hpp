@@ -6,9 +6,9 @@
 
 namespace divemesh::server {
 
-// Keeps N worker processes running, `command` each: one that ends is started again, after a pause
-// that grows while it keeps ending early. They die with this process however it ends, and get
-// SIGTERM, later SIGKILL, after stop().
+// Keeps `num_workers` worker processes running, each with `command`. Restarts one that ends, after
+// a pause that grows while it keeps ending early. The workers die with this process however it
+// ends, and get SIGTERM, later SIGKILL, after stop().
 class WorkerSupervisor {
 public:
     WorkerSupervisor(std::vector<std::string> command, int num_workers);
@@ -23,7 +23,7 @@ private:
 
     std::vector<std::string> command_;
     int num_workers_;
-    std::jthread thread_;  // last: ends before what it uses
+    std::jthread thread_;  // last: it ends before the members that it uses
 };
 
 }  // namespace divemesh::server

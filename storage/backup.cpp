@@ -23,12 +23,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr const char* kCatalogName = "catalog.db";
-constexpr const char* kEndName = "end-of-backup";  // the number of blobs: a cut file lacks it
+constexpr const char* kEndName = "end-of-backup";  // holds the number of blobs, detects a cut
 constexpr std::string_view kBlobsFolder = "blobs/";
 
 using Archive = std::unique_ptr<archive, int (*)(archive*)>;
 
-// A file beside the one that is made of it, removed when that does not happen.
+// A temporary file beside the final one; removed unless it is renamed to the final one.
 class Part {
 public:
     explicit Part(fs::path file) : file_(std::move(file)) { fs::remove(file_); }
@@ -52,14 +52,15 @@ private:
     fs::path file_;
 };
 
-// With the secrets of webhooks and the hashes of tokens in it.
+// Creates a private file, because the catalog holds the secrets of webhooks and the hashes of
+// tokens.
 FileDescriptor make_private(const fs::path& file) {
     FileDescriptor made(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
     if (!made.is_open()) throw_errno("making " + file.string());
     return made;
 }
 
-// What the catalog says of its blobs: key -> sha256, "" where it knows none.
+// Returns the blobs that the catalog names: key -> sha256, "" where it knows no hash.
 std::map<std::string, std::string> named_blobs(Catalog& catalog) {
     struct Row {
         std::string blob;
@@ -172,7 +173,7 @@ public:
         read(archive_read_open_filename(tar_.get(), file.c_str(), kChunkBytes));
     }
 
-    // The next entry's name; "" at the end.
+    // Returns the next entry's name; "" at the end.
     std::string next() {
         archive_entry* entry = nullptr;
         const int result = archive_read_next_header(tar_.get(), &entry);
@@ -242,7 +243,7 @@ void check_end(TarReader& tar, const std::string& name, std::int64_t num_blobs) 
         throw Error(ErrorCode::BadData, "the backup is damaged: its end is missing");
 }
 
-// Null: it is gone, or goes this very moment.
+// Returns null if the blob is gone, or is just being removed.
 std::unique_ptr<BlobReader> open_if_there(BlobStore& blobs, const std::string& key) {
     try {
         return blobs.open(key);

@@ -19,7 +19,7 @@ bool is_part(std::string_view part) {
            std::all_of(part.begin(), part.end(), is_allowed);
 }
 
-// What is shown of a key that may hold anything.
+// Returns a printable form of a key that may hold any bytes.
 std::string printable(std::string_view key) {
     std::string text(key.substr(0, 80));
     std::replace_if(

@@ -10,8 +10,8 @@
 
 namespace divemesh::storage {
 
-// An upload's bytes while they arrive. write() appends in memory or page cache; flush() makes
-// everything written so far durable and returns the durable size.
+// An upload's bytes while they arrive. write() appends in memory or page cache; flush() makes all
+// bytes written so far durable and returns the durable size.
 class StagedBlob {
 public:
     virtual ~StagedBlob() = default;
@@ -26,40 +26,42 @@ public:
     virtual ~BlobReader() = default;
     virtual std::int64_t size_bytes() const = 0;
     virtual std::size_t read_at(std::int64_t offset, std::span<char> buffer) = 0;  // 0 at the end
-    // Of the open file whose bytes these are, for sendfile(); -1: they are in none of this machine.
+    // Returns the descriptor of the open file with these bytes, for sendfile(); -1 if they are not
+    // in a local file.
     virtual int descriptor() const { return -1; }
 };
 
-// Where archives and artifacts are: a directory (write to temp, fsync, rename, fsync the
-// directory); later an S3 bucket. Keys are made by us ("dives/<id>/archive"), of [a-z0-9._/-]
-// alone, and checked: Error{InvalidArgument}. Thread-safe.
+// Stores archives and artifacts: a directory (write to temp, fsync, rename, fsync the directory);
+// later an S3 bucket. Keys are made by the program ("dives/<id>/archive"), of [a-z0-9._/-] only,
+// and checked: Error{InvalidArgument}. Thread-safe.
 class BlobStore {
 public:
     virtual ~BlobStore() = default;
 
-    // Staging: opened again under the same key it goes on where the durable bytes end.
+    // Opens a staged blob. Under an existing key it continues where the durable bytes end.
     virtual std::unique_ptr<StagedBlob> open_staged(const std::string& key) = 0;
-    virtual std::int64_t staged_size_bytes(const std::string& key) = 0;  // 0: nothing there
+    virtual std::int64_t staged_size_bytes(const std::string& key) = 0;  // 0: there is none
     virtual std::unique_ptr<BlobReader> read_staged(const std::string& key) = 0;
     virtual void remove_staged(const std::string& key) = 0;
-    // Makes staged bytes a blob, atomically. Already there under `key`: fine.
+    // Makes staged bytes a blob, atomically. Does nothing if `key` exists already.
     virtual void commit_staged(const std::string& staged_key, const std::string& key) = 0;
 
-    // Durable when it returns; a reader sees all of it or nothing.
+    // Stores a file. It is durable when the call returns; readers see all of it or no blob.
     virtual void put_file(const std::string& key, const std::filesystem::path& file) = 0;
     virtual std::unique_ptr<BlobReader> open(const std::string& key) = 0;  // throws NotFound
-    // A path on this machine to read the blob from: itself, or fetched into `scratch`.
+    // Returns a path on this machine to read the blob from: the blob's own file, or a copy in
+    // `scratch`.
     virtual std::filesystem::path local_copy(const std::string& key,
                                              const std::filesystem::path& scratch) = 0;
     virtual bool exists(const std::string& key) = 0;
-    virtual void remove(const std::string& key) = 0;  // gone already: fine
+    virtual void remove(const std::string& key) = 0;  // does nothing if there is none
     virtual void remove_prefix(const std::string& prefix) = 0;
-    // Names directly below a prefix that ends with a slash.
+    // Returns the names directly below a prefix that ends with a slash.
     virtual std::vector<std::string> children(const std::string& prefix) = 0;
     virtual std::int64_t free_bytes() = 0;
 };
 
-// `file:///path` or a plain path. Throws Error{InvalidArgument} for a scheme we do not speak.
+// Opens `file:///path` or a plain path. Throws Error{InvalidArgument} for an unsupported scheme.
 std::unique_ptr<BlobStore> open_blob_store(const std::string& url);
 
 }  // namespace divemesh::storage

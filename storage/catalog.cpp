@@ -23,7 +23,7 @@ std::unique_ptr<Engine> make_engine(const std::string& url) {
                 "cannot use the catalog " + url + ": give sqlite:///path/catalog.db");
 }
 
-// Connections that are idle; a call takes one, or waits when too many are under way.
+// The idle connections. A call takes one, or waits if too many are in use.
 class Pool {
 public:
     explicit Pool(const Engine& engine) : engine_(engine) {}
@@ -46,7 +46,7 @@ public:
         }
     }
 
-    // Null: none is idle.
+    // Returns null if no connection is idle.
     std::unique_ptr<Session> take_idle() {
         const std::lock_guard lock(mutex_);
         if (idle_.empty()) return nullptr;
@@ -55,7 +55,7 @@ public:
         return session;
     }
 
-    // Null: the connection is of no more use.
+    // Null: the connection can no longer be used.
     void give_back(std::unique_ptr<Session> session) {
         const std::lock_guard lock(mutex_);
         if (session)
@@ -73,7 +73,7 @@ private:
     std::size_t num_open_ = 0;
 };
 
-// A connection out of the pool with a transaction on it, which is rolled back unless committed.
+// A connection from the pool with a transaction, which is rolled back unless committed.
 class Transaction {
 public:
     Transaction(const Engine& engine, Pool& pool, bool may_wait)
@@ -90,7 +90,7 @@ public:
             try {
                 engine_.end(*session_, "ROLLBACK");
             } catch (const std::exception&) {
-                session_.reset();  // SQLite has rolled back by itself, or the connection is broken
+                session_.reset();  // SQLite rolled back by itself, or the connection is broken
             }
         }
         if (session_ && !may_wait_) engine_.set_may_wait(*session_, true);
@@ -142,7 +142,7 @@ struct Catalog::Implementation {
     Pool pool;
 };
 
-// Asked first, so that opening a catalog does not have to wait for its writers.
+// Checked first, so that opening a catalog does not have to wait for its writers.
 bool Catalog::Implementation::is_current() {
     try {
         int version = 0;
@@ -152,11 +152,11 @@ bool Catalog::Implementation::is_current() {
         });
         return version == static_cast<int>(migrations().size());
     } catch (const soci::soci_error&) {
-        return false;  // there is no such table yet
+        return false;  // the table does not exist yet
     }
 }
 
-// Two processes that start at once: the second waits for the transaction of the first.
+// If two processes start at the same time, the second waits for the transaction of the first.
 void Catalog::Implementation::migrate(soci::session& session) const {
     session << "CREATE TABLE IF NOT EXISTS schema_version (version INTEGER NOT NULL)";
     int version = 0;
@@ -208,7 +208,7 @@ Catalog Catalog::with_check(std::function<void()> check) const {
 }
 
 void Catalog::transaction(const Work& work) {
-    // The one writer at a time may be syncing a disk.
+    // Another writer may be syncing a disk.
     if (!may_wait_)
         throw Error(ErrorCode::Unavailable, "the catalog cannot be written now: try again");
     Engine& engine = *implementation_->engine;
@@ -254,7 +254,7 @@ void Catalog::require_writable() {
 
 void Catalog::copy_to(const std::string& file) {
     Implementation& self = *implementation_;
-    const auto session = self.engine->connect();  // one of its own: no transaction may be open
+    const auto session = self.engine->connect();  // because no transaction may be open
     try {
         self.engine->copy_to(*session, file);
     } catch (const soci::soci_error& error) {

@@ -13,47 +13,50 @@ class session;
 namespace divemesh::storage {
 
 // The database behind all stores: SQLite (WAL, synchronous=FULL) at `sqlite:///path/catalog.db`, on
-// a disk of this machine. It is the only engine there is. How it connects, locks and reports errors
-// is in storage/sqlite_engine; the migrations are in its dialect (STRICT, RAISE, json_each), and so
-// is a statement here and there (last_insert_rowid): a second engine has to change these too.
-// Thread-safe: a pool of connections, one per call under way.
+// a local disk. It is the only engine. How it connects, locks and reports errors is in
+// storage/sqlite_engine. The migrations are in its dialect (STRICT, RAISE, json_each), and so are
+// some statements (last_insert_rowid): a second engine has to change these too. Thread-safe: a pool
+// of connections, one per call under way.
 class Catalog {
 public:
     using Work = std::function<void(soci::session&)>;
 
-    // Opens or makes the database and brings its schema up to date (storage/migrations, compiled
-    // in). Throws Error{Unavailable} when it cannot be opened, Error{Conflict} when it was written
-    // by a newer version.
+    // Opens or creates the database and brings its schema up to date (storage/migrations, compiled
+    // in). Throws Error{Unavailable} if it cannot be opened, Error{Conflict} if a newer version
+    // wrote it.
     explicit Catalog(const std::string& url);
     ~Catalog();
     Catalog(const Catalog&) = delete;
     Catalog& operator=(const Catalog&) = delete;
 
-    // The same catalog for whoever must not wait: read() throws Error{Unavailable} where it would
-    // have to, for a connection or for another process, and so does every transaction().
+    // Returns the same catalog for callers that must not wait. Its read() throws Error{Unavailable}
+    // where it would wait for a connection or for another process; its transaction() always throws
+    // it.
     Catalog read_nonblocking() const;
-    // Opens connections until there are so many (16 at most): one for each thread that may ask, so
-    // that read_nonblocking() finds one idle.
+    // Opens connections until there are `num_connections` (16 at most): one for each thread that
+    // reads, so that read_nonblocking() finds an idle one.
     void reserve(std::size_t num_connections);
     bool may_wait() const { return may_wait_; }
-    // The same catalog for a change that leaves a note: `note` runs in every transaction, last.
+    // Returns the same catalog for changes with a note: `note` runs last in every transaction.
     Catalog with_note(Work note) const;
-    // The same for a change that depends on what is there: `check` runs in every transaction,
-    // first, and may throw. Nobody else writes then, so it may read by the catalog itself.
+    // Returns the same catalog for conditional changes: `check` runs first in every transaction and
+    // may throw. No other writer runs then, so it may read by the catalog itself.
     Catalog with_check(std::function<void()> check) const;
 
-    // Runs `work` in one write transaction: committed when it returns, rolled back when it throws.
+    // Runs `work` in one write transaction: committed when it returns, rolled back if it throws.
     void transaction(const Work& work);
-    // The same for reading: one consistent snapshot.
+    // Runs `work` in one read transaction: it sees one consistent snapshot.
     void read(const Work& work);
 
-    // The catalog's own clock, unix milliseconds; leases are compared with nothing else.
+    // Returns the catalog's own clock in unix milliseconds; leases are compared only with this
+    // clock.
     static std::int64_t now_ms(soci::session& session);
     int schema_version();
-    // Throws Error{Unavailable} when its tables are not those of this version, and what a write
-    // throws when it takes none.
+    // Checks that the catalog accepts a write. Throws Error{Unavailable} if its tables are not
+    // those of this version, and what a failed write throws.
     void require_writable();
-    // A consistent copy as it is now, for a file that does not exist; others go on writing.
+    // Writes a consistent copy of the current state to a file that does not exist yet; other calls
+    // may write meanwhile.
     void copy_to(const std::string& file);
 
 private:
@@ -65,8 +68,8 @@ private:
 
     std::shared_ptr<Implementation> implementation_;
     bool may_wait_ = true;
-    std::function<void()> check_;  // empty: none
-    Work note_;                    // empty: none
+    std::function<void()> check_;  // may be empty
+    Work note_;                    // may be empty
 };
 
 }  // namespace divemesh::storage

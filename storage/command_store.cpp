@@ -12,8 +12,8 @@
 namespace divemesh::storage {
 namespace {
 
-constexpr std::int64_t kMaxOpen = 20;    // of a sensor
-constexpr std::int64_t kMaxKept = 1000;  // of a sensor
+constexpr std::int64_t kMaxOpen = 20;    // per sensor
+constexpr std::int64_t kMaxKept = 1000;  // per sensor
 
 struct CommandRow {
     SensorCommand command;
@@ -194,7 +194,7 @@ std::vector<SensorCommand> CommandStore::take(const std::string& sensor, bool ag
     catalog_.read([&](soci::session& session) {
         commands = open_commands(session, sensor, again, Catalog::now_ms(session));
     });
-    if (commands.empty()) return commands;  // no write where there is nothing to do
+    if (commands.empty()) return commands;  // avoids an empty write
     catalog_.transaction([&](soci::session& session) {
         const SensorRecord record = known_sensor(session, sensor);
         const std::int64_t now_ms = Catalog::now_ms(session);

@@ -44,7 +44,7 @@ private:
 
 class DirectoryStagedBlob : public StagedBlob {
 public:
-    // What a killed server had written may not have reached the disk: it does now.
+    // Bytes that a killed server wrote may not have reached the disk; this makes them durable.
     explicit DirectoryStagedBlob(FileDescriptor file) : file_(std::move(file)) {
         flush();
         if (lseek(file_.get(), 0, SEEK_END) < 0) throw_errno("opening staged data");
@@ -65,7 +65,7 @@ public:
 
 private:
     FileDescriptor file_;
-    std::int64_t num_new_bytes_ = 0;  // that the disk has not been asked to write
+    std::int64_t num_new_bytes_ = 0;  // not yet started to write to the disk
 };
 
 class DirectoryBlobStore : public BlobStore {
@@ -153,7 +153,7 @@ FileDescriptor DirectoryBlobStore::make_area(const std::string& name) const {
     return open_folder(folder_ / name);
 }
 
-// What copies that were killed left behind.
+// Removes what killed copies left behind.
 void DirectoryBlobStore::remove_old_temporary_files() const {
     std::error_code ignored;
     const auto limit = fs::file_time_type::clock::now() - kTemporaryFilesLive;
@@ -197,7 +197,7 @@ void DirectoryBlobStore::put_file(const std::string& key, const fs::path& file) 
     }
 }
 
-// The moment a blob comes to be: a rename, made durable.
+// Creates the blob: a rename, made durable.
 void DirectoryBlobStore::publish(const FileDescriptor& from,
                                  const std::string& name,
                                  const std::string& key) {
@@ -232,7 +232,7 @@ void DirectoryBlobStore::remove_prefix(const std::string& prefix) {
     const FileDescriptor parent = open_parent(blobs_, parts, false);
     if (!parent.is_open()) return;
     std::error_code failure;
-    fs::remove_all(folder_ / "blobs" / folder, failure);  // follows no link
+    fs::remove_all(folder_ / "blobs" / folder, failure);  // follows no symbolic link
     if (failure)
         throw Error(ErrorCode::Unavailable, "removing " + prefix + ": " + failure.message());
     sync(parent);

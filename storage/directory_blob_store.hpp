@@ -7,8 +7,8 @@
 
 namespace divemesh::storage {
 
-// Blobs as files below `folder`: blobs/ what is finished, staged/ uploads while they arrive, tmp/
-// files while they are copied in. Makes the folders; throws Error{Unavailable}.
+// Opens a store of blobs as files below `folder`: blobs/ finished blobs, staged/ uploads while they
+// arrive, tmp/ files while they are copied in. Creates the folders; throws Error{Unavailable}.
 std::unique_ptr<BlobStore> open_directory_blob_store(const std::string& folder);
 
 }  // namespace divemesh::storage

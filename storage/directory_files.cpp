@@ -80,7 +80,7 @@ void sync(const FileDescriptor& file_or_folder) {
     if (fsync(file_or_folder.get()) != 0) throw_errno("making stored data durable");
 }
 
-// Only speed depends on it: where the kernel cannot, sync() does it all.
+// Only affects speed: if the kernel cannot do it, sync() does all the work.
 void start_write_back(const FileDescriptor& file) {
     sync_file_range(file.get(), 0, 0, SYNC_FILE_RANGE_WRITE);
 }

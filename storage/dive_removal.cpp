@@ -21,7 +21,7 @@ std::vector<std::string> jobs_of(soci::session& session,
 void cancel_jobs(soci::session& session, const std::string& dive_id) {
     const Failure why{ErrorCode::Cancelled, "the dive was deleted"};
     for (const std::string& id : jobs_of(session, dive_id, "'held', 'queued'")) {
-        // Cancelling one may have cancelled those behind it.
+        // Cancelling one job may have cancelled those behind it.
         const auto waits = select_one<TextRow>(
             session,
             "SELECT id FROM jobs WHERE id = :id AND state IN ('held', 'queued')",

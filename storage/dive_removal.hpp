@@ -10,29 +10,29 @@
 
 namespace divemesh::storage {
 
-// A dive that goes, in two steps: deleted, it can be brought back until it expires; then whoever
-// cleans up removes its blobs and last its rows, so that a crash in between loses nothing of what
-// is still to be removed.
+// Removes a dive in two steps. A deleted dive can be restored until it expires. Then housekeeping
+// removes its blobs and last its rows, so that a crash in between loses no record of what is still
+// to be removed.
 class DiveRemoval {
 public:
     explicit DiveRemoval(Catalog& catalog) : catalog_(catalog) {}
 
-    // One transaction: `check` sees the dive and may throw; its jobs are cancelled, running ones
-    // asked to stop. A dive that is deleted already expires as it would
-    // have, or sooner. Throws Error{NotFound}.
+    // Deletes a dive in one transaction. `check` sees the dive and may throw. Its jobs are
+    // cancelled; running ones are asked to stop. A dive that is already deleted expires as planned,
+    // or sooner. Throws Error{NotFound}.
     Dive remove(const std::string& id,
                 std::chrono::milliseconds keep,
                 const std::function<void(const Dive&)>& check);
-    // Throws Error{NotFound}, Error{Conflict} when it has expired or was uploaded again meanwhile,
-    // Error{OutOfQuota} when its project has as many other dives as it may (0: no limit).
+    // Throws Error{NotFound}; Error{Conflict} if it has expired or was uploaded again meanwhile;
+    // Error{OutOfQuota} if its project has as many other dives as it may (0: no limit).
     Dive restore(const std::string& id, std::int64_t max_dives_of_project = 0);
 
-    // Deleted, expired and without a job that runs; at most `limit`.
+    // Returns deleted and expired dives without a running job, `limit` at most.
     std::vector<Dive> expired(int limit);
-    // The prefixes and keys in the blob store that are the dive's own.
+    // Returns the prefixes and keys in the blob store that belong to the dive.
     std::vector<std::string> blob_prefixes(const Dive& dive);
-    // Its rows: after its blobs. False: one of its jobs was begun meanwhile, and nothing is
-    // changed.
+    // Removes its rows; call it after its blobs are removed. Returns false, and changes nothing, if
+    // one of its jobs was started meanwhile.
     bool forget(const std::string& id);
 
 private:

@@ -15,7 +15,8 @@ std::string select_dive(const std::string& where) {
     return "SELECT " + std::string(kDiveColumns) + " FROM dives WHERE " + where;
 }
 
-// What is wrong with the recording's identity, beyond what intake can know.
+// Returns what is wrong with the recording's identity and cannot be known to intake; otherwise
+// nullopt.
 std::optional<Finding> check_identity(soci::session& session,
                                       const Dive& dive,
                                       const std::string& content_sha256) {

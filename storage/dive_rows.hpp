@@ -8,7 +8,7 @@
 #include "schemas/job.hpp"
 #include "storage/dive_store.hpp"
 
-// Reads and changes of dives inside a transaction.
+// Read and change dives inside a transaction.
 namespace divemesh::storage {
 
 struct DiveRow {
@@ -29,24 +29,26 @@ inline constexpr const char* kDiveColumns =
 
 Dive read_dive(soci::session& session, const std::string& id);  // throws Error{NotFound}
 
-// Throws Error{Conflict} when no job can be done on it.
+// Throws Error{Conflict} if the dive's state allows no jobs.
 void require_usable(const Dive& dive);
 
-// The project's dive with this recording, unless it was refused. Empty hashes match nothing.
+// Returns the project's dive of this recording, unless it was refused; otherwise nullopt. Empty
+// hashes match no dive.
 std::optional<Dive> find_recording(soci::session& session,
                                    const std::string& project,
                                    const std::string& archive_sha256,
                                    const std::string& content_sha256);
 
+// Appends an event of the dive, with the dive as its data.
 void append_dive_event(soci::session& session, const Dive& dive, const std::string& type);
 
-// Writes what intake found and decides: ready or refused. A recording that is not what its client
-// announced, or that the project has already, is refused too. Returns the dive and, when it was
-// refused, why.
+// The decision of intake about a dive, with the reason of a refusal.
 struct IntakeVerdict {
     Dive dive;
     std::optional<Failure> refusal;
 };
+// Writes the result of intake and decides: ready or refused. It also refuses a recording that
+// differs from the one its client announced, or that the project has already.
 IntakeVerdict apply_intake(soci::session& session,
                            const std::string& dive_id,
                            const IntakeResult& result);

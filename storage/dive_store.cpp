@@ -13,7 +13,7 @@
 namespace divemesh::storage {
 namespace {
 
-// "": it is none yet.
+// Returns "" if it is not yet a dive.
 std::string dive_of_upload(soci::session& session, const std::string& upload_id) {
     const auto dive_id = select_one<TextRow>(
         session,
@@ -23,7 +23,7 @@ std::string dive_of_upload(soci::session& session, const std::string& upload_id)
     return *dive_id;
 }
 
-// What an upload has become; not to be given as the answer to a new commit once it was deleted.
+// Returns the dive of an upload. Throws if it was deleted, because a new commit must not return it.
 Dive read_bound_dive(soci::session& session,
                      const std::string& upload_id,
                      const std::string& dive_id) {
@@ -72,8 +72,8 @@ Dive insert_dive(soci::session& session, const NewDive& request) {
     return dive;
 }
 
-// The reconstruction that was asked for with the upload: one that is there already serves, unless
-// it came to nothing.
+// Returns the reconstruction requested with the upload. An existing one will do, unless it did not
+// succeed.
 std::string ensure_reconstruction(soci::session& session,
                                   const Dive& dive,
                                   const std::string& preset) {

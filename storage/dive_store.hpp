@@ -20,25 +20,25 @@ struct DiveFilter {
     std::string site;            // "": any
     std::optional<DiveState> state;
     std::string tag;                     // "": any
-    std::int64_t created_after_ms = -1;  // neither of the two included
+    std::int64_t created_after_ms = -1;  // both ends excluded
     std::int64_t created_before_ms = std::numeric_limits<std::int64_t>::max();
-    bool deleted = false;  // the deleted ones, else the others
+    bool deleted = false;  // true: only deleted dives; false: only the others
 };
 
-// What a finished upload becomes a dive with.
+// What a dive is created with from a finished upload.
 struct NewDive {
     std::string upload_id;
     std::string project;
     std::string name;
     std::string archive_sha256;
-    std::string content_sha256;  // "" when the client did not state it
+    std::string content_sha256;  // "" if the client did not state it
     std::string blob;
     std::int64_t archive_bytes = 0;
-    std::string preset;  // "": no reconstruction; else one is queued behind the intake job
+    std::string preset;  // "": no reconstruction; otherwise one is queued after the intake job
     std::int64_t max_dives_of_project = 0;  // 0: no limit
 };
 
-// What the intake job found out about a dive.
+// What the intake job has found out about a dive.
 struct IntakeResult {
     std::vector<Finding> findings;
     std::string name;  // "": keep
@@ -48,13 +48,13 @@ struct IntakeResult {
     std::string content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;
-    std::string thumbnail_blob;  // "": none
+    std::string thumbnail_blob;  // "": no thumbnail
 };
 
 struct CreatedDive {
     Dive dive;
-    bool existed = false;  // the same recording was here before: that dive is the answer
-    std::string job_id;    // the reconstruction, "" when none was asked for
+    bool existed = false;  // true: the project already had this recording; `dive` is that dive
+    std::string job_id;    // the reconstruction, "" if not requested
 };
 
 // The dives table with its findings.
@@ -62,16 +62,16 @@ class DiveStore {
 public:
     explicit DiveStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // One transaction: the dive in state checking, its intake job, the reconstruction held behind
-    // it when asked for, the upload bound to it, the events. Asked twice for one upload, it answers
-    // the dive of the first time; a recording that is in the project already (archive or content
-    // hash, not refused) makes no second dive. Throws Error{OutOfQuota}.
+    // Creates in one transaction the dive in state checking, its intake job, the reconstruction
+    // held behind it if requested, the upload's link to it, and the events. For the same upload
+    // again it returns the first dive. A recording that the project has already (same archive or
+    // content hash, not refused) makes no second dive. Throws Error{OutOfQuota}.
     CreatedDive create(const NewDive& dive);
 
     Dive get(const std::string& id);  // throws Error{NotFound}
     Page<Dive> list(const DiveFilter& filter, const PageRequest& page);
     std::vector<Finding> findings(const std::string& id);
-    std::string thumbnail_blob(const std::string& id);  // throws Error{NotFound} when there is none
+    std::string thumbnail_blob(const std::string& id);  // throws Error{NotFound} if it has none
 
 private:
     Catalog& catalog_;

@@ -9,22 +9,24 @@
 
 namespace divemesh::storage {
 
-// The events table: written by the other stores inside their transactions (append), read by
-// watchers of any process.
+// The events table. The other stores write it inside their transactions (append); watchers in any
+// process read it.
 class EventStore {
 public:
     explicit EventStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // Sequence and time are set here; the event goes into the outbox of the webhooks that want it.
+    // Appends an event and sets its sequence and time. It also goes into the outbox of the webhooks
+    // that subscribe to it.
     static void append(soci::session& session, Event event);
-    // The same for news that make older ones of this type and subject worthless (progress): those
-    // are removed, so a watcher may miss them but never the newest, and webhooks are not told.
+    // Appends an event that makes older ones of its type and subject obsolete (progress), and
+    // removes those. So a watcher may miss older events but never the newest. Webhooks do not
+    // receive it.
     static void replace(soci::session& session, Event event);
 
-    // In order of sequence; project "" sees all. At most `limit`.
+    // Returns events in order of sequence, `limit` at most; project "" sees all.
     std::vector<Event> since(std::int64_t sequence, const std::string& project, int limit);
     std::int64_t newest_sequence();
-    std::int64_t oldest_sequence();  // that is kept; 0: none is
+    std::int64_t oldest_sequence();  // of the kept events; 0: there are none
 
 private:
     Catalog& catalog_;

@@ -8,7 +8,7 @@
 
 namespace divemesh::storage {
 
-// What a request with an Idempotency-Key was answered with.
+// The stored response to a request with an Idempotency-Key.
 struct StoredAnswer {
     std::string fingerprint;  // SHA-256 of the request
     int status = 0;
@@ -16,8 +16,8 @@ struct StoredAnswer {
     std::string body;
 };
 
-// The idempotent_answers table. A key belongs to the token that used it. What JobStore::enqueue
-// keeps of requests is forgotten with their answers.
+// The idempotent_answers table. A key belongs to the token that used it. The request keys that
+// JobStore::enqueue keeps are forgotten with these responses.
 class IdempotencyStore {
 public:
     explicit IdempotencyStore(Catalog& catalog) : catalog_(catalog) {}

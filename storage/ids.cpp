@@ -14,13 +14,13 @@ namespace {
 
 std::vector<unsigned char> random_bytes(std::size_t num_bytes) {
     std::vector<unsigned char> bytes(num_bytes);
-    // Up to 256 bytes come whole or not at all.
+    // Requests of up to 256 bytes are never cut short.
     if (getrandom(bytes.data(), num_bytes, 0) != static_cast<ssize_t>(num_bytes))
         throw Error(ErrorCode::Unavailable, "the system provides no random bytes");
     return bytes;
 }
 
-// The wall clock, but never the same twice and never backwards within this process.
+// Returns the wall clock, but strictly increasing within this process.
 std::int64_t next_microsecond() {
     static std::atomic<std::int64_t> last = 0;
     const std::int64_t now = std::chrono::duration_cast<std::chrono::microseconds>(

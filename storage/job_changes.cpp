@@ -14,7 +14,7 @@
 namespace divemesh::storage {
 namespace {
 
-// A failure as stored: each has a remedy, and where nothing failed all is empty.
+// A failure as stored, with a remedy; all fields are empty without a failure.
 struct FailureText {
     explicit FailureText(const Failure& failure) : message(failure.message) {
         if (message.empty()) return;
@@ -26,7 +26,7 @@ struct FailureText {
     std::string remedy;
 };
 
-// "": there is none, or it has succeeded.
+// Returns the dive's intake job that has not succeeded; "" if there is none.
 std::string unfinished_intake(soci::session& session, const std::string& dive_id) {
     return select_one<TextRow>(session,
                                "SELECT id FROM jobs WHERE dive_id = :dive AND kind = 'intake'"
@@ -79,7 +79,7 @@ void write_job_after_attempt(soci::session& session, const Job& job, const Attem
             soci::use(job.id, "id"));
 }
 
-// What the jobs behind one that came to nothing are told.
+// Returns the failure for the jobs behind a job that did not succeed; nullopt if they may run.
 std::optional<Failure> refusal_from(const std::string& parent_id,
                                     JobState state,
                                     const Failure& failure) {
@@ -92,7 +92,7 @@ std::optional<Failure> refusal_from(const std::string& parent_id,
                    .remedy = "retry job " + parent_id + ": this one then waits for it again"};
 }
 
-// Those that were asked for, and the intake of its dive while that has not succeeded.
+// Returns the requested parents, and the intake of the dive while it has not succeeded.
 std::vector<std::string> all_parents(soci::session& session, const NewJob& request) {
     std::vector<std::string> parents = request.parents;
     const std::string intake =
@@ -160,7 +160,7 @@ std::vector<std::string> held_children(soci::session& session, const std::string
         soci::use(parent_id, "parent"));
 }
 
-// Those that wait for nothing and nobody any more.
+// Returns the children that wait for no other parent and are not paused.
 std::vector<std::string> released_children(soci::session& session, const std::string& parent_id) {
     return select_all<TextRow>(
         session,
@@ -247,7 +247,7 @@ void end_attempt(soci::session& session, const Job& job, const AttemptEnd& end) 
     write_end_of_attempt(session, job, end);
     write_job_after_attempt(session, job, end);
     append_job_event(session, job.id, "job.state");
-    // Of an intake, the dive decides: finish_intake settles those.
+    // The dive decides after an intake: finish_intake settles its children.
     if (is_finished(end.job) && end.job != JobState::Succeeded)
         settle_children(session, job.id, refusal_from(job.id, end.job, end.failure));
     else if (end.job == JobState::Succeeded && job.kind != JobKind::Intake)
@@ -262,7 +262,8 @@ void change_state(soci::session& session,
     if (is_finished(to)) settle_children(session, job_id, refusal_from(job_id, to, failure));
 }
 
-// Generation by generation, not by recursion: a person may have made a chain of any length.
+// Goes generation by generation, not by recursion, because a user may have made a chain of any
+// length.
 void settle_children(soci::session& session,
                      const std::string& parent_id,
                      const std::optional<Failure>& refusal) {

@@ -1,4 +1,4 @@
-// What people do to jobs.
+// What users do to jobs.
 #include <deque>
 
 #include "schemas/error.hpp"
@@ -37,7 +37,8 @@ void request_cancel(soci::session& session, const std::string& id) {
     execute(session, "UPDATE jobs SET cancel_requested = 1 WHERE id = :id", soci::use(id, "id"));
 }
 
-// Never begun, so that what failed it was a parent, and of its parents none has come to nothing.
+// Returns the children that failed without an attempt, so because of a parent, and whose parents
+// may all still succeed.
 std::vector<std::string> revivable_children(soci::session& session, const std::string& parent_id) {
     return select_all<TextRow>(
         session,
@@ -51,7 +52,7 @@ std::vector<std::string> revivable_children(soci::session& session, const std::s
         soci::use(parent_id, "parent"));
 }
 
-// What failed only because of a job that was put back waits for it again, generation by generation.
+// Holds jobs that failed only because of `parent_id` behind it again, generation by generation.
 void revive_children(soci::session& session, const std::string& parent_id) {
     std::deque<std::string> revived = {parent_id};
     for (; !revived.empty(); revived.pop_front())
@@ -62,7 +63,7 @@ void revive_children(soci::session& session, const std::string& parent_id) {
         }
 }
 
-// A finished job into the queue, with all its attempts.
+// Queues a finished job again, with all its attempts.
 Job put_back(soci::session& session, const std::string& id) {
     const std::string progress = to_text(Progress{});
     execute(session,
@@ -131,7 +132,7 @@ Job JobStore::retry(const std::string& id) {
     return job;
 }
 
-// Their parents have succeeded: a job that was still waiting for one would not be dead.
+// Their parents have succeeded, because a job that still waits for one cannot be dead.
 std::vector<Job> JobStore::redrive(const std::string& project, int limit) {
     if (limit < 1 || limit > kMaxRedrive)
         throw Error(

@@ -33,7 +33,7 @@ AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t re
         end.job = JobState::Cancelled;
     } else if (failure.code == ErrorCode::OutOfMemory && !job.lowered) {
         end.lowered = true;
-        end.counts = job.num_attempts < job.max_attempts;  // once more in any case
+        end.counts = job.num_attempts < job.max_attempts;  // one more attempt in any case
     } else if (failure.code == ErrorCode::OutOfMemory || job.num_attempts >= job.max_attempts) {
         end.job = JobState::Dead;
     } else {

@@ -1,4 +1,4 @@
-// What workers do to jobs: everything here happens under a lease.
+// What workers do to jobs: all of it needs a lease.
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
@@ -17,14 +17,14 @@
 namespace divemesh::storage {
 namespace {
 
-// Of what an attempt says about itself: its recording may have taken it over.
+// Limits for what an attempt reports, because its recording may have taken it over.
 constexpr std::size_t kMaxLogBytes = 256 * 1024;
 constexpr std::size_t kMaxStages = 32;
 constexpr std::size_t kMaxStageNameBytes = 64;
 constexpr const char* kLogCut = "\n[the log was cut off here]\n";
 
-// What keeps queues back: names of those that are paused, and of those that run as many jobs as
-// they may. Intakes are quick and somebody on a boat waits for them: no limit holds them.
+// Queues that hold jobs back: the paused ones, and those that run as many jobs as they may. Intakes
+// are quick and users on a boat wait for them, so no limit applies to them.
 const std::string kPausedQueues = "(SELECT project FROM queues WHERE paused = 1)";
 const std::string kFullQueues =
     "(SELECT project FROM queues WHERE max_running > 0 AND max_running <="
@@ -32,7 +32,7 @@ const std::string kFullQueues =
     "   AND running.kind <> 'intake'"
     "   AND (queues.project = '' OR running.project = queues.project)))";
 
-// A retry is never due later than :patience from now: when it looks so, the clock was set back.
+// A retry is never due later than :patience from now. If it seems so, the clock was set back.
 const std::string kStartable =
     " FROM jobs WHERE state = 'queued'"
     " AND (not_before_ms <= :now OR not_before_ms > :now + :patience)"
@@ -42,7 +42,7 @@ const std::string kStartable =
     "))"
     " AND NOT EXISTS (SELECT 1 FROM workers WHERE name = :worker AND draining = 1)";
 
-// Expired, or ending later than any lease of its length can: the clock was set back.
+// Expired, or ending later than any lease of its length can: then the clock was set back.
 const std::string kEndingWrong =
     " FROM jobs WHERE state = 'running'"
     " AND (lease_expires_at_ms <= :now OR lease_expires_at_ms > :now + lease_ms)";
@@ -82,7 +82,7 @@ int end_expired(soci::session& session) {
     return static_cast<int>(expired.size());
 }
 
-// The first job by priority and age that is due, taken over in one statement.
+// Takes the first due job by priority and age in one statement.
 std::optional<Lease> take_next(soci::session& session,
                                const std::string& worker,
                                std::chrono::milliseconds duration,
@@ -162,7 +162,7 @@ void tell_of_regressions(soci::session& session,
                                  {"regressions", regressions}}});
 }
 
-// An intake that cannot say what is wrong in findings still decides about its dive.
+// Refuses the dive of an intake that failed without findings.
 void refuse_dive(soci::session& session, const Job& job, const Failure& failure) {
     IntakeResult result;
     result.findings.push_back({.severity = Severity::Error,
@@ -174,7 +174,7 @@ void refuse_dive(soci::session& session, const Job& job, const Failure& failure)
 
 }  // namespace
 
-// Runs `write` on the leased job in one transaction; false when the lease is stale.
+// Runs `write` on the leased job in one transaction. Returns false if the lease is stale.
 bool JobStore::with_lease(const Lease& lease,
                           const std::function<void(soci::session&, const Job&)>& write) {
     bool valid = false;
@@ -188,7 +188,7 @@ bool JobStore::with_lease(const Lease& lease,
 
 std::optional<Claim> JobStore::claim(const std::string& worker, std::chrono::milliseconds lease) {
     const std::int64_t patience_ms = pause_.longest.count();
-    bool found = false;  // looked for without the writers' lock: most polls find nothing
+    bool found = false;  // read without the write lock, because most polls find no job
     catalog_.read([&](soci::session& session) { found = has_work(session, worker, patience_ms); });
     if (!found) return std::nullopt;
 
@@ -324,7 +324,7 @@ bool JobStore::release(const Lease& lease) {
 }
 
 int JobStore::requeue_expired() {
-    bool found = false;  // without the writers' lock, as in claim()
+    bool found = false;  // read without the write lock, as in claim()
     catalog_.read([&](soci::session& session) { found = has_lost_jobs(session); });
     if (!found) return 0;
 

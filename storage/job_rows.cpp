@@ -10,7 +10,7 @@ namespace {
 const std::string kLeased =
     " WHERE id = :id AND attempt = :attempt AND lease_id = :lease AND state = 'running'";
 
-// No code is stored when nothing failed.
+// Without a failure no code is stored.
 ErrorCode failure_code_from(const std::string& text) {
     return text.empty() ? Failure{}.code : error_code_from_string(text);
 }

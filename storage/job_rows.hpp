@@ -6,7 +6,7 @@
 
 #include "schemas/job.hpp"
 
-// Reads of jobs and attempts inside a transaction.
+// Read jobs and attempts inside a transaction.
 namespace divemesh::storage {
 
 struct JobRow {
@@ -33,10 +33,10 @@ inline constexpr const char* kJobColumns =
     " failure_message, failure_remedy, not_before_ms, created_at_ms, started_at_ms, finished_at_ms,"
     " requirements";
 
-// A running job and what decides about it when its lease has ended.
+// A running job whose lease has ended, with what decides its next state.
 struct ExpiredJob {
     Job job;
-    bool renewed = false;       // its worker was heard of after the claim
+    bool renewed = false;       // its worker renewed the lease after the claim
     int num_silent_losses = 0;  // of the attempts just before this one
 };
 
@@ -67,10 +67,10 @@ inline constexpr const char* kAttemptColumns =
 
 Job read_job(soci::session& session, const std::string& id);  // throws Error{NotFound}
 
-// The job that this lease holds, locked for the rest of the transaction; nothing when the lease is
+// Returns the job of this lease, locked for the rest of the transaction; nullopt if the lease is
 // stale. Every write of a worker begins with it.
 std::optional<Job> lock_leased_job(soci::session& session, const Lease& lease);
-// The same without the lock, for reading.
+// Does the same without the lock, for reading.
 std::optional<Job> find_leased_job(soci::session& session, const Lease& lease);
 
 }  // namespace divemesh::storage

@@ -7,11 +7,11 @@
 
 #include "schemas/job.hpp"
 
-// How long jobs take, measured: seconds per frame of the dive, for an intake per byte of its
-// archive; by kind and preset, the newest job weighing a quarter.
+// Measured durations of jobs: seconds per frame of the dive, for an intake per byte of its archive;
+// by kind and preset. The newest job has a weight of a quarter.
 namespace divemesh::storage {
 
-// From a job that is about to succeed; one that had stages from the cache tells nothing.
+// Learns from a job that is about to succeed; ignores one with stages from the cache.
 void learn_speed(soci::session& session, const Job& job);
 
 using JobSpeeds = std::map<std::pair<std::string, std::string>, double>;  // by kind and preset

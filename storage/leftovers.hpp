@@ -9,12 +9,12 @@
 
 namespace divemesh::storage {
 
-// Removes what attempts that did not succeed have left in the blob store, once they have been over
-// for `age` (a worker that lost its lease may still be writing before that); at most `limit`
-// attempts. How many there were.
+// Removes what unsuccessful attempts have left in the blob store, of `limit` attempts at most;
+// returns their number. Only attempts that ended at least `age` ago count, because a worker that
+// lost its lease may still be writing.
 int remove_leftovers(Catalog& catalog, BlobStore& blobs, std::chrono::milliseconds age, int limit);
 
-// Events that happened longer ago: who resumes before them is told of the rest.
+// Forgets events that are older than `age`. A client that resumes before them is told of the rest.
 void forget_events(Catalog& catalog, std::chrono::milliseconds age);
 
 }  // namespace divemesh::storage

@@ -11,7 +11,7 @@
 namespace divemesh::storage {
 namespace {
 
-constexpr std::size_t kMaxMetrics = 5000;  // of one job
+constexpr std::size_t kMaxMetrics = 5000;  // per job
 constexpr std::size_t kMaxNameBytes = 300;
 constexpr std::size_t kMaxUnitBytes = 32;
 constexpr std::size_t kMaxMethodBytes = 1000;
@@ -102,15 +102,15 @@ std::int64_t number_of_name(soci::session& session, const MeasuredMetric& metric
     return number.value();
 }
 
-// One condition that narrows a series; without a value nothing of it is in the statement, so that
-// the planner sees which index serves. Its name is used in any case: SOCI binds all of them.
+// Returns one condition of a series. Without a value the statement does not contain it, so that the
+// planner sees which index fits. The name appears in any case, because SOCI binds all of them.
 std::string narrowed(const std::string& value, const std::string& condition, const char* name) {
     return value.empty() ? std::string(" AND :") + name + " = ''" : " AND " + condition;
 }
 
 using Earlier = std::map<std::string, std::vector<double>>;
 
-// Of the newest reports on each of the newest reconstructions.
+// Returns the values of the newest report on each of the newest reconstructions.
 Earlier earlier_of(soci::session& session, const MetricSeries& series, const std::string& whose) {
     Earlier earlier;
     const auto rows = select_all<EarlierRow>(

@@ -25,44 +25,44 @@ struct MetricFilter {
     std::int64_t since_ms = 0;
 };
 
-// What is known of a figure by its name.
+// A metric's name, unit and method.
 struct MetricName {
     std::string name;
     std::string unit;
     std::string method;
 };
 
-// The figures of all jobs that succeeded, as series over dives and time.
+// The metrics of all jobs that succeeded, as series over dives and time.
 class MetricStore {
 public:
     explicit MetricStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // Oldest first.
+    // Returns a page of the series, oldest first.
     Page<MetricPoint> series(const MetricFilter& filter, const PageRequest& page);
-    std::optional<MetricName> find(const std::string& name);  // nothing: no job has measured it
+    std::optional<MetricName> find(const std::string& name);  // nullopt: no job has measured it
 
 private:
     Catalog& catalog_;
 };
 
-// Writes what a job measured. What cannot be a figure is left out (a name or unit that is too long,
-// a value that is not finite, more than there can be): it came from a process that a recording may
-// have taken over.
+// Writes what a job measured. Skips invalid metrics (a name or unit that is too long, a value that
+// is not finite, too many of them), because a malicious recording may have taken over the process
+// that measured.
 void insert_metrics(soci::session& session, const Job& job, const Measurement& measured);
 
-// Which earlier values a report is held against: those of reports on earlier reconstructions by the
-// same preset, of the same dive, or of all dives with `tag`; of several reports on one
-// reconstruction the newest.
+// Which earlier values a report is compared with: those of reports on earlier reconstructions by
+// the same preset, of the same dive, or of all dives with `tag`. Of several reports on one
+// reconstruction the newest counts.
 struct MetricSeries {
     std::string project;
     std::string dive_id;
-    std::string tag;  // "": of the same dive alone
+    std::string tag;  // "": of the same dive only
     std::string preset;
-    std::string measured_job_id;  // left out
+    std::string measured_job_id;  // excluded
 };
 
-// Of each figure the newest, oldest first: of the dive itself where there are at least
-// kEnoughEarlier, else of the tag.
+// Returns the newest values of each metric, oldest first: of the dive itself if there are at least
+// kEnoughEarlier, otherwise of the tag.
 inline constexpr std::size_t kEnoughEarlier = 5;
 std::map<std::string, std::vector<double>> earlier_metrics(soci::session& session,
                                                            const MetricSeries& series);

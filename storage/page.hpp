@@ -14,7 +14,7 @@ struct Page {
 
 struct PageRequest {
     int limit = 50;      // 1 to 200
-    std::string cursor;  // "" for the first page; Error{InvalidArgument} when it is not ours
+    std::string cursor;  // "" for the first page; Error{InvalidArgument} if it is invalid
 };
 
 }  // namespace divemesh::storage

@@ -7,19 +7,20 @@
 
 namespace divemesh::storage {
 
-// Where a page begins: after the row with this age and id.
+// Where a page begins: after the row with this creation time and id.
 struct PageStart {
     std::int64_t created_at_ms = -1;
     std::string id;
-    int limit_plus_one = 0;  // one more than asked for tells whether there is a next page
+    int limit_plus_one = 0;  // one row more than requested shows whether there is a next page
 };
 
-// Throws Error{InvalidArgument} for a limit out of range or a cursor that is not ours.
+// Throws Error{InvalidArgument} for a limit out of range or an invalid cursor.
 PageStart page_start(const PageRequest& page);
 
+// Returns the cursor of the page after this row.
 std::string cursor_after(std::int64_t created_at_ms, const std::string& id);
 
-// Cuts the row beyond the limit off and says where to go on.
+// Removes the row beyond the limit and sets the cursor of the next page.
 template <typename T>
 Page<T> make_page(std::vector<T> rows, const PageRequest& request) {
     Page<T> page{.items = std::move(rows)};

@@ -32,13 +32,14 @@ struct PreviewRow {
     }
 };
 
-// What PreviewRow reads, of the sensor named ":sensor".
+// The columns of PreviewRow, of the sensor ":sensor".
 const std::string kColumns =
     "sensor_previews.number, camera, time_ms, width, height, num_bytes, sha256, about";
 const std::string kFromSensor =
     " FROM sensor_previews JOIN sensors ON sensors.number = sensor WHERE sensors.id = :sensor";
 
-// The bytes, by a statement of their own: SOCI's blob lives as long as its session.
+// Returns the bytes. They need a statement of their own, because SOCI's blob lives as long as its
+// session.
 std::string jpeg_of(soci::session& session, std::int64_t number) {
     fault_point();
     soci::blob blob(session);

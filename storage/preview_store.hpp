@@ -12,32 +12,32 @@
 
 namespace divemesh::storage {
 
-inline constexpr int kMaxPreviews = 200;  // that are kept of a sensor
-inline constexpr int kFewPreviews = 10;   // ... while the disk is nearly full
+inline constexpr int kMaxPreviews = 200;  // kept per sensor
+inline constexpr int kFewPreviews = 10;   // kept per sensor while the disk is nearly full
 
-// A picture with its bytes.
+// An image with its bytes.
 struct StoredPreview {
     Preview preview;
     std::string jpeg;
-    std::int64_t age_ms = 0;  // now
+    std::int64_t age_ms = 0;  // at the time of reading
 };
 
-// Of a preview that came, taken at `time_ms`; the oldest beyond `max_kept` go.
+// Inserts a preview, taken at `time_ms`, and removes the oldest beyond `max_kept`.
 Preview insert_preview(soci::session& session,
                        std::int64_t sensor,
                        const SensorMessage& message,
                        std::int64_t time_ms,
                        int max_kept);
 
-// The pictures that devices sent, newest first.
+// The images that devices sent, newest first.
 class PreviewStore {
 public:
     explicit PreviewStore(Catalog& catalog) : catalog_(catalog) {}
 
     std::vector<Preview> list(const std::string& sensor);
-    // Of any camera where it is "". Throws Error{NotFound}.
+    // Returns the newest image; of any camera if `camera` is "". Throws Error{NotFound}.
     StoredPreview newest(const std::string& sensor, const std::string& camera);
-    // Throws Error{NotFound}, also for one that was removed since.
+    // Throws Error{NotFound}, also for an image that was removed since.
     StoredPreview get(const std::string& sensor, std::int64_t id);
 
 private:

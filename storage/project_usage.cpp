@@ -17,8 +17,8 @@ struct UsageRow {
 
 }  // namespace
 
-// A final upload counts once it is whole: till then its parts are there, and what it repeats of
-// them.
+// A final upload counts once it is complete. Until then its parts count, and the bytes it repeats
+// of them.
 ProjectUsage read_usage(soci::session& session, const std::string& project) {
     return select_one<UsageRow>(
                session,

@@ -7,26 +7,27 @@
 
 namespace divemesh::storage {
 
-// What a project ("": all of them) has here. Deleted dives are no dives any more, but their bytes
-// are there until they expire.
+// What a project ("": all of them) stores. Deleted dives do not count as dives, but their bytes
+// count until they expire.
 struct ProjectUsage {
     std::int64_t num_dives = 0;
-    std::int64_t stored_bytes = 0;  // archives, truth, open uploads as long as they said they are
+    std::int64_t stored_bytes = 0;  // archives, truth, and open uploads with their announced length
 };
 
+// Read the usage of a project; "" means all projects.
 ProjectUsage read_usage(soci::session& session, const std::string& project);
 ProjectUsage read_usage(Catalog& catalog, const std::string& project);
 
-// Throws Error{OutOfQuota} when a project may not have so many bytes more; `max_num_bytes` 0: no
-// limit. Inside the transaction that adds them, so that of two that come at once the second is
+// Throws Error{OutOfQuota} if a project may not store `more_bytes`; `max_num_bytes` 0: no limit.
+// Call it inside the transaction that adds them, so that of two at the same time the second is
 // refused.
 void require_bytes_of_quota(soci::session& session,
                             const std::string& project,
                             std::int64_t more_bytes,
                             std::int64_t max_num_bytes);
 
-// Throws Error{OutOfQuota} when a project may not have another dive, saying what to do about it.
-// As above.
+// Throws Error{OutOfQuota}, with the remedy, if a project may not have another dive. Call it as
+// above.
 void require_dive_of_quota(soci::session& session,
                            const std::string& project,
                            std::int64_t max_num_dives,

@@ -68,7 +68,7 @@ int num_slots(soci::session& session) {
 
 double rounded(double seconds) { return seconds < 0.0 ? kUnknown : std::round(seconds / 10) * 10; }
 
-// Hands out the slots in order; once a job of unknown length has one, nothing after it is known.
+// Assigns the slots in order. Once a job of unknown duration has one, no later start is known.
 class Slots {
 public:
     Slots(int count, const std::vector<double>& running_s) {
@@ -130,7 +130,7 @@ QueueForecast::QueueForecast(std::chrono::milliseconds max_age) : max_age_(max_a
 
 QueueForecast::~QueueForecast() = default;
 
-// One thread takes the new picture; the others go on with the old one meanwhile.
+// One thread takes the new snapshot; the others use the old one meanwhile.
 std::shared_ptr<const QueueForecast::Snapshot> QueueForecast::snapshot(Catalog& catalog) {
     using Clock = std::chrono::steady_clock;
     {

@@ -11,17 +11,17 @@
 
 namespace divemesh::storage {
 
-// Where a queued job stands and when it may start: a picture of the queue that is renewed when it
-// is older than `max_age`, so that many who ask cost one look. The start is simulated from measured
-// speeds (storage/job_speeds.hpp) and the slots of the workers that are alive; limits of projects
-// are left out of it. Thread-safe.
+// Position and start time of queued jobs, from a snapshot of the queue. The snapshot is renewed
+// when it is older than `max_age`, so that many callers cost one read. The start is simulated from
+// measured speeds (storage/job_speeds.hpp) and the slots of the workers that are alive; it ignores
+// limits of projects. Thread-safe.
 class QueueForecast {
 public:
     explicit QueueForecast(std::chrono::milliseconds max_age = std::chrono::seconds(2));
     ~QueueForecast();
 
-    // Nothing unless it is queued. Times are rounded to ten seconds. A new picture is taken by
-    // `catalog`; Error{Unavailable} when one is due and that may not wait.
+    // Returns nullopt unless the job is queued. Times are rounded to ten seconds. Takes a new
+    // snapshot by `catalog`; throws Error{Unavailable} if one is due and the catalog may not wait.
     std::optional<Forecast> of(const Job& job, Catalog& catalog);
 
     struct Snapshot;

@@ -13,13 +13,13 @@ struct QueueChange {
     std::optional<int> max_running = std::nullopt;
 };
 
-// The queues table: pauses and limits of a project, or of all together (project "").
+// The queues table: pauses and limits of a project, or of all projects together (project "").
 class QueueStore {
 public:
     explicit QueueStore(Catalog& catalog) : catalog_(catalog) {}
 
     Queue get(const std::string& project);
-    // What runs goes on; Error{InvalidArgument} for a limit below 0.
+    // Running jobs continue. Throws Error{InvalidArgument} for a limit below 0.
     Queue change(const std::string& project, const QueueChange& change);
 
 private:

@@ -66,7 +66,7 @@ std::optional<Dive> find_dive(soci::session& session, const std::string& id) {
                                soci::use(id, "id"));
 }
 
-// Of the same dive another reconstruction; of a dive its own.
+// Returns another reconstruction of the same dive, or the reconstruction of another dive.
 Job other_reconstruction(soci::session& session, const Dive& dive, const NewJob& request) {
     const std::string with = text_option(request, "with");
     if (with.empty())
@@ -78,7 +78,8 @@ Job other_reconstruction(soci::session& session, const Dive& dive, const NewJob&
     return reconstruction_of(session, *other, request);
 }
 
-// An id, or the newest of that name; without either the newest that can be read.
+// Returns the file with an id, or the newest with that name; without either the newest readable
+// one.
 std::string truth_id(const std::vector<TruthFile>& files,
                      TruthKind kind,
                      const std::string& wanted) {
@@ -107,13 +108,13 @@ void resolve_truth(soci::session& session, const Dive& dive, NewJob& request) {
     if (!newest.empty()) request.options[kNewest] = newest;
 }
 
-// Not asked for by name: the file of that kind, if any, was the newest.
+// Returns true if the file was not chosen by name but is the newest of its kind.
 bool takes_newest(const nlohmann::json& options, const std::string& kind) {
     const auto newest = options.value(kNewest, std::vector<std::string>());
     return !options.contains(kind) || std::find(newest.begin(), newest.end(), kind) != newest.end();
 }
 
-// Of a comparison: outlines drawn on one of its dives, when they are asked for.
+// Resolves the areas of a comparison: outlines drawn on one of its dives, if requested.
 void resolve_areas(soci::session& session,
                    const std::string& dive_id,
                    const std::string& option,

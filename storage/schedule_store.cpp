@@ -70,7 +70,7 @@ std::vector<std::string> dives_with_tag(soci::session& session, const Schedule& 
         soci::use(limit, "limit"));
 }
 
-// False: another process was first, or the schedule is gone.
+// Returns false if another process was first, or the schedule is gone.
 bool take_tick(soci::session& session, const Schedule& schedule, std::int64_t now_ms) {
     const std::int64_t next_ms = Cron::parse(schedule.cron).next_after_ms(now_ms);
     return execute(session,
@@ -177,8 +177,8 @@ void ScheduleStore::remove(const std::string& id) {
     });
 }
 
-// One whose last run lies ahead was run before the clock was set back: its next time is reckoned
-// anew, and it is not run for that.
+// A schedule whose last run is in the future ran before the clock was set back: its next time is
+// computed again, without a run.
 int ScheduleStore::run_due(const std::string& version, const Note& note) {
     std::vector<Schedule> due;
     catalog_.read([&](soci::session& session) {

@@ -8,7 +8,7 @@
 
 namespace divemesh::storage {
 
-// An event of the sensor, inside the transaction that it tells of.
+// Appends an event of the sensor, inside the transaction of the change.
 void tell_of_sensor(soci::session& session,
                     const Sensor& sensor,
                     const std::string& type,

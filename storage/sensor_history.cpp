@@ -32,13 +32,13 @@ SensorHistory frame_of(const HistoryRequest& request, std::int64_t now_ms) {
     return history;
 }
 
-// Statuses in the order of time, put together step by step. SQLite would sort them into groups,
-// which takes twice as long as to read them.
+// Combines statuses, in order of time, step by step. SQLite would sort them into groups, which
+// takes twice as long as reading them.
 class Thinning {
 public:
     explicit Thinning(SensorHistory& history) : history_(history), counts_(history.fields.size()) {}
 
-    // `values` and `known` have one entry a field.
+    // `values` and `known` have one entry per field.
     void add(std::int64_t time_ms,
              const std::vector<double>& values,
              const std::vector<soci::indicator>& known) {
@@ -68,7 +68,7 @@ private:
 
     SensorHistory& history_;
     std::int64_t number_ = 0;
-    std::vector<std::int64_t> counts_;  // of the step, by field
+    std::vector<std::int64_t> counts_;  // within the step, by field
 };
 
 void read_steps(soci::session& session, std::int64_t sensor, SensorHistory& history) {

@@ -9,8 +9,8 @@
 
 namespace divemesh::storage {
 
-// What is asked of a sensor's history: statuses from `from_ms` to before `to_ms`, in `num_steps`
-// steps of the same time. Without `to_ms` until now, without `from_ms` the day before.
+// A query of a sensor's history: statuses from `from_ms` to before `to_ms`, in `num_steps` steps of
+// equal length. The default of `to_ms` is now, that of `from_ms` the day before.
 struct HistoryRequest {
     std::string sensor;
     std::optional<std::int64_t> from_ms;
@@ -19,8 +19,8 @@ struct HistoryRequest {
     std::vector<std::string> fields;  // of kStatusFields
 };
 
-// In order of time. Throws Error{NotFound}, Error{InvalidArgument} for a field that there is not or
-// an end before the begin.
+// Returns the history in order of time. Throws Error{NotFound}, Error{InvalidArgument} for an
+// unknown field or an end before the beginning.
 SensorHistory read_history(Catalog& catalog, const HistoryRequest& request);
 
 }  // namespace divemesh::storage

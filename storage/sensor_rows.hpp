@@ -8,9 +8,9 @@
 
 namespace divemesh::storage {
 
-// A row of sensors, with what came of the boot that speaks for it.
+// A row of sensors, with what was received of its current boot.
 struct SensorRecord {
-    Sensor sensor;  // as the last write left it: state, age and staleness are not of now
+    Sensor sensor;  // as last written: state, age and staleness are not current
     std::int64_t number = 0;
     std::int64_t boot = 0;
     std::int64_t num_lives = 0;
@@ -26,7 +26,7 @@ struct SensorRow {
     SensorRecord value() const;
 };
 
-// What SensorRow reads, without a WHERE.
+// The SELECT of a SensorRow, without a WHERE.
 extern const std::string kSelectSensors;
 
 std::optional<SensorRecord> find_sensor(soci::session& session, const std::string& id);
@@ -43,7 +43,7 @@ struct BootRecord {
 std::optional<BootRecord> find_boot(soci::session& session,
                                     std::int64_t sensor,
                                     const std::string& boot_id);
-// A row for a new one, or the changes of one that there is.
+// Inserts the row of a new boot, or updates an existing one.
 void save_boot(soci::session& session,
                std::int64_t sensor,
                const BootRecord& boot,

@@ -16,13 +16,13 @@ namespace {
 
 using nlohmann::json;
 
-// A device's clock that is further ahead, or its uptime that stood still for longer, is not
-// believed.
+// A device's time is trusted if it is at most so far ahead of, and behind, the catalog's clock. If
+// the boot time it implies moves ahead by more, its uptime has stood still.
 constexpr std::int64_t kBelievedAhead_ms = 60'000;
 constexpr std::int64_t kBelievedBack_ms = std::int64_t{366} * 86'400'000;
 constexpr std::int64_t kTwinForgotten_ms = 60'000;
-constexpr std::int64_t kMaxBoots = 1000;  // of a sensor: who makes up more loses the oldest
-constexpr std::size_t kMaxCameras = 8;    // that are shown
+constexpr std::int64_t kMaxBoots = 1000;  // per sensor; with more the oldest is dropped
+constexpr std::size_t kMaxCameras = 8;    // shown ones
 constexpr int kForgottenAtOnce = 20'000;
 
 void tell_alarm(soci::session& session, const Sensor& sensor, const Alarm& alarm, bool raised) {
@@ -37,7 +37,7 @@ const Alarm* find_alarm(const std::vector<Alarm>& alarms, const std::string& nam
     return found == alarms.end() ? nullptr : &*found;
 }
 
-// Tells what is new and what is over. An alarm whose figures alone changed is not told anew.
+// Appends events for new and ended alarms. A changed detail of an alarm makes no event.
 void set_alarms(soci::session& session, Sensor& sensor, std::vector<Alarm> alarms) {
     for (const Alarm& alarm : alarms) {
         const Alarm* before = find_alarm(sensor.alarms, alarm.name);
@@ -49,7 +49,7 @@ void set_alarms(soci::session& session, Sensor& sensor, std::vector<Alarm> alarm
     sensor.alarms = std::move(alarms);
 }
 
-// Those that do not come from a status.
+// Returns true for the alarms that do not come from a status.
 bool is_ours(const Alarm& alarm) { return alarm.name == "overdue" || alarm.name == "twin"; }
 
 void set_state(soci::session& session, Sensor& sensor, SensorState state) {
@@ -77,7 +77,7 @@ public:
     ReportOutcome receive(const SensorReport& report) {
         answer_.boot_id = boot_.boot_id;
         answer_.time_ms = now_ms_;
-        // What is of now says when the boot was, and so when the rest was.
+        // Current messages first: they show when the boot was, and so when the others were.
         for (const bool historical : {false, true})
             for (const SensorMessage& message : report.messages)
                 if (message.historical == historical) take(message);
@@ -115,7 +115,7 @@ private:
         }
     }
 
-    // The least delay seen is the best guess of when the boot was.
+    // The smallest delay seen gives the best estimate of the boot's time.
     void place_boot(std::int64_t uptime_ms) {
         const std::int64_t epoch_ms = now_ms_ - uptime_ms;
         const bool is_better = !boot_.epoch_ms || epoch_ms < *boot_.epoch_ms ||
@@ -123,7 +123,7 @@ private:
         if (is_better) boot_.epoch_ms = epoch_ms;
     }
 
-    // Whether this boot speaks for the sensor: it is the last one that began to.
+    // Returns whether this boot speaks for the sensor: it is the last one that began to.
     bool comes_to_speak() {
         if (boot_.life == 0) {
             boot_.life = ++record_.num_lives;
@@ -277,7 +277,7 @@ ReportOutcome receive_one(soci::session& session,
         .receive(incoming.report);
 }
 
-// What the time has made of a sensor since it was last told.
+// Returns whether time has changed the sensor since its last event.
 bool is_reportable(const SensorRecord& record, std::int64_t now_ms) {
     const bool has_twin = find_alarm(record.sensor.alarms, "twin") != nullptr;
     return as_of(record.sensor, now_ms).state != record.sensor.state ||
@@ -360,7 +360,7 @@ std::vector<Sensor> SensorStore::look_at_the_time() {
         is_anything = !find(session, now_ms).empty() || has_late_commands(session, now_ms);
     });
     std::vector<Sensor> changed;
-    if (!is_anything) return changed;  // no write where there is nothing to do
+    if (!is_anything) return changed;  // avoids an empty write
     catalog_.transaction([&](soci::session& session) {
         changed.clear();
         const std::int64_t now_ms = Catalog::now_ms(session);

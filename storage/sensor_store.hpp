@@ -14,40 +14,41 @@
 
 namespace divemesh::storage {
 
-// What a device sent, and in whose name.
+// A report of a device, with the sensor and project that it is for.
 struct IncomingReport {
     std::string sensor;
     std::string project;
     SensorReport report;
 };
 
-// An answer, or why there is none; the others of the same transaction are not touched by it.
+// An answer, or the reason why there is none. A failure does not affect other reports of the same
+// transaction.
 struct ReportOutcome {
     SensorAnswer answer;
     std::optional<Error> failure;
-    Sensor sensor;  // after it, as of now; without a failure
+    Sensor sensor;  // after the report, current; unset on failure
 };
 
-// Devices in the field: what they last said, what of it has come, what is wrong with them.
+// Devices in the field: their last report, which messages were received, and their alarms.
 class SensorStore {
 public:
     explicit SensorStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // Takes the reports in one transaction, in their order; one outcome each. A sensor that is not
-    // known comes into being. A message that came before changes nothing. Errors of an outcome:
-    // Conflict (the id is another project's). Of the previews of a sensor so many are kept.
+    // Takes the reports in one transaction, in their order, and returns one outcome each. Creates
+    // an unknown sensor. A repeated message changes nothing. Errors of an outcome: Conflict (the id
+    // belongs to another project). Keeps `max_previews` previews of a sensor.
     std::vector<ReportOutcome> receive(const std::vector<IncomingReport>& reports,
                                        int max_previews = kMaxPreviews);
 
     // Throws Error{NotFound}.
     Sensor get(const std::string& id);
-    // In the order they were first heard of; project "": all.
+    // Returns sensors in the order in which they were first heard of; project "": all.
     Page<Sensor> list(const std::string& project, const PageRequest& page);
 
-    // What changes by the time alone: tells whose state is another now, who is overdue, and which
-    // commands came too late. Writes nothing when there is nothing to tell. Those that are others.
+    // Updates what only time changes and writes the events: changed states, overdue sensors, late
+    // commands. Writes nothing without such a change. Returns the changed sensors.
     std::vector<Sensor> look_at_the_time();
-    // Statuses older than that, some at a time; false: there are more.
+    // Forgets some of the statuses older than `age`; returns false if there are more.
     bool forget_older_than(std::chrono::milliseconds age);
 
 private:

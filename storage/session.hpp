@@ -7,14 +7,13 @@
 
 namespace divemesh::storage {
 
-// A connection and the statements that are kept prepared on it. Every session that a store gets to
-// see is one.
+// A connection with its prepared statements. Every session that a store sees is one.
 class Session : public soci::session {
 public:
     using soci::session::session;
 
-    // The same object for the same text, as long as the connection lives. `Prepared` is made from
-    // (session, sql).
+    // Returns the same object for the same text, as long as the connection lives. `Prepared` is
+    // made from (session, sql).
     template <typename Prepared>
     Prepared& prepared(const std::string& sql) {
         std::shared_ptr<void>& kept = statements_[sql];
@@ -23,7 +22,7 @@ public:
     }
 
 private:
-    std::map<std::string, std::shared_ptr<void>> statements_;  // gone before the connection is
+    std::map<std::string, std::shared_ptr<void>> statements_;  // destroyed before the connection
 };
 
 }  // namespace divemesh::storage

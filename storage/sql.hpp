@@ -11,8 +11,8 @@
 #include "storage/fault_point.hpp"
 #include "storage/session.hpp"
 
-// What the stores say to SOCI. A Row is a struct with define(statement), which binds its members to
-// the columns, and value(), which makes the domain type of them.
+// Helpers by which the stores use SOCI. A Row is a struct with define(statement), which binds its
+// members to the columns, and value(), which makes the domain type of them.
 namespace divemesh::storage {
 
 // Binds the columns of a row, in their order.
@@ -21,7 +21,7 @@ void define_columns(soci::statement& statement, Fields&... fields) {
     (statement.exchange(soci::into(fields)), ...);
 }
 
-// Every row of the query. `uses` are soci::use(variable, "name").
+// Returns every row of the query. `uses` are soci::use(variable, "name").
 template <typename Row, typename... Uses>
 auto select_all(soci::session& session, const std::string& sql, const Uses&... uses) {
     fault_point();
@@ -38,7 +38,7 @@ auto select_all(soci::session& session, const std::string& sql, const Uses&... u
     return values;
 }
 
-// The first row, or nothing.
+// Returns the first row; nullopt if there is none.
 template <typename Row, typename... Uses>
 auto select_one(soci::session& session, const std::string& sql, const Uses&... uses) {
     auto values = select_all<Row>(session, sql, uses...);
@@ -47,8 +47,9 @@ auto select_one(soci::session& session, const std::string& sql, const Uses&... u
                           : std::optional<Value>(std::move(values.front()));
 }
 
-// The row with this `:id`, by a statement that stays prepared on its connection: for what is asked
-// for thousands of times a second. Read to the end each time, so that no commit finds it under way.
+// Reads the row with this `:id` by a statement that stays prepared on its connection, for reads
+// that run thousands of times a second. Each result is read to the end, so that no commit finds the
+// statement under way.
 template <typename Row>
 class PreparedSelect {
 public:
@@ -75,12 +76,14 @@ private:
     soci::statement statement_;
 };
 
+// Returns the row with this id by a PreparedSelect of the session's connection; nullopt if there is
+// none.
 template <typename Row>
 auto select_prepared(soci::session& session, const std::string& sql, const std::string& id) {
     return static_cast<Session&>(session).prepared<PreparedSelect<Row>>(sql).one(id);
 }
 
-// Runs a statement without rows; how many rows it changed.
+// Runs a statement without result rows; returns how many rows it changed.
 template <typename... Uses>
 long long execute(soci::session& session, const std::string& sql, const Uses&... uses) {
     fault_point();
@@ -100,14 +103,14 @@ struct TextRow {
     std::string value() const { return text; }
 };
 
-// A row of one whole number.
+// A row of one integer column.
 struct NumberRow {
     std::int64_t number = 0;
     void define(soci::statement& statement) { statement.exchange(soci::into(number)); }
     std::int64_t value() const { return number; }
 };
 
-// JSON as stored: text of a recording may be any bytes, what is not UTF-8 is replaced.
+// Returns JSON as stored. Text of a recording may hold any bytes, so invalid UTF-8 is replaced.
 inline std::string to_text(const nlohmann::json& json) {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -32,13 +32,14 @@ public:
         return session;
     }
 
-    // SQLite has one writer at a time. Threads of one process queue here; only other processes are
-    // waited for by polling.
+    // SQLite has one writer at a time. Threads of one process queue here; only for other processes
+    // it polls.
     std::unique_lock<std::mutex> wait_for_write_lock() override {
         return std::unique_lock(writer_);
     }
 
-    // Immediate: a transaction that reads first and writes later could fail half way otherwise.
+    // Immediate, because a transaction that reads first and writes later could otherwise fail half
+    // way.
     void begin_write(soci::session& session) const override { execute(session, "BEGIN IMMEDIATE"); }
     void begin_read(soci::session& session) const override { execute(session, "BEGIN"); }
     void end(soci::session& session, const char* how) const override { execute(session, how); }
@@ -91,7 +92,7 @@ private:
         if (result != SQLITE_OK) throw soci::sqlite3_soci_error(text, result);
     }
 
-    // Made here to keep others from reading it: it holds the tokens' hashes.
+    // Creates the file here, so that other users cannot read it: it holds the tokens' hashes.
     void make_file() const {
         std::error_code failure;
         const auto folder = std::filesystem::path(file_).parent_path();
@@ -103,7 +104,7 @@ private:
         if (file >= 0) close(file);
     }
 
-    // The switch is refused, without waiting, while another process is at it.
+    // SQLite refuses the switch, without waiting, while another process does it.
     static void switch_to_wal(soci::session& session) {
         const auto give_up =
             std::chrono::steady_clock::now() + std::chrono::seconds(kBusyTimeoutSeconds);

@@ -47,7 +47,7 @@ struct TokenRow {
     }
 };
 
-// Takes as long for the first character that differs as for the last.
+// Takes the same time wherever the first difference is.
 bool equal_in_constant_time(std::string_view a, std::string_view b) {
     if (a.size() != b.size()) return false;
     unsigned difference = 0;
@@ -169,7 +169,7 @@ std::optional<Token> TokenStore::get_valid(const std::string& id) {
     return token;
 }
 
-// A full disk or a busy catalog must not keep anybody out who may come in.
+// A full disk or a busy catalog must not lock a valid token out.
 void TokenStore::record_use(const std::string& id, std::int64_t now_ms) {
     try {
         catalog_.transaction([&](soci::session& session) {

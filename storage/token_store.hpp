@@ -14,7 +14,7 @@ struct NewToken {
     std::string name;
     std::string project = "default";
     std::vector<std::string> scopes;
-    std::string sensor;                // required by sensor:push and by nothing else
+    std::string sensor;                // required by sensor:push, not allowed otherwise
     std::chrono::seconds lifetime{0};  // 0: until it is revoked
 };
 
@@ -32,27 +32,30 @@ struct OneShotToken {
 
 inline constexpr std::chrono::seconds kOneShotLifetime{30};
 
+// The tokens table, with one-shot tokens.
 class TokenStore {
 public:
     explicit TokenStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // Throws Error{InvalidArgument} for a name, project, sensor or scope that is none. A token that
-    // may push for a sensor may do nothing else: it is the one that is lost with the device.
+    // Throws Error{InvalidArgument} for an invalid name, project, sensor or scope. A token that may
+    // push for a sensor may do nothing else, because it can be lost with the device.
     CreatedToken create(const NewToken& wanted);
-    // Neither revoked nor expired. The hashes are compared in constant time. That it was used is
-    // written once a minute; a catalog that may not wait throws Error{Unavailable} then.
+    // Returns the token if it is neither revoked nor expired; otherwise nullopt. Compares the
+    // hashes in constant time. Writes once a minute that it was used; a catalog that may not wait
+    // throws Error{Unavailable} then.
     std::optional<Token> find(const std::string& secret);
-    bool is_valid(const std::string& id);  // the same question about a token that was found before
+    bool is_valid(const std::string& id);  // checks a token again that was found before
     std::optional<Token> get_valid(const std::string& id);
     std::vector<Token> list();
     void revoke(const std::string& id);  // throws Error{NotFound}
-    bool empty();                        // none that is valid
+    bool empty();                        // true: no token is valid
 
-    // An owner without id is nobody: where no tokens are asked for none is stored.
+    // Returns a one-shot token, which is not stored if the owner has no id (authentication is off).
     OneShotToken create_one_shot(const Token& owner,
                                  const std::string& path,
                                  std::chrono::seconds lifetime = kOneShotLifetime);
-    // The token on whose behalf it was made; for the first who asks, in time and with its path.
+    // Returns the token that it was made for, if it is not expired and `path` matches; the second
+    // call returns nullopt.
     std::optional<Token> redeem_one_shot(const std::string& secret, const std::string& path);
 
 private:

@@ -47,7 +47,7 @@ TruthFile read_truth(soci::session& session, const std::string& dive_id, const s
     return std::move(*file);
 }
 
-// "": it became none yet.
+// Returns "" if it is not yet truth.
 std::string truth_of_upload(soci::session& session, const std::string& upload_id) {
     const auto id =
         select_one<TextRow>(session,

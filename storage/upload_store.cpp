@@ -29,7 +29,7 @@ const std::string kSelect =
 struct UploadRow {
     Upload upload;
     std::string ended;
-    std::int64_t length_bytes = 0;  // -1: not known
+    std::int64_t length_bytes = 0;  // -1: unknown
 
     void define(soci::statement& statement) {
         define_columns(statement,
@@ -129,7 +129,7 @@ std::optional<Upload> select_final(soci::session& session, const Upload& wanted)
     return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
 }
 
-// By a final upload that is still to get its bytes.
+// Returns whether a final upload that still lacks its bytes has claimed the part.
 bool is_claimed(soci::session& session, const std::string& part_id) {
     std::int64_t num_claims = 0;
     session << "SELECT COUNT(*) FROM upload_parts JOIN uploads ON id = final_id"
@@ -139,7 +139,7 @@ bool is_claimed(soci::session& session, const std::string& part_id) {
     return num_claims > 0;
 }
 
-// Of a final upload, what its parts do not account for.
+// Returns the bytes of a final upload that its parts do not account for.
 std::int64_t repeated_bytes(soci::session& session, const std::vector<std::string>& part_ids) {
     std::int64_t bytes = 0;
     std::set<std::string> seen;

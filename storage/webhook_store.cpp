@@ -13,7 +13,7 @@
 namespace divemesh::storage {
 namespace {
 
-// Until the next attempt, after the first, second ... has failed.
+// The pause until the next attempt, after the first, second ... failure.
 constexpr std::array<std::int64_t, 8> kPausesSeconds = {
     5, 300, 1800, 7200, 18'000, 36'000, 50'400, 86'400};
 constexpr std::int64_t kSilencePause_ms = 30'000;
@@ -81,7 +81,7 @@ Webhook read_webhook(soci::session& session, const std::string& id) {
     return std::move(*webhook);
 }
 
-// 2026-11-20T14:03:05Z
+// Returns e.g. 2026-11-20T14:03:05Z.
 std::string iso_time(std::int64_t unix_ms) {
     const std::time_t seconds = unix_ms / 1000;
     std::tm parts{};
@@ -90,7 +90,8 @@ std::string iso_time(std::int64_t unix_ms) {
     return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts));
 }
 
-// Later by up to a tenth, so that receivers that come back are not met by all at once.
+// Adds up to a tenth at random, so that a receiver that comes back does not get all deliveries at
+// once.
 std::int64_t pause_ms(int num_attempts) {
     const std::int64_t pause = kPausesSeconds[static_cast<std::size_t>(num_attempts - 1)] * 1000;
     const auto random = std::stoul(random_hex(2), nullptr, 16);
@@ -139,7 +140,7 @@ void lease_delivery(soci::session& session,
             soci::use(delivery.id, "id"));
 }
 
-// Nobody answers there: what else is due waits as well, and is not counted as tried.
+// Without a response the other due deliveries wait as well, and do not count as tried.
 void postpone_all(soci::session& session, const std::string& webhook_id, std::int64_t now_ms) {
     const std::int64_t later_ms = now_ms + kSilencePause_ms;
     execute(session,
@@ -265,14 +266,14 @@ std::vector<DueDelivery> WebhookStore::claim_due(std::size_t limit,
                                                  const std::set<std::string>& busy) {
     std::vector<DueDelivery> due;
     const auto look = [&](soci::session& session) {
-        // The busy ones may be among those that are read.
+        // The busy webhooks may be among those that are read.
         due = oldest_of_each(session, limit + busy.size());
         std::erase_if(due,
                       [&](const DueDelivery& found) { return busy.contains(found.webhook_id); });
         if (due.size() > limit) due.resize(limit);
     };
     catalog_.read(look);
-    if (due.empty()) return due;  // no write where there is nothing to do
+    if (due.empty()) return due;  // avoids an empty write
     catalog_.transaction([&](soci::session& session) {
         look(session);
         for (const DueDelivery& delivery : due) lease_delivery(session, delivery, lease);

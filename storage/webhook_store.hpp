@@ -14,7 +14,7 @@
 
 namespace divemesh::storage {
 
-// What whoever delivers needs.
+// A due delivery, with what the sender needs.
 struct DueDelivery {
     std::string id;
     std::string webhook_id;
@@ -23,39 +23,39 @@ struct DueDelivery {
     std::string body;
 };
 
-// Webhooks and the outbox of what they are to be told.
+// Webhooks and the outbox of their deliveries.
 class WebhookStore {
 public:
     explicit WebhookStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // Puts the event into the outbox of every webhook that wants it, in the transaction that the
-    // event is of.
+    // Puts the event into the outbox of every webhook that subscribes to it, in the event's
+    // transaction.
     static void enqueue(soci::session& session, const Event& event);
 
-    // `webhook.id` and the time are set here.
+    // Creates a webhook and sets its `id` and time.
     Webhook create(Webhook webhook, const std::string& secret);
     std::vector<Webhook> list();
     Webhook enable(const std::string& id);  // after it was disabled; throws Error{NotFound}
     void remove(const std::string& id);     // with its deliveries; throws Error{NotFound}
 
-    // Oldest first. Throws Error{NotFound} for a webhook that is none.
+    // Returns deliveries, oldest first. Throws Error{NotFound} for an unknown webhook.
     Page<WebhookDelivery> deliveries(const std::string& webhook_id, const PageRequest& page);
-    // To be delivered at once, with all its attempts. Throws Error{NotFound}.
+    // Makes a delivery due at once, with all its attempts. Throws Error{NotFound}.
     WebhookDelivery redeliver(const std::string& webhook_id, const std::string& delivery_id);
 
-    // Takes the oldest that is due of each webhook but the `busy` ones; others leave them alone for
-    // the length of the lease. What waits for a webhook that is disabled goes on waiting.
+    // Claims the oldest due delivery of each webhook except the `busy` ones; other callers skip
+    // these for the length of the lease. Deliveries of a disabled webhook keep waiting.
     std::vector<DueDelivery> claim_due(std::size_t limit,
                                        std::chrono::milliseconds lease,
                                        const std::set<std::string>& busy);
-    // The same of one webhook.
+    // Claims the next due delivery of one webhook.
     std::optional<DueDelivery> claim_next(const std::string& webhook_id,
                                           std::chrono::milliseconds lease);
-    // How an attempt ended; `status` 0: there was no answer. 2xx delivers; 410 gives up and
-    // disables the webhook; anything else is tried again, up to a day later, nine times in all.
-    // Where nobody answered, the webhook's other deliveries wait for half a minute, too.
+    // Records the outcome of an attempt; `status` 0: no response. 2xx: delivered; 410: gives up and
+    // disables the webhook; otherwise it is retried, up to a day later, nine times in all. Without
+    // a response the webhook's other deliveries wait for half a minute, too.
     void record(const std::string& delivery_id, int status, const std::string& error);
-    // Takes finished ones out of the log.
+    // Removes finished deliveries from the log.
     void forget_older_than(std::chrono::milliseconds age);
 
 private:

@@ -31,7 +31,7 @@ struct WorkerRow {
     }
 };
 
-// `name` "": all of them.
+// `name` "": all workers.
 std::vector<Worker> read_workers(soci::session& session, const std::string& name) {
     const std::int64_t alive_since_ms = Catalog::now_ms(session) - kWorkerSilence_ms;
     return select_all<WorkerRow>(

@@ -10,20 +10,20 @@
 
 namespace divemesh::api::client {
 
-// Waits between tries: doubling from a tenth of a second to half a minute, shortened at random so
-// that many clients do not come back together. Gives up when nothing has moved for `give_up_after`;
-// zero: never.
+// Waits between tries. The wait doubles from 0.1 s to 30 s and is shortened at random, so that many
+// clients do not come back at the same time. Gives up after `give_up_after` without progress; zero:
+// never.
 class Backoff {
 public:
     using OnWait = std::function<void(const Error& reason, std::chrono::milliseconds pause)>;
 
     Backoff(std::chrono::milliseconds give_up_after, OnWait on_wait, std::stop_token stop = {});
 
-    void moved();  // something got through: start over
-    // Sleeps. Throws `reason` when the time is up, Error{Cancelled} when stop is asked for.
+    void moved();  // resets the wait after progress
+    // Sleeps. Throws `reason` when the time is up, and Error{Cancelled} when stop is requested.
     void wait(const Error& reason);
 
-    // What `work` returns, tried again as long as it throws Error{Unavailable}.
+    // Returns what `work` returns. Retries it as long as it throws Error{Unavailable}.
     template <typename Work>
     auto until_done(const Work& work) {
         while (true) {

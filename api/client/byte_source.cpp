@@ -16,7 +16,7 @@ FileStamp stamp_from(const struct stat& status) {
             std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
-// Not open, with the reason in errno, when it cannot be opened.
+// Opens a file below `folder`. The descriptor is not open, with the reason in errno, on failure.
 FileDescriptor open_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
     FileDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     for (auto part = path.begin(); part != path.end() && opened.is_open(); ++part) {

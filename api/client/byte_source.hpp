@@ -8,18 +8,17 @@
 
 namespace divemesh::api::client {
 
-// Bytes of a known length that can be read from any place: what an upload can go on with after it
-// was cut.
+// Bytes of a known length that can be read at any offset, so that an interrupted upload can resume.
 class ByteSource {
 public:
     virtual ~ByteSource() = default;
     virtual std::int64_t size_bytes() const = 0;
-    // As many bytes as fit or are left, at least one before the end. Throws Error{Conflict} when
-    // the file behind it changed since it was opened.
+    // Reads as many bytes as fit or are left, and returns their number: at least one before the
+    // end. Throws Error{Conflict} if the file behind it has changed since it was opened.
     virtual std::size_t read_at(std::int64_t offset, std::span<char> buffer) = 0;
 };
 
-// Tells whether a file is still what it was.
+// Size and modification time of a file: tells whether it has changed.
 struct FileStamp {
     std::int64_t size_bytes = 0;
     std::int64_t modified_ns = 0;
@@ -32,13 +31,15 @@ FileStamp stamp_of(const std::filesystem::path& path);  // throws Error{NotFound
 // An open file, closed with the object.
 class OpenFile {
 public:
-    // Throws Error{NotFound} with the system's reason. Does not follow a link at the last name.
+    // Throws Error{NotFound} with the system's reason. Does not follow a symbolic link as the last
+    // component of the path.
     explicit OpenFile(const std::filesystem::path& path);
-    // `path` below `folder`: no link is followed on the way, so nothing outside is reached.
+    // Opens `path` below `folder`. Follows no symbolic link on the way, so files outside cannot be
+    // reached.
     OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path);
 
     const FileStamp& stamp() const { return stamp_; }
-    std::size_t read_at(std::int64_t offset, std::span<char> buffer) const;  // 0 at the end
+    std::size_t read_at(std::int64_t offset, std::span<char> buffer) const;  // returns 0 at the end
 
 private:
     void check_kind();

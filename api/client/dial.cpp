@@ -30,7 +30,7 @@ ssl::context believing_context() {
 
 void expect_host(Stream::Tls& stream, const std::string& host) {
     boost::system::error_code not_an_address;
-    asio::ip::make_address(host, not_an_address);  // which is not told (RFC 6066, 3)
+    asio::ip::make_address(host, not_an_address);  // an address is not sent as SNI (RFC 6066, 3)
     if (not_an_address && !SSL_set_tlsext_host_name(stream.native_handle(), host.c_str()))
         throw Error(ErrorCode::InvalidArgument, host + " is not a host name for TLS");
     stream.set_verify_callback(ssl::host_name_verification(host));

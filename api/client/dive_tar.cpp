@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kEndBytes = 2 * kTarBlockBytes;  // a tar ends with two empty blocks
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 
-// The shortest of what is asked for and what is left.
+// Returns the part of `buffer` that the `left` bytes fill.
 std::span<char> first_bytes(std::span<char> buffer, std::int64_t left) {
     return buffer.first(static_cast<std::size_t>(
         std::min<std::int64_t>(static_cast<std::int64_t>(buffer.size()), left)));

@@ -11,30 +11,31 @@
 
 namespace divemesh::api::client {
 
-// The two hashes an upload states: of the bytes that are sent, and the dive's identity.
+// The two hashes an upload states: of the bytes that are sent, and of the dive's identity.
 struct DiveHashes {
     std::string archive_sha256;
-    std::string content_sha256;  // "" when only the archive was hashed
+    std::string content_sha256;  // "" if only the archive was hashed
 };
 
 using BytesDone = std::function<void(std::int64_t bytes_done)>;
 
-// The tar of a dive's folder, made on the fly: names sorted by bytes, fixed times, owners and
-// modes, so that it is the same bytes on every machine and can be read from any offset. Names are
+// The tar of a dive's folder, made on the fly. Names are sorted by bytes; times, owners and modes
+// are fixed. So the bytes are the same on every machine and can be read from any offset. Names are
 // relative to the dive's root (schemas/content_hash.hpp).
 class DiveTar : public ByteSource {
 public:
-    // Lists the folder; reads no file. Throws Error{NotFound} without mav0/ or cam0/ in it.
+    // Lists the folder; reads no file. Throws Error{NotFound} if it has neither mav0/ nor cam0/.
     explicit DiveTar(const std::filesystem::path& folder);
 
     std::int64_t size_bytes() const override { return size_bytes_; }
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) override;
 
-    // One pass over every file.
+    // Computes both hashes in one pass over every file.
     DiveHashes hash(const BytesDone& bytes_done);
 
     std::size_t num_files() const { return files_.size(); }
-    // Links and special files are never sent: one name of each, for a warning.
+    // Returns one name of each kind of entry that is never sent (links and special files), for a
+    // warning.
     const std::vector<std::string>& left_out() const { return left_out_; }
 
 private:
@@ -58,7 +59,7 @@ private:
     std::unique_ptr<OpenFile> open_;
 };
 
-// One pass over an archive that is sent as it is.
+// Hashes an archive that is sent as it is, in one pass.
 DiveHashes hash_archive(ByteSource& archive, const BytesDone& bytes_done);
 
 }  // namespace divemesh::api::client

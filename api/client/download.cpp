@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 constexpr std::chrono::seconds kStall{30};
 constexpr std::chrono::minutes kGiveUpAfter{10};
 
-// A server is not trusted with names on our disk.
+// Returns the path for an artifact's name. A server is not trusted with names on the local disk.
 fs::path target_of(const fs::path& folder, const std::string& name) {
     const fs::path path(name);
     bool ok = !name.empty() && path.is_relative() && name.find('\0') == std::string::npos;

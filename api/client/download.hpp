@@ -15,9 +15,9 @@ struct DownloadObserver {
     Backoff::OnWait on_wait;
 };
 
-// Fetches artifacts of a job into `folder` under their names. What is there already with the right
-// hash is left; what was cut goes on by Range; a file appears under its name only when its sha256
-// is the stated one. Throws Error{BadData} when it never is.
+// Downloads artifacts of a job into `folder` under their names. Keeps a file that is there already
+// with the right hash, and resumes an interrupted one by Range. A file gets its name only when its
+// sha256 is the stated one. Throws Error{BadData} if the hash stays wrong.
 void download_artifacts(const Account& account,
                         const std::vector<Artifact>& artifacts,
                         const std::filesystem::path& folder,

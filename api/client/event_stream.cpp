@@ -34,7 +34,7 @@ struct EventStream::Implementation {
     asio::io_context context;
     websocket::stream<Stream, false> socket;  // events are small: no compression
     beast::flat_buffer buffer;
-    std::future<std::size_t> reading;  // an operation outlives the call that began it
+    std::future<std::size_t> reading;  // an operation may outlive the call that began it
 
     template <typename Result>
     Result finish(std::future<Result> operation) {

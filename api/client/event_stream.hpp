@@ -10,15 +10,15 @@
 
 namespace divemesh::api::client {
 
-// The server's events as they happen, over its WebSocket. Throws as HttpConnection when it cannot
-// connect or the connection ends; a new one with the last `sequence` seen misses nothing. Without
-// `since` it tells only what is new.
+// The server's events as they happen, over its WebSocket. Throws as HttpConnection does if it
+// cannot connect or the connection ends. A new stream with the last `sequence` seen misses no
+// event. Without `since` it returns only new events.
 class EventStream {
 public:
     EventStream(const Account& account, std::optional<std::int64_t> since);
     ~EventStream();
 
-    // The next event; nothing when none came in time.
+    // Returns the next event; nullopt if no event came in time.
     std::optional<Event> next(std::chrono::milliseconds timeout);
 
 private:

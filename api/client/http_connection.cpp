@@ -57,7 +57,7 @@ struct HttpConnection::Implementation {
     bool answer_began = false;  // of the exchange under way
     bool body_cut = false;
 
-    // Runs one asynchronous operation to its end: the only way Beast has timeouts.
+    // Runs one asynchronous operation to its end, because Beast has timeouts only for these.
     template <typename Start>
     auto run(Start&& start, std::chrono::milliseconds timeout = {}) {
         stream->expires_after(stall + timeout);
@@ -102,7 +102,8 @@ struct HttpConnection::Implementation {
         run([&] { return http::async_write_header(*stream, header, asio::use_future); });
         std::vector<char> chunk(body.write_bytes);
         for (std::int64_t sent = 0; sent < body.length;) {
-            // Refused before all of it was sent. What comes over TLS need not be an answer.
+            // The server refused the body before all of it was sent. Bytes that arrive over TLS
+            // need not be a response.
             if (!stream->tls() && stream->available() > 0) {
                 body_cut = true;
                 return;
@@ -157,7 +158,8 @@ struct HttpConnection::Implementation {
         }
     }
 
-    // A server that refuses a body may close before it has read all of it: its answer counts.
+    // Sends one request. A server that refuses a body may close the connection before it has read
+    // all of it; its response counts.
     template <typename Write>
     HttpResponse attempt(const HttpRequest& request, Write&& write_request, const BodySink* sink) {
         answer_began = false;
@@ -178,9 +180,10 @@ struct HttpConnection::Implementation {
         }
     }
 
-    // A kept-alive connection may have been closed meanwhile; that is no failure of the request as
-    // long as nothing of an answer came. A POST is never sent twice: it always gets a fresh one.
-    // Nor is a stretch of a source, some of which may have arrived: whoever sends it asks first.
+    // Sends a request, over a new connection if needed. A kept-alive connection may have been
+    // closed meanwhile; that is not a failure of the request as long as no byte of a response has
+    // arrived. A POST is never sent twice: it always gets a new connection. A range of a source is
+    // not resent either, because some of it may have arrived: the sender asks for the offset first.
     template <typename Write>
     HttpResponse exchange(const HttpRequest& request,
                           Write&& write_request,

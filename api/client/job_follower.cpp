@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::chrono::minutes kGiveUpAfter{10};
 constexpr std::chrono::seconds kPollPause{1};
-constexpr std::chrono::seconds kEventTimeout{5};  // then the job is asked for all the same
+constexpr std::chrono::seconds kEventTimeout{5};  // then the job is polled anyway
 
-// Says when it is worth asking again; what an event holds beyond its subject is not relied on.
+// Waits until the job may have changed. Uses only the subject of an event, not its content.
 class Watch {
 public:
     explicit Watch(const Account& account) : account_(account) {}
@@ -40,7 +40,7 @@ private:
     std::optional<EventStream> stream_;
 };
 
-// Asks until `done`, waiting for news between; a server that is away is waited for.
+// Polls until `done`, waiting for events in between; waits for a server that is away.
 template <typename Value, typename Done>
 Value follow(RestClient& rest,
              const std::string& path,

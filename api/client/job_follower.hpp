@@ -12,14 +12,14 @@ namespace divemesh::api::client {
 
 using OnJob = std::function<void(const Job& job)>;
 
-// Waits until a job is finished and returns it. Live through the events; where those cannot be had,
-// by asking every second. Survives a server that is away for up to ten minutes.
+// Waits until a job has finished and returns it. Follows the events; if they are not available, it
+// polls every second. Survives a server that is away for up to ten minutes.
 Job follow_job(RestClient& rest,
                const std::string& job_id,
                const OnJob& on_job,
                const Backoff::OnWait& on_wait);
 
-// Waits until intake has decided: ready or refused.
+// Waits until intake has decided and returns the dive: ready or refused.
 Dive follow_dive(RestClient& rest, const std::string& dive_id, const Backoff::OnWait& on_wait);
 
 }  // namespace divemesh::api::client

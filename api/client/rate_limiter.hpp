@@ -6,13 +6,13 @@
 
 namespace divemesh::api::client {
 
-// Holds senders back to so many bytes per second together; zero: not at all. What a pause left
-// unsent is not made up for by a burst. Thread-safe.
+// Limits senders to so many bytes per second in total; zero: no limit. A pause does not earn a
+// later burst. Thread-safe.
 class RateLimiter {
 public:
     explicit RateLimiter(double max_bytes_per_s) : max_bytes_per_s_(max_bytes_per_s) {}
 
-    void sent(std::int64_t num_bytes);  // sleeps until they may have been
+    void sent(std::int64_t num_bytes);  // sleeps until the limit allows them
 
 private:
     using Clock = std::chrono::steady_clock;

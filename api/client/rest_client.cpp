@@ -29,7 +29,8 @@ ErrorCode code_of(int status) {
     }
 }
 
-// A conflict that passes by itself: our own request before this one is still under way.
+// Returns whether a conflict will pass by itself: an earlier request of this client is still under
+// way.
 bool is_to_wait(const HttpResponse& response) {
     return response.status == 409 && !response.header("retry-after").empty();
 }

@@ -12,28 +12,30 @@
 
 namespace divemesh::api::client {
 
+// A server with the token for it.
 struct Account {
     ServerAddress server;
-    std::string token;  // "" for a server that asks for none
+    std::string token;  // "" for a server without authentication
 };
 
 using QueryParameters = std::vector<std::pair<std::string, std::string>>;
 
+// Escapes all but unreserved characters (RFC 3986), for a path or a query.
 std::string percent_encode(std::string_view text);
 
-// What the answer of a server means as an Error: its problem+json in our words.
+// Returns the Error that a server's response means, made from its problem+json.
 Error error_of(const HttpResponse& response);
 
-// How long a server may take to hash an archive of that size: 100 MB/s at least.
+// Returns how long a server may take to hash an archive of that size: 100 MB/s at least.
 constexpr std::chrono::milliseconds hashing_timeout(std::int64_t archive_bytes) {
     return std::chrono::milliseconds(archive_bytes / 100'000);
 }
 
-// The Authorization header of an account; empty without a token.
+// Returns the Authorization header of an account; empty without a token.
 std::vector<std::pair<std::string, std::string>> authorization(const Account& account);
 
-// JSON in and out of the API. A status that is no success becomes the Error of that meaning; 429
-// and 5xx are Error{Unavailable}.
+// Sends and receives JSON over the API. An unsuccessful status is thrown as the Error of that
+// meaning; 429 and 5xx are Error{Unavailable}.
 class RestClient {
 public:
     explicit RestClient(Account account);
@@ -43,8 +45,8 @@ public:
                         const nlohmann::json& body,
                         std::chrono::milliseconds timeout = {});
     nlohmann::json patch(const std::string& path, const nlohmann::json& body);
-    // The same with an Idempotency-Key, again until there is an answer: done once, however often
-    // it is sent.
+    // Posts with an Idempotency-Key and retries until there is an answer. The server does the work
+    // once, however often the request is sent.
     nlohmann::json post_once(const std::string& path,
                              const nlohmann::json& body,
                              Backoff& backoff,
@@ -52,7 +54,7 @@ public:
     std::string get_text(const std::string& path);
     void remove(const std::string& path);
 
-    // All pages of a list, at most `limit` items.
+    // Returns the items of all pages of a list, `limit` at most.
     std::vector<nlohmann::json> list(const std::string& path,
                                      QueryParameters query,
                                      std::size_t limit = 10'000);

@@ -18,7 +18,7 @@ struct UstarName {
     std::string_view name;
 };
 
-// A name of up to 255 bytes is split at a slash; nothing when it has no fitting one.
+// Splits a name of up to 255 bytes at a slash; nullopt if no slash fits.
 std::optional<UstarName> split_name(std::string_view path) {
     if (path.size() <= kNameBytes) return UstarName{"", path};
     const std::size_t slash = path.find('/', path.size() - kNameBytes - 1);
@@ -52,7 +52,7 @@ std::string ustar_block(const UstarName& name, std::int64_t size_bytes, char typ
     block[156] = type;
     put(block, 257, {"ustar\00000", 8});
     put(block, 345, name.prefix);
-    put(block, 148, "        ");  // the checksum counts itself as blanks
+    put(block, 148, "        ");  // the checksum counts its own field as blanks
     std::int64_t sum = 0;
     for (const char c : block) sum += static_cast<unsigned char>(c);
     put_octal(block, 148, 6, sum);
@@ -60,7 +60,7 @@ std::string ustar_block(const UstarName& name, std::int64_t size_bytes, char typ
     return block;
 }
 
-// "<length> <key>=<value>\n", where the length counts its own digits.
+// Returns "<length> <key>=<value>\n", where the length counts its own digits.
 std::string pax_record(std::string_view key, std::string_view value) {
     std::string rest;
     rest.append(" ").append(key).append("=").append(value).append("\n");

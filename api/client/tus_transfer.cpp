@@ -10,8 +10,9 @@ namespace {
 
 const std::string kUploadsPath = "/api/v1/uploads";
 
-// 409: another offset than we thought; 423: an older request still holds the upload; 507: the disk
-// is full, which somebody will mend before this laptop has anything better to do.
+// Throws the error of a refused request. 409 means another offset than expected, 423 that an older
+// request still holds the upload, 507 that the disk is full: these are worth a retry, because an
+// operator can free space.
 [[noreturn]] void refuse(const HttpResponse& response) {
     if (response.status == 409 || response.status == 423 || response.status == 507)
         throw Error(ErrorCode::Unavailable, error_of(response).what());
@@ -28,7 +29,8 @@ HttpRequest tus_request(const Account& account,
     return request;
 }
 
-// Location may be relative, or absolute by any name the server has behind a proxy.
+// Returns the path of a Location, which may be relative, or absolute with any name that a proxy
+// gives the server.
 std::string path_of_location(const HttpResponse& response) {
     const std::string location = response.header("location");
     const std::size_t start = location.find(kUploadsPath + "/");
@@ -58,7 +60,7 @@ public:
             try {
                 if (path_.empty()) create();
                 if (!offset_) ask_offset();
-                if (!offset_) continue;  // the server has forgotten it: create it anew
+                if (!offset_) continue;  // the server no longer has it: create it again
                 if (*offset_ == source_.size_bytes()) return path_;
                 send_chunk();
             } catch (const Error& error) {
@@ -159,7 +161,7 @@ private:
     Backoff backoff_;
     std::string path_;  // "": to be created
     std::int64_t highest_offset_ = 0;
-    std::optional<std::int64_t> offset_;  // nothing: the server has to be asked
+    std::optional<std::int64_t> offset_;  // nullopt: the server has to be asked
 };
 
 }  // namespace
@@ -172,7 +174,7 @@ std::string send_by_tus(const TusContext& context,
     return Transfer(context, source, creation, observer).run(path);
 }
 
-// Safe to repeat: the server answers the same resource for the same parts.
+// Safe to repeat: the server returns the same resource for the same parts.
 std::string join_by_tus(const TusContext& context,
                         const std::vector<std::string>& parts,
                         std::int64_t size_bytes,
@@ -184,7 +186,7 @@ std::string join_by_tus(const TusContext& context,
     std::string concat = "final;";
     for (const auto& part : parts) concat += (part == parts.front() ? "" : " ") + part;
     post.headers.emplace_back("Upload-Concat", concat);
-    post.timeout = 2 * hashing_timeout(size_bytes);  // it copies them, too
+    post.timeout = 2 * hashing_timeout(size_bytes);  // the server copies them as well
     return backoff.until_done([&] {
         const HttpResponse response = connection.send(post);
         if (response.status != 201) refuse(response);

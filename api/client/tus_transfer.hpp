@@ -25,22 +25,22 @@ struct TusContext {
 
 struct TransferObserver {
     std::function<void(const std::string& path)>
-        on_path;  // where it is now; "": not there any more
+        on_path;  // where it is now; "": it no longer exists
     std::function<void(std::int64_t bytes_done)> on_progress;
     std::function<void(std::int64_t offset)> on_resumed;
     Backoff::OnWait on_wait;
 };
 
-// Sends `source` as one tus resource, which `creation` describes beside its length, and returns its
-// path. Goes on with the one at `path` unless that is "".
+// Sends `source` as one tus resource, with the headers `creation` besides its length, and returns
+// its path. Resumes the resource at `path` unless that is "".
 std::string send_by_tus(const TusContext& context,
                         ByteSource& source,
                         const TusHeaders& creation,
                         const std::string& path,
                         const TransferObserver& observer);
 
-// Joins complete parts to one resource and returns its path. Throws Error{NotFound} when the server
-// has forgotten one of them.
+// Concatenates complete parts into one resource and returns its path. Throws Error{NotFound} if the
+// server no longer has one of them.
 std::string join_by_tus(const TusContext& context,
                         const std::vector<std::string>& parts,
                         std::int64_t size_bytes,

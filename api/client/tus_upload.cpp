@@ -24,7 +24,7 @@ std::string base64(std::string_view bytes) {
     return text;
 }
 
-// A stretch of a source that others read from, too.
+// A range of a source that other threads read as well.
 class Slice : public ByteSource {
 public:
     Slice(ByteSource& whole, std::mutex& mutex, std::int64_t start, std::int64_t end)
@@ -70,7 +70,7 @@ public:
         } catch (const Error& error) {
             if (error.code() != ErrorCode::NotFound) throw;
         }
-        remembered_ = {};  // the server has forgotten a part that was there
+        remembered_ = {};  // the server no longer has a part that was complete
         state_.forget();
         remembered_.parts.resize(wanted_parts());
         return send_parts();
@@ -108,7 +108,7 @@ private:
         if (failure_) std::rethrow_exception(failure_);
     }
 
-    // The first part that fails for good stops the others.
+    // Sends one part. The first part that fails for good stops the others.
     void send_part(std::size_t number) {
         try {
             const auto count = static_cast<std::int64_t>(remembered_.parts.size());
@@ -169,7 +169,7 @@ private:
     TusContext context_;
     TusHeaders creation_;
     std::mutex reading_;
-    std::mutex telling_;  // over everything below
+    std::mutex telling_;  // guards everything below
     RememberedUpload remembered_;
     std::vector<std::int64_t> bytes_done_ = {0};  // of each part
     std::exception_ptr failure_;

@@ -20,7 +20,7 @@ namespace {
                 "cannot write " + path + ": " + std::strerror(errno) + ": free some space");
 }
 
-// Also makes the name of a new file durable, when given its folder.
+// Makes a file durable. Given a folder, it makes the name of a new file in it durable.
 void sync(const std::string& path) {
     const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (!file.is_open() || ::fsync(file.get()) != 0) throw_errno(path);

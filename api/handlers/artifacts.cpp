@@ -22,12 +22,13 @@ struct StoredFile {
     std::string name;
     std::string media_type;
     std::string etag;
-    std::string sha256;  // "": not known
+    std::string sha256;  // "": unknown
     std::string_view freshness = kAskEachTime;
     std::shared_ptr<storage::BlobReader> reader;
 };
 
-// What a browser would run or render as a page is handed over as a file, in a sandbox.
+// Returns whether a browser would run it or render it as a page: such a file is sent as a download,
+// in a sandbox.
 bool is_active(const std::string& media_type) {
     return media_type.starts_with("text/html") || media_type.find("svg") != std::string::npos ||
            media_type.find("xml") != std::string::npos;
@@ -45,8 +46,8 @@ void describe(Response& response, const StoredFile& file) {
     if (active) response.set("Content-Security-Policy", "sandbox; default-src 'none'");
 }
 
-// An address that says which bytes it means (?sha256=) never means others; without, the bytes are
-// those of the name.
+// Returns Cache-Control. With ?sha256= an address always means the same bytes; without it the bytes
+// behind the name may change.
 std::string_view freshness_of(const Request& request, const Artifact& artifact) {
     if (!request.query.contains("sha256")) return kAskEachTime;
     const std::string wanted = query_value(request, "sha256");
@@ -58,8 +59,8 @@ std::string_view freshness_of(const Request& request, const Artifact& artifact) 
     return kForEver;
 }
 
-// Of a file, whose ETag is strong. There is no date of its last change that a client could send
-// back.
+// Returns the Range to serve of a file with a strong ETag. There is no Last-Modified that a client
+// could send back.
 std::string range_of(const Request& request, const StoredFile& file) {
     const std::string if_range = request.header("if-range");
     const bool is_same = if_range.empty() || if_range == file.etag;
@@ -116,7 +117,7 @@ Awaitable<Response> get_artifact(Request request, Services services) {
     co_return file_response(request, file);
 }
 
-// A dive has one thumbnail and keeps it: its key in the blob store serves as the tag.
+// A dive has one thumbnail and keeps it: its key in the blob store is the tag.
 Awaitable<Response> get_thumbnail(Request request, Services services) {
     auto work = [services, request] {
         const Dive dive = visible_dive(request, services.catalog);
@@ -132,7 +133,7 @@ Awaitable<Response> get_thumbnail(Request request, Services services) {
     co_return file_response(request, file);
 }
 
-// It is whatever somebody has sent under that name: bytes, not a page.
+// Sends it as bytes, not as a page: its content is whatever a user has uploaded.
 Awaitable<Response> get_truth_content(Request request, Services services) {
     auto work = [services, request] {
         const Dive dive = visible_dive(request, services.catalog);

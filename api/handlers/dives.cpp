@@ -62,7 +62,7 @@ DiveRequest dive_request(const Request& request) {
     return wanted;
 }
 
-// A comparison that is asked for from its earlier dive: "with" is the later one.
+// Checks a comparison requested from its earlier dive: "with" is the later one.
 void check_options(storage::NewJob& job) {
     switch (job.kind) {
         case JobKind::Reconstruct: make_options(job.preset, job.options); return;

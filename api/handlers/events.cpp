@@ -17,8 +17,9 @@ namespace {
 
 constexpr std::size_t kMaxSensors = 100;
 
-// After a restored backup a client may have seen more than there is, after a long time less: it
-// would be told nothing, or not all, without a word. Since 0 is from the oldest that there is.
+// Throws unless all events after `since` are known. After a restored backup a client may have seen
+// newer events than there are, and after a long time old events are gone; it would miss events
+// without notice. 0 means from the oldest event.
 void require_known(storage::EventStore events, std::int64_t since) {
     if (since > events.newest_sequence())
         throw Error(ErrorCode::Gone,
@@ -30,7 +31,7 @@ void require_known(storage::EventStore events, std::int64_t since) {
                     "connect without since");
 }
 
-// Which are to be watched live; they are at the desk from here on.
+// Returns the sensors to watch live and introduces them to the sensor hub.
 std::vector<std::string> watched_sensors(const Request& request, const Services& services) {
     auto ids = split_list(query_value(request, "sensors"));
     std::sort(ids.begin(), ids.end());

@@ -42,7 +42,7 @@ int attempt_number(const Request& request) {
     return static_cast<int>(*number);
 }
 
-// As GET answers it.
+// Returns the job as GET shows it.
 Job shown_job(const Request& request, const Services& services, storage::Catalog& catalog) {
     Job job = visible_job(request, catalog);
     job.forecast = services.forecast.of(job, catalog);

@@ -58,7 +58,7 @@ storage::PageRequest page_request(const Request& request) {
     return page;
 }
 
-// Its cursor is how many were given before.
+// The cursor is the number of values already returned.
 Stretch stretch_of(const Request& request, std::size_t num_values) {
     const storage::PageRequest page = page_request(request);
     const auto before = parse_count(page.cursor.empty() ? "0" : page.cursor);

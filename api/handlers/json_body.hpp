@@ -13,14 +13,15 @@
 
 namespace divemesh::api {
 
-// Where a key of an object lies in it (RFC 6901).
+// Returns the JSON pointer (RFC 6901) to a key of an object.
 std::string pointer_to(const std::string& key);
 
-// The JSON object of a request. Throws Error{Unsupported} for another Content-Type,
-// Error{InvalidArgument} for what is no object, and InvalidInput for keys beyond `known`.
+// Returns the JSON object of a request. Throws Error{Unsupported} for another Content-Type,
+// Error{InvalidArgument} if it is not an object, and InvalidInput for keys outside `known`.
 nlohmann::json json_body(const Request& request, const std::set<std::string>& known);
 
-// The value of a key that may be missing. Throws InvalidInput when it has another type.
+// Returns the value of a key; `fallback` if it is missing. Throws InvalidInput if it has another
+// type.
 template <typename T>
 T value_or(const nlohmann::json& body, const std::string& key, T fallback) {
     const auto found = body.find(key);
@@ -32,21 +33,23 @@ T value_or(const nlohmann::json& body, const std::string& key, T fallback) {
     }
 }
 
-// ?limit= and ?cursor=. Throws Error{InvalidArgument} when they are out of range.
+// Returns ?limit= and ?cursor=. Throws Error{InvalidArgument} if they are out of range.
 storage::PageRequest page_request(const Request& request);
 
-// ?name=, "" when it is missing.
+// Returns ?name=, "" if it is missing.
 std::string query_value(const Request& request, const std::string& name);
-// True or false; without one false. Throws Error{InvalidArgument} for anything else.
+// Returns ?name= as true or false; false if it is missing. Throws Error{InvalidArgument} for other
+// values.
 bool flag_value(const Request& request, const std::string& name);
 
-// ?name= in unix milliseconds, `otherwise` when it is missing. Throws Error{InvalidArgument}.
+// Returns ?name= in unix milliseconds, `otherwise` if it is missing. Throws Error{InvalidArgument}.
 std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise);
 
-// What ?fields=a,b leaves of objects: these alone, and all of them without it.
+// The fields of objects that ?fields=a,b selects; all fields without it.
 class FieldChoice {
 public:
-    // Of GET alone. Throws Error{InvalidArgument} that names the field which T does not have.
+    // Reads ?fields= of GET and HEAD only. Throws Error{InvalidArgument}, which names the field
+    // that T lacks.
     template <typename T>
     static FieldChoice of(const Request& request) {
         const bool reads = request.method == verb::get || request.method == verb::head;
@@ -63,14 +66,14 @@ private:
     std::vector<std::string> names_;  // empty: all
 };
 
-// {"items": [...], "next_cursor": "..."} and the link to the next page.
-// `about`: what else there is to say of the list.
+// Returns {"items": [...], "next_cursor": "..."} with a link to the next page. `about`: further
+// members of the response.
 Response page_response(const Request& request,
                        nlohmann::json items,
                        const std::string& next_cursor,
                        nlohmann::json about = nlohmann::json::object());
 
-// One object, and a page of them, with the fields that ?fields= leaves.
+// Returns one object, or a page of objects, with the fields that ?fields= selects.
 template <typename T>
 Response resource_response(const Request& request, const T& value) {
     return json_response(http::status::ok, FieldChoice::of<T>(request).leave(value));
@@ -86,7 +89,7 @@ Response list_response(const Request& request,
     return page_response(request, std::move(items), next_cursor);
 }
 
-// Of a short list that was read as a whole: all of it unless ?limit= says otherwise.
+// The range of a short list that is returned: all of it unless ?limit= says otherwise.
 struct Stretch {
     std::size_t first = 0;
     std::size_t num = 0;

@@ -5,7 +5,7 @@
 
 namespace divemesh::api {
 
-// One figure over dives and time.
+// Returns one metric over dives and time.
 Awaitable<Response> get_figure_series(Request request, Services services);
 
 }  // namespace divemesh::api

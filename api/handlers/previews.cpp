@@ -11,7 +11,7 @@
 namespace divemesh::api {
 namespace {
 
-// Its age is told: a picture that stands still is never taken for what is seen now.
+// States the image's age, so that a frozen image is never taken for a live one.
 Response image_response(storage::StoredPreview stored) {
     Response response = empty_response(http::status::ok);
     response.set("Content-Type", "image/jpeg");

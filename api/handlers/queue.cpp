@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kMaxProjectBytes = 63;
 
-// An administrator names a project, "" for all; everybody else has their own.
+// Returns the project of a request. An administrator names one, "" for all; other callers have
+// their own.
 std::string project_of(const Request& request, const std::string& wanted) {
     if (wanted.size() > kMaxProjectBytes)
         throw Error(ErrorCode::InvalidArgument, "\"project\" is longer than 63 bytes");
@@ -46,7 +47,7 @@ Awaitable<Response> get_queue(Request request, Services services) {
     co_return resource_response(request, queue);
 }
 
-// "max_": 0 is no limit.
+// A "max_" of 0 means no limit.
 Awaitable<Response> get_usage(Request request, Services services) {
     const std::string project = project_of(request, query_value(request, "project"));
     auto work = [&catalog = services.catalog, project] {

@@ -11,10 +11,10 @@
 
 namespace divemesh::api {
 
-// What most handlers do once they know what is asked for. `read` and `remove` take the request and
-// the catalog; they throw where it is not there or the token does not see it.
+// The common handlers for one resource. `read` and `remove` take the request and the catalog; they
+// throw if the resource does not exist or the token does not see it.
 
-// Answers with one object, which `read` finds by its keys: see read_nonblocking().
+// Responds with one object, which `read` finds by its keys: see read_nonblocking().
 template <typename Read>
 Awaitable<Response> get_resource(Request request, Services services, Read read) {
     auto find = [request, read](storage::Catalog& catalog) { return read(request, catalog); };
@@ -22,7 +22,7 @@ Awaitable<Response> get_resource(Request request, Services services, Read read) 
     co_return resource_response(request, found);
 }
 
-// Answers with a list, of which `read` returns all.
+// Responds with a list; `read` returns all of it.
 template <typename Read>
 Awaitable<Response> get_list(Request request, Services services, Read read) {
     auto work = [&catalog = services.catalog, request, read] { return read(request, catalog); };
@@ -30,7 +30,7 @@ Awaitable<Response> get_list(Request request, Services services, Read read) {
     co_return whole_list_response(request, values);
 }
 
-// Answers with a page of a list: `read` returns a storage::Page, for page_request().
+// Responds with a page of a list: `read` returns a storage::Page, for page_request().
 template <typename Read>
 Awaitable<Response> get_page(Request request, Services services, Read read) {
     auto work = [&catalog = services.catalog, request, read] { return read(request, catalog); };
@@ -39,8 +39,8 @@ Awaitable<Response> get_page(Request request, Services services, Read read) {
     co_return list_response<Value>(request, page.items, page.next_cursor);
 }
 
-// Deletes what no GET answers with a tag: `remove` gets the catalog for a change in the name of who
-// asks, see audited(). Answers 204.
+// Deletes a resource that has no tag, because it has no GET of its own. `remove` gets a catalog
+// that audits the change, see audited(). Responds with 204.
 template <typename Remove>
 Awaitable<Response> delete_resource(Request request, Services services, Remove remove) {
     require_no_tag(request);

@@ -5,7 +5,7 @@
 
 namespace divemesh::api {
 
-// Accuracy reports by the clock.
+// Scheduled accuracy reports.
 Awaitable<Response> list_schedules(Request request, Services services);
 Awaitable<Response> create_schedule(Request request, Services services);
 Awaitable<Response> get_schedule(Request request, Services services);

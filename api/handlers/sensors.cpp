@@ -53,7 +53,7 @@ storage::HistoryRequest history_request(const Request& request) {
     return wanted;
 }
 
-// Whose token it is.
+// Returns the sensor of the path, which must be that of the token.
 std::string speaking_sensor(const Request& request) {
     const std::string& sensor = request.parameter("sensor_id");
     require_sensor(request.token, sensor);

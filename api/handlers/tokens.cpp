@@ -21,7 +21,8 @@ storage::NewToken token_request(const Request& request) {
             .lifetime = std::chrono::seconds(value_or<std::int64_t>(body, "expires_in_s", 0))};
 }
 
-// Only what a browser opens by itself, without a header of ours: downloads and event streams.
+// Returns the path of a one-shot token: only paths that a browser opens by itself, without custom
+// headers, i.e. downloads and event streams.
 std::string one_shot_path(const Request& request) {
     const auto body = json_body(request, {"path"});
     const auto path = value_or<std::string>(body, "path", "");

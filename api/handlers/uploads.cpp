@@ -51,7 +51,7 @@ bool becomes_dive(const Upload& upload) {
     return upload.complete() && !upload.is_partial() && plan_of(upload.metadata).commit;
 }
 
-// The same of truth.
+// Does the same for truth.
 Awaitable<Response> with_truth(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const UploadPlan plan = plan_of(upload.metadata);
@@ -71,8 +71,8 @@ Awaitable<Response> with_truth(
     co_return response;
 }
 
-// Whoever brings the last byte has the dive made, so its token is asked anew: it may have been
-// revoked since the request began, or be another than that of the creation.
+// The sender of the last byte has the dive made, so its token is checked again: it may have been
+// revoked since the request began, or differ from that of the creation.
 Awaitable<Response> with_dive(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const UploadPlan plan = plan_of(upload.metadata);
@@ -86,7 +86,7 @@ Awaitable<Response> with_dive(
             services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan, sha256);
     };
     const MadeDive made = co_await in_pool(services.pool, std::move(work));
-    response.audited = upload.dive_id.empty();  // else it was a dive already, and nothing changed
+    response.audited = upload.dive_id.empty();  // otherwise it was a dive before
     upload.expires_at_ms = 0;
     set_progress(response, upload);
     response.set("Divemesh-Dive", made.dive.id);
@@ -94,7 +94,7 @@ Awaitable<Response> with_dive(
     co_return response;
 }
 
-// The answer to a request that brought what it should.
+// Completes the response to a request whose bytes all arrived.
 Awaitable<Response> arrived(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const bool is_truth = plan_of(upload.metadata).truth.has_value();
@@ -106,8 +106,8 @@ Awaitable<Response> arrived(
     co_return response;
 }
 
-// The same for the request that made the upload whole: that is to be told also when there is no
-// dive of it.
+// Does the same for the request that completed the upload. The audit log needs that event even if
+// there is no dive of the upload.
 Awaitable<Response> completed(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     response.uploaded_bytes = upload.offset_bytes;
@@ -126,7 +126,7 @@ Awaitable<Response> completed(
 
 StopFlag new_flag() { return std::make_shared<std::atomic<bool>>(false); }
 
-// What a newer request does to this one.
+// Returns the function by which a newer request stops this one.
 std::function<void()> stopper(const Request& request, const StopFlag& stopped) {
     return [stream = request.stream, stopped] {
         *stopped = true;
@@ -135,8 +135,8 @@ std::function<void()> stopper(const Request& request, const StopFlag& stopped) {
 }
 
 Awaitable<UploadLocks::Lock> take_lock(Request request, Services services, StopFlag stopped) {
-    // Whether it exists and may be seen, and takes bytes when there are some, comes first: others'
-    // requests are not to be stopped.
+    // First checks that the upload exists, is visible and takes bytes if there are some: a bad
+    // request must not stop another one.
     auto look = [services, request] {
         const Upload upload = visible_upload(request, services.catalog);
         if (upload.is_final() && request.method == verb::patch)
@@ -157,14 +157,14 @@ Awaitable<Response> receive(
             request,
             kChecksumMismatch,
             "the bytes do not match Upload-Checksum and are not kept: send them again");
-    // Whoever asked this request to stop wants the bytes' lock; what they become is better made now
-    // than by nobody, and the other waits for it.
+    // The newer request wants the lock, and waits for it. So the dive is better made now than
+    // never.
     if (received->complete())
         co_return co_await completed(std::move(response), request, services, *received, new_flag());
     co_return co_await arrived(std::move(response), request, services, *received, stopped);
 }
 
-// Its dive is there to take it. Throws Error{NotFound}, Error{Conflict}.
+// Checks that the dive of the truth exists and accepts it. Throws Error{NotFound}, Error{Conflict}.
 void require_dive_of_truth(const Services& services, const Upload& wanted) {
     const UploadPlan plan = plan_of(wanted.metadata);
     if (!plan.truth) return;
@@ -196,7 +196,7 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
     auto fresh = [services, upload] {
         const Upload whole =
             reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
-        if (whole.complete()) free_parts(services, whole);  // of a server killed before it could
+        if (whole.complete()) free_parts(services, whole);  // left by a killed server
         return whole;
     };
     upload = co_await in_pool(services.pool, std::move(fresh));
@@ -223,7 +223,8 @@ Response describe(const Upload& upload) {
     return response;
 }
 
-// A client that lost the last answer asks for the dive here, which mostly is made within moments.
+// Waits until the upload's dive is made, which mostly takes moments. A client that lost the last
+// response asks for the dive here.
 Awaitable<Upload> once_named(Request request, Services services, Upload upload) {
     const auto end = std::chrono::steady_clock::now() + kNamingTimeout;
     boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
@@ -247,17 +248,17 @@ Response offset_conflict(const Request& request, const Upload& upload) {
     return response;
 }
 
-// As it would be: a request that is refused must not fix the length.
+// Returns the upload as it would be, because a refused request must not fix the length.
 Upload with_deferred_length(const Request& request, Upload upload) {
     if (!upload.length_bytes && request.has_header("upload-length"))
         upload.length_bytes = std::max(count_header(request, "upload-length"), upload.offset_bytes);
     return upload;
 }
 
-// The length that creation left open, when this request tells it.
+// Sets the length that creation left open, if this request has it.
 Upload with_length(const Request& request, const Services& services, const Upload& upload) {
     if (!request.has_header("upload-length")) {
-        // As many as have come count; how many more come nobody knows.
+        // Only the received bytes count; how many more will come is unknown.
         if (!upload.length_bytes) require_bytes_of_quota(services, upload.project, 1);
         return upload;
     }
@@ -309,7 +310,7 @@ Awaitable<Response> get_upload_offset(Request request, Services services) {
     if (auto refused = wrong_version(request)) co_return std::move(*refused);
     auto look = [services, request] { return visible_upload(request, services.catalog); };
     Upload upload = co_await in_pool(services.pool, std::move(look));
-    // Not to be stopped: a join, and the hashing of what is complete.
+    // The concatenation of parts and the hashing of a complete upload must not be stopped.
     if (upload.is_final()) co_return describe(upload);
     if (upload.complete()) co_return describe(co_await once_named(request, services, upload));
     auto lock = co_await take_lock(request, services, new_flag());

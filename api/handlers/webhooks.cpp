@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kSecretBytes = 32;
 
-// What can be said against an address before anybody looks its name up; the rest is checked each
-// time that something is sent.
+// Checks what can be checked of an address before its name is resolved; the rest is checked each
+// time an event is sent.
 void check_target(const std::string& url, const AllowedNetworks& allowed) {
     const WebhookTarget target = parse_webhook_url(url);
     boost::system::error_code is_name;

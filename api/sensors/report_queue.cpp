@@ -18,7 +18,7 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr std::size_t kMaxWaiting = 2000;
-// A transaction stays short: others write to the catalog too.
+// Keep a transaction short, because others write to the catalog too.
 constexpr std::size_t kMaxTogether = 200;
 constexpr std::size_t kMaxMessagesTogether = 2000;
 constexpr std::size_t kMaxWaitingBytes = std::size_t{48} << 20;

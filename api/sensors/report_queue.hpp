@@ -12,21 +12,22 @@
 
 namespace divemesh::api {
 
-// Group commit of what sensors report: while one transaction is under way the next reports gather,
-// and the one after takes them all. Two hundred sensors a second cost a few syncs, and each of them
-// is answered when its report is durable. Thread-safe.
+// Commits sensor reports in groups: while one transaction is under way the next reports gather, and
+// the following transaction takes them all. Two hundred reports a second cost a few syncs, and each
+// sensor gets its answer when its report is durable. Thread-safe.
 class ReportQueue {
 public:
-    // What is durable is published at the desk. Without room on the disk statuses go on, and few
-    // previews of a sensor are kept; in the pool.
+    // Publishes durable reports in the sensor hub. Without room on the disk it still stores
+    // statuses, but keeps only few previews of a sensor. Commits in the pool.
     ReportQueue(storage::Catalog& catalog,
                 boost::asio::thread_pool& pool,
                 SensorHub& sensor_hub,
                 std::function<bool()> has_room)
         : catalog_(catalog), pool_(pool), sensor_hub_(sensor_hub), has_room_(std::move(has_room)) {}
 
-    // When it is durable. Throws what storage::SensorStore::receive() gives as failure, what the
-    // transaction throws, and Error{Unavailable} when too many are waiting already.
+    // Returns when the report is durable. Throws the failure that storage::SensorStore::receive()
+    // returns, what the transaction throws, and Error{Unavailable} if too many reports wait
+    // already.
     boost::asio::awaitable<SensorAnswer> submit(storage::IncomingReport report);
 
 private:
@@ -34,11 +35,11 @@ private:
     struct Waiting {
         storage::IncomingReport report;
         Done done;
-        std::size_t num_bytes = 0;  // of its pictures
+        std::size_t num_bytes = 0;  // of its images
     };
 
     void enqueue(storage::IncomingReport report, Done done);
-    void commit_all();  // in the pool, until nobody waits
+    void commit_all();  // in the pool, until the queue is empty
     std::vector<Waiting> take_some();
     void commit(std::vector<Waiting> group);
 
@@ -48,7 +49,7 @@ private:
     std::function<bool()> has_room_;
     std::mutex mutex_;
     std::vector<Waiting> waiting_;
-    std::size_t waiting_bytes_ = 0;  // of pictures
+    std::size_t waiting_bytes_ = 0;  // of images
     bool committing_ = false;
 };
 

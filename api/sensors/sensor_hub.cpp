@@ -41,7 +41,7 @@ std::string delta_text(const SensorSnapshot& sent, const SensorSnapshot& snapsho
     return json_text(frame);
 }
 
-// Under the lock, like all that is private.
+// The caller holds the lock, as for every private function.
 void SensorHub::renew(Entry& entry, std::int64_t now) {
     json document = document_of(as_of(entry.sensor, now));
     if (entry.snapshot && entry.snapshot->document == document) return;

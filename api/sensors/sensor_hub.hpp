@@ -14,42 +14,42 @@
 
 namespace divemesh::api {
 
-// A sensor as those who watch it are told: its resource without the age, which is another at each
-// moment.
+// A sensor as its watchers see it: its resource without the age, which changes at every moment.
 struct SensorSnapshot {
     std::string sensor;
     std::string project;
-    std::int64_t revision = 0;  // rises, also over a restart
-    std::int64_t previous = 0;  // the revision that `delta` goes on from; 0: there is none
-    std::int64_t time_ms = 0;   // when it was so
+    std::int64_t revision = 0;  // rises, also across a restart
+    std::int64_t previous = 0;  // the revision that `delta` starts from; 0: no delta
+    std::int64_t time_ms = 0;   // of this state
     nlohmann::json document;
-    std::string delta;  // the frame of text, the same for all who have the previous one
+    std::string delta;  // the text frame, the same for all watchers that have `previous`
 };
 
-// The frames of text: all of it, and what has changed since `told` (RFC 7396).
+// Return the text frames: the whole snapshot, and what has changed since `sent` (RFC 7396).
 std::string snapshot_text(const SensorSnapshot& snapshot);
 std::string delta_text(const SensorSnapshot& sent, const SensorSnapshot& snapshot);
 
-// Sensors as they are now, in memory: what a device said reaches those who watch it by way of here
-// once it is durable. Only the newest counts; nothing is queued for anybody. Thread-safe.
+// The current state of the sensors, in memory. A device's report reaches its watchers through it
+// once it is durable. Only the newest state counts; there are no queues. Thread-safe.
 class SensorHub {
 public:
-    // As it is now; older than what is known changes nothing. Wakes who watches it.
+    // Takes the sensor's state and wakes its watchers. An older state than the known one changes
+    // nothing.
     void publish(const Sensor& sensor);
-    // As the catalog has it, for who is about to watch it; where it is known already, nothing
-    // changes.
+    // Takes the catalog's state of a sensor that is about to be watched. If the sensor is known
+    // already, nothing changes.
     void introduce(const Sensor& sensor);
-    // What the time alone changes of those that are known.
+    // Updates what only time changes of the known sensors.
     void look_at_the_time();
 
-    std::shared_ptr<const SensorSnapshot> find(const std::string& sensor) const;  // null: not known
+    std::shared_ptr<const SensorSnapshot> find(const std::string& sensor) const;  // null: unknown
 
-    // Calls `on_change`, on any thread, whenever one of the sensors is another, until unwatch().
+    // Calls `on_change`, on any thread, whenever one of the sensors changes, until unwatch().
     std::uint64_t watch(const std::vector<std::string>& sensors, std::function<void()> on_change);
     void unwatch(std::uint64_t watcher);
 
-    // The one stream of a sensor; `wake` is called when there is something for it to do, `end` when
-    // another stream of the same sensor takes its place. On any thread.
+    // The one stream of a sensor. `wake` is called when there is work for it, `end` when another
+    // stream of the same sensor takes its place. Both are called on any thread.
     struct Line {
         std::function<void()> wake;
         std::function<void()> end;

@@ -21,7 +21,7 @@ ChunkWriter::ChunkWriter(Services services, const Upload& upload, UploadChecksum
       checksum_(std::move(checksum)),
       room_bytes_(upload.length_bytes.value_or(services.limits.max_upload_bytes) -
                   upload.offset_bytes) {
-    services_.blobs.remove_staged(key_);  // of a server that was killed
+    services_.blobs.remove_staged(key_);  // left by a killed server
     staged_ = services_.blobs.open_staged(key_);
 }
 

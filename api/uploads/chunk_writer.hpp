@@ -10,8 +10,8 @@
 
 namespace divemesh::api {
 
-// Keeps the bytes of one request beside the upload until their checksum is known: a server that is
-// killed meanwhile finds none of them in the upload.
+// Stores the bytes of one request beside the upload until their checksum is known. If the server is
+// killed meanwhile, the upload contains none of them.
 class ChunkWriter : public ByteSink {
 public:
     ChunkWriter(Services services, const Upload& upload, UploadChecksum checksum);
@@ -19,8 +19,9 @@ public:
 
     std::int64_t room_bytes() const override { return room_bytes_; }
     void write(std::span<const char> bytes) override;
-    bool is_right() { return checksum_.matches(); }  // asked once, at the end
-    // A stretch at a time, so that others have their turn in the pool; false: all of it is there.
+    bool is_right() { return checksum_.matches(); }  // ask it once, at the end
+    // Appends a part of the bytes, so that other work in the pool can run; returns false when all
+    // of them are appended.
     bool append_some(UploadWriter& writer);
 
 private:
@@ -34,7 +35,7 @@ private:
     std::int64_t appended_ = 0;
 };
 
-// Where the bytes whose checksum is not known yet are.
+// Returns the key of the bytes whose checksum is not yet known.
 std::string chunk_key(const Upload& upload);
 
 }  // namespace divemesh::api

@@ -15,7 +15,7 @@ namespace divemesh::api {
 namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
-constexpr int kCopiesAtATime = 32;  // in the pool, before others have their turn
+constexpr int kCopiesAtATime = 32;  // in the pool, before other work may run
 
 Upload read_part(const Services& services, const Upload& whole, const std::string& id) {
     Upload part = storage::UploadStore(services.catalog).get(id);
@@ -29,7 +29,7 @@ Upload read_part(const Services& services, const Upload& whole, const std::strin
     return part;
 }
 
-// Copies parts of one upload into another, a stretch at a time.
+// Copies the parts of an upload into it, some at a time.
 class Concatenation {
 public:
     Concatenation(const Services& services, const Upload& whole)
@@ -42,7 +42,7 @@ public:
         offset_ = writer_.upload().offset_bytes;
     }
 
-    // False: all of it is there.
+    // Returns false when all of it is copied.
     bool copy_some() {
         for (int i = 0; i < kCopiesAtATime && writer_.room_bytes() > 0; ++i) copy_once();
         return writer_.room_bytes() > 0;

@@ -10,12 +10,13 @@
 
 namespace divemesh::api {
 
-// SHA-256 of the first bytes of uploads, kept from one request to the next, so that an archive that
-// arrives within one life of the server is not read again. Bounded; what is missing is computed
-// from the disk. Thread-safe.
+// SHA-256 states over the first bytes of uploads, kept between requests, so that an archive that
+// arrives while the server runs is not read again. Bounded; a missing state is computed from the
+// disk. Thread-safe.
 class HashCache {
 public:
-    // The state after exactly `offset_bytes` bytes, which the caller takes over.
+    // Takes the state after exactly `offset_bytes` bytes out of the cache; nullopt if it is
+    // missing.
     std::optional<Sha256> take(const std::string& upload_id, std::int64_t offset_bytes);
     void put(const std::string& upload_id, std::int64_t offset_bytes, Sha256 hash);
     void forget(const std::string& upload_id);

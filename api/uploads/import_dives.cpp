@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
-constexpr int kCopiesAtATime = 64;  // in the pool, before others have their turn
+constexpr int kCopiesAtATime = 64;  // in the pool, before other work may run
 
 void throw_if_stopping(const Services& services) {
     if (services.stopping) throw Error(ErrorCode::Cancelled, "the server is stopping");
@@ -41,7 +41,8 @@ bool is_dive_folder(const fs::path& folder) {
            fs::is_directory(fs::symlink_status(folder / "cam0"));
 }
 
-// Another name of the same file may be outside of the folder, and what it holds no dive.
+// Refuses hard links: another name of the same file may lie outside the folder, and its content may
+// not be part of a dive.
 void require_single_name(const fs::path& file) {
     struct stat status {};
     if (lstat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink != 1)
@@ -65,7 +66,7 @@ std::vector<fs::path> candidates(const fs::path& given) {
     return found;
 }
 
-// One dive of the folder, and how far it has come.
+// One dive of the folder, and how far its import has come.
 class DiveImport {
 public:
     DiveImport(Services services, const ImportRequest& request, const fs::path& path)
@@ -90,7 +91,7 @@ public:
         }
     }
 
-    // The dive that the project has of it already, "": none.
+    // Returns the dive of the same content that the project has already; "" if it has none.
     std::string known_dive() const {
         for (const auto& [content, archive] : {std::pair{hashes_.content_sha256, std::string()},
                                                std::pair{std::string(), hashes_.archive_sha256}}) {
@@ -103,7 +104,7 @@ public:
         return "";
     }
 
-    // A fresh upload, or the one of an import that was cut.
+    // Returns a new upload, or that of an interrupted import.
     std::string enter() {
         Upload wanted;
         wanted.project = request_.project;

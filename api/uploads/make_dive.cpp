@@ -10,7 +10,7 @@ namespace divemesh::api {
 namespace {
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
-constexpr int kReadsAtATime = 32;  // in the pool, before others have their turn
+constexpr int kReadsAtATime = 32;  // in the pool, before other work may run
 
 class ArchiveHash {
 public:
@@ -20,13 +20,14 @@ public:
             return;
         }
         const std::string key = archive_key(upload);
-        // A server killed before the catalog knew has left the bytes where the dive's blob is.
+        // If the server was killed before the catalog knew, the bytes are already under the key of
+        // the dive's blob.
         reader_ = services.blobs.exists(key) ? services.blobs.open(key)
                                              : services.blobs.read_staged(upload.blob);
         buffer_.resize(kReadBytes);
     }
 
-    // False: all of it is hashed.
+    // Returns false when all of it is hashed.
     bool hash_some() {
         for (int i = 0; i < kReadsAtATime && reader_; ++i) {
             const std::size_t n = reader_->read_at(offset_, buffer_);
@@ -40,7 +41,7 @@ public:
 
 private:
     Sha256 hash_;
-    std::unique_ptr<storage::BlobReader> reader_;  // null: there is nothing more to read
+    std::unique_ptr<storage::BlobReader> reader_;  // null: all of it is read
     std::vector<char> buffer_;
     std::int64_t offset_ = 0;
 };

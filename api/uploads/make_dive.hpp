@@ -14,34 +14,35 @@ namespace divemesh::api {
 
 struct MadeDive {
     Dive dive;
-    bool is_new = false;  // false: this upload or the same recording was a dive before
-    std::string job_id;   // the reconstruction that `plan` asked for; "": none
+    bool is_new = false;  // false: this upload or the same recording already was a dive
+    std::string job_id;   // the reconstruction that `plan` requested; "": not requested
 };
 
 // Set when a newer request wants the upload.
 using StopFlag = std::shared_ptr<std::atomic<bool>>;
 
-// SHA-256 of what a complete upload holds, from memory or the disk, there in stretches that leave
-// the pool to others; "" for an upload that is no archive yet, or a dive already. The caller has
-// the upload's turn. Throws Error{Conflict} when it is stopped, Error{Unavailable} with the server.
+// Returns the SHA-256 of a complete upload, from memory or from the disk, which is read in parts so
+// that other work in the pool can run. Returns "" for an upload that is not yet an archive, or
+// already a dive. The caller holds the upload lock. Throws Error{Conflict} if it is stopped, and
+// Error{Unavailable} when the server stops.
 Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag stopped);
 
 // Makes a dive of a complete upload: compares the hash, turns the staged bytes into a blob, enters
-// it in the catalog. Safe to repeat after any crash. The caller has the upload's turn. Throws
-// Error{Conflict} for an upload that is not complete, Error{OutOfQuota}, Error{BadData} for one
-// that is not what its sha256 said, Error{Gone} when the dive was deleted since. The dive is
-// entered by `catalog` (api/audit). Blocks: for the pool.
+// it in the catalog. Safe to repeat after any crash. The caller holds the upload lock. Throws
+// Error{Conflict} for an incomplete upload, Error{OutOfQuota}, Error{BadData} for one that differs
+// from its stated sha256, Error{Gone} if the dive was deleted since. `catalog` (api/audit) enters
+// the dive. Blocks: run it in the pool.
 MadeDive make_dive(const Services& services,
                    storage::Catalog& catalog,
                    const Upload& upload,
                    const UploadPlan& plan,
                    const std::string& sha256);
 
-// Throws Error{Conflict} for an upload that is not complete or a part, Error{BadData} for one that
-// is empty or not what its sha256 said.
+// Throws Error{Conflict} for an incomplete upload or a part, and Error{BadData} for an upload that
+// is empty or differs from its stated sha256.
 void require_whole(const Upload& upload, const UploadPlan& plan, const std::string& sha256);
 
-// Where the archive of a dive, or the file of truth, made of this upload is.
+// Returns the key of the dive archive, or the file of truth, made of this upload.
 std::string archive_key(const Upload& upload);
 
 }  // namespace divemesh::api

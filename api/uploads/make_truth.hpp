@@ -9,16 +9,16 @@
 
 namespace divemesh::api {
 
-// Makes truth of a complete upload, as make_dive() makes a dive: safe to repeat after any crash, by
-// whoever has the upload's turn. Throws what that throws, Error{NotFound} when its dive is gone and
-// Error{Conflict} when it is deleted or refused. Blocks: for the pool.
+// Makes truth of a complete upload, as make_dive() makes a dive. Safe to repeat after any crash;
+// the caller holds the upload lock. Throws as make_dive() does, Error{NotFound} if its dive is
+// gone, and Error{Conflict} if the dive is deleted or refused. Blocks: run it in the pool.
 TruthFile make_truth(const Services& services,
                      storage::Catalog& catalog,
                      const Upload& upload,
                      const UploadPlan& plan,
                      const std::string& sha256);
 
-// Removes what nobody finds any more. Blocks.
+// Removes the files of deleted truth. Blocks.
 void remove_deleted_truth(const Services& services);
 
 }  // namespace divemesh::api

@@ -8,8 +8,8 @@
 
 namespace divemesh::api {
 
-// Enters an upload, by `catalog` (api/audit), if the disk, its project's quota and what its project
-// and token may have open have room for it. A final upload is made of `part_ids`. Throws
+// Enters an upload by `catalog` (api/audit) if there is room: on the disk, in its project's quota,
+// and among the open uploads of its project and token. A final upload is made of `part_ids`. Throws
 // Error{OutOfSpace}, Error{OutOfQuota}, Error{TooMany}. Blocks.
 Upload enter_upload(const Services& services,
                     storage::Catalog& catalog,

@@ -18,11 +18,11 @@
 namespace divemesh::api {
 namespace {
 
-// Whoever is no longer trusted gets no dive by a restart.
+// Checks the token that began the upload: a revoked one must not get a dive by a restart.
 void require_begun_by_right(const Services& services,
                             const Upload& upload,
                             const UploadPlan& plan) {
-    if (upload.token_id.empty()) return;  // an import, or a server that asks nobody
+    if (upload.token_id.empty()) return;  // an import, or authentication is off
     const auto token = storage::TokenStore(services.catalog).get_valid(upload.token_id);
     if (!token)
         throw Error(ErrorCode::Unauthorized,
@@ -31,7 +31,7 @@ void require_begun_by_right(const Services& services,
     if (!plan.preset.empty()) require_scope(*token, "jobs:write");
 }
 
-// Whether all bytes are here; the catalog may not know yet of the last ones.
+// Returns whether all bytes are here; the catalog may not yet know the last ones.
 bool is_whole(const Services& services, const Upload& upload) {
     if (upload.complete() || upload.is_final() || !upload.length_bytes) return upload.complete();
     return services.blobs.staged_size_bytes(upload.blob) >= *upload.length_bytes;
@@ -45,7 +45,7 @@ std::vector<Upload> whole_uploads(const Services& services) {
     return uploads;
 }
 
-// The caller has the turn.
+// The caller holds the upload lock.
 Awaitable<void> make_one(Services services, std::string upload_id) {
     auto read = [services, upload_id] {
         return reconciled(services, storage::UploadStore(services.catalog).get(upload_id));

@@ -5,18 +5,18 @@
 
 namespace divemesh::api {
 
-// What became of the dives that were owed.
+// The outcome of a round over the pending dives:
 //
-//   Made    none is any more
-//   Busy    a request had one of the uploads; it may have been but a question: look again soon
-//   Failed  one is still owed
+//   Made    no dive is pending
+//   Busy    a request held one of the upload locks, maybe only for a query: try again soon
+//   Failed  a dive is still pending
 enum class PendingDives { Made, Busy, Failed };
 
-// Makes the dives that are still owed, by a server that was killed between the last byte and the
-// catalog or that had no room, beside requests: an upload that one of them has is left to it. The
-// token that began the upload has to be valid still. What is not what its sha256 said ends, as if
-// it had been terminated; other failures are logged: whoever sends the upload's last request again
-// learns them.
+// Makes the pending dives, in parallel to requests: those of a server that was killed between the
+// last byte and the catalog, or that had no room. Skips an upload whose lock a request holds. The
+// token that began the upload must still be valid. An upload that differs from its stated sha256
+// ends, as if it had been terminated. Other failures are logged; the client learns them when it
+// sends the upload's last request again.
 Awaitable<PendingDives> make_pending_dives(Services services);
 
 }  // namespace divemesh::api

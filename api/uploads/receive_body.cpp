@@ -15,11 +15,11 @@ namespace {
 using namespace boost::asio::experimental::awaitable_operators;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kChunkBytes = std::size_t{128} << 10;  // two of them a request
+constexpr std::size_t kChunkBytes = std::size_t{128} << 10;  // two of them per request
 
 enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
 
-// Whether a client holds its connection by a byte now and then.
+// Detects a client that keeps its connection open with a byte now and then.
 class RateGuard {
 public:
     explicit RateGuard(const ServiceLimits& limits)
@@ -43,7 +43,7 @@ private:
     Clock::time_point began_ = Clock::now();
 };
 
-// A write that fails ends the read beside it, which could last a minute.
+// Writes one chunk. A failed write ends the read in parallel, which could take a minute.
 Awaitable<void> write_received_chunk(std::shared_ptr<BodyStream> stream,
                                      Services services,
                                      std::shared_ptr<ByteSink> sink,
@@ -69,7 +69,7 @@ std::optional<Ending> ending_of(BodyRead::State state) {
     return Ending::Lost;
 }
 
-// While one piece is written the next one is read.
+// Writes one chunk while the next one is read.
 Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
                               std::shared_ptr<BodyStream> stream,
                               Services services) {
@@ -128,7 +128,7 @@ Awaitable<Upload> receive_plain(std::shared_ptr<BodyStream> stream,
     auto finish = [writer] { return writer->finish(); };
     const Upload received = co_await in_pool(services.pool, std::move(finish));
     if (failure) std::rethrow_exception(failure);
-    // Bytes that are all here are no less so for a link that broke behind the last one.
+    // If all bytes are here, a link that broke after the last one does not matter.
     if (!received.complete() || ending == Ending::TooLong) throw_unless_whole(ending);
     co_return received;
 }

@@ -9,12 +9,12 @@
 
 namespace divemesh::api {
 
-// Appends a request's body to `upload`, whose turn the caller has, and answers the upload as it is
-// now on disk and in the catalog; nothing when the checksum says that other bytes came than were
-// sent: then the upload is as it was. Without a checksum every byte that came is kept, whatever
-// ends the body; with one, all of them or none. Throws Error{TooLarge} for what goes past the
-// length, Error{Conflict} when a newer request wants the upload, Error{Unavailable} when the client
-// went, fell silent or is too slow, Error{OutOfSpace}.
+// Appends a request's body to `upload`, whose lock the caller holds, and returns the upload as it
+// is now on disk and in the catalog. Returns nullopt if the checksum does not match: then the
+// upload is unchanged. Without a checksum it keeps every byte received, however the body ends; with
+// one, all or no bytes. Throws Error{TooLarge} beyond the length, Error{Conflict} when a newer
+// request wants the upload, Error{Unavailable} if the client disconnected, fell silent or is too
+// slow, Error{OutOfSpace}.
 Awaitable<std::optional<Upload>> receive_body(std::shared_ptr<BodyStream> stream,
                                               Services services,
                                               Upload upload,

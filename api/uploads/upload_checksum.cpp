@@ -33,7 +33,7 @@ void check(int openssl_result) {
 struct UploadChecksum::State {
     std::string expected;
     std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest{nullptr, &EVP_MD_CTX_free};
-    Crc32c crc;  // when there is no digest
+    Crc32c crc;  // used if there is no digest
 };
 
 UploadChecksum::UploadChecksum(std::string_view header) : state_(std::make_unique<State>()) {

@@ -17,14 +17,14 @@ namespace asio = boost::asio;
 
 struct UploadLocks::State {
     asio::strand<asio::any_io_executor> strand;
-    std::map<std::string, std::shared_ptr<Holder>> holders;  // on the strand alone
+    std::map<std::string, std::shared_ptr<Holder>> holders;  // used on the strand only
 };
 
 struct UploadLocks::Holder {
     std::weak_ptr<State> state;
     std::string upload_id;
     std::function<void()> stop;
-    std::vector<std::shared_ptr<asio::steady_timer>> waiting;  // woken when the turn ends
+    std::vector<std::shared_ptr<asio::steady_timer>> waiting;  // woken when the lock is released
 };
 
 UploadLocks::Lock::~Lock() {

@@ -10,15 +10,15 @@
 
 namespace divemesh::api {
 
-// One request at a time works on an upload. A newer one asks the older to stop and waits until it
-// has made its bytes durable: a client whose link broke need not wait for the old connection to
-// time out. Thread-safe.
+// Locks uploads: one request at a time works on an upload. A newer request asks the older one to
+// stop and waits until its bytes are durable, so a client whose link broke need not wait for the
+// old connection to time out. Thread-safe.
 class UploadLocks {
     struct Holder;
     struct State;
 
 public:
-    // Until it is destroyed the upload is the holder's alone. It may outlive the UploadLocks: what
+    // Holds the upload until it is destroyed. It may outlive the UploadLocks: a coroutine that
     // still waits when the server ends is destroyed with its io_context.
     class Lock {
     public:
@@ -34,10 +34,10 @@ public:
     explicit UploadLocks(const boost::asio::any_io_executor& executor,
                          std::chrono::milliseconds timeout = std::chrono::seconds(10));
 
-    // `stop` is called, on any thread, when a newer request wants the upload; it must not block.
-    // Throws Error{Locked} when the older request has not ended in time.
+    // Waits for the lock. `stop` is called, on any thread, when a newer request wants the upload;
+    // it must not block. Throws Error{Locked} if the older request has not ended in time.
     boost::asio::awaitable<Lock> take(std::string upload_id, std::function<void()> stop);
-    // Nothing while a request has it or waits for it.
+    // Returns nullopt while a request holds the lock or waits for it.
     boost::asio::awaitable<std::optional<Lock>> take_if_free(std::string upload_id);
 
 private:

@@ -27,7 +27,7 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// A name for people: no folders, nothing that moves a cursor, cut between characters of UTF-8.
+// Returns a readable name: no folders, no control characters, cut between characters of UTF-8.
 std::string plain_name(std::string name) {
     name.erase(0, name.find_last_of("/\\") + 1);
     std::erase_if(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; });

@@ -9,26 +9,27 @@
 
 namespace divemesh::api {
 
-// Upload-Metadata of tus 1.0: "key base64,key base64,key". Throws Error{InvalidArgument} for an
-// empty or repeated key, one that is not printable ASCII, and what is not base64.
+// Parses Upload-Metadata of tus 1.0: "key base64,key base64,key". Throws Error{InvalidArgument} for
+// a key that is empty, repeated or not printable ASCII, and for invalid base64.
 std::map<std::string, std::string> parse_upload_metadata(std::string_view header);
 
-// What we make of it; other keys are kept and mean nothing.
+// The keys that the server uses; it stores other keys but ignores them.
 struct UploadPlan {
-    std::string name;            // filename without folders and control characters; "" when unnamed
+    std::string name;            // filename without folders and control characters; "" if missing
     std::string archive_sha256;  // "": not stated
     std::string content_sha256;  // "": not stated
-    std::string preset;          // of the reconstruction to queue; "": none
-    bool commit = false;         // becomes what it is as soon as it is complete
-    std::optional<TruthKind> truth;  // no dive, but truth of dive_id
+    std::string preset;          // of the reconstruction to queue; "": no reconstruction
+    bool commit = false;         // is made into its dive or truth as soon as it is complete
+    std::optional<TruthKind> truth;  // truth of dive_id instead of a dive
     std::string dive_id;
 };
 
 // Throws Error{InvalidArgument} for a hash that is not 64 hex digits, an unknown preset or kind of
-// truth, and truth that does not say of which dive.
+// truth, and truth without its dive.
 UploadPlan plan_of(std::string_view header);
 
-// Lower-case hex of a SHA-256. Throws Error{InvalidArgument} that names `what`.
+// Checks that `text` is a SHA-256 in lower-case hex. Throws Error{InvalidArgument}, which names
+// `what`.
 void check_sha256(const std::string& text, const std::string& what);
 
 }  // namespace divemesh::api

@@ -18,7 +18,7 @@ void log_failure(const std::string& upload_id, const std::exception& error) {
     log_warning({{"event", "sweep_failed"}, {"upload", upload_id}, {"what", error.what()}});
 }
 
-// `work` with the upload's turn, unless a request has it.
+// Runs `work` with the upload lock, unless a request holds it.
 template <typename Work>
 Awaitable<void> when_free(Services services, std::string upload_id, Work work) {
     const auto lock = co_await services.locks.take_if_free(upload_id);

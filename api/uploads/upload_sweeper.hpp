@@ -5,9 +5,9 @@
 
 namespace divemesh::api {
 
-// One round: ends uploads that no byte came for within their lifetime, frees the bytes of those
-// that ended, and forgets after a month that they were. An upload that a request works on is left
-// alone, however old it is. What fails is logged and left for the next round.
+// Does one round: ends uploads that received no byte within their lifetime, frees the bytes of
+// ended uploads, and forgets an ended upload after a month. Skips an upload that a request works
+// on, however old it is. Logs a failure and leaves it for the next round.
 Awaitable<void> sweep_uploads(Services services);
 
 }  // namespace divemesh::api

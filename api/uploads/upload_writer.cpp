@@ -9,7 +9,7 @@
 namespace divemesh::api {
 namespace {
 
-// What a power cut takes: bytes that no answer has told of.
+// How much a power cut may lose: bytes that no response has confirmed.
 constexpr std::int64_t kFlushEveryBytes = std::int64_t{256} << 20;
 constexpr std::chrono::seconds kFlushEvery{5};
 
@@ -68,7 +68,8 @@ void free_bytes(const Services& services, const Upload& upload) {
     services.blobs.remove_staged(upload.blob);
     services.blobs.remove_staged(chunk_key(upload));
     services.hashes.forget(upload.id);
-    // A server killed before the catalog knew has left the bytes where the dive's blob is.
+    // If the server was killed before the catalog knew, the bytes are under the key of the dive's
+    // blob.
     if (upload.dive_id.empty()) services.blobs.remove(archive_key(upload));
     storage::UploadStore(services.catalog).set_freed(upload.id);
 }

@@ -12,7 +12,7 @@
 
 namespace divemesh::api {
 
-// Where the bytes of a request go. Methods block: for the pool.
+// Takes the bytes of a request. Methods block: run them in the pool.
 class ByteSink {
 public:
     virtual ~ByteSink() = default;
@@ -20,19 +20,19 @@ public:
     virtual void write(std::span<const char> bytes) = 0;  // at most room_bytes()
 };
 
-// Appends to the staged bytes of one upload. What finish() has returned is on disk and in the
-// catalog; offsets never go down.
+// Appends to the staged bytes of one upload. The upload that finish() returns is on disk and in the
+// catalog; offsets never decrease.
 class UploadWriter : public ByteSink {
 public:
-    // Goes on where the durable bytes end: a server that was killed may have left more of them
-    // than the catalog knew. `upload` must be fresh and the caller has its turn.
+    // Continues where the durable bytes end: a killed server may have left more of them than the
+    // catalog knows. `upload` must be up to date and the caller holds its lock.
     UploadWriter(Services services, Upload upload);
 
     const Upload& upload() const { return upload_; }
     std::int64_t room_bytes() const override;
 
-    // Makes durable what has come every few seconds. Throws Error{OutOfSpace}, Error{OutOfQuota};
-    // what fitted is kept.
+    // Makes the bytes durable every few seconds. Throws Error{OutOfSpace}, Error{OutOfQuota}; keeps
+    // the bytes that fitted.
     void write(std::span<const char> bytes) override;
     const Upload& finish();
 
@@ -42,16 +42,17 @@ private:
     Services services_;
     Upload upload_;
     std::unique_ptr<storage::StagedBlob> staged_;
-    std::optional<Sha256> hash_;  // of everything so far, when that is known
-    std::int64_t written_ = 0;    // offset after the last byte that was handed over
+    std::optional<Sha256> hash_;  // of all bytes so far; nullopt if unknown
+    std::int64_t written_ = 0;    // offset after the last byte written
     std::chrono::steady_clock::time_point flushed_;
     RoomWatch room_;
 };
 
-// The upload with the offset that is really on disk. The caller has its turn. Blocks.
+// Returns the upload with the offset that is really on disk. The caller holds its lock. Blocks.
 Upload reconciled(const Services& services, const Upload& upload);
 
-// Removes the bytes of an upload that has ended. The caller has its turn, or nobody can. Blocks.
+// Removes the bytes of an upload that has ended. The caller holds its lock, or no request can take
+// it. Blocks.
 void free_bytes(const Services& services, const Upload& upload);
 
 }  // namespace divemesh::api

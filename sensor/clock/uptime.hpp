@@ -4,14 +4,14 @@
 
 namespace divemesh::sensor {
 
-// Milliseconds since this program was started, by a clock that nobody sets and that goes on while
-// the machine sleeps.
+// Returns the milliseconds since this program started, by a clock that is never set and that runs
+// on while the machine sleeps.
 std::int64_t uptime_ms();
 
-// By the machine's own clock, which may be wrong; unix.
+// Returns unix milliseconds by the machine's own clock, which may be wrong.
 std::int64_t wall_time_ms();
 
-// Whether something (NTP, a GPS receiver) keeps the machine's clock right.
+// Returns whether a source (NTP, a GPS receiver) keeps the machine's clock right.
 bool is_wall_time_synchronised();
 
 }  // namespace divemesh::sensor

@@ -9,17 +9,17 @@
 
 namespace divemesh::sensor {
 
-// What the device is asked to do.
+// A command to the device.
 struct Command {
     std::string id;
     std::string name;
     nlohmann::json arguments = nlohmann::json::object();
     std::int64_t expires_at_ms = 0;  // by the server's clock
-    ServerTime server_time;          // of the stream that it came by
+    ServerTime server_time;          // of the stream that it arrived by
     std::int64_t came_at_uptime_ms = 0;
 };
 
-// Of the JSON object of a frame; nothing for what is no command.
+// Parses the JSON object of a frame; nullopt if it is not a command.
 std::optional<Command> command_of(const nlohmann::json& json);
 
 }  // namespace divemesh::sensor

@@ -34,7 +34,7 @@ bool CommandExecutor::is_able(const std::string& name) const {
     return name == "preview" || (name == "set_clock" && settings_.allow_set_clock);
 }
 
-// By the latest that it may be there now.
+// Uses the latest possible time of the server.
 bool CommandExecutor::is_late(const Command& command) const {
     return command.server_time.latest_ms(settings_.uptime_ms()) >= command.expires_at_ms;
 }
@@ -75,7 +75,7 @@ void CommandExecutor::begin(const Command& command) {
         return end(command.id,
                    "failed",
                    "the command cannot be recorded on disk and might be carried out twice");
-    // Noting it took its time.
+    // Writing the note took time, so check again.
     if (is_late(command)) return end(command.id, "expired", "the command arrived too late");
     if (is_recording_command(command.name)) return run_program(command);
     const std::string problem =
@@ -94,7 +94,7 @@ void CommandExecutor::run_program(const Command& command) {
     }
 }
 
-// The time that is asked for, and what has gone by since it came.
+// Sets the requested time plus the time since the command arrived.
 std::string CommandExecutor::set_clock(const Command& command) const {
     const auto time = command.arguments.find("time_ms");
     if (time == command.arguments.end() || !time->is_number_integer())

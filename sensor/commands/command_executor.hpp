@@ -16,25 +16,25 @@
 namespace divemesh::sensor {
 
 struct CommandSettings {
-    std::filesystem::path journal;     // file that remembers the last commands
-    std::filesystem::path on_command;  // program that starts and stops recording; "": none
+    std::filesystem::path journal;     // file that stores the last commands
+    std::filesystem::path on_command;  // program that starts and stops recording; "": not supported
     std::chrono::milliseconds program_time{30'000};
     bool allow_set_clock = false;
-    // Makes a preview of what `arguments` ask for; "" or why there is none.
+    // Makes the preview that `arguments` request; returns "" or why there is none.
     std::function<std::string(const nlohmann::json& arguments)> make_preview;
     std::function<std::int64_t()> uptime_ms;
-    std::function<std::string(std::int64_t time_ms)> set_clock;  // "" or why it could not
+    std::function<std::string(std::int64_t time_ms)> set_clock;  // returns "" or why it failed
 };
 
-// Carries out what the device is asked to do: each command once, however often it comes, and none
-// later than it may be by the server's clock. One thread at a time.
+// Carries out the commands to the device: each command once, however often it arrives, and none
+// after its expiry by the server's clock. Use it from one thread at a time.
 class CommandExecutor {
 public:
     explicit CommandExecutor(CommandSettings settings);
 
     std::vector<std::string> capabilities() const;
     void take(const Command& command);
-    // Goes on with what was taken; what became of which, as the bodies of outcome messages.
+    // Continues with the taken commands and returns outcomes, as the bodies of outcome messages.
     std::vector<nlohmann::json> work();
 
 private:
@@ -48,12 +48,12 @@ private:
     CommandSettings settings_;
     CommandJournal journal_;
     std::deque<Command> waiting_;
-    std::string running_id_;  // "": none
+    std::string running_id_;  // "": no program runs
     std::unique_ptr<ProgramRun> running_;
     std::vector<nlohmann::json> outcomes_;
 };
 
-// What CommandSettings::set_clock does on a machine.
+// Sets the machine's clock; the implementation for CommandSettings::set_clock.
 std::string set_machine_clock(std::int64_t time_ms);
 
 }  // namespace divemesh::sensor

@@ -7,15 +7,15 @@
 
 namespace divemesh::sensor {
 
-// What became of a command. State: begun, done, failed, refused, expired.
+// The state of a command: begun, done, failed, refused, expired.
 struct CommandNote {
     std::string id;
     std::string state;
     std::string detail;
 };
 
-// The last commands that came, on disk before they are carried out: what comes a second time, also
-// after a restart, is known. Begun and not ended: the power went while it was carried out.
+// The last commands, on disk before they are carried out, so that a repeated command is recognised,
+// also after a restart. Begun without an end means that the power failed while it was carried out.
 class CommandJournal {
 public:
     static constexpr std::size_t kMaxNotes = 256;
@@ -23,7 +23,7 @@ public:
     explicit CommandJournal(std::filesystem::path file);
 
     std::optional<CommandNote> find(const std::string& id) const;
-    // False: it is remembered, but not on disk.
+    // Returns false if the note is in memory but not on disk.
     bool note(const CommandNote& note);
 
 private:

@@ -19,7 +19,7 @@ ProgramRun::ProgramRun(const std::vector<std::string>& command, std::chrono::mil
     posix_spawnattr_init(&attributes);
     sigset_t none;
     sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);  // the agent keeps its own from some signals
+    posix_spawnattr_setsigmask(&attributes, &none);  // the agent blocks some signals
     sigset_t usual;
     sigemptyset(&usual);
     sigaddset(&usual, SIGPIPE);

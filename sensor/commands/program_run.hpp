@@ -8,19 +8,20 @@
 
 namespace divemesh::sensor {
 
-// Another program, started and looked after without waiting for it. Its group is killed when it
-// takes longer than it may, and with the object.
+// A child process, started and supervised without blocking. Its process group is killed when it
+// takes longer than `time`, and by the destructor.
 class ProgramRun {
 public:
     using Clock = std::chrono::steady_clock;
 
-    // Throws Error{Unavailable} when it cannot be started.
+    // Throws Error{Unavailable} if it cannot be started.
     ProgramRun(const std::vector<std::string>& command, std::chrono::milliseconds time);
     ~ProgramRun();
     ProgramRun(const ProgramRun&) = delete;
     ProgramRun& operator=(const ProgramRun&) = delete;
 
-    // Nothing while it runs; then "" if it ended with 0, else how it ended, for people.
+    // Returns nullopt while it runs; then "" if it exited with 0, otherwise a description of how it
+    // ended.
     std::optional<std::string> poll();
 
 private:

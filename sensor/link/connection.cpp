@@ -26,7 +26,7 @@ namespace websocket = beast::websocket;
 using Clock = Connection::Clock;
 
 constexpr std::size_t kMaxConnectionTextBytes = std::size_t{1} << 20;
-// What waits in the kernel can neither be overtaken nor counted as under way.
+// Small, because bytes in the kernel can neither be overtaken nor counted as under way.
 constexpr int kSendBufferBytes = 64 << 10;
 
 Error refusal(const std::string& url, int status) {
@@ -52,7 +52,7 @@ struct Connection::Implementation {
 
     std::unique_ptr<asio::ssl::context> tls;
     asio::io_context context;
-    websocket::stream<api::Stream, false> socket;  // pictures are compressed already
+    websocket::stream<api::Stream, false> socket;  // images are compressed already
     beast::flat_buffer buffer;
     struct Frame {
         std::string bytes;
@@ -90,7 +90,7 @@ struct Connection::Implementation {
         websocket::response_type response;
         auto shaken =
             socket.async_handshake(response, account.server.authority(), target, asio::use_future);
-        // Not to the end of all work: a timer goes on for as long as it was set to.
+        // Does not run until all work is done, because a timer runs for its full time.
         context.restart();
         while (shaken.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
             context.run_one();
@@ -197,7 +197,7 @@ void Connection::close(std::chrono::milliseconds time) {
     while (!is_closed && Clock::now() < until)
         own.context.run_one_for(std::chrono::milliseconds(20));
     own.is_open = false;
-    // Its handler may not outlive what it writes to.
+    // The handler must not outlive the buffer that it writes to.
     if (!is_closed) implementation_->socket.next_layer().close();
     own.context.restart();
     while (!is_closed && own.context.run_one_for(time) > 0) continue;

@@ -10,15 +10,15 @@
 
 namespace divemesh::sensor {
 
-// The stream of one sensor (docs/sensors.md) for as long as it is up. Nothing in it waits longer
-// than it is told to. One thread at a time.
+// The open stream of one sensor (docs/sensors.md). No call blocks longer than its time limit. Use
+// it from one thread at a time.
 class Connection {
 public:
     using Clock = std::chrono::steady_clock;
 
-    // Blocks for a few times `timeout` at most, and for the resolver where the server is named.
-    // Throws Error{Unavailable} when there is no way to the server, and what its refusal means
-    // otherwise: Unauthorized, Forbidden, NotFound, TooMany.
+    // Blocks for a few times `timeout` at most, plus the resolver's time for a server's name.
+    // Throws Error{Unavailable} if the server cannot be reached, otherwise the meaning of its
+    // refusal: Unauthorized, Forbidden, NotFound, TooMany.
     Connection(const api::client::Account& account,
                const std::string& sensor_id,
                std::chrono::milliseconds timeout);
@@ -27,19 +27,19 @@ public:
     void send_text(std::string frame);
     void send_binary(std::string frame);
     void ping();
-    // Lets the network do its work until something happened or the time is over.
+    // Runs network operations until something happened or the time is over.
     void run(std::chrono::milliseconds time);
-    // Says goodbye and waits for it no longer than that.
+    // Closes the stream and waits for the other end for `time` at most.
     void close(std::chrono::milliseconds time);
 
-    std::vector<std::string> take_texts();  // that have come
-    Clock::time_point heard_at() const;     // the last time that anything came
-    Clock::time_point moved_at() const;     // ... or that the other end took bytes
+    std::vector<std::string> take_texts();  // received ones
+    Clock::time_point heard_at() const;     // the last time that bytes arrived
+    Clock::time_point moved_at() const;     // the last time that bytes arrived or were taken
     bool has_unsent() const;                // the other end has not taken all bytes
 
     bool is_open() const;
-    int close_code() const;          // once it is not; 0: it was cut
-    const std::string& why() const;  // for people
+    int close_code() const;          // after it closed; 0: it was cut
+    const std::string& why() const;  // a readable reason
 
 private:
     struct Implementation;

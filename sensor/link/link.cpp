@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTick{20};
 constexpr milliseconds kGoodbye{500};
-constexpr milliseconds kBusyPause{5'000};  // the server is there, and cannot now
+constexpr milliseconds kBusyPause{5'000};  // the server is there, but busy
 constexpr int kSuperseded = 4409;
 constexpr int kPolicy = 1008;
 constexpr int kTryLater = 1013;
@@ -91,7 +91,7 @@ milliseconds Link::try_once(const std::stop_token& stop) {
     }
 }
 
-// Until the connection ends; how long to wait before the next one.
+// Serves until the connection ends; returns how long to wait before the next one.
 milliseconds Link::serve(const std::stop_token& stop) {
     const std::int64_t asked_at = uptime_ms();
     Connection connection(account_, sensor_id_, settings_.connect_timeout);

@@ -18,27 +18,28 @@
 namespace divemesh::sensor {
 
 struct LinkSettings {
-    double max_bytes_per_s = 0.0;                      // 0: as fast as it goes
+    double max_bytes_per_s = 0.0;                      // 0: no limit
     std::chrono::milliseconds connect_timeout{1'500};  // of each step of connecting
     std::chrono::milliseconds pause{250};              // between tries while there is no link
-    std::chrono::milliseconds timeout{3'000};          // with bytes unanswered and nothing moving
-    std::chrono::milliseconds refused_pause{30'000};   // when the server does not want us
-    std::function<void(const std::string& what)> on_event;  // for people; on the link's thread
+    std::chrono::milliseconds timeout{3'000};          // without progress while bytes wait
+    std::chrono::milliseconds refused_pause{30'000};   // after the server refused the connection
+    std::function<void(const std::string& what)> on_event;  // readable; on the link's thread
 };
 
+// The state of the link, for the status.
 struct LinkState {
     bool is_connected = false;
-    double bytes_per_s = 0.0;  // as measured; 0: not known
-    std::string trouble;       // why it is not; "": nothing is wrong
+    double bytes_per_s = 0.0;  // as measured; 0: unknown
+    std::string trouble;       // why it is not connected; "": no problem
     std::optional<ServerTime> server_time;
 };
 
-// Hands what is in the ring to the server, as long as there is a way to it, in the order of
-// SendOrder, and goes on where it was when the way is back. A thread of its own; the destructor
-// ends it within a second or two.
+// Sends the messages of the ring to the server while it can be reached, in the order of SendOrder,
+// and resumes when the connection is back. It has its own thread; the destructor ends it within a
+// second or two.
 class Link {
 public:
-    // Throws Error{InvalidArgument} for a server that cannot be addressed.
+    // Throws Error{InvalidArgument} for an invalid server address.
     Link(api::client::Account account,
          std::string sensor_id,
          MessageRing& ring,
@@ -48,11 +49,11 @@ public:
     Link& operator=(const Link&) = delete;
 
     LinkState state() const;
-    std::vector<Command> take_commands();  // that have come; one may come twice
+    std::vector<Command> take_commands();  // received ones; one may occur twice
 
 private:
     void run(const std::stop_token& stop);
-    // How long to wait before the next one.
+    // Returns how long to wait before the next try.
     std::chrono::milliseconds try_once(const std::stop_token& stop);
     std::chrono::milliseconds serve(const std::stop_token& stop);
     void tell(bool is_connected, const std::string& trouble);
@@ -61,7 +62,7 @@ private:
     std::string sensor_id_;
     MessageRing& ring_;
     LinkSettings settings_;
-    SendOrder order_{ring_};  // with rate_, of the thread alone
+    SendOrder order_{ring_};  // like rate_, for the thread only
     RateMeter rate_;
     mutable std::mutex mutex_;
     LinkState state_;

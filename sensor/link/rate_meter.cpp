@@ -6,7 +6,7 @@ namespace divemesh::sensor {
 namespace {
 
 constexpr std::chrono::seconds kMemory{20};
-constexpr std::chrono::milliseconds kMinInterval{5};  // what comes at once says nothing
+constexpr std::chrono::milliseconds kMinInterval{5};  // shorter intervals give no rate
 
 }  // namespace
 

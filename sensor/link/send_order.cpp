@@ -13,7 +13,7 @@ std::optional<SendOrder::Next> SendOrder::next() const {
     return std::nullopt;
 }
 
-// The newest of its kind, if nothing newer has been said.
+// Returns the newest message of its kind, unless a newer one has been sent.
 std::optional<MessageRing::Key> SendOrder::live(MessageKind kind) const {
     const auto key = ring_.newest(kind);
     if (!key || in_flight_.contains(*key)) return std::nullopt;

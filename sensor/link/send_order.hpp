@@ -9,24 +9,24 @@
 
 namespace divemesh::sensor {
 
-// What is said first when there is little time: who this is, what became of commands, how it is
-// now, what it sees now; then what is left from before, words before pictures, the oldest first.
-// One thread at a time.
+// The order of sending when time is short: hello, outcomes of commands, the current status, the
+// current preview; then older messages, texts before previews, oldest first. Use it from one thread
+// at a time.
 class SendOrder {
 public:
     explicit SendOrder(MessageRing& ring) : ring_(ring) {}
 
     struct Next {
         MessageRing::Key key;
-        bool is_historical = false;  // it is not how it is now
+        bool is_historical = false;  // it does not describe the present
     };
-    // Nothing when everything is under way.
+    // Returns the next message; nullopt if all are under way.
     std::optional<Next> next() const;
 
     void sent(MessageRing::Key key, MessageKind kind);
     void committed(MessageRing::Key key);
     void refused(MessageRing::Key key) { in_flight_.erase(key); }
-    // The connection ended: what was under way is to be sent again.
+    // Call it when the connection ended: messages under way have to be sent again.
     void give_back();
 
     const std::set<MessageRing::Key>& in_flight() const { return in_flight_; }
@@ -38,7 +38,7 @@ private:
     std::set<MessageRing::Key> in_flight_;
     std::map<MessageKind, std::int64_t> newest_sent_;  // of this boot
     std::map<MessageKind, std::int64_t> newest_committed_;
-    std::map<MessageRing::Key, MessageKind> kinds_;  // of what is under way
+    std::map<MessageRing::Key, MessageKind> kinds_;  // of the messages under way
 };
 
 }  // namespace divemesh::sensor

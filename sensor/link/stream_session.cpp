@@ -11,9 +11,9 @@ namespace {
 
 using nlohmann::json;
 
-// As long as a link's rate is not known, and on the slowest one.
+// Used while a link's rate is unknown, and on the slowest link.
 constexpr double kMinWindowBytes = 4096.0;
-constexpr double kMinRate_bytes_per_s = 2048.0;  // that a link is believed to be
+constexpr double kMinRate_bytes_per_s = 2048.0;  // assumed for any link
 constexpr double kMaxTimeout_s = 30.0;
 constexpr std::chrono::seconds kPingIdleAfter{10};
 
@@ -28,11 +28,11 @@ void StreamSession::send(Clock::time_point now, double max_bytes_per_s) {
     if (!is_welcome_) return;
     while (send_next(now, max_bytes_per_s)) continue;
     const auto next = order_.next();
-    if (!next || next->is_historical) send_lost(now);  // how it is now comes first
+    if (!next || next->is_historical) send_lost(now);  // current messages come first
 }
 
 bool StreamSession::may_send(std::size_t num_bytes, Clock::time_point now) const {
-    if (in_flight_.empty()) return true;  // whatever its size
+    if (in_flight_.empty()) return true;  // of any size
     const double window = std::max(kMinWindowBytes, rate_.bytes_per_s(now));
     return static_cast<double>(in_flight_bytes_) + static_cast<double>(num_bytes) <= window;
 }
@@ -43,7 +43,7 @@ bool StreamSession::send_next(Clock::time_point now, double max_bytes_per_s) {
     if (!next) return false;
     if (!prepared_ || prepared_->first.key != next->key) {
         auto message = ring_.read(next->key);
-        if (!message) return true;  // it is lost, which comes next
+        if (!message) return true;  // it is lost, which is sent next
         prepared_.emplace(*next, std::move(*message));
     }
     const Message& message = prepared_->second;
@@ -73,7 +73,7 @@ void StreamSession::put(std::string frame,
         connection_.send_text(std::move(frame));
 }
 
-// Of one boot at a time, once the server has answered for the one before.
+// Reports the losses of one boot at a time, once the server has acknowledged those before.
 void StreamSession::send_lost(Clock::time_point now) {
     if (!lost_in_flight_.empty()) return;
     const auto lost = ring_.lost();
@@ -146,8 +146,8 @@ StreamSession::Sent StreamSession::take_from_flight(MessageRing::Key key) {
     return sent;
 }
 
-// Of a frame that the server could not even read it does not say which boot it is of: of the newest
-// that has such a message under way.
+// If the server could not read a frame, its answer does not say which boot it was. Then it is the
+// newest boot that has such a message under way.
 void StreamSession::refused(const json& frame) {
     const auto sequences = frame.find("messages");
     if (sequences == frame.end() || !sequences->is_array()) return;
@@ -178,7 +178,7 @@ bool StreamSession::is_dead(Clock::time_point now, std::chrono::milliseconds tim
         connection_.ping();
         pinged_at_ = now;
     }
-    // A ping waits behind the bytes that are on the way before it.
+    // A ping waits behind the bytes that were sent before it.
     const double rate = std::max(rate_.bytes_per_s(now), kMinRate_bytes_per_s);
     const std::chrono::duration<double> on_the_way(
         std::min(kMaxTimeout_s, 1.5 * static_cast<double>(in_flight_bytes_) / rate));

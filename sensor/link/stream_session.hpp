@@ -14,7 +14,7 @@
 
 namespace divemesh::sensor {
 
-// One connection's conversation: what may be sent when, and what the answers mean.
+// The protocol on one connection: when a message may be sent, and what answers mean.
 class StreamSession {
 public:
     using Clock = std::chrono::steady_clock;
@@ -35,7 +35,7 @@ public:
     // Sends what may be sent now; `max_bytes_per_s` 0: no limit.
     void send(Clock::time_point now, double max_bytes_per_s);
     void receive(Clock::time_point now, const OnCommand& on_command);
-    // Nothing has moved for too long: there is no link any more.
+    // Returns whether there has been no progress for too long, so the link is gone.
     bool is_dead(Clock::time_point now, std::chrono::milliseconds timeout);
 
     std::optional<ServerTime> server_time() const {
@@ -65,7 +65,7 @@ private:
     std::int64_t in_flight_bytes_ = 0;
     std::map<std::string, std::vector<SequenceRange>> lost_in_flight_;  // by boot
     std::optional<std::pair<SendOrder::Next, Message>> prepared_;
-    Clock::time_point free_at_ = {};  // by the limit of the rate
+    Clock::time_point free_at_ = {};  // by the rate limit
     Clock::time_point pinged_at_ = {};
     ServerTime server_time_;
     bool is_welcome_ = false;

@@ -36,7 +36,7 @@ double coverage(const std::vector<cv::Point2d>& points, cv::Size size) {
            static_cast<double>(cells.size());
 }
 
-// What a person wants to read of a figure, and what a thin link has to carry.
+// Rounds to three decimals: easy to read, and short on a slow link.
 double rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
 
 bool fits(const cv::Mat& image, const types::Camera& camera) {
@@ -49,7 +49,7 @@ struct DiveAssessment::Implementation {
     std::optional<types::Rig> rig;
     std::optional<LiveOdometry> odometry;
     features::CornerScores corners;
-    std::vector<cv::Point2d> points;  // in the last picture
+    std::vector<cv::Point2d> points;  // in the last image
     ImageQuality quality;
     cv::Mat image;
     int num_frames = 0;

@@ -13,27 +13,27 @@
 
 namespace divemesh::sensor {
 
-// A first look at a dive while it is made, from two frames now and then: whether it is worth
-// keeping. With the calibration of both cameras beside the pictures the features are followed and
-// the way that was swum is measured by stereo alone; without it they are only counted.
+// Assesses a dive while it is recorded, from two frames now and then: whether it is worth keeping.
+// With the calibration of both cameras beside the images it tracks features and measures the
+// distance by stereo alone; without it, it only counts features.
 class DiveAssessment {
 public:
     explicit DiveAssessment(const std::filesystem::path& dive_root);
     ~DiveAssessment();
 
-    // Two frames that follow each other, and what a picture of late was measured to be; some tens
-    // of milliseconds.
+    // Assesses two consecutive frames, with the quality of a recent image; takes tens of
+    // milliseconds.
     void look(const FrameImages& before, const FrameImages& now, const ImageQuality& quality);
 
-    // "features", "coverage" (share of a grid of the picture that has some), "mean_level",
-    // "black", "bright", "sharpness", and once it is measured "tracked", "distance_m",
-    // "expected_drift_m" (one standard deviation of where this track ends; a reconstruction,
-    // which sees every frame, drifts less), "lost" (looks without a motion), "pairs" (looks).
+    // Returns "features", "coverage" (share of a grid of the image that has some), "mean_level",
+    // "black", "bright", "sharpness". Once measured also "tracked", "distance_m",
+    // "expected_drift_m" (one standard deviation of the track's end; a reconstruction, which uses
+    // every frame, drifts less), "lost" (assessments without a motion), "pairs" (assessments).
     nlohmann::json report() const;
 
-    // The track; null before it is begun.
+    // Returns the track; null before it begins.
     const LiveOdometry* odometry() const;
-    // The last picture as it was measured, and what was followed in it; for a preview.
+    // Return the last measured image and the features tracked in it, for a preview.
     cv::Mat image() const;
     const std::vector<TrackLine>& tracks() const;
 

@@ -11,13 +11,13 @@ namespace divemesh::sensor {
 namespace {
 
 constexpr std::size_t kMaxImages = 20;
-constexpr int kWorkWidth_px = 640;  // wider ones are measured at half their size, or a quarter
-constexpr int kDarkLevel = 40;      // of 255: a tenth of the picture at least is brighter
-constexpr double kSharp = 1.7;      // less: blurred by more than about 1.5 px
+constexpr int kWorkWidth_px = 640;  // wider images are measured at half or a quarter of their size
+constexpr int kDarkLevel = 40;      // of 255; dark: less than a tenth of the image is brighter
+constexpr double kSharp = 1.7;      // below: blurred by more than about 1.5 px
 constexpr double kReblur_px = 2.0;
-constexpr double kEdgeShare = 0.02;    // of the pixels: its strongest edges
-constexpr float kMinEdge = 2.0F;       // grey levels per px, else there is nothing to measure
-constexpr double kFrozenLevels = 0.1;  // mean difference; a camera's noise alone is more
+constexpr double kEdgeShare = 0.02;    // share of pixels that are the strongest edges
+constexpr float kMinEdge = 2.0F;       // grey levels per px; weaker edges cannot be measured
+constexpr double kFrozenLevels = 0.1;  // mean difference; the noise of a live camera is larger
 
 double share_of(const cv::Mat& mask) {
     return static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
@@ -41,8 +41,8 @@ cv::Mat gradient_of(const cv::Mat& grey) {
     return magnitude;
 }
 
-// Crete et al., "The blur effect" (2007), at the strongest edges alone: noise and snow between them
-// say nothing of focus.
+// Crete et al., "The blur effect" (2007), at the strongest edges only: noise and marine snow
+// between them tell nothing about focus.
 std::optional<double> sharpness_of(const cv::Mat& grey) {
     cv::Mat blurred;
     cv::GaussianBlur(grey, blurred, {}, kReblur_px);
@@ -52,7 +52,7 @@ std::optional<double> sharpness_of(const cv::Mat& grey) {
         std::vector<float>(coarse.begin<float>(), coarse.end<float>()), 1.0 - kEdgeShare);
     if (strong < kMinEdge) return std::nullopt;
     const cv::Mat edges = coarse >= strong;
-    // Where the edge is, not beside it: the blur spreads it to both sides.
+    // On the edge itself, not beside it: the blur spreads it to both sides.
     cv::Mat peaks;
     cv::dilate(fine, peaks, cv::Mat::ones(5, 5, CV_8U));
     return cv::mean(peaks, edges)[0] / cv::mean(coarse, edges)[0];

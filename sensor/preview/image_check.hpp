@@ -7,20 +7,20 @@
 
 namespace divemesh::sensor {
 
-// What one picture is like.
+// The quality of one image.
 struct ImageQuality {
-    double mean_level = 0.0;    // 0 to 1, of all grey levels
-    double black_share = 0.0;   // of its pixels
-    double bright_share = 0.0;  // of its pixels: overexposed
-    // How much of its strongest edges a blur takes, whatever their contrast: near 1 when they were
-    // blurred before, 2 and more when they are sharp. Nothing where there are no edges.
+    double mean_level = 0.0;    // of all grey levels, 0 to 1
+    double black_share = 0.0;   // of the pixels
+    double bright_share = 0.0;  // of the pixels: overexposed
+    // How much a blur reduces the strongest edges, independent of their contrast: near 1 if they
+    // were blurred before, 2 and more if they are sharp. nullopt without edges.
     std::optional<double> sharpness;
     bool is_dark = false;
     bool is_blurred = false;
-    bool is_frozen = false;  // nothing changed since the frame before
+    bool is_frozen = false;  // unchanged since the last frame
 };
 
-// Which of the last pictures are of no use.
+// Shares of the last images that are useless.
 class ImageCheck {
 public:
     struct Shares {
@@ -29,10 +29,10 @@ public:
         double frozen = 0.0;
     };
 
-    // `picture` CV_8UC1 or BGR. The same stamp again is not a new picture.
+    // Measures an image, CV_8UC1 or BGR. The same stamp again does not count as a new image.
     ImageQuality look(const cv::Mat& image, std::int64_t timestamp_ns);
-    std::optional<Shares> shares() const;  // of the last 20; nothing before the first
-    void forget();                         // another dive
+    std::optional<Shares> shares() const;  // of the last 20; nullopt before the first
+    void forget();                         // call it for another dive
 
 private:
     std::deque<ImageQuality> last_;
@@ -40,7 +40,7 @@ private:
     std::int64_t before_ns_ = -1;
 };
 
-// Of one picture alone, CV_8UC1.
+// Returns the quality of a single image, CV_8UC1.
 ImageQuality measure_image(const cv::Mat& grey);
 
 }  // namespace divemesh::sensor

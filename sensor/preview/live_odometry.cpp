@@ -15,11 +15,11 @@ namespace {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kTolerance_px = 2.0;
-constexpr double kMaxPrediction_s = 3.0;  // for which a speed is believed
+constexpr double kMaxPrediction_s = 3.0;  // max time for which a speed is extrapolated
 constexpr int kNumDisparities_px = 128;
 constexpr int kNumFeatures = 200;
-constexpr int kMinChanges = 4;    // that say how restless a camera is
-constexpr double kUnrest = 0.01;  // until then: 0.1 m/s, 6 deg/s within a second
+constexpr int kMinChanges = 4;    // min number for estimating how the motion varies
+constexpr double kUnrest = 0.01;  // used until then: 0.1 m/s, 6 deg/s within a second
 
 double seconds_between(std::int64_t before_ns, std::int64_t after_ns) {
     return static_cast<double>(after_ns - before_ns) * 1e-9;
@@ -96,8 +96,8 @@ void LiveOdometry::show(const odometry::PointPairs& pairs) {
              {static_cast<float>(pair.current_px.x()), static_cast<float>(pair.current_px.y())}});
 }
 
-// A look's error is in the step before it and in the one after it, each time for half of the step:
-// as much as if both steps had the whole of the mean of their looks' variances, each for itself.
+// The error of an assessment enters the step before it and the step after it, each for half of the
+// step. This equals both steps having, independently, the whole mean variance of their assessments.
 // Between its ends the rate is a Brownian bridge, if its changes are a random walk of intensity q:
 // its integral has the variance q T^3 / 12.
 void LiveOdometry::advance(const Motion& from, const Motion& to) {
@@ -114,8 +114,8 @@ void LiveOdometry::advance(const Motion& from, const Motion& to) {
     distance_m_ += 0.5 * interval_s * (from.speed_m_s() + to.speed_m_s());
 }
 
-// By what the line between the looks before and after it misses a look, its own errors taken off:
-// the variance of a Brownian bridge there is q a b / (a + b).
+// Estimates q from the distance of an assessment to the line between the ones before and after it,
+// minus its own errors: the variance of a Brownian bridge there is q a b / (a + b).
 void LiveOdometry::learn_unrest(const Motion& before, const Motion& look, const Motion& after) {
     const double a = seconds_between(before.timestamp_ns, look.timestamp_ns);
     const double b = seconds_between(look.timestamp_ns, after.timestamp_ns);
@@ -128,7 +128,8 @@ void LiveOdometry::learn_unrest(const Motion& before, const Motion& look, const 
     ++num_changes_;
 }
 
-// Of the way alone, without what noise adds to it: standing still it would become a way.
+// Uses the translation only and subtracts what noise adds to it: otherwise a camera at rest would
+// seem to move.
 double LiveOdometry::Motion::speed_m_s() const {
     const double square =
         rate.tail<3>().squaredNorm() - covariance.bottomRightCorner<3, 3>().trace();
@@ -136,8 +137,8 @@ double LiveOdometry::Motion::speed_m_s() const {
 }
 
 // With the motion's error (w, e) as motion_covariance() has it, R = exp(w) R and t = t + e, and d
-// the step in the first frame: the turn's error phi becomes phi - R_first w, the position's
-// p + phi x d - R_first (e + t x w).
+// the step in the first frame: the rotation's error phi becomes phi - R_first w, the position's p +
+// phi x d - R_first (e + t x w).
 void LiveOdometry::add_error(const Eigen::Isometry3d& T_current_previous,
                              const Matrix6d& covariance) {
     const Eigen::Isometry3d T_first_next = T_first_current_ * T_current_previous.inverse();

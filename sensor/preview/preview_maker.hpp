@@ -11,9 +11,9 @@
 
 namespace divemesh::sensor {
 
-// What is to be shown of a frame.
+// Which images of a frame to show.
 enum class View { Left, Right, Pair };
-std::string_view to_string(View view);  // "cam0", "cam1", "pair": as the stream names it
+std::string_view to_string(View view);  // "cam0", "cam1", "pair": names in the stream
 
 struct Preview {
     std::string jpeg;
@@ -23,23 +23,23 @@ struct Preview {
 
 inline constexpr std::int64_t kMaxPreviewBytes = std::int64_t{256} << 10;
 
-// How large a preview may be that takes three seconds of a link; 24 KiB where the rate is not
-// known.
+// Returns the max size of a preview that takes three seconds of a link; 24 KiB if the rate is
+// unknown.
 std::int64_t preview_budget(double bytes_per_s);
 
-// The picture that a view shows, as recorded; empty when the frame does not have it.
+// Returns the image of a view, as recorded; empty if the frame lacks it.
 cv::Mat image_of(const FrameImages& frame, View view);
 
-// A JPEG of at most `max_bytes`, first smaller, then worse. Throws Error{TooLarge} when no size is
-// small enough.
+// Returns a JPEG of at most `max_bytes`; reduces first size, then quality. Throws Error{TooLarge}
+// if no size is small enough.
 Preview make_preview(const cv::Mat& image, std::int64_t max_bytes);
 
-// A feature that was followed: where it was and is, px.
+// A tracked feature: its previous and current position, px.
 struct TrackLine {
     cv::Point2f from;
     cv::Point2f to;
 };
-// The picture in colour with the tracks over it.
+// Returns the image in colour with the tracks drawn over it.
 cv::Mat with_tracks(const cv::Mat& image, std::span<const TrackLine> tracks);
 
 }  // namespace divemesh::sensor

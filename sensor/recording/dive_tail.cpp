@@ -94,7 +94,7 @@ std::optional<FrameImages> DiveTail::newest_frame(std::int64_t before_ns) const 
     for (auto row = left_.rbegin(); row != left_.rend(); ++row) {
         if (row->timestamp_ns >= before_ns) continue;
         const Row* partner = partner_of(*row);
-        if (partner == nullptr && !right_.empty()) continue;  // is being written
+        if (partner == nullptr && !right_.empty()) continue;  // still being written
         FrameImages frame{row->timestamp_ns, image("cam0", *row), {}};
         if (frame.left.empty()) continue;
         if (partner == nullptr) return frame;

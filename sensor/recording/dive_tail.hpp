@@ -14,14 +14,14 @@
 
 namespace divemesh::sensor {
 
-// The pictures of one moment, as recorded: CV_8UC1 or BGR.
+// The images of one moment, as recorded: CV_8UC1 or BGR.
 struct FrameImages {
     std::int64_t timestamp_ns = 0;
     cv::Mat left;
-    cv::Mat right;  // empty: none
+    cv::Mat right;  // empty: no image
 };
 
-// What a recording says of itself while it grows.
+// Counts and values of a recording while it grows.
 struct RecordingCounts {
     std::int64_t num_frames = 0;
     std::int64_t num_dropped_frames = 0;  // gaps in the stamps of cam0
@@ -31,24 +31,24 @@ struct RecordingCounts {
     std::optional<double> depth_m;
 };
 
-// A dive in EuRoC layout (`folder` holds mav0, or is it) as far as it has been written, or up to a
-// moment of it.
+// A growing dive in EuRoC layout (`folder` contains mav0, or is mav0), up to what is written so far
+// or up to a time.
 class DiveTail {
 public:
     explicit DiveTail(std::filesystem::path folder);
 
-    // Rows stamped until then. False: cam0/data.csv cannot be read.
+    // Reads the rows stamped until then. Returns false if cam0/data.csv cannot be read.
     bool update(std::int64_t until_ns);
     const RecordingCounts& counts() const { return counts_; }
     std::optional<std::int64_t> newest_ns() const { return frame_stamps_.newest_ns(); }
 
-    // The newest frame stamped before that, whose pictures are there whole, both where there are
-    // two cameras. Nothing when none of the last ones is.
+    // Returns the newest frame stamped before `before_ns` whose images are complete, both if there
+    // are two cameras; nullopt if none of the last ones is.
     std::optional<FrameImages> newest_frame(
         std::int64_t before_ns = std::numeric_limits<std::int64_t>::max()) const;
 
     const std::filesystem::path& folder() const { return folder_; }
-    std::filesystem::path root() const { return root_; }  // that cam0 is in
+    std::filesystem::path root() const { return root_; }  // the folder that contains cam0
 
 private:
     struct Row {

@@ -14,7 +14,8 @@ namespace {
 constexpr std::int64_t kMaxSizeBytes = std::int64_t{64} << 20;
 constexpr std::int64_t kMaxImagePixels = 64'000'000;
 
-// Decoders paint the rest of a half picture grey and say nothing: its end has to be there.
+// Returns whether the file's end is there. Decoders fill the missing rest of an image with grey and
+// report no error.
 bool is_whole(std::string_view bytes, dive::ImageFormat format) {
     constexpr std::string_view kJpegEnd = "\xFF\xD9";
     constexpr std::string_view kPngEnd = "IEND\xAE\x42\x60\x82";

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kAllOfIt = std::numeric_limits<std::int64_t>::max();
-constexpr std::chrono::seconds kScanPause{2};  // between looks for a newer dive
+constexpr std::chrono::seconds kScanPause{2};  // between searches for a newer dive
 constexpr std::size_t kMaxFileNameBytes = 64;
 
 std::string name_of(const fs::path& folder) {
@@ -25,13 +25,13 @@ std::string name_of(const fs::path& folder) {
     return path.filename().string().substr(0, kMaxFileNameBytes);
 }
 
-// As one that it is known by, wherever the program was started.
+// Returns one canonical path, wherever the program was started.
 fs::path settled(const fs::path& folder) {
     const fs::path path = fs::absolute(folder).lexically_normal();
     return path.filename().empty() ? path.parent_path() : path;
 }
 
-// When the recorder last wrote a row; nothing where there is no dive.
+// Returns when the recorder last wrote a row; nullopt if it is not a dive.
 std::optional<fs::file_time_type> last_row_at(const fs::path& folder) {
     std::error_code failure;
     for (const char* table : {"mav0/cam0/data.csv", "cam0/data.csv"})
@@ -39,7 +39,7 @@ std::optional<fs::file_time_type> last_row_at(const fs::path& folder) {
     return std::nullopt;
 }
 
-// The newest last.
+// Returns the dives in a folder, the newest last.
 std::vector<fs::path> dives_in(const fs::path& folder, std::error_code& failure) {
     if (last_row_at(folder)) return {folder};
     std::vector<std::pair<fs::file_time_type, fs::path>> found;
@@ -86,12 +86,13 @@ private:
         dives_ = std::move(dives);
     }
     void open(const fs::path& dive) {
-        if (grew_at_) finished_ = dive_->folder();  // another began after it
+        if (grew_at_) finished_ = dive_->folder();  // another dive began after it
         const bool is_first = !has_scanned_;
         dive_ = std::make_unique<DiveTail>(dive);
         grew_at_ = {};
         has_scanned_ = true;
-        // What lies there when the agent starts may be old; what appears later is being recorded.
+        // A dive that is there when the agent starts may be old; one that appears later is being
+        // recorded.
         knows_begin_ = !is_first;
     }
     void look(Clock::time_point now) {
@@ -116,17 +117,17 @@ private:
 
     fs::path folder_;
     WatchSettings settings_;
-    std::optional<std::vector<fs::path>> dives_;  // nothing: the folder cannot be read
+    std::optional<std::vector<fs::path>> dives_;  // nullopt: the folder cannot be read
     std::unique_ptr<DiveTail> dive_;
     Clock::time_point scan_at_ = Clock::time_point::min();
     std::string scan_error_;
-    std::optional<Clock::time_point> grew_at_;  // nothing: it is not known to be recorded now
+    std::optional<Clock::time_point> grew_at_;  // nullopt: it may not be under way
     bool has_scanned_ = false;
     bool knows_begin_ = false;
     std::optional<fs::path> finished_;
 };
 
-// The stamp of the first frame, and of the last.
+// Returns the stamps of the first and the last frame.
 std::pair<std::int64_t, std::int64_t> span_of(const fs::path& dive) {
     const bool has_mav0 = fs::is_directory(dive / "mav0");
     TableTail table((has_mav0 ? dive / "mav0" : dive) / "cam0" / "data.csv");

@@ -7,8 +7,8 @@
 
 namespace divemesh::sensor {
 
-// What cam0/sensor.yaml and cam1/sensor.yaml say; the body is cam0. Nothing when one is not there
-// or cannot be used.
+// Reads cam0/sensor.yaml and cam1/sensor.yaml; the body is cam0. Returns nullopt if one is missing
+// or unusable.
 std::optional<types::Rig> read_rig(const std::filesystem::path& dive_root);
 
 }  // namespace divemesh::sensor

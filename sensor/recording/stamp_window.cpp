@@ -10,7 +10,7 @@ namespace divemesh::sensor {
 namespace {
 
 constexpr std::size_t kMaxStamps = 64;
-constexpr std::size_t kMinStamps = 5;  // that tell a rate
+constexpr std::size_t kMinStamps = 5;  // needed for a rate
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace divemesh::sensor {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{256} << 10;
-constexpr int kMaxReads = 16;  // at a time: the caller has more to do
+constexpr int kMaxReads = 16;  // per call, because the caller has other work
 constexpr std::size_t kMaxLineLength = 4096;
 
 }  // namespace
@@ -22,7 +22,8 @@ bool TableTail::read(std::int64_t until_ns, const OnRow& on_row) {
     is_there_ = true;
     for (int i = 0; i < kMaxReads; ++i) {
         while (take_row(until_ns, on_row)) continue;
-        const bool waits = pending_.find('\n', returned_) != std::string::npos;  // is in the future
+        const bool waits =
+            pending_.find('\n', returned_) != std::string::npos;  // for a row in the future
         if (waits || !fetch()) break;
     }
     return is_there_;
@@ -57,7 +58,7 @@ bool TableTail::fetch() {
     }
     pending_.erase(0, returned_);
     returned_ = 0;
-    if (pending_.size() > kMaxLineLength) pending_.clear();  // no line of a table
+    if (pending_.size() > kMaxLineLength) pending_.clear();  // not a line of a table
     const std::size_t begin = pending_.size();
     pending_.resize(begin + kChunkBytes);
     const ssize_t got = ::pread(file.get(), pending_.data() + begin, kChunkBytes, offset_);

@@ -5,7 +5,7 @@
 
 namespace divemesh::sensor {
 
-// CRC-32C (Castagnoli, RFC 3720): 0 for no bytes.
+// Returns the CRC-32C (Castagnoli, RFC 3720); 0 for no bytes.
 std::uint32_t crc32c(std::string_view bytes);
 
 }  // namespace divemesh::sensor

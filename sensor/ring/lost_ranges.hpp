@@ -8,7 +8,7 @@
 
 namespace divemesh::sensor {
 
-// Messages of one boot that this device had and has no more, until the server knows.
+// Messages of one boot that this device has lost, until the server knows.
 class LostRanges {
 public:
     void add(const SequenceRange& range);
@@ -17,7 +17,7 @@ public:
     std::vector<SequenceRange> first(std::size_t most) const;
 
 private:
-    std::map<std::int64_t, std::int64_t> ranges_;  // first to last; never two that touch
+    std::map<std::int64_t, std::int64_t> ranges_;  // first to last; no two are adjacent
 };
 
 }  // namespace divemesh::sensor

@@ -13,7 +13,7 @@ using nlohmann::json;
 constexpr std::uint32_t kNumKinds = 4;
 constexpr std::int64_t kNoTime = -1;
 
-// Before the body of a record. Read and written by the same machine: its own byte order.
+// The head of a record. Native byte order, because the same machine reads and writes it.
 struct RecordHead {
     std::int64_t sequence = 0;
     std::int64_t uptime_ms = 0;

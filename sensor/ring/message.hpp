@@ -12,31 +12,31 @@
 
 namespace divemesh::sensor {
 
-// One thing that this device says, or said. Boot and sequence name it.
+// One message of this device. Boot and sequence identify it.
 struct Message {
     MessageKind kind = MessageKind::Status;
     std::string boot_id;
     std::int64_t sequence = 0;            // 0, 1, 2 ... of that boot
-    std::int64_t uptime_ms = 0;           // since the boot, by a clock that nobody sets
-    std::optional<std::int64_t> time_ms;  // unix, by the device's clock that may be wrong
+    std::int64_t uptime_ms = 0;           // since the boot, by the monotonic clock
+    std::optional<std::int64_t> time_ms;  // unix, by the device's clock, which may be wrong
     std::string body;                     // the JSON object of its kind
     std::string jpeg;                     // of a preview
 };
 
-// JSON as it is sent; bytes that are not UTF-8 are replaced, as names of dives may have them.
+// Returns JSON as it is sent. Invalid UTF-8, as in names of dives, is replaced.
 std::string text_of(const nlohmann::json& json);
 
-// A message as bytes for the disk, all but its boot, and back. Throws Error{BadData} for bytes that
-// are no message.
+// Convert a message, without its boot, to bytes for the disk and back. Throw Error{BadData} for
+// invalid bytes.
 std::string to_record(const Message& message);
 Message message_of_record(std::string_view record, const std::string& boot_id);
 
-// A message as the stream carries it (docs/sensors.md): a preview as binary frame, all others as
-// text. `lost`: what the device has no more; not with a preview.
+// Returns a message as the stream carries it (docs/sensors.md): a preview as binary frame, others
+// as text. `lost`: messages that the device no longer has; not with a preview.
 std::string frame_of(const Message& message,
                      bool historical,
                      std::span<const SequenceRange> lost = {});
-// Nothing but what is lost.
+// Returns a frame that only reports lost messages.
 std::string lost_frame(const std::string& boot_id, std::span<const SequenceRange> lost);
 
 }  // namespace divemesh::sensor

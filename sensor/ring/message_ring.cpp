@@ -10,7 +10,7 @@
 namespace divemesh::sensor {
 namespace {
 
-constexpr std::chrono::seconds kDiskPause{10};  // after which a disk that failed is tried again
+constexpr std::chrono::seconds kDiskPause{10};  // until a failed disk is tried again
 
 std::int64_t checked(std::int64_t max_bytes) {
     if (max_bytes < MessageRing::kMinBytes)
@@ -45,7 +45,7 @@ SegmentChain::Found MessageRing::loader() {
             if (entries_of(message.kind).emplace(key, entry).second)
                 ++num_waiting_in_[place.segment.get()];
         } catch (const Error&) {
-            return;  // of another version: the bytes are as they were written, but no message
+            return;  // of another version: the bytes are intact, but no message
         }
     };
     found.committed = [this](const std::string& boot_id, const SequenceRange& range) {
@@ -64,10 +64,10 @@ SegmentChain::Found MessageRing::loader() {
     return found;
 }
 
-// Messages of which the disk says nothing, though it has later ones of their boot: damaged, or kept
-// in memory when the power went. Of those before the first that is known the words that they are
-// committed went with their segments, unless something is damaged: to call lost what the server has
-// changes nothing.
+// Reports messages as lost that have no record on the disk, although it has later ones of their
+// boot: they were damaged, or in memory when the power failed. Messages before the first known one
+// were committed, and the records of that were removed with their segments, unless something is
+// damaged. Reporting a message as lost that the server has changes nothing.
 void MessageRing::lose_what_is_missing() {
     for (const auto& [boot, accounted] : accounted_) {
         const auto known = accounted.first(std::numeric_limits<std::size_t>::max());
@@ -131,7 +131,7 @@ void MessageRing::keep_in_memory(Key key, MessageKind kind, std::string record) 
     while (memory_bytes_ > kMaxMemoryBytes) drop_from_memory();
 }
 
-// Pictures before words.
+// Drops previews before texts.
 void MessageRing::drop_from_memory() {
     for (const MessageKind kind :
          {MessageKind::Preview, MessageKind::Status, MessageKind::Outcome, MessageKind::Hello}) {
@@ -173,7 +173,7 @@ void MessageRing::drop_first_segment() {
 
 void MessageRing::lose(Key key) { lost_[key.boot].add({key.sequence, key.sequence}); }
 
-// The segment that said so may be the one that was taken away.
+// Writes the losses again, because the segment with their records may have been removed.
 void MessageRing::write_down_lost() {
     for (const auto& [boot, ranges] : lost_)
         for (const SequenceRange& range : ranges.first(kMaxLost))
@@ -252,12 +252,12 @@ void MessageRing::committed(const std::string& boot_id, const SequenceRange& ran
         make_room(0);
         chain_.append_committed(boot_id, range);
     } catch (const Error& error) {
-        disk_failed(error);  // sent again after the next start, which changes nothing
+        disk_failed(error);  // it is sent again after the next start, which changes nothing
     }
 }
 
-// In their order: what one says of messages in those before it is needed as long as these are
-// there.
+// Removes segments in their order: records in one segment about messages in earlier ones are needed
+// as long as those exist.
 void MessageRing::remove_finished_segments() {
     while (const auto segment = chain_.first()) {
         if (num_waiting_in_[segment.get()] > 0 || chain_.has_only_one()) return;

@@ -18,13 +18,13 @@
 
 namespace divemesh::sensor {
 
-// What the device has said and the server has not got yet, of this boot and of earlier ones: on
-// disk, bounded, in segments that survive a power cut (SegmentChain). When there is no room the
-// oldest are dropped and told as lost, as is what cannot be read any more. Where the disk cannot be
-// written to it goes on in memory, with less room, and says so in trouble(). Any thread.
+// The messages that the server does not have yet, of this boot and earlier ones: on disk, bounded,
+// in segments that survive a power cut (SegmentChain). When it is full, the oldest are dropped and
+// reported as lost, as are unreadable ones. If the disk cannot be written, it continues in memory,
+// with less room, and says so in trouble(). Thread-safe.
 class MessageRing {
 public:
-    // Names a message; older ones first, whatever boot they are of.
+    // Identifies a message. Keys sort by age, across boots.
     struct Key {
         int boot = 0;
         std::int64_t sequence = 0;
@@ -35,52 +35,51 @@ public:
     static constexpr std::int64_t kMinBytes = std::int64_t{2} << 20;
     static constexpr std::int64_t kMaxMemoryBytes = std::int64_t{4} << 20;
 
-    // Throws Error{Conflict} when another process uses the folder, Error{InvalidArgument} for less
-    // room than kMinBytes.
+    // Throws Error{Conflict} if another process uses the folder, Error{InvalidArgument} for
+    // `max_bytes` below kMinBytes.
     MessageRing(const std::filesystem::path& folder, std::int64_t max_bytes, std::string boot_id);
 
-    // Takes a message of this boot and gives it its sequence; its boot and sequence are not looked
-    // at.
+    // Takes a message of this boot and returns its new sequence; ignores its boot and sequence.
     std::int64_t append(Message message);
-    // What was appended survives a power cut. To be called every second at the latest.
+    // Makes appended messages survive a power cut. Call it at least every second.
     void sync();
 
     const std::string& boot_id() const { return boot_id_; }
     std::string boot_id(Key key) const;
-    // The newest of this boot.
+    // Returns the newest message of this boot.
     std::optional<Key> newest(MessageKind kind) const;
-    // The oldest of a pile that is not among `taken`.
+    // Returns the oldest message of a pile that is not in `taken`.
     std::optional<Key> oldest(Pile pile, const std::set<Key>& taken) const;
     bool is_of_this_boot(Key key) const { return key.boot == this_boot_; }
-    // Nothing when it is gone or damaged, which is told as lost.
+    // Returns nullopt if the message is gone or damaged, and reports it as lost.
     std::optional<Message> read(Key key);
 
-    // The server has them on its disk: they are forgotten.
+    // Forgets messages that the server has on its disk.
     void committed(const std::string& boot_id, const SequenceRange& range);
-    // The server will never take it.
+    // Forgets a message that the server will never accept.
     void refused(Key key);
 
-    // The first boot of which something is lost that the server was not told, and what.
+    // The first boot with lost messages that the server was not told about, and their ranges.
     struct Lost {
         std::string boot_id;
-        std::vector<SequenceRange> ranges;  // kMaxLost of a report at most
+        std::vector<SequenceRange> ranges;  // at most kMaxLost of a report
     };
     std::optional<Lost> lost() const;
     std::vector<SequenceRange> lost_of(const std::string& boot_id) const;
     void reported_lost(const std::string& boot_id, const std::vector<SequenceRange>& ranges);
 
     std::size_t num_waiting() const;
-    std::string trouble() const;  // "": the disk takes what is said
+    std::string trouble() const;  // "": the disk accepts messages
 
 private:
     struct Entry {
         MessageKind kind = MessageKind::Status;
-        SegmentChain::Place place;  // no segment: it is in memory
+        SegmentChain::Place place;  // no segment: in memory
         std::string record;
     };
     using Entries = std::map<Key, Entry>;
 
-    int boot_of(const std::string& boot_id);  // a new one when it is not known
+    int boot_of(const std::string& boot_id);  // a new one for an unknown id
     SegmentChain::Found loader();
     void lose_what_is_missing();
     Entries& entries_of(MessageKind kind) { return entries_.at(static_cast<std::size_t>(kind)); }
@@ -99,7 +98,7 @@ private:
     mutable std::mutex mutex_;
     std::string boot_id_;
     std::int64_t next_sequence_ = 0;
-    std::vector<std::string> boots_;  // in the order in which they were
+    std::vector<std::string> boots_;  // in order of time
     int this_boot_ = 0;
     std::array<Entries, 4> entries_;  // of each kind
     std::map<const SegmentFile*, std::int64_t> num_waiting_in_;
@@ -108,8 +107,8 @@ private:
     std::string trouble_;
     std::chrono::steady_clock::time_point try_disk_at_;
     bool is_damaged_ = false;
-    std::map<int, LostRanges> accounted_;  // at the start: what became of a boot's messages
-    SegmentChain chain_;                   // last: what it finds goes into the others
+    std::map<int, LostRanges> accounted_;  // at the start: the known outcomes of a boot's messages
+    SegmentChain chain_;                   // last: its constructor fills the others
 };
 
 }  // namespace divemesh::sensor

@@ -20,13 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// The first byte of a record. Messages are of the boot that was named last before them.
+// The first byte of a record. Messages belong to the boot of the last kBoot record before them.
 constexpr char kBoot = 'B';
 constexpr char kMessage = 'M';
 constexpr char kCommitted = 'C';
 constexpr char kLost = 'L';
 
-constexpr std::int64_t kSegments = 16;  // so many at least share the room
+constexpr std::int64_t kSegments = 16;  // the min number of segments that share the room
 constexpr std::int64_t kMinSegmentBytes = std::int64_t{64} << 10;
 
 constexpr std::string_view kPrefix = "segment-";
@@ -38,7 +38,7 @@ std::string name_of(std::int64_t number) {
     return name.str();
 }
 
-// Nothing when it is no file of ours.
+// Returns nullopt if the name is not that of a segment.
 std::optional<std::int64_t> number_of(const std::string& name) {
     if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return std::nullopt;
     const std::string_view digits = std::string_view(name).substr(
@@ -87,7 +87,7 @@ SegmentChain::~SegmentChain() {
     try {
         sync();
     } catch (const Error&) {
-        return;  // what is not on disk now was told as trouble before
+        return;  // a failed write was reported as trouble before
     }
 }
 
@@ -109,7 +109,7 @@ void SegmentChain::load(const fs::path& path, const Found& found) {
         const std::string_view rest = payload.substr(1);
         if (payload[0] == kBoot) boot_id = rest;
         if (payload[0] == kMessage) messages.emplace_back(offset, rest);
-        // In the order of the file: a message comes before the word that it is committed.
+        // In the order of the file: a message precedes the record of its commit.
         if (payload[0] == kCommitted || payload[0] == kLost) messages.emplace_back(-1, payload);
     };
     try {
@@ -126,7 +126,7 @@ void SegmentChain::load(const fs::path& path, const Found& found) {
                            record[0] == kLost ? found.lost : found.committed);
         }
     } catch (const Error& error) {
-        std::error_code ignored;  // the power went before its first bytes were on disk
+        std::error_code ignored;  // the power failed before its first bytes were on disk
         if (error.code() == ErrorCode::BadData) fs::remove(path, ignored);
     }
 }
@@ -175,7 +175,7 @@ void SegmentChain::begin_segment() {
     ++next_number_;
     const std::string record = kBoot + boot_of_last_;
     try {
-        // Twice: without it the messages would be nobody's.
+        // Twice, because without it the messages would have no boot.
         for (int i = 0; i < 2; ++i) segment->append(record);
     } catch (const Error&) {
         fs::remove(segment->path(), failure);
@@ -189,7 +189,7 @@ void SegmentChain::begin_segment() {
 }
 
 bool SegmentChain::is_full(std::size_t record_bytes) const {
-    constexpr std::size_t kHeads = 256;  // of the record, and of a segment that may begin
+    constexpr std::size_t kHeads = 256;  // of the record, and of a segment that may begin with it
     return !segments_.empty() &&
            size_bytes_ + static_cast<std::int64_t>(record_bytes + kHeads) > max_bytes_;
 }
@@ -203,7 +203,7 @@ void SegmentChain::remove_first() {
     const auto segment = segments_.front();
     segments_.pop_front();
     size_bytes_ -= segment->size_bytes();
-    std::error_code ignored;  // a disk that can only be read: it is read again at the next start
+    std::error_code ignored;  // on a read-only disk it stays until a later start
     fs::remove(segment->path(), ignored);
     const std::lock_guard lock(mutex_);
     std::erase(unsynced_, segment);

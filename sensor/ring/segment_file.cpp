@@ -23,7 +23,7 @@ constexpr std::string_view kMagic = "dmring1\n";
                 what.append(std::generic_category().message(code)));
 }
 
-// As many bytes as there are.
+// Reads up to `num_bytes`, as many as there are.
 std::string read_at(int descriptor, std::int64_t offset, std::size_t num_bytes) {
     std::string bytes(num_bytes, '\0');
     std::size_t done = 0;
@@ -51,7 +51,7 @@ std::uint32_t checksum_of(std::uint32_t num_bytes, std::string_view payload) {
     return crc32c(all.append(payload));
 }
 
-// Nothing when it is torn or changed.
+// Returns nullopt if the record is torn or changed.
 std::optional<std::string> record_at(int descriptor, std::int64_t offset) {
     const std::string bytes = read_at(descriptor, offset, sizeof(Head));
     if (bytes.size() < sizeof(Head)) return std::nullopt;
@@ -69,7 +69,7 @@ struct FoundRecord {
     std::string payload;
 };
 
-// The first whole record from there on.
+// Returns the first complete record from `offset` on.
 std::optional<FoundRecord> find_record(int descriptor, std::int64_t offset) {
     constexpr std::size_t kWindowBytes = std::size_t{64} << 10;
     const std::int64_t end = offset + SegmentFile::kMaxSearchBytes;
@@ -118,7 +118,7 @@ SegmentFile SegmentFile::open(const std::filesystem::path& path, const OnRecord&
     }
     if (file.is_damaged_ && file.size_bytes_ == static_cast<std::int64_t>(kMagic.size()))
         throw Error(ErrorCode::BadData, path.string() + " is not a segment of a ring");
-    // Where the disk can only be read the torn tail stays, and is cut off at the next start.
+    // On a read-only disk the torn tail stays; the next start cuts it off.
     if (::ftruncate(descriptor, file.size_bytes_) != 0) return file;
     return file;
 }
@@ -143,7 +143,7 @@ void SegmentFile::write_at(std::int64_t offset, std::string_view bytes) const {
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) {
             const int code = written < 0 ? errno : ENOSPC;
-            // What was written of it is a torn record if this fails too: it is read as none.
+            // If this fails too, the bytes are a torn record and are ignored.
             if (::ftruncate(descriptor_.get(), begin) != 0) fail(path_, "write", code);
             fail(path_, "write", code);
         }

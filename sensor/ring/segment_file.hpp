@@ -10,9 +10,9 @@
 
 namespace divemesh::sensor {
 
-// A file that only grows, of records with length and checksum: what a power cut leaves of the last
-// one is recognised and cut off, all before it is kept; what is damaged elsewhere is passed over,
-// up to kMaxSearchBytes for the next whole record. One writer; read() from any thread.
+// A file that only grows, of records with length and checksum. If a power cut tears the last
+// record, it is recognised and cut off, and all records before it are kept. Damage elsewhere is
+// skipped, up to kMaxSearchBytes to the next complete record. One writer; read() from any thread.
 class SegmentFile {
 public:
     static constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 20;
@@ -21,22 +21,23 @@ public:
 
     using OnRecord = std::function<void(std::int64_t offset, std::string_view payload)>;
 
-    // A new, empty one. Throws Error{OutOfSpace}, or Error{Unavailable} with the system's reason.
+    // Creates an empty file. Throws Error{OutOfSpace}, or Error{Unavailable} with the system's
+    // reason.
     static SegmentFile create(const std::filesystem::path& path);
-    // One that is there, from begin to end; also where the disk can only be read. Throws
-    // Error{Unavailable} when it cannot be read, Error{BadData} when it is no such file.
+    // Opens a file and reads all of it, also on a read-only disk. Throws Error{Unavailable} if it
+    // cannot be read, Error{BadData} if it is not a segment.
     static SegmentFile open(const std::filesystem::path& path, const OnRecord& on_record);
 
-    // Where it is now. Throws as create(); then the file is as it was.
+    // Returns the offset of the new record. Throws as create() does; then the file is unchanged.
     std::int64_t append(std::string_view payload);
-    // Throws Error{BadData} when what is there is not what was written.
+    // Throws Error{BadData} if the bytes are not those that were written.
     std::string read(std::int64_t offset) const;
-    void sync() const;  // throws as create()
-    // Somebody removed it: what is written here is gone with the process.
+    void sync() const;  // throws as create() does
+    // Returns whether the file was deleted: what is written now is lost with the process.
     bool is_removed() const;
 
     std::int64_t size_bytes() const { return size_bytes_; }
-    bool is_damaged() const { return is_damaged_; }  // between its records, when it was opened
+    bool is_damaged() const { return is_damaged_; }  // between its records, when opened
     const std::filesystem::path& path() const { return path_; }
 
 private:

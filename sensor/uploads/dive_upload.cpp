@@ -93,7 +93,7 @@ void DiveUpload::send(const std::stop_token& stop) {
                                      {{"upload_id", upload.substr(upload.rfind('/') + 1)}},
                                      backoff,
                                      client::hashing_timeout(tar.size_bytes()));
-    // In this order: with the power gone between them the dive is known to be there.
+    // In this order: if the power fails in between, the dive is known to be sent.
     ledger_.note_sent(dive_, name);
     state.forget();
     tell(dive_.string() + " was uploaded as dive " + dive.value("id", ""));

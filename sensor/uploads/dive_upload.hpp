@@ -13,18 +13,18 @@
 namespace divemesh::sensor {
 
 struct DiveUploadSettings {
-    api::client::Account account;        // whose token may write dives, which a sensor's may not
-    double max_bytes_per_s = 0.0;        // 0: as fast as it goes
-    std::string job;                     // preset to reconstruct it with; "": none
-    std::filesystem::path state_folder;  // where it keeps how far it has come
-    std::function<bool()> is_link_good;  // it waits for that; any thread
-    std::chrono::milliseconds good_for{5'000};              // before the link is believed
-    std::function<void(const std::string& what)> on_event;  // for people; on its own thread
+    api::client::Account account;        // its token may write dives, which a sensor's may not
+    double max_bytes_per_s = 0.0;        // 0: no limit
+    std::string job;                     // preset of the reconstruction; "": no reconstruction
+    std::filesystem::path state_folder;  // for the progress of the upload
+    std::function<bool()> is_link_good;  // the upload waits for it; called on any thread
+    std::chrono::milliseconds good_for{5'000};              // before the upload starts
+    std::function<void(const std::string& what)> on_event;  // readable; on its own thread
 };
 
-// Sends a dive that is over to the server, by an upload that goes on where it was cut, and notes
-// that the server has it. What it has already is not sent again. A thread of its own; the
-// destructor ends it, and the next time it goes on.
+// Sends a finished dive to the server by a resumable upload, and records when the server has it.
+// Does not send again what the server has. It has its own thread; the destructor ends it, and the
+// next run resumes.
 class DiveUpload {
 public:
     DiveUpload(std::filesystem::path dive, DiveUploadSettings settings, UploadLedger& ledger);
@@ -32,7 +32,7 @@ public:
     DiveUpload(const DiveUpload&) = delete;
     DiveUpload& operator=(const DiveUpload&) = delete;
 
-    bool is_done() const { return is_done_; }  // or will never be, which was told
+    bool is_done() const { return is_done_; }  // or given up for good, with an event
     bool has_failed() const { return has_failed_; }
 
 private:

@@ -34,7 +34,7 @@ void DiveUploads::over(const fs::path& dive) {
     ledger_.note(dive, State::Over);
 }
 
-// At the first start all that is there is old; later what is not known was recorded meanwhile.
+// At the first start all dives are old; later an unknown dive was recorded meanwhile.
 void DiveUploads::learn(const RecordingSource& source) {
     const auto dives = source.dives();
     if (!dives) return;

@@ -12,24 +12,23 @@
 
 namespace divemesh::sensor {
 
-// Sends every dive that is over to the server, one after the other, whatever happened since it
-// began: also one that ended when the agent was not running. What was there before the first start
-// is not sent. One thread.
+// Sends every finished dive to the server, one after the other, also one that ended while the agent
+// was not running. Dives from before the first start are not sent. Use it from one thread.
 class DiveUploads {
 public:
-    // The ledger, and how far an upload has come, are kept in `folder`. A dive that was open at the
-    // last stop is over when it has not grown for `over_after`.
+    // The ledger and the progress of uploads are in `folder`. A dive that was open at the last stop
+    // counts as finished when it has not grown for `over_after`.
     DiveUploads(const std::filesystem::path& folder,
                 DiveUploadSettings settings,
                 Clock::duration over_after);
     ~DiveUploads();
 
-    // After each update() of the source.
+    // Call it after each update() of the source.
     void look(const RecordingSource& source, Clock::time_point now);
-    void over(const std::filesystem::path& dive);  // at once
+    void over(const std::filesystem::path& dive);  // sends it without waiting for `over_after`
 
-    bool is_idle() const;     // nothing is under way, and nothing waits for it
-    bool has_failed() const;  // of the dives that were tried since the start
+    bool is_idle() const;     // no upload is under way or waiting
+    bool has_failed() const;  // of the dives tried since the start
     std::string trouble() const { return ledger_.trouble(); }
 
 private:
@@ -41,8 +40,8 @@ private:
     UploadLedger ledger_;
     DiveUploadSettings settings_;
     Clock::duration over_after_;
-    std::map<std::filesystem::path, Clock::time_point> silent_since_;  // of the open ones
-    std::set<std::filesystem::path> failed_;  // tried again at the next start
+    std::map<std::filesystem::path, Clock::time_point> silent_since_;  // of the open dives
+    std::set<std::filesystem::path> failed_;                           // retried at the next start
     std::filesystem::path sending_;
     std::unique_ptr<DiveUpload> upload_;  // last: it uses the ledger
 };

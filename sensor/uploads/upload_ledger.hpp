@@ -10,35 +10,35 @@
 
 namespace divemesh::sensor {
 
-// Which dives the server has to get, on disk before anything follows from it: a dive is noted when
-// it begins, so that one which the power cut short is sent as well, and once it is on the server
-// before anything else is forgotten of it. Any thread.
+// Which dives the server still has to get; each note is on disk before anything else follows from
+// it. A dive is noted when it begins, so that one cut short by a power failure is sent as well; and
+// once it is on the server, before other state of it is deleted. Thread-safe.
 class UploadLedger {
 public:
     enum class State {
-        Old,   // was there before the device was told to send its dives
+        Old,   // from before uploads were switched on
         Open,  // is recorded, or was when the device stopped
-        Over,  // is to be sent
+        Over,  // to be sent
         Sent,
     };
     struct Note {
         State state = State::Open;
-        std::string
-            sent;  // which bytes the server has of it: of the server and the archive; "": none
+        std::string sent;  // server and archive of the bytes that the server has; "": no bytes
     };
 
-    // What is in `file`; where that is damaged it begins anew, as if there were none.
+    // Reads `file`; starts empty if that is damaged.
     explicit UploadLedger(std::filesystem::path file);
 
     bool has_begun() const;  // there was a file, or begin() was called
     void begin(const std::vector<std::filesystem::path>& old_dives);
     std::optional<Note> find(const std::filesystem::path& dive) const;
     std::vector<std::filesystem::path> all(State state) const;
-    // Keeps what was sent of it. A dive that is not there any more and owes nothing is forgotten.
+    // Sets the state and keeps what was sent. Forgets a dive that no longer exists and needs no
+    // upload.
     void note(const std::filesystem::path& dive, State state);
     void note_sent(const std::filesystem::path& dive, const std::string& sent);
 
-    std::string trouble() const;  // "": what was noted is on disk
+    std::string trouble() const;  // "": all notes are on disk
 
 private:
     void save();

@@ -16,9 +16,9 @@ namespace {
 constexpr std::int64_t kMaxCells = 3'000'000;
 constexpr double kMinCell_m = 0.008;
 constexpr int kMaxFeatures = 6000;
-constexpr float kRatio = 0.85F;      // of the best match to the second (Lowe 2004)
-constexpr double kOnPlace_m = 0.06;  // pairs that agree
-constexpr double kApart_m = 0.3;     // pairs that fix a heading
+constexpr float kRatio = 0.85F;      // distance of the best match to that of the second (Lowe 2004)
+constexpr double kOnPlace_m = 0.06;  // of inlier pairs
+constexpr double kApart_m = 0.3;     // of pairs that determine a heading
 constexpr std::size_t kMinNumPairs = 12;
 constexpr int kRounds = 20000;
 
@@ -40,7 +40,7 @@ cv::Mat grey_of(const types::Mesh& mesh, const SurfaceRaster& raster) {
             if (raster.seen(row, column))
                 grey.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(
                     raster.interpolate(mesh, brightness, row, column));
-    // Water and lamps differ from dive to dive.
+    // Equalises brightness, because water and lamps differ between dives.
     cv::createCLAHE(4.0, cv::Size(12, 12))->apply(grey, grey);
     return grey;
 }
@@ -53,7 +53,7 @@ Described describe(const types::Mesh& mesh) {
     for (int row = 0; row < mask.rows; ++row)
         for (int column = 0; column < mask.cols; ++column)
             if (raster.seen(row, column)) mask.at<std::uint8_t>(row, column) = 255;
-    // The outline of what was seen is no feature of the ground.
+    // The border of the seen ground must not give features.
     cv::erode(mask, mask, cv::Mat::ones(11, 11, CV_8U));
     std::vector<cv::KeyPoint> keypoints;
     Described result;
@@ -90,7 +90,7 @@ Pairs match(const Described& a, const Described& b) {
     return pairs;
 }
 
-// Turn about the vertical and shift that bring two points of b onto their partners.
+// Returns the rotation about the vertical and the shift that map two points of b to their partners.
 std::optional<Eigen::Isometry3d> pose_of(const Pairs& pairs, std::size_t i, std::size_t j) {
     const Eigen::Vector3d of_a = pairs.a[j] - pairs.a[i];
     const Eigen::Vector3d of_b = pairs.b[j] - pairs.b[i];

@@ -20,9 +20,9 @@ constexpr std::size_t kPerHeading = 3;
 constexpr double kApart_m = 0.5;
 constexpr double kApart_rad = 12.0 * std::numbers::pi / 180.0;
 
-// Heights of the highest vertices, 0 outside the mask; row 0 is the smallest y.
+// Heights of the highest vertices, 0 outside the mask; row 0 has the smallest y.
 struct Heights {
-    cv::Mat height;  // CV_32F, less `level_m`
+    cv::Mat height;  // CV_32F, minus `level_m`
     cv::Mat mask;    // CV_32F, 1 where there is surface
     Eigen::Vector2d low = Eigen::Vector2d::Zero();
     double num = 0.0;
@@ -109,7 +109,7 @@ void keep_best(std::vector<Peak>& peaks, std::size_t num) {
     peaks = kept;
 }
 
-// Every shift of one heading: f of a, g of the turned b.
+// Correlates at every shift of one heading: f of a, g of the rotated b.
 std::vector<Peak> peaks_at(const Heights& f,
                            const Spectra& of_f,
                            const Heights& g,

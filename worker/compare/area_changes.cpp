@@ -35,12 +35,12 @@ reef::AreaSet read_in_world(const std::filesystem::path& file) {
     return set;
 }
 
-// CV_8U: ground of which both dives know the surface.
+// Returns a mask (CV_8U) of the ground whose surface both dives know.
 cv::Mat compared_ground(const ChangeMap& map) {
     return (map.change_m == map.change_m) & (map.state != static_cast<int>(CellState::Hidden));
 }
 
-// Of the ground what lies in quadrats without a label; all of it when there are none.
+// Returns the part of the ground in quadrats without a label; all of it if there are none.
 cv::Mat in_quadrats(const reef::AreaSet& set, const RasterGrid& grid, const cv::Mat& ground) {
     cv::Mat inside = cv::Mat::zeros(ground.size(), CV_8U);
     bool any = false;
@@ -59,7 +59,7 @@ public:
 
     const cv::Mat& ground() const { return ground_; }
 
-    // The three volumes of some cells (CV_8U, of the window's size), as figures.
+    // Measures the three volumes of some cells (CV_8U, of the window's size).
     void measure(const json& whose,
                  const cv::Rect& window,
                  const cv::Mat& cells,
@@ -94,7 +94,7 @@ private:
     struct Part {
         cv::Mat cells;
         double outline_m3 = 0.0;  // standard deviation, shared by all patches
-        double num_sigma = 1.96;  // the most of any patch
+        double num_sigma = 1.96;  // the max of all patches
     };
 
     Part of_patches(const cv::Rect& window, const cv::Mat& seen, bool grown) const {
@@ -130,7 +130,7 @@ json area_json(const ComparedOutline& outline, double area_m2, double coverage) 
     return entry;
 }
 
-// What all outlines of a label cover, of both years.
+// The cells that all outlines of a label cover, in both years.
 using LabelCells = std::map<std::string, cv::Mat>;
 
 void measure_outlines(const std::vector<ComparedOutline>& outlines,

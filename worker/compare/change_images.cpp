@@ -52,7 +52,7 @@ cv::Vec3b cell_color(const ChangeMap& map, int row, int column, const cv::Vec3b&
     return bgr(change_color(static_cast<double>(map.change_m.at<float>(row, column)), full_m));
 }
 
-// The part of the picture that each patch lies in, by number less one.
+// Returns the image region of each patch, by number - 1.
 std::vector<cv::Rect> windows_of(const Changes& changes) {
     std::vector<cv::Rect> windows(changes.patches.size());
     for (int row = 0; row < changes.number.rows; ++row)
@@ -87,7 +87,7 @@ void write_mark(cv::Mat& image,
 void draw_outlines(cv::Mat& image,
                    const std::vector<ComparedOutline>& outlines,
                    const RasterGrid& grid) {
-    constexpr int kShift = 4;  // bits of a pixel
+    constexpr int kShift = 4;  // fractional bits of a pixel
     const int width = line_px(image);
     for (const ComparedOutline& one : outlines) {
         const bool is_earlier = one.mark.starts_with('A');
@@ -101,7 +101,7 @@ void draw_outlines(cv::Mat& image,
                                  static_cast<int>(std::lround(std::ldexp(pixel.y(), kShift))));
         }
         cv::polylines(image, corners, true, color, width, cv::LINE_AA, kShift);
-        // Those of one colony beside each other.
+        // Marks of one colony side by side.
         write_mark(image,
                    one.mark,
                    {is_earlier ? box.min().x() - 8.0 * width : box.center().x(),

@@ -11,10 +11,10 @@ namespace divemesh::compare {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-constexpr float kMinSigma_m = 5e-4F;  // no surface is known better, whatever it says
-constexpr float kMinNormalZ = 0.25F;  // normals' z at the least; steeper is measured as this
+constexpr float kMinSigma_m = 5e-4F;  // no surface is known better, whatever its sigma
+constexpr float kMinNormalZ = 0.25F;  // min z of normals; steeper surface is treated as this
 constexpr double kMinBehind_m = 0.005;
-constexpr double kBehindShare = 0.3;  // of the change
+constexpr double kBehindShare = 0.3;  // relative to the change
 
 std::uint32_t nearest_corner(const types::Mesh& mesh,
                              const SurfaceRaster& raster,
@@ -28,7 +28,7 @@ std::uint32_t nearest_corner(const types::Mesh& mesh,
     return w[0] >= w[1] ? corners[1] : corners[2];
 }
 
-// Standard deviation of the height, m.
+// Returns the standard deviation of the height, m.
 float height_sigma_m(const types::Mesh& mesh, std::uint32_t vertex) {
     const float along_normal = mesh.sigma_m.empty() ? 0.0F : mesh.sigma_m[vertex];
     return std::max(kMinSigma_m, along_normal) /
@@ -81,8 +81,8 @@ public:
             static_cast<std::uint8_t>(change > 0.0F ? CellState::Grown : CellState::Lost);
     }
 
-    // Of cells that seem to have changed: the dive without the higher surface must have looked
-    // through it. `of_b`: of what was lost, into which b looks.
+    // Checks cells that seem to have changed: the dive without the higher surface must have looked
+    // through it. `of_b`: lost cells, into which b looks.
     void check(int row, int column, bool of_b, const evaluation::SurfaceIndex& index) const {
         const CellState state = map_.at(row, column);
         if (state != (of_b ? CellState::Lost : CellState::Grown)) return;

@@ -12,22 +12,23 @@
 
 namespace divemesh::compare {
 
+// What two dives show of one cell of the ground.
 enum class CellState : std::uint8_t {
-    Unseen,  // by either
+    Unseen,  // by both dives
     OnlyA,
     OnlyB,
-    Stable,  // both; no change beyond the level of detection
+    Stable,  // seen by both; no change beyond the level of detection
     Grown,
     Lost,
-    Hidden,  // would have changed, but where the one surface is the other dive did not look
+    Hidden,  // apparent change, but one dive did not look through the other's surface
 };
 
-// What became of each cell of the ground, seen from above, in a's frame.
+// The change of each cell of the ground, seen from above, in a's frame.
 struct ChangeMap {
     RasterGrid grid;
     cv::Mat state;           // CV_8U, CellState
-    cv::Mat change_m;        // CV_32F, height of b over a; NaN unless both saw it
-    cv::Mat sigma_m;         // CV_32F, of `change_m` without the registration's part
+    cv::Mat change_m;        // CV_32F, height of b over a; NaN unless both dives saw the cell
+    cv::Mat sigma_m;         // CV_32F, of `change_m` without the co-registration's part
     cv::Mat registration_m;  // CV_32F, standard deviation of that part
 
     CellState at(int row, int column) const {
@@ -36,16 +37,16 @@ struct ChangeMap {
     double area_m2(CellState wanted) const;
 };
 
-// One dive's surface in a's frame and what was measured from it.
+// One dive's surface in a's frame, with its measurements.
 struct Surveyed {
     const types::Mesh& mesh;
     const std::vector<M3c2Distance>& distances;  // of its vertices
-    const std::optional<Views>& views;           // into this frame; none: not checked
+    const std::optional<Views>& views;           // into this frame; nullopt: not checked
 };
 
-// A cell has changed when the vertical difference is beyond its own level of detection (by how far
-// such ground scatters over `scale_m`: scale_by_scatter) and every
-// M3C2 distance known there, from either surface, is significant with the same sign, and when the
+// Returns the map of changes. A cell has changed if three conditions hold: the vertical difference
+// exceeds its own level of detection (the scatter of such ground over `scale_m`: scale_by_scatter);
+// every M3C2 distance known there, from either surface, is significant with the same sign; and the
 // dive that lacks the higher surface looked through it at the ground behind.
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,

@@ -8,7 +8,7 @@
 
 namespace divemesh::compare {
 
-// One entry of the figures of areas and labels.
+// One metric of an area or a label.
 struct ChangeMetric {
     std::string metric;
     std::string unit;
@@ -17,9 +17,10 @@ struct ChangeMetric {
     std::optional<stats::Estimate> later = {};
 };
 
+// Returns {value, low, high}.
 nlohmann::json estimate_json(const stats::Estimate& estimate);
 
-// `whose`: the names of what it is of (area, dive, label), which the entry begins with.
+// Return an entry of "figures". It begins with `whose`, the names of its area, dive and label.
 nlohmann::json change_json(nlohmann::json whose,
                            const ChangeMetric& metric,
                            const stats::Estimate& change);

@@ -11,9 +11,10 @@ namespace divemesh::compare {
 namespace {
 
 constexpr double k95 = 1.96;
-constexpr double kBlock_m = 0.15;  // over which noise is small against what it hides
+constexpr double kBlock_m = 0.15;  // over which noise is small against the change it hides
 
-// What a normal error exceeds, to either side, with this probability, in standard deviations.
+// Returns the number of standard deviations that a normal error exceeds, on either side, with this
+// probability.
 double exceeded_with(double probability) {
     double low = 0.0;
     double high = 10.0;
@@ -28,7 +29,7 @@ double compared_m2(const ChangeMap& map) {
     return cv::countNonZero(map.change_m == map.change_m) * map.grid.cell_m * map.grid.cell_m;
 }
 
-// CV_8U: cells whose change is beyond what any of the ground would show by chance.
+// Returns a mask (CV_8U) of cells whose change is larger than that of any ground by chance.
 cv::Mat beyond_chance(const ChangeMap& map, double ground_m2, double core_m2) {
     const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / core_m2));
     const cv::Mat level = most * (map.sigma_m + map.registration_m);
@@ -44,7 +45,7 @@ cv::Mat cells_in(const ChangeMap& map, CellState state) {
     return map.state == static_cast<int>(state);
 }
 
-// With the ground that it encloses, as far as both saw it.
+// Returns the cells with the ground that they enclose, as far as both dives saw it.
 cv::Mat filled(const cv::Mat& cells, const cv::Mat& allowed) {
     std::vector<std::vector<cv::Point>> outlines;
     cv::findContours(cells.clone(), outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
@@ -58,8 +59,8 @@ struct Undetected {
     double fall_m3 = 0.0;
 };
 
-// What the blocks rise (sink) by beyond what their noise alone would show, half of each block's
-// errors being a rise: a normal error's positive part has the mean s / sqrt(2 pi).
+// Returns the rise (fall) of the blocks beyond what their noise alone would show. Half of the
+// errors are a rise: the positive part of a normal error has the mean s / sqrt(2 pi).
 Undetected undetected(const ChangeMap& map, const cv::Mat& counts, const ChangeNoise& noise) {
     constexpr double kMeanPart = 0.398942;
     constexpr double kVariancePart = 0.5 - kMeanPart * kMeanPart;
@@ -91,7 +92,7 @@ struct Found {
     bool grown = false;
     cv::Rect window;
     cv::Mat core;     // CV_8U, of the window: significant cells and what they enclose
-    cv::Mat support;  // CV_8U, of the window: what the volume is summed over
+    cv::Mat support;  // CV_8U, of the window: cells of the volume
 };
 
 class Gatherer {
@@ -155,7 +156,7 @@ private:
         }
     }
 
-    // A cell belongs to one patch: cores first, then the larger patch.
+    // Assigns each cell to one patch: cores first, then the larger patch.
     void claim(std::size_t i) {
         Found& found = found_[i];
         cv::Mat number = changes_.number(found.window);
@@ -188,8 +189,8 @@ private:
         map_.state.setTo(cv::Scalar::all(static_cast<double>(CellState::Stable)), counts);
     }
 
-    // Standard deviation of the volume when the outline's bounds hold with 95 %: of what stands up
-    // steeply the mesh rounds off the foot or fills it, the same way everywhere.
+    // Returns the standard deviation of the volume if the outline's bounds hold with 95 %. The mesh
+    // rounds off or fills the foot of steep objects, in the same way everywhere.
     static double outline_m3(const stats::Estimate& area_m2, const ChangeSums& sums) {
         return std::abs(sums.volume_m3) / std::max(1e-12, area_m2.value) * 0.5 *
                (area_m2.high - area_m2.low) / k95;
@@ -200,7 +201,7 @@ private:
         const double sign = found.grown ? 1.0 : -1.0;
         ChangeSums sums = sum_over(window, found.support);
         if (sign * sums.volume_m3 <= 0.0)
-            sums = sum_over(window, found.core);  // beside its opposite
+            sums = sum_over(window, found.core);  // the support has the opposite sign
         ChangePatch patch;
         patch.number = static_cast<int>(i) + 1;
         patch.grown = found.grown;
@@ -227,9 +228,10 @@ private:
         changes_.patches.push_back(patch);
     }
 
-    // Of all the pieces of ground that large those were chosen that changed the most, by their
-    // errors too: so many of them hold with 95 % when each is given as many standard deviations as
-    // an error exceeds with 0.05 times their share of all (Benjamini and Yekutieli 2005).
+    // Returns the number of standard deviations of an interval. Of all parts of the ground as
+    // large, those were chosen that changed most, also by their errors. 95 % of them hold if each
+    // gets as many standard deviations as an error exceeds with 0.05 times their share of all
+    // (Benjamini and Yekutieli 2005).
     double num_sigma(double area_m2) const {
         const double num_pieces = std::max(1.0, ground_m2_ / std::max(1e-12, area_m2));
         const double share = static_cast<double>(found_.size()) / num_pieces;
@@ -266,8 +268,7 @@ private:
             ChangeTotal& total = grown ? changes_.grown : changes_.lost;
             double noise = 0.0;
             double registration = 0.0;
-            double low =
-                0.0;  // chosen for how much they seem to change: their errors point one way
+            double low = 0.0;  // chosen by their apparent change, so their errors have one sign
             for (std::size_t i = 0; i < changes_.patches.size(); ++i) {
                 const ChangePatch& patch = changes_.patches[i];
                 if (patch.grown != grown) continue;

@@ -18,7 +18,7 @@ cv::Mat disc(double diameter_cells) {
     return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
 }
 
-// Highest less lowest within the element; 0 where nothing was seen.
+// Returns max - min within the element; 0 where no cell was seen.
 cv::Mat range_of(const cv::Mat& height_m, const cv::Mat& element) {
     const cv::Mat unseen = height_m != height_m;
     cv::Mat high = height_m.clone();
@@ -32,7 +32,7 @@ cv::Mat range_of(const cv::Mat& height_m, const cv::Mat& element) {
     return range;
 }
 
-// CV_8U: index of each compared cell's class; those at an edge come last.
+// Returns the index (CV_8U) of each compared cell's class; those at an edge come last.
 cv::Mat classes_of(const ChangeMap& map,
                    const SurfaceRaster& a,
                    const SurfaceRaster& b,

@@ -6,28 +6,29 @@
 
 namespace divemesh::compare {
 
-// Ground of one kind: as steep, as near to where the compared ground ends. Both are what a mesh
-// errs by that its vertices' sigma does not know: at a step a small shift is a large change, and
-// beside ground that was hidden a mesh bridges it.
+// Ground of one kind: equally steep and equally near to the end of the compared ground. Both cause
+// errors that the vertices' sigma does not include: at a step a small shift is a large change, and
+// beside hidden ground a mesh bridges it.
 struct ScatterClass {
     double min_range_m = 0.0;  // of heights within the scale, of either surface
-    bool at_edge = false;      // within the scale of ground that is not compared
+    bool at_edge = false;      // closer than the scale to ground that is not compared
     std::size_t num_cells = 0;
-    double factor = 1.0;  // what a cell's sigma is to be multiplied by
+    double factor = 1.0;  // for a cell's sigma
 };
 
-// Multiplies the map's sigma so that it says how far the difference of heights scatters on ground
-// of that kind: heteroscedastic errors, standardised by class (Hugonnet et al. 2022). Most of the
-// ground of a kind is stable, so that the middle and four fifths of its differences tell. A class
-// of fewer than 200 cells takes the factor of the next less steep, the least steep what was stated.
-// `scale_m`: over which heights range. Reads change_m, heights and sigma_m.
+// Multiplies the map's sigma so that it tells how far the difference of heights scatters on ground
+// of that kind: heteroscedastic errors, standardised by class (Hugonnet et al. 2022). Most ground
+// of a kind is stable, so its scatter follows from the median and the 80th percentile of its
+// differences. A class of fewer than 200 cells takes the factor of the next less steep class, the
+// least steep keeps the stated sigma. `scale_m`: the size over which the range of heights is taken.
+// Reads change_m, heights and sigma_m.
 std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,
                                            const SurfaceRaster& a,
                                            const SurfaceRaster& b,
                                            double scale_m);
 
-// For normal errors one standard deviation, as the median and four fifths of their sizes tell it;
-// the larger. Reorders the values; 0 of none.
+// Returns the standard deviation of normal errors from the median and from the 80th percentile of
+// their absolute values, whichever is larger. Reorders the values; returns 0 without values.
 double robust_sigma(std::vector<float>& sizes);
 
 }  // namespace divemesh::compare

@@ -8,11 +8,12 @@
 
 namespace divemesh::compare {
 
-// r g b of a change: red lost, white none, blue grown, full at `full_m`; grey when not known.
+// Returns the colour of a change: red lost, white unchanged, blue grown, full at `full_m`; grey if
+// unknown.
 types::Color change_color(double change_m, double full_m);
 
-// changed_mesh.ply, binary little-endian: x y z nx ny nz, red green blue by the distance, then
-// distance (M3C2 of b over a along the normal, m; NaN where a has no surface) and lod95 (m).
+// Writes changed_mesh.ply, binary little-endian: x y z nx ny nz, red green blue by the distance,
+// then distance (M3C2 of b over a along the normal, m; NaN where a has no surface) and lod95 (m).
 void write_changed_mesh(const std::filesystem::path& file,
                         const types::Mesh& mesh,
                         const std::vector<M3c2Distance>& distances,

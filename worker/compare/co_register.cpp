@@ -16,12 +16,12 @@ namespace {
 constexpr double kMinAgreement = 0.6;
 constexpr double kMinOverlap = 0.1;  // of the smaller surface
 constexpr double kMinGround_m2 = 0.5;
-constexpr double kAmbiguous = 0.85;  // of the best one's agreement
+constexpr double kAmbiguous = 0.85;  // relative to the agreement of the best one
 constexpr double kApart_m = 0.3;
 constexpr double kMinHeightSpread =
-    0.003;  // mean square of the normals' lean in the flattest direction
+    0.003;  // mean square of the normals' tilt in the flattest direction
 constexpr double kMaxShareOfHeightSpread =
-    0.15;  // what surfaces differ by where shape alone places them
+    0.15;  // max difference of surfaces that are aligned by shape alone
 constexpr double kGroundCell_m = 0.05;
 constexpr std::size_t kFitPoints = 20000;
 constexpr double kAfterFeatures_m = 0.12;
@@ -29,7 +29,7 @@ constexpr double kAfterHeights_m = 0.35;
 
 using Column = std::pair<int, int>;
 
-// Points one a cube, the first of each, few enough.
+// Returns one point per cube, the first of each, with cubes large enough for few points.
 types::Mesh thinned(const types::Mesh& mesh, double spacing_m) {
     for (double cube_m = 2.0 * spacing_m;; cube_m *= 1.25) {
         std::set<std::array<int, 3>> cubes;
@@ -124,7 +124,7 @@ public:
         return text;
     }
 
-    // Whether the shape of the ground alone holds b in its place.
+    // Returns whether the shape of the ground alone determines the position of b.
     bool has_height_spread() const {
         Eigen::Matrix3d leans = Eigen::Matrix3d::Zero();
         for (const Eigen::Vector3f& n : few_b_.normals) {

@@ -13,13 +13,12 @@ struct CoRegisterOptions {
     double spacing_m = 0.01;  // of the vertices
     int num_threads = 0;
     std::uint64_t seed = 1;
-    std::vector<CoarseAlignment> known = {};  // tried before anything is searched for: of markers
+    std::vector<CoarseAlignment> known = {};  // e.g. from markers; tried before any search
 };
 
-// Finds where b lies in a's frame with nothing known but the vertical, fits stable surface to
-// stable surface and checks the outcome. Throws Error{Conflict} that says what fell short when the
-// surfaces do not lie on each other, share too little ground, or would do so in another place as
-// well.
+// Finds the pose of b in a's frame, with only the vertical known: aligns stable surface to stable
+// surface and checks the result. Throws Error{Conflict}, which says what failed, if the surfaces do
+// not fit each other, share too little ground, or fit in another place as well.
 CoRegistration co_register(const types::Mesh& a,
                            const types::Mesh& b,
                            const CoRegisterOptions& options,

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kMinOverlapShare = 0.25;  // of the smaller outline
 
-// The fan of triangles about q's first corner, each with its sign, is q.
+// Returns the overlap. The signed triangles of a fan about q's first corner add up to q.
 double in_common_m2(const reef::Polygon& p, const reef::Polygon& q) {
     double sum = 0.0;
     double rotation = 0.0;

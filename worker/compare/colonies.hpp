@@ -15,23 +15,24 @@ struct Colony {
     reef::Polygon outline;
     double area_m2 = 0.0;
     double diameter_m = 0.0;
-    double share = 0.0;  // of its area that lies on the ground where colonies are compared
+    double share = 0.0;  // of its area that lies on the compared ground
 };
 
-// `ground` (CV_8U, of the grid): where colonies are compared.
+// Returns the colonies of a set. `ground` (CV_8U, of the grid): where colonies are compared.
 std::vector<Colony> colonies_of(const reef::AreaSet& set,
                                 const RasterGrid& grid,
                                 const cv::Mat& ground);
 
-// A colony of the earlier dive and the one of the later that is the same: indices; -1: gone, new.
+// The same colony in the earlier and the later dive, by indices; -1 in `after`: gone, in `before`:
+// new.
 struct ColonyPair {
     int before = -1;
     int after = -1;
 };
 
-// Colonies of one label are the same where their outlines have the most in common, and a quarter
-// of the smaller at least; each is the same as one other at most. What neither matches is gone or
-// new. Those of the earlier dive in their order, then what is new.
+// Matches colonies of one label. Two are the same if their outlines overlap most, by at least a
+// quarter of the smaller one; each matches one other at most. A colony without a match is gone or
+// new. Returns those of the earlier dive in their order, then the new ones.
 std::vector<ColonyPair> match_colonies(const std::vector<Colony>& before,
                                        const std::vector<Colony>& after);
 

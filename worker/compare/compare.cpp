@@ -56,7 +56,7 @@ types::Mesh surface_of(const io::ReconstructionFolder& folder) {
                     (folder.path() / "mesh.ply").string() +
                         " has no triangles, so there is no surface to compare: use another dive");
     mesh.normals = io::unit_normals(mesh);
-    mesh.sigma_local_m = {};  // not asked for
+    mesh.sigma_local_m = {};  // not needed
     mesh.num_observations = {};
     return mesh;
 }
@@ -85,10 +85,9 @@ std::optional<Views> views_in(const std::filesystem::path& folder, const Eigen::
     return views;
 }
 
-// What levels of detection are to be multiplied by, to say of stable ground what 95 % should: most
-// of the ground is stable, so that the middle and four fifths of it tell how far stable ground
-// differs. What a mesh says of its vertices holds for one dive; of what both dives get wrong alike,
-// a difference is free.
+// Returns the factor by which levels of detection hold for 95 % of stable ground. Most of the
+// ground is stable, so its differences follow from the median and the 80th percentile. A mesh's
+// sigma is that of one dive; errors that both dives share cancel in a difference.
 double level_factor(const std::vector<M3c2Distance>& distances) {
     std::vector<float> ratios;
     for (const M3c2Distance& distance : distances)
@@ -97,7 +96,7 @@ double level_factor(const std::vector<M3c2Distance>& distances) {
     return robust_sigma(ratios);
 }
 
-// Never below what the registration alone leaves open.
+// Never goes below the uncertainty of the co-registration.
 void scale_levels(std::vector<M3c2Distance>& distances,
                   const SurfacePoints& core,
                   const M3c2Options& options,
@@ -130,7 +129,7 @@ Distances measure(const types::Mesh& a,
         .normal_scale_m = static_cast<float>(options.normal_scale_m),
         .cylinder_m = cube_m,
         .reach_m = static_cast<float>(options.reach_m),
-        .independent_m = cube_m,  // one cylinder is seen through one patch of the pictures
+        .independent_m = cube_m,  // a cylinder is seen through one patch of the images
         .registration95_m = [&](const Eigen::Vector3f& p, const Eigen::Vector3f& n) {
             return static_cast<float>(1.96 *
                                       registration.sigma_m(p.cast<double>(), n.cast<double>()));

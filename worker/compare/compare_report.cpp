@@ -27,7 +27,7 @@ double at(const json& document, const char* path) {
     return document.at(json::json_pointer(path)).get<double>();
 }
 
-// A volume in litres or an area in cm2 with its bounds.
+// Returns a volume in litres or an area in cm2 with its bounds.
 std::string bounds(const json& interval, double factor, int digits) {
     return number(factor * interval.at("value").get<double>(), digits) + " (" +
            number(factor * interval.at("low").get<double>(), digits) + " to " +
@@ -118,7 +118,7 @@ json patches(const json& document) {
     return {{"list", list}};
 }
 
-// Three or four figures are enough for a person.
+// Returns a number with three or four significant digits.
 std::string significant(double value) {
     char text[48];
     std::snprintf(text, sizeof text, "%.3g", std::abs(value) < 1e-9 ? 0.0 : value);
@@ -160,7 +160,7 @@ json label_changes(const json& metrics) {
     return report::grid_values(rows);
 }
 
-// Of each outline, by dive and name: its figures by theirs.
+// The metrics of each outline, by dive and name, then by metric.
 using OutlineMetrics = std::map<std::pair<std::string, std::string>, std::map<std::string, json>>;
 
 OutlineMetrics by_outline(const json& metrics) {

@@ -11,12 +11,12 @@ struct CompareReportInput {
     cv::Mat surface_a;               // BGR, from above, on one grid
     cv::Mat surface_b;
     cv::Mat difference;
-    double full_change_m = 0.0;  // the change of full colour
+    double full_change_m = 0.0;  // the change that gets full colour
 };
 
-// report.html of a comparison: one self-contained page. Pictures of both years and of what changed,
-// figures with their intervals, the patches, how the two were laid over each other. Texts that came
-// from dives are escaped, no script, nothing is loaded.
+// Returns report.html of a comparison: one self-contained page with images of both years and of the
+// change, metrics with their intervals, the patches, and the alignment of the two dives. All text
+// from dives is escaped; there are no scripts and no external resources.
 std::string compare_report(const CompareReportInput& input);
 
 }  // namespace divemesh::compare

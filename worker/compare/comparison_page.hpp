@@ -4,7 +4,7 @@
 
 namespace divemesh::compare {
 
-// The template beside this file, for fill_template().
+// Returns the template beside this file, for fill_template().
 std::string_view comparison_page_html();
 
 }  // namespace divemesh::compare

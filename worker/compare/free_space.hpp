@@ -9,7 +9,7 @@
 
 namespace divemesh::compare {
 
-// Pinhole views of a dive, as keyframes.json has them.
+// Pinhole views of a dive, as stored in keyframes.json.
 struct Views {
     double focal_px = 0.0;
     Eigen::Vector2d center_px = Eigen::Vector2d::Zero();
@@ -17,12 +17,12 @@ struct Views {
     std::vector<Eigen::Isometry3d> T_cam_world;
 };
 
-// Of keyframes.json in the folder of a reconstruction; nothing when there is none. Throws
-// Error{BadData} when it is not as we write it.
+// Reads keyframes.json in the folder of a reconstruction; nullopt if the file is missing. Throws
+// Error{BadData} if it is not in our format.
 std::optional<Views> read_views(const std::filesystem::path& folder);
 
-// Whether some view looked through place p at the mesh behind it, at least `behind_m` farther: the
-// dive then knows that p was free.
+// Returns whether a view looked through point p at the mesh at least `behind_m` behind it: then the
+// dive shows that p was free.
 bool is_free_space(const Views& views,
                    const evaluation::SurfaceIndex& surface,
                    const Eigen::Vector3d& p_world,

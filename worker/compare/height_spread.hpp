@@ -5,11 +5,11 @@
 
 namespace divemesh::compare {
 
-// The size that four fifths of the values do not exceed; 0 of none.
+// Returns the 80th percentile of the absolute values; 0 without values.
 double percentile_80(std::vector<double> values);
 
-// How far places range about the plane that fits them best along z, m: four fifths of them by no
-// more. 0 of fewer than four, and of such as lie above a line.
+// Returns the 80th percentile of the distances along z from the best-fitting plane, m; 0 for fewer
+// than four points, or if they lie above a line.
 double height_spread_m(const std::vector<Eigen::Vector3d>& places);
 
 }  // namespace divemesh::compare

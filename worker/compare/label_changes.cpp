@@ -16,15 +16,15 @@ constexpr double kMinShare = 0.5;
 // The colonies of one label.
 struct LabelChange {
     std::vector<reef::Individual> areas_m2;      // of those that count
-    std::vector<reef::Individual> diameters_m;   // likewise
-    std::vector<reef::Individual> on_ground_m2;  // of all, what lies on the surveyed ground
+    std::vector<reef::Individual> diameters_m;   // of those that count
+    std::vector<reef::Individual> on_ground_m2;  // the part of all colonies on the surveyed ground
 };
 
 const Colony* at(const std::vector<Colony>& colonies, int index) {
     return index < 0 ? nullptr : &colonies[static_cast<std::size_t>(index)];
 }
 
-// `size` of a colony, at both times.
+// Returns the `size` of a colony at both times.
 template <typename Size>
 reef::Individual individual(const Colony* before, const Colony* after, const Size& size) {
     reef::Individual individual;

@@ -7,7 +7,7 @@
 namespace divemesh::compare {
 namespace {
 
-constexpr std::size_t kSlice = 4096;  // cores a thread takes at a time
+constexpr std::size_t kSlice = 4096;  // cores per task
 
 struct Layer {
     std::size_t num = 0;
@@ -30,7 +30,8 @@ Eigen::Vector3f mean_normal(const SurfacePoints& surface, std::size_t core, floa
     return sum.norm() > 0.0F ? Eigen::Vector3f(sum.normalized()) : surface.normals[core];
 }
 
-// The mean of what lies within half a width of where the layer was thought, twice.
+// Returns the mean of the points within half a width of the layer's estimated position, iterated
+// twice.
 Layer layer_about(const std::vector<Along>& points, double place_m, double half_width_m) {
     Layer layer;
     for (int round = 0; round < 2; ++round) {
@@ -97,7 +98,7 @@ std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
                                          const M3c2Options& options,
                                          int num_threads) {
     std::vector<M3c2Distance> distances(core.points.size());
-    // Neighbours after each other: what is about them is in the cache.
+    // Neighbours follow each other, so that their surroundings are in the cache.
     const std::vector<std::uint32_t>& order = core.grid.in_order();
     base::for_each_index(num_threads, (order.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
         std::vector<Along> points;

@@ -25,7 +25,7 @@ MarkerPosition position_of(const nlohmann::json& entry) {
     return marker;
 }
 
-// The one with most frames.
+// Returns the segment with the most frames.
 int largest_segment(const nlohmann::json& metrics) {
     int largest = 0;
     std::int64_t most = -1;

@@ -8,7 +8,7 @@
 
 namespace divemesh::compare {
 
-// Where the middle of a marker lies, as a reconstruction found it: a fixed point between dives.
+// The centre of a marker as a reconstruction located it: a fixed point between dives.
 struct MarkerPosition {
     int id = 0;
     std::string family;                                           // tag36h11, ...
@@ -16,9 +16,9 @@ struct MarkerPosition {
     Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();  // of p_world
 };
 
-// Of the section `markers` of metrics.json, by rising id; empty when nobody looked for markers or
-// none was found. Markers of a piece that is not tied to the largest one are left out. Throws
-// Error{BadData} when the section is not as schemas/metrics.schema.json has it.
+// Reads the section `markers` of metrics.json, in order of id; empty if no markers were searched
+// for or found. Leaves out markers of a segment that is not connected to the largest one. Throws
+// Error{BadData} if the section does not fit schemas/metrics.schema.json.
 std::vector<MarkerPosition> marker_positions(const io::ReconstructionFolder& folder);
 
 }  // namespace divemesh::compare

@@ -9,7 +9,7 @@
 namespace divemesh::compare {
 namespace {
 
-// Of the map, a cell farther out than needed.
+// Returns the part of the map around an outline, with a margin of one cell.
 cv::Rect window_about(const reef::Polygon& corners, const RasterGrid& grid) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& p : corners) box.extend(p);
@@ -22,7 +22,7 @@ cv::Rect window_about(const reef::Polygon& corners, const RasterGrid& grid) {
     return {low, high};
 }
 
-// Where the outline crosses a horizontal line, from left to right.
+// Returns where the outline crosses a horizontal line, from left to right.
 std::vector<double> crossings(const reef::Polygon& corners, double y) {
     std::vector<double> places;
     for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -8,25 +8,28 @@
 
 namespace divemesh::compare {
 
-// The outline of a quadrat or a polygon as seen from above: x and y of its corners. Throws
-// Error{BadData} that names the area when from above it has no area or its sides cross.
+// Returns the outline of a quadrat or a polygon from above: x and y of its corners. Throws
+// Error{BadData}, which names the area, if it has no area from above or its sides cross.
 reef::Polygon outline_from_above(const reef::Area& area);
 
-// In cells of the map: x along columns, y along rows, whole at the cells' sides.
+// Returns the outline in cells of the map: x along columns, y along rows, integers at the cells'
+// sides.
 reef::Polygon in_cells(const reef::Polygon& outline, const RasterGrid& grid);
 
-// Cells of a map whose middle lies within an outline.
+// The cells of a map whose centres lie within an outline.
 struct OutlinedCells {
-    cv::Rect window;  // of the map, empty when the outline lies beside it
+    cv::Rect window;  // of the map; empty if the outline lies outside it
     cv::Mat cells;    // CV_8U, of the window's size
 
-    int num_on(const cv::Mat& map) const;  // that a map (CV_8U) names too
+    int num_on(const cv::Mat& map) const;  // that a map (CV_8U) also selects
     void add_to(cv::Mat& map) const;
 };
 
+// Returns the cells of the grid within an outline in metres.
 OutlinedCells cells_within(const reef::Polygon& outline, const RasterGrid& grid);
 
-// Of an outline with that area the share that a map names; what lies beside the map counts as not.
+// Returns the share of an outline of this area that a map selects; what lies outside the map does
+// not count as selected.
 double share_on(const OutlinedCells& within, double area_m2, const cv::Mat& map, double cell_m);
 
 }  // namespace divemesh::compare

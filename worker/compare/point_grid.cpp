@@ -7,7 +7,7 @@
 namespace divemesh::compare {
 namespace {
 
-constexpr int kBitsPerAxis = 16;  // of a region's place
+constexpr int kBitsPerAxis = 16;  // of a region's position
 constexpr int kBitsInRegion = 6;
 constexpr int kBitsInBlock = 9;
 
@@ -134,8 +134,8 @@ const PointGrid::Block* PointGrid::find(const Cell& block) const {
                     static_cast<std::size_t>(std::popcount(lowest_bits(region->blocks, bit)))];
 }
 
-// How far a place is, along an axis, from each of some slabs of as many cubes, squared; not more
-// than it is.
+// Returns the squared distance of a point along an axis from each of some slabs of `num_cubes`
+// cubes; a lower bound.
 template <int num>
 std::array<float, num> PointGrid::squared_off(float place_m,
                                               int axis,
@@ -153,8 +153,8 @@ std::array<float, num> PointGrid::squared_off(float place_m,
     return squares;
 }
 
-// Both offer the points of cubes that are not farther than `squared_m2` says while this goes on: of
-// a block with its first cube at `corner`, and of the region at `at`.
+// Both offer the points of cubes that are not farther than `squared_m2`, which may decrease
+// meanwhile: of the block with its first cube at `corner`, and of the region at `at`.
 template <typename Offer>
 void PointGrid::visit_nearer(const Eigen::Vector3f& p,
                              const Cell& corner,
@@ -238,7 +238,7 @@ std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& p,
         if (const Block* block = find({cell[0] / kSide, cell[1] / kSide, cell[2] / kSide}))
             visit_cell(*block, cell, offer);
     });
-    if (std::sqrt(best_squared) < cell_m_) return best;  // all others are farther
+    if (std::sqrt(best_squared) < cell_m_) return best;  // all other points are farther
     for_places(std::sqrt(best_squared), kRegionSide * kSide, [&](const Cell& region) {
         visit_nearer(p, region, best_squared, offer);
     });

@@ -12,23 +12,25 @@
 
 namespace divemesh::compare {
 
-// Points sorted into cubes, to find those near a place or along a line. 8 x 8 x 8 cubes are a block
-// and 4 x 4 x 4 blocks a region; regions are found by where they are, and each level says which of
-// the next hold points, so that what is empty costs next to nothing. 4 bytes a point, 4 a cube and
-// about 100 a block. Keeps the points, which may not change while this lives; any number of threads
-// may ask. Throws Error{TooLarge} when a side is more than two million cubes long.
+// Points sorted into cubes, to find those near a point or along a line. 8 x 8 x 8 cubes are a block
+// and 4 x 4 x 4 blocks a region. Regions are found by their position, and each level stores which
+// of the next contain points, so empty space costs almost no time. It needs 4 bytes a point, 4 a
+// cube and about 100 a block. It refers to the points, which must not change during its lifetime;
+// any number of threads may query it. Throws Error{TooLarge} if a side is more than two million
+// cubes long.
 class PointGrid {
 public:
     PointGrid(const std::vector<Eigen::Vector3f>& points, float cell_m);
 
-    // The nearest point not farther than `reach_m`; of equals the one with the lowest index. A
-    // point that is thought to be near saves looking farther away than it is.
+    // Returns the nearest point within `reach_m`, the one with the lowest index among equals;
+    // nullopt if there is none. A `hint`, a point that is probably near, limits the search to its
+    // distance.
     std::optional<std::uint32_t> nearest(const Eigen::Vector3f& p,
                                          float reach_m,
                                          std::optional<std::uint32_t> hint = {}) const;
 
-    // Calls visit(index) for every point of the cubes that the capsule about from-to touches, and
-    // so for some outside of it, each once, always in the same order.
+    // Calls visit(index) for every point of the cubes that the capsule around from-to touches, so
+    // also for some points outside it: each once, always in the same order.
     template <typename Visit>
     void near_segment(const Eigen::Vector3f& from,
                       const Eigen::Vector3f& to,
@@ -36,7 +38,7 @@ public:
                       const Visit& visit) const;
 
     const std::vector<Eigen::Vector3f>& points() const { return points_; }
-    // All of them, neighbours near each other.
+    // Returns all indices, with neighbours near each other.
     const std::vector<std::uint32_t>& in_order() const { return order_; }
 
 private:
@@ -46,8 +48,8 @@ private:
     using Cell = std::array<int, 3>;
     struct Block {
         std::array<std::uint64_t, kSide> cubes{};   // with points: by x, bits by y and z
-        std::array<std::uint16_t, kSide> before{};  // of them, those of smaller x
-        std::array<std::uint8_t, 3> layers{};       // bits by index along an axis: with points
+        std::array<std::uint16_t, kSide> before{};  // number of these with smaller x
+        std::array<std::uint8_t, 3> layers{};       // with points: bits by index along an axis
         std::uint32_t first = 0;                    // in begin_
     };
     struct Region {
@@ -104,11 +106,11 @@ private:
 
     const std::vector<Eigen::Vector3f>& points_;
     float cell_m_;
-    float rounding_m_ = 0.0F;  // of a cube's sides, by rounding
+    float rounding_m_ = 0.0F;  // rounding error of a cube's sides
     Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
     Cell num_{};
     std::vector<std::uint32_t> order_;  // of the points
-    std::vector<std::uint32_t> begin_;  // of each cube's points in it, and its end
+    std::vector<std::uint32_t> begin_;  // where each cube's points begin in it, and its end
     std::vector<Block> blocks_;
     std::vector<Region> table_;  // open addressing
 };
@@ -123,7 +125,8 @@ void PointGrid::visit_cell(const Block& block, const Cell& cell, const Visit& vi
     for (std::uint32_t i = begin_[cube]; i < begin_[cube + 1]; ++i) visit(order_[i]);
 }
 
-// Layers are across the axis along which the line is longest, rows and columns across the next two.
+// Layers are perpendicular to the axis along which the line is longest; rows and columns lie along
+// the next two axes.
 struct PointGrid::Capsule {
     const PointGrid& grid;
     Eigen::Vector3f from;
@@ -148,7 +151,8 @@ struct PointGrid::Capsule {
                              std::max(from[main], to[main]) + radius_m,
                              main);
     }
-    // Along an axis, of what of the line is in some layers and a radius about them.
+    // Returns the range along an axis that the line covers within some layers, extended by the
+    // radius.
     Range beside(int first_layer, int num_layers, int axis) const {
         const float begin =
             grid.low_[main] + static_cast<float>(first_layer) * grid.cell_m_ - radius_m;
@@ -164,7 +168,7 @@ struct PointGrid::Capsule {
         cell[static_cast<std::size_t>(other)] = column;
         return cell;
     }
-    // Bits: those of a block's layers that hold points.
+    // Returns a bit for each of a block's layers that contain points.
     unsigned layers_with_points(int block) const {
         const Range rows = beside(kSide * block, kSide, side);
         const Range columns = beside(kSide * block, kSide, other);

@@ -15,18 +15,18 @@ namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr float kSameSide = 0.5F;  // cosine between normals of partners
+constexpr float kSameSide = 0.5F;  // min cosine between the normals of partners
 constexpr double kTukey = 4.685;   // 95 % efficient for normal errors
 constexpr double kMinScale_m = 5e-4;
 constexpr double kSettled_m = 1e-5;
-constexpr std::size_t kMinPartners = 100;  // partners
+constexpr std::size_t kMinPartners = 100;
 constexpr int kMaxRounds = 40;
 
 struct Partner {
     bool found = false;
     Eigen::Vector3d p;  // of b, in a's frame
     Eigen::Vector3d normal;
-    double residual_m = 0.0;  // of b outside of a
+    double residual_m = 0.0;  // of b outside a
     double sigma_m = 0.0;     // of both
 };
 
@@ -34,7 +34,7 @@ double sigma_of(const SurfacePoints& surface, std::size_t i) {
     return surface.sigma_m.empty() ? 0.0 : static_cast<double>(surface.sigma_m[i]);
 }
 
-// `nearest_points`: the points of a that were nearest to b's in the round before; those of this
+// `nearest_points`: in, the points of a nearest to b's in the last iteration; out, those of this
 // one.
 std::vector<Partner> find_partners(const SurfacePoints& a,
                                    const SurfacePoints& b,
@@ -68,7 +68,7 @@ std::vector<Partner> find_partners(const SurfacePoints& a,
     return partners;
 }
 
-// Standard deviation of what is normal among the residuals.
+// Returns the robust standard deviation of the residuals.
 double robust_scale(const std::vector<Partner>& partners) {
     std::vector<double> sizes;
     for (const Partner& partner : partners)
@@ -110,13 +110,13 @@ Fit linearise(const std::vector<Partner>& partners,
         for (int axis = 0; axis < 3; ++axis)
             patch[static_cast<std::size_t>(axis)] =
                 static_cast<int>(std::floor(partner.p[axis] / patch_m));
-        patch[2] = 0;  // columns: what hangs over the same ground was seen by the same views
+        patch[2] = 0;  // columns: the same views saw what hangs over the same ground
         fit.patches.try_emplace(patch, Vector6d::Zero()).first->second += pull;
     }
     return fit;
 }
 
-// Directions that the surface leaves open (a plane's turn about its normal) are left as they are.
+// Keeps directions that the surface does not determine (e.g. a plane's rotation about its normal).
 Vector6d solve(const Fit& fit) {
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
     const Vector6d& values = solver.eigenvalues();
@@ -126,7 +126,7 @@ Vector6d solve(const Fit& fit) {
              (inverse.asDiagonal() * (solver.eigenvectors().transpose() * fit.gradient)));
 }
 
-// Turn about the vertical and shift alone.
+// Solves for the rotation about the vertical and the shift only.
 Vector6d solve_upright(const Fit& fit) {
     Vector6d step = Vector6d::Zero();
     step.tail<4>() =
@@ -192,7 +192,8 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         result.pivot = middle(partners);
         const Fit fit = linearise(partners, scale_m, result.pivot, options.patch_m);
         const double min_reach_m = std::max(2.0 * options.tolerance_m, 5.0 * scale_m);
-        // Both worlds are upright: a tilt that is free before the rest fits takes up what changed.
+        // Both worlds are upright: a tilt that is free before the rest fits would absorb the
+        // changes.
         const Vector6d step = reach_m > min_reach_m ? solve_upright(fit) : solve(fit);
         result.covariance = sandwich(fit);
         result.num_patches = fit.patches.size();

@@ -11,11 +11,11 @@ namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
-// The higher surface wins; of equals the one drawn first.
+// Draws a triangle. The higher surface wins; among equals the one drawn first.
 void draw(const mesh::PixelTriangle& corners, int index, SurfaceRaster& raster) {
     const auto set = [&](int row, int column, const Eigen::Vector3f& weights, float height) {
         auto& highest = raster.height_m.at<float>(row, column);
-        if (height <= highest) return;  // false where there was nothing
+        if (height <= highest) return;  // false without a surface
         highest = height;
         raster.triangle.at<int>(row, column) = index;
         raster.weights.at<cv::Vec2f>(row, column) = {weights[1], weights[2]};
@@ -42,7 +42,7 @@ RasterGrid grid_over(const types::Mesh& a,
     grid.cell_m = std::max({cell_m,
                             std::sqrt(size.prod() / static_cast<double>(max_cells)),
                             size.maxCoeff() / 30000.0});
-    // Corners on multiples of the cell, so that the cells do not hang on the last vertex.
+    // Corners on multiples of the cell, so that the cells do not depend on the last vertex.
     const double west = std::floor(low.x() / grid.cell_m);
     const double north = std::ceil(high.y() / grid.cell_m);
     grid.corner_m = grid.cell_m * Eigen::Vector2d(west, north);

@@ -7,8 +7,8 @@
 
 namespace divemesh::compare {
 
-// Square cells of the horizontal plane. Row 0 is north (largest y), column 0 west; cell (0, 0) has
-// its outer corner at `corner_m`.
+// Square cells of the horizontal plane. Row 0 is north (largest y), column 0 west; the outer corner
+// of cell (0, 0) is at `corner_m`.
 struct RasterGrid {
     double cell_m = 0.01;
     Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();  // x of the west, y of the north side
@@ -22,12 +22,12 @@ struct RasterGrid {
 
 // The highest surface of a mesh over each cell's centre.
 struct SurfaceRaster {
-    cv::Mat height_m;  // CV_32F, z; NaN where there is nothing
-    cv::Mat triangle;  // CV_32S; -1 where there is nothing
+    cv::Mat height_m;  // CV_32F, z; NaN without a surface
+    cv::Mat triangle;  // CV_32S; -1 without a surface
     cv::Mat weights;   // CV_32FC2: of the triangle's second and third corner
 
     bool seen(int row, int column) const { return triangle.at<int>(row, column) >= 0; }
-    // Of a value per vertex, where something was seen.
+    // Interpolates a value per vertex; the cell must be seen.
     template <typename Value>
     Value interpolate(const types::Mesh& mesh,
                       const std::vector<Value>& values,
@@ -41,13 +41,14 @@ struct SurfaceRaster {
     }
 };
 
-// A grid over the bounds of both meshes, with coarser cells where it would have more than
+// Returns a grid over the bounds of both meshes, with coarser cells if it would have more than
 // `max_cells`.
 RasterGrid grid_over(const types::Mesh& a,
                      const types::Mesh& b,
                      double cell_m,
                      std::int64_t max_cells);
 
+// Returns the highest surface of a mesh at the centres of the grid's cells.
 SurfaceRaster rasterise(const types::Mesh& mesh, const RasterGrid& grid);
 
 }  // namespace divemesh::compare

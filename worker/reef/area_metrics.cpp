@@ -17,8 +17,9 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 using Kinds = std::vector<MetricKind>;
 
-// Hidden ground lies behind a step, so what bridges it is steeper than the ground that was seen;
-// what merely was not swum over is not, and then counts as that ground does.
+// Returns a metric with hidden ground. Ground hidden behind a step is bridged by a steeper surface
+// than the seen ground. Ground that the dive merely did not cover is not, and then counts like the
+// seen ground.
 std::optional<double> with_hidden(const std::optional<double>& gaps_filled,
                                   const std::optional<double>& seen) {
     return std::max(gaps_filled, seen);
@@ -107,7 +108,7 @@ void add_slope(Kinds& kinds) {
     aspect.is_direction = true;
     aspect.measure = [](const Ground& ground) -> std::optional<double> {
         const auto normal = normal_world(ground);
-        constexpr double kMinSlope = 0.0175;  // a degree: flat ground faces nowhere
+        constexpr double kMinSlope = 0.0175;  // 1 degree: flat ground has no aspect
         if (!normal || normal->head<2>().norm() < kMinSlope) return std::nullopt;
         const double angle = std::atan2(normal->x(), normal->y()) * kDegrees;
         return angle < 0.0 ? angle + 360.0 : angle;
@@ -161,7 +162,7 @@ void add_fractal_dimensions(Kinds& kinds, double finest_m) {
     hvar.highest = 3.0;
     hvar.loses_detail = true;
     hvar.needs_height_spread = true;
-    // habtools takes no square smaller than ten samples.
+    // In habtools the smallest square has ten samples.
     const double sample_m = 0.2 * finest_m;
     hvar.measure = [=](const Ground& ground) {
         return fractal_dimension_by_height_variation(ground.near(sample_m), 2.0 * finest_m);

@@ -5,7 +5,7 @@
 namespace divemesh::reef {
 namespace {
 
-constexpr double kMinArea_m2 = 1e-8;  // a tenth of a millimetre square
+constexpr double kMinArea_m2 = 1e-8;  // a square of 0.1 mm
 
 Eigen::Isometry3d T_plane_world(const Eigen::Vector3d& origin,
                                 const Eigen::Vector3d& ahead,

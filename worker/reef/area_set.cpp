@@ -15,10 +15,10 @@ using nlohmann::json;
 
 constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
 constexpr std::size_t kMaxAreas = 10'000;
-constexpr std::size_t kMaxPoints = 1'000;  // of an area
+constexpr std::size_t kMaxPoints = 1'000;  // per area
 constexpr std::size_t kMaxNameLength = 200;
 constexpr double kMaxCoordinate_m = 1e5;
-constexpr double kMaxTransect_m = 1e4;  // of a transect, which is sampled every 5 mm
+constexpr double kMaxTransect_m = 1e4;  // per transect, which is sampled every 5 mm
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
     throw Error(ErrorCode::BadData, where + ": " + what);
@@ -161,7 +161,7 @@ AreaSet read_areas(const std::filesystem::path& file) {
 AreaSet moved(AreaSet set, const Eigen::Isometry3d& T_world_frame) {
     set.frame = AreaFrame::World;
     for (Area& area : set.areas) {
-        // What was up in its frame stays what its figures are taken along.
+        // Its metrics stay along the up direction of its own frame.
         if (!area.normal && area.kind == AreaKind::Transect)
             area.normal = T_world_frame.linear() * Eigen::Vector3d::UnitZ();
         else if (area.normal)

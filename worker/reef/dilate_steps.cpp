@@ -7,8 +7,8 @@
 namespace divemesh::reef {
 namespace {
 
-// By one spacing: straight neighbours are one away, those of every second ring across the corner
-// too, so that a point grows to an octagon.
+// Dilates by one spacing: straight neighbours are one away. Every second ring includes the diagonal
+// ones, so that a point grows to an octagon.
 void dilate(HeightGrid& grid, bool with_corners, double sign) {
     const HeightGrid before = grid;
     const GridShape& shape = grid.shape;

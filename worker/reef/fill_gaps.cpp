@@ -10,7 +10,7 @@ struct Level {
     int num_columns = 0;
     int num_rows = 0;
     std::vector<double> heights_m;
-    std::vector<double> weights;  // 0: nothing seen; at most 1
+    std::vector<double> weights;  // 0: unseen; at most 1
 
     std::size_t index(int column, int row) const {
         return static_cast<std::size_t>(row) * num_columns + column;
@@ -27,7 +27,7 @@ Level finest(const HeightGrid& grid) {
     return level;
 }
 
-// Blocks of two by two.
+// Returns the means over blocks of two by two.
 Level pushed(const Level& fine) {
     Level coarse{(fine.num_columns + 1) / 2, (fine.num_rows + 1) / 2, {}, {}};
     const std::size_t num = static_cast<std::size_t>(coarse.num_columns) * coarse.num_rows;
@@ -47,7 +47,7 @@ Level pushed(const Level& fine) {
     return coarse;
 }
 
-// What is empty in the finer level, bilinearly from the four nearest blocks.
+// Fills unseen values of the finer level, bilinearly from the four nearest blocks.
 void pull(const Level& coarse, Level& fine) {
     for (int row = 0; row < fine.num_rows; ++row)
         for (int column = 0; column < fine.num_columns; ++column) {
@@ -71,7 +71,7 @@ struct WeightedSums {
     std::vector<double> weights;
 };
 
-// Every gap of a row or column of `num` nodes, `stride` apart from `first` on.
+// Goes over every gap of a row or column of `num` nodes, `stride` apart from `first` on.
 void add_lower_ends(
     const HeightGrid& grid, std::size_t first, std::size_t stride, int num, WeightedSums& lower) {
     const auto height = [&](int i) { return grid.heights_m[first + i * stride]; };

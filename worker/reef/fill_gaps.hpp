@@ -4,14 +4,15 @@
 
 namespace divemesh::reef {
 
-// Heights at the nodes that were not seen, from the seen ones around: means over ever wider blocks
-// where there is nothing finer, joined linearly (push and pull; Gortler et al. 1996, section 5). Of
-// ground behind a tall thing it makes about the shortest surface that there can be. Seen nodes stay
-// as they are; a grid without any stays unseen.
+// Fills in heights at unseen nodes from the seen nodes around: means over ever wider blocks where
+// no finer mean is known, joined linearly (push and pull; Gortler et al. 1996, section 5). Behind a
+// tall object it gives nearly the smallest possible surface. Seen nodes stay unchanged; a grid
+// without seen nodes stays unseen.
 HeightGrid gaps_filled(const HeightGrid& grid);
 
-// The same with the ground going on at the level of its foot up to what hides it: the lower end of
-// the gap in a node's row and that in its column, the shorter gap weighing more.
+// Does the same, but continues the ground at the level of its foot up to the object that hides it:
+// at the lower end of the gap in the node's row and in its column, where the shorter gap has more
+// weight.
 HeightGrid gaps_filled_low(const HeightGrid& grid);
 
 }  // namespace divemesh::reef

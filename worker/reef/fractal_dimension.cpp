@@ -10,7 +10,7 @@ namespace {
 constexpr double kMinSeenShare = 0.9;  // of a square
 constexpr std::size_t kMinScales = 3;
 
-// Columns [first, last], rows likewise.
+// `bounds`: columns [first, last], rows [first, last].
 std::optional<double> range_within(const HeightGrid& grid, const std::array<int, 4>& bounds) {
     double low = -kUnseen_m;
     double high = kUnseen_m;
@@ -27,9 +27,9 @@ std::optional<double> range_within(const HeightGrid& grid, const std::array<int,
     return high - low;
 }
 
-// The cubes that a sample is in, for cubes of this side from the lowest corner of all.
+// Returns the number of cubes of this side, from the lowest corner, that contain a sample.
 std::size_t num_cubes(const HeightGrid& grid, const Eigen::Vector3d& low, double side_m) {
-    std::vector<std::uint64_t> cubes;  // 21 bits an axis
+    std::vector<std::uint64_t> cubes;  // 21 bits per axis
     for (int row = 0; row < grid.shape.num_rows; ++row)
         for (int column = 0; column < grid.shape.num_columns; ++column) {
             if (!grid.is_seen(column, row)) continue;
@@ -122,7 +122,7 @@ std::optional<double> fractal_dimension_by_cubes(const HeightGrid& grid, double 
     const Extent extent = extent_of(grid);
     const double longest = (extent.high - extent.low).maxCoeff();
     if (!(longest > 0.0)) return std::nullopt;
-    // Samples on the far sides are within the largest cube.
+    // Samples on the far sides lie within the largest cube.
     const Eigen::Vector3d low = extent.low.array() - 0.5 * grid.shape.spacing_m;
     std::vector<double> sides;
     std::vector<double> counts;

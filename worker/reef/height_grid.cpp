@@ -6,9 +6,9 @@
 namespace divemesh::reef {
 namespace {
 
-// Corners given to a hundredth of a millimetre still hold a whole number of spacings.
+// Tolerance, so that corners rounded to 0.01 mm still span a whole number of spacings.
 constexpr double kSlack_m = 5e-5;
-constexpr double kOnEdge = 1e-9;  // of a triangle, in shares of its height
+constexpr double kOnEdge = 1e-9;  // relative to a triangle's height
 
 int first_at_or_after(double place) { return static_cast<int>(std::ceil(place - kOnEdge)); }
 int last_at_or_before(double place) { return static_cast<int>(std::floor(place + kOnEdge)); }
@@ -45,7 +45,7 @@ void raise_under(const std::array<Eigen::Vector3d, 3>& corners, HeightGrid& grid
         }
 }
 
-// Where a line of constant y crosses the outline, in order.
+// Returns where a line of constant y crosses the outline, in ascending order.
 std::vector<double> crossings(const Polygon& outline, double y) {
     std::vector<double> places;
     for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -71,9 +71,11 @@ void mark_row(const GridShape& shape,
     }
 }
 
-// Of each of `num` values, `stride` apart, the sum over up to `radius` neighbours to either side.
+// Replaces each of `num` values, `stride` apart, by the sum over up to `radius` neighbours on
+// either side.
 void sum_around(double* values, int num, std::ptrdiff_t stride, int radius) {
-    std::vector<double> before(static_cast<std::size_t>(num) + 1, 0.0);  // sum of all before it
+    std::vector<double> before(static_cast<std::size_t>(num) + 1,
+                               0.0);  // sum of all values before it
     for (int i = 0; i < num; ++i) before[i + 1] = before[i] + values[i * stride];
     for (int i = 0; i < num; ++i)
         values[i * stride] =

@@ -12,7 +12,7 @@ namespace divemesh::reef {
 
 inline constexpr double kUnseen_m = -std::numeric_limits<double>::infinity();
 
-// Places in a plane, rows along x, one spacing apart.
+// Nodes in a plane, rows along x, one spacing apart.
 struct GridShape {
     Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
     double spacing_m = 0.01;
@@ -27,8 +27,8 @@ struct GridShape {
     }
 };
 
-// Heights over a plane at the nodes of a grid; kUnseen_m where there is no surface or where the
-// area does not reach.
+// Heights over a plane at the nodes of a grid; kUnseen_m where there is no surface or outside the
+// area.
 struct HeightGrid {
     GridShape shape;
     std::vector<double> heights_m;
@@ -37,25 +37,25 @@ struct HeightGrid {
     bool is_seen(int column, int row) const { return at(column, row) > kUnseen_m; }
 };
 
-// Over the outline's bounds, beginning at their lowest corner, the far sides included where they
-// are a whole number of spacings away.
+// Returns a grid over the outline's bounds, from their lowest corner; it includes the far sides if
+// they are a whole number of spacings away.
 GridShape grid_over(const Polygon& outline, double spacing_m);
 
-// 1: within the outline or on it, up to a twentieth of a millimetre.
+// Returns 1 for nodes inside the outline or on it, with a tolerance of 0.05 mm.
 std::vector<std::uint8_t> nodes_within(const GridShape& shape, const Polygon& outline);
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-// The highest surface over each node: what a survey sees from above. Vertices in the plane's frame,
-// m; triangles seen edge-on have no height of their own.
+// Returns the highest surface over each node, as a survey sees it from above. Vertices are in the
+// plane's frame, m; triangles seen edge-on have no height.
 HeightGrid sample_heights(const std::vector<Eigen::Vector3d>& vertices,
                           const Triangles& triangles,
                           const GridShape& shape);
 
-// Every step-th node of every step-th row: what sampling at that spacing would have given.
+// Returns every step-th node of every step-th row: what sampling at that spacing would give.
 HeightGrid every(const HeightGrid& grid, int step);
 
-// Means of the seen heights within a square of this side around each seen node.
+// Returns the means of the seen heights within a square of this side around each seen node.
 HeightGrid blurred(const HeightGrid& grid, double side_m);
 
 }  // namespace divemesh::reef

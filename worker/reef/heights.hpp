@@ -6,11 +6,12 @@
 
 namespace divemesh::reef {
 
-// Highest minus lowest sample (height range, H; habtools hr); nothing where none is seen.
+// Returns highest minus lowest sample (height range, H; habtools hr), m; nullopt if none is seen.
 std::optional<double> height_range(const HeightGrid& grid);
 
-// Between the surface and the plane, m3: what rises above it less what lies below it, one spacing
-// square a sample, half of it on the grid's sides and a quarter at its corners.
+// Returns the volume between the surface and the plane, m3: above the plane minus below it. A
+// sample stands for one spacing square, half of it on the grid's sides and a quarter at its
+// corners.
 double volume_over_plane(const HeightGrid& grid);
 
 }  // namespace divemesh::reef

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-// Level, around all that there is.
+// Returns a level plane around the whole mesh.
 AreaPlane plane_of_all(const types::Mesh& mesh) {
     Eigen::AlignedBox3d box(mesh.vertices[0].cast<double>());
     for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex.cast<double>());
@@ -53,7 +53,7 @@ json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions o
     AreaTask whole{std::string(kWholeModel), "", "whole"};
     whole.is_whole_model = true;
     const AreaResult all = measure_outline(mesh, whole, plane_of_all(mesh), options);
-    // How far the stated noise is too large is alike all over a dive, and shows on smooth ground.
+    // The stated noise is too large by the same factor all over a dive, and smooth ground shows it.
     options.noise_share = std::min(options.noise_share, all.noise_share);
     json areas = json::array({all.area});
     json metrics = all.metrics;

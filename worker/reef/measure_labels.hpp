@@ -9,17 +9,17 @@
 
 namespace divemesh::reef {
 
-// The ground on which colonies were counted: the quadrats that carry no label, else all that was
-// seen.
+// The ground on which colonies are counted: the quadrats without a label, otherwise all seen
+// ground.
 struct SurveyedGround {
-    std::string name;  // as the figures' area
+    std::string name;  // the area of the metrics
     double seen_m2 = 0.0;
-    std::vector<AreaPlane> quadrats;  // none: everywhere
+    std::vector<AreaPlane> quadrats;  // empty: everywhere
 };
 
-// Colonies (polygons and quadrats with a label) per m2, cover, and the quartiles of their areas and
-// diameters, label by label, as entries of "figures". A colony counts where the mean of its corners
-// lies over a quadrat.
+// Returns colonies (polygons and quadrats with a label) per m2, cover, and the quartiles of their
+// areas and diameters, for each label, as entries of "figures". A colony counts if the mean of its
+// corners lies over a quadrat.
 nlohmann::json measure_labels(const AreaSet& set, const SurveyedGround& ground, std::uint64_t seed);
 
 }  // namespace divemesh::reef

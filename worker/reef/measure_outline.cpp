@@ -13,8 +13,8 @@
 namespace divemesh::reef {
 namespace {
 
-// Of an area whose border is known to half the detail that the surface holds, every such stretch
-// of it independently.
+// Returns sigma of an area whose border is known to half the detail of the surface, each such
+// length of it independently.
 double border_sigma_m2(double border_m, double detail_m) {
     return detail_m * std::sqrt(border_m * detail_m / 12.0);
 }
@@ -55,8 +55,8 @@ std::optional<std::string> refusal(const MetricKind& kind,
     return kind.resolution_m ? refused_at(*kind.resolution_m, sampling_resolution) : std::nullopt;
 }
 
-// Nothing where heights within a square of the figure's resolution differ by more than three sigma
-// of the surface: a fractal dimension of less is one of errors, about 2.5.
+// Returns a refusal if heights within a square of the metric's resolution differ by less than three
+// sigma of the surface: a fractal dimension of less would be that of errors, about 2.5.
 std::optional<std::string> too_flat(const MetricKind& kind, const OutlineSurvey& survey) {
     if (!kind.needs_height_spread || !kind.resolution_m) return std::nullopt;
     const std::vector<double> ranges =
@@ -77,7 +77,7 @@ stats::SharedError shared_error(const MetricKind& kind,
             kind.is_from_plane ? options.sigma_shared_m * result.coverage * result.planar_m2 : 0.0};
 }
 
-// Those that can be taken are; the others say why not, in their place.
+// Adds the metrics; those that cannot be measured with the reason, in their place.
 void add_metrics(const std::vector<MetricKind>& kinds,
                  const AreaTask& task,
                  const OutlineSurvey& survey,

@@ -9,29 +9,31 @@
 
 namespace divemesh::reef {
 
+// The names of an area to be measured.
 struct AreaTask {
     std::string name;
     std::string label;
     std::string kind;
-    bool is_whole_model = false;  // no outline of its own: what was seen is the area
+    bool is_whole_model = false;  // has no outline: the seen ground is the area
 };
 
+// The result of one area.
 struct AreaResult {
-    nlohmann::json area;                               // as measure_areas answers it
-    nlohmann::json metrics = nlohmann::json::array();  // likewise
-    double planar_m2 = 0.0;                            // of the outline; the whole: what was seen
-    double border_sigma_m2 = 0.0;                      // what planar_m2 of the whole errs by
+    nlohmann::json area;                               // an entry of measure_areas()
+    nlohmann::json metrics = nlohmann::json::array();  // entries of measure_areas()
+    double planar_m2 = 0.0;                            // of the outline; whole model: as seen
+    double border_sigma_m2 = 0.0;                      // sigma of the whole model's planar_m2
     double coverage = 0.0;
-    double noise_share = 1.0;  // of the stated local sigma, what the surface shows (NoiseLevel)
+    double noise_share = 1.0;  // shown share of the stated local sigma (NoiseLevel)
 };
 
-// The figures over the ground within an outline.
+// Measures the ground within an outline.
 AreaResult measure_outline(const types::Mesh& mesh,
                            const AreaTask& task,
                            const AreaPlane& plane,
                            const MeasureOptions& options);
 
-// Along a transect: the chain's length over the line's, at each spacing.
+// Measures along a transect: the chain's length over the line's, at each spacing.
 AreaResult measure_transect(const types::Mesh& mesh,
                             const AreaTask& task,
                             const std::vector<Eigen::Vector3d>& line,

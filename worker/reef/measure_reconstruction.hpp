@@ -10,27 +10,28 @@
 
 namespace divemesh::reef {
 
-// What a reconstruction says of its own fineness: where the body was, focal length, voxels.
+// Returns options with the reconstruction's own resolution: positions of the body, focal length,
+// voxels.
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction);
 
-// Areas in the ground truth's frame, moved by the SE(3) that lays the reconstruction's poses on the
-// true ones (T_reference_surface); those in the world's as they are. Throws Error{InvalidArgument}
-// when the areas need a ground truth and there is none.
+// Returns areas in the world frame. Areas in the ground truth's frame are transformed by the SE(3)
+// that aligns the reconstruction's poses with the true ones (T_reference_surface). Throws
+// Error{InvalidArgument} if the areas need a ground truth and there is none.
 AreaSet areas_in_world(const AreaSet& set,
                        const types::Trajectory& estimate,
                        const std::optional<types::Trajectory>& ground_truth);
 
 struct MeasureRequest {
-    std::filesystem::path reconstruction;        // folder
-    std::optional<std::filesystem::path> areas;  // areas.json; nothing: the whole model alone
+    std::filesystem::path reconstruction;               // folder
+    std::optional<std::filesystem::path> areas;         // areas.json; nullopt: only the whole model
     std::optional<std::filesystem::path> ground_truth;  // trajectory, TUM or EuRoC
     int num_threads = 0;
 };
 
-// `divemesh measure`: as measure_areas answers.
+// Runs `divemesh measure`; returns what measure_areas() returns.
 nlohmann::json measure_reconstruction(const MeasureRequest& request);
 
-// A heading and a row per figure: figure, area, label, unit, resolution_m, value, low, high,
+// Returns a header and a row per metric: figure, area, label, unit, resolution_m, value, low, high,
 // method, refused (RFC 4180; lines end with \n).
 std::string metrics_csv(const nlohmann::json& metrics);
 

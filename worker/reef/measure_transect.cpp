@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMargin_m = 0.05;
 
-// At each spacing; NaN: shorter than a link.
+// Returns the ratio at each spacing; NaN: shorter than a link.
 std::vector<double> chain_metrics(const Profile& profile, const MeasureOptions& options) {
     std::vector<double> values;
     for (const double spacing_m : options.spacings_m)
@@ -22,7 +22,7 @@ std::vector<double> chain_metrics(const Profile& profile, const MeasureOptions& 
     return values;
 }
 
-// As areas take hidden ground: bridged, and no less than what was seen.
+// Treats hidden ground as areas do: bridged, and no less than the seen ground.
 std::vector<double> with_hidden(const Profile& profile, const MeasureOptions& options) {
     std::vector<double> values = chain_metrics(gaps_filled(profile), options);
     const std::vector<double> seen = chain_metrics(profile, options);
@@ -39,7 +39,7 @@ MetricKind chain_kind(double spacing_m) {
     return kind;
 }
 
-// The roughest of the pieces says what can be said of the whole line.
+// Returns the coarsest resolution of the segments, which holds for the whole line.
 SamplingResolution sampling_resolution_of_all(const std::vector<TransectSegment>& segments,
                                               const std::vector<SurfacePatch>& patches,
                                               const MeasureOptions& options) {

@@ -9,7 +9,7 @@
 
 namespace divemesh::reef {
 
-// One entry of "figures".
+// Return one entry of "figures".
 nlohmann::json metric_json(const AreaTask& task,
                            const MetricKind& kind,
                            const stats::Estimate& estimate);

@@ -8,7 +8,7 @@
 namespace divemesh::reef {
 namespace {
 
-constexpr double kQuartileOfNormal = 0.318639;  // of |N(0, 1)|, the lower one
+constexpr double kQuartileOfNormal = 0.318639;  // lower quartile of |N(0, 1)|
 constexpr std::size_t kMinDifferences = 100;
 
 HeightGrid sigmas_at(const SurfacePatch& patch, const GridShape& shape) {

@@ -6,28 +6,28 @@
 
 namespace divemesh::reef {
 
-// How much of the stated noise a surface shows. A vertex's sigma is made from what matching may err
-// by at most; meshing evens out much of it, and calm water leaves less of it. Noise of standard
-// deviation sigma and correlation length L makes second differences over 2 L of
-// sigma sqrt(6 - 8 e^-4 + 2 e^-16); real relief only adds to them, so that the lower quartile of
-// their size, which the smooth parts of the ground decide, is no less than that of the noise (as
-// image noise is told from texture: Immerkaer 1996, Olsen 1993).
+// How much of the stated noise a surface shows. A vertex's sigma is derived from the max error of
+// matching; meshing smooths much of it, and calm water leaves less of it. Noise of standard
+// deviation sigma and correlation length L makes second differences over 2 L of sigma sqrt(6 - 8
+// e^-4 + 2 e^-16). Real relief only adds to them. So the lower quartile of their size, which the
+// smooth parts of the ground determine, is no less than that of the noise (as image noise is
+// distinguished from texture: Immerkaer 1996, Olsen 1993).
 class NoiseLevel {
 public:
     explicit NoiseLevel(double correlation_length_m) : lag_m_(2.0 * correlation_length_m) {}
 
-    // Every second difference along rows and columns of the patch's heights at these nodes.
+    // Adds every second difference along rows and columns of the patch's heights at these nodes.
     void add(const SurfacePatch& patch, const GridShape& shape);
 
-    // Of the stated local sigma, the part that can be there: 0 to 1; 1 where too little was added
-    // to tell.
+    // Returns the share of the stated local sigma that can be present, 0 to 1; 1 if too little was
+    // added to tell.
     double share() const;
 
 private:
     void add_along(const HeightGrid& heights, const HeightGrid& sigmas, int columns, int rows);
 
     double lag_m_;
-    std::vector<double> sizes_;  // in units of what the stated sigma makes
+    std::vector<double> sizes_;  // relative to the second differences of the stated sigma
 };
 
 }  // namespace divemesh::reef

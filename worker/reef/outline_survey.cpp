@@ -8,10 +8,10 @@
 namespace divemesh::reef {
 namespace {
 
-constexpr double kMargin_m = 0.05;  // of mesh around an area: noise moves what lies on its border
+constexpr double kMargin_m = 0.05;  // of mesh around an area, because noise moves its border
 
-// Spacings of the finest grid, which divide those that figures are asked at, and how many samples
-// it may have: fine grids are for small areas.
+// Spacings of the finest grid, which divide those of the options, and its max number of samples:
+// fine grids are for small areas.
 struct GridChoice {
     double spacing_m;
     double max_nodes;
@@ -26,7 +26,7 @@ std::vector<Eigen::Vector3d> cameras_in(const AreaPlane& plane, const MeasureOpt
     return cameras;
 }
 
-// Nothing when the coarsest has too many samples.
+// Returns nullopt if even the coarsest has too many samples.
 std::optional<GridShape> finest_grid(const Polygon& outline) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& corner : outline) box.extend(corner);
@@ -54,7 +54,7 @@ Ground OutlineSurvey::ground(const std::vector<Eigen::Vector3d>& vertices,
     const HeightGrid heights = sample_heights(vertices, patch[0].triangles, shape);
     Ground ground{patch[0], vertices, of_area(*this, heights), {}, {}};
     ground.R_world_plane = plane.T_plane_world.linear().transpose();
-    // What was seen beside the outline helps to bridge within it.
+    // Seen ground beside the outline helps to fill gaps within it.
     if (has_hidden) ground.gaps_filled = of_area(*this, bridge(heights));
     const double sharp_m2 = num_blurs > 0 ? grid_area(ground.grid).surface_m2 : 0.0;
     for (int i = 0; i < num_blurs; ++i) {

@@ -13,14 +13,14 @@
 
 namespace divemesh::reef {
 
-// The part of a mesh over an outline with all that its figures are taken from.
+// The part of a mesh over an outline, with all that its metrics are computed from.
 struct OutlineSurvey {
     AreaPlane plane;
-    std::vector<SurfacePatch> patch;  // one
+    std::vector<SurfacePatch> patch;  // exactly one
     SamplingResolution sampling_resolution;
     GridShape shape;
-    std::vector<std::uint8_t> within;  // of the nodes, those of the outline
-    bool has_hidden = false;           // of these, some were not seen
+    std::vector<std::uint8_t> within;  // per node: 1 within the outline
+    bool has_hidden = false;           // some nodes within the outline are unseen
 
     HeightGrid grid(const std::vector<Eigen::Vector3d>& vertices) const;
     Ground ground(const std::vector<Eigen::Vector3d>& vertices,
@@ -28,7 +28,8 @@ struct OutlineSurvey {
                   HeightGrid bridge(const HeightGrid&) = gaps_filled) const;
 };
 
-// Nothing but the patch and its fineness where the outline is too large for samples of 25 cm.
+// An outline's survey. Without samples (the outline is too large even for 25 cm) it has only the
+// patch and its resolution.
 struct CutOutline {
     OutlineSurvey survey;
     bool has_samples = false;
@@ -37,14 +38,15 @@ CutOutline cut_outline(const types::Mesh& mesh,
                        const AreaPlane& plane,
                        const MeasureOptions& options);
 
-// Brings the vertices' local sigma down to what the surface shows of it, no more than `most` of
-// what is stated. Answers the share that was kept.
+// Lowers the vertices' local sigma to what the surface shows of it, at most `most` of the stated
+// one. Returns the share that was kept.
 double limit_to_noise_level(OutlineSurvey& survey, double most);
 
+// Numbers of nodes of an outline's grid.
 struct SeenNodes {
     double num_within = 0.0;
     double num_seen = 0.0;
-    double num_border = 0.0;  // sides between seen nodes and what was not seen
+    double num_border = 0.0;  // sides between seen and unseen nodes
 };
 SeenNodes count_seen(const OutlineSurvey& survey);
 

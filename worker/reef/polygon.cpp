@@ -40,7 +40,7 @@ bool sides_meet(const Eigen::Vector2d& a,
            distance_to_side(c, d, a) < kOnBorder_m || distance_to_side(c, d, b) < kOnBorder_m;
 }
 
-// What is left of the line from a to b.
+// Returns the part to the left of the line from a to b.
 Polygon clipped(const Polygon& polygon, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     Polygon left;
     for (std::size_t i = 0; i < polygon.size(); ++i) {

@@ -8,25 +8,25 @@
 
 namespace divemesh::reef {
 
-// Colonies of one label on the surveyed ground: a sample of the reef, so that the intervals say
-// what another survey of as much ground might count.
+// Colonies of one label on the surveyed ground. They are a sample of the reef, so the intervals
+// tell what another survey of as much ground might count.
 struct Population {
-    std::vector<double> areas_m2;     // planar, one a colony
-    std::vector<double> diameters_m;  // longest, likewise
+    std::vector<double> areas_m2;     // planar, one per colony
+    std::vector<double> diameters_m;  // longest diameter, one per colony
     double surveyed_m2 = 0.0;
 };
 
 // Returns a Poisson count with its exact interval (Garwood 1936).
 stats::Estimate poisson_count(std::size_t num);
 
-// Colonies per m2, by that interval.
+// Returns colonies per m2, with the interval of poisson_count().
 stats::Estimate density_per_m2(const Population& population);
 
-// Share of the surveyed ground, with the variance of a compound Poisson sum: that of the squared
-// areas.
+// Returns the share of the surveyed ground, with the variance of a compound Poisson sum: that of
+// the squared areas.
 stats::Estimate cover(const Population& population);
 
-// A quantile of at least one size by linear interpolation, bootstrapped over the colonies.
+// Returns a quantile of at least one size by linear interpolation, bootstrapped over the colonies.
 stats::Estimate size_quantile(const std::vector<double>& sizes, double share, std::uint64_t seed);
 
 }  // namespace divemesh::reef

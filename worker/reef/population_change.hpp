@@ -8,27 +8,27 @@
 
 namespace divemesh::reef {
 
-// One colony at two times: gone, new, or there at both. What its size is measured by is the
-// caller's (m2, m).
+// One colony at two times: gone, new, or present at both. The caller chooses how its size is
+// measured (m2, m).
 struct Individual {
     std::optional<double> before;
     std::optional<double> after;
 };
 
-// Intervals say what another piece of the same reef, as large, might show: the same ground is
-// looked at twice, so that what stayed as it was cancels and only what became of each colony
-// varies.
+// The intervals of these functions tell what another part of the same reef, as large, might show.
+// The same ground is surveyed twice, so unchanged colonies cancel and only the changes of colonies
+// vary.
 
-// New less gone: the difference of two Poisson counts, its limits from theirs (MOVER; Zou and
-// Donner 2008).
+// Returns new minus gone colonies: the difference of two Poisson counts, with an interval from
+// those of both (MOVER; Zou and Donner 2008).
 stats::Estimate count_change(const std::vector<Individual>& individuals);
 
-// Sum of the sizes after less that before, with the variance of a compound Poisson sum: that of the
-// squared differences.
+// Returns the sum of the sizes after minus that before, with the variance of a compound Poisson
+// sum: that of the squared differences.
 stats::Estimate sum_change(const std::vector<Individual>& individuals);
 
-// Median of the sizes after less that before, bootstrapped over the individuals. Nothing when one
-// of both times has none.
+// Returns the median of the sizes after minus that before, bootstrapped over the individuals;
+// nullopt if there are no individuals at one of the times.
 std::optional<stats::Estimate> median_change(const std::vector<Individual>& individuals,
                                              std::uint64_t seed);
 

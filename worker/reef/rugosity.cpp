@@ -9,7 +9,7 @@
 namespace divemesh::reef {
 namespace {
 
-// Twice the area of a triangle whose legs are one spacing long and that rises by these.
+// Returns twice the area of a triangle whose legs are one spacing long and rise by these heights.
 double twice_area(double spacing_m, double rise_x, double rise_y) {
     const double s = spacing_m * spacing_m;
     return std::sqrt(s * (s + rise_x * rise_x + rise_y * rise_y));
@@ -17,7 +17,7 @@ double twice_area(double spacing_m, double rise_x, double rise_y) {
 
 GridArea area_of_cell(const std::array<double, 4>& corners, double s) {  // 00 10 11 01
     int num_seen = 0;
-    double twice = 0.0;  // of the triangles at each corner between its two neighbours
+    double twice = 0.0;  // of the triangles at each corner with its two neighbours
     int num_triangles = 0;
     for (int i = 0; i < 4; ++i) {
         const double here = corners[i];
@@ -29,7 +29,7 @@ GridArea area_of_cell(const std::array<double, 4>& corners, double s) {  // 00 1
         ++num_triangles;
     }
     if (num_triangles == 0) return {};
-    const double share = num_seen == 4 ? 1.0 : 0.5;  // four triangles are two cuts of one cell
+    const double share = num_seen == 4 ? 1.0 : 0.5;  // four triangles: a cell split both ways
     return {0.5 * twice * (num_seen == 4 ? 0.5 : 1.0), share * s * s};
 }
 

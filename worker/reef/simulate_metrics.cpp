@@ -25,7 +25,8 @@ Places noisy_places(const std::vector<SurfacePatch>& patches,
     return places;
 }
 
-// As many as asked for, but no more than half a minute's for a model of millions of vertices.
+// Returns the requested number, but limits the time to half a minute for a model of millions of
+// vertices.
 int num_replicates(const std::vector<SurfacePatch>& patches,
                    std::vector<double> SurfacePatch::*sigma_m,
                    const MeasureOptions& options) {

@@ -10,21 +10,22 @@
 
 namespace divemesh::reef {
 
-// Figures of the ground whose vertices, patch by patch, are at these places; NaN: cannot be taken.
+// Returns the metrics of the ground with the vertices, patch by patch, at these places; NaN: not
+// measurable.
 using Places = std::vector<std::vector<Eigen::Vector3d>>;
 using Evaluate = std::function<std::vector<double>(const Places& vertices, int num_blurs)>;
 
-// Each figure as measured and sharpened, the latter with noise of the vertices' local sigma once
-// and twice over as well. `evaluate` is asked for blurs where `has_blur`. No replicates where no
-// vertex has a sigma. The patches share no vertex.
+// Returns each metric as measured and sharpened; the sharpened one also with noise of once and
+// twice the vertices' local sigma. Calls `evaluate` with blurs if `has_blur`. Makes no replicates
+// if no vertex has a sigma. The patches share no vertex.
 std::vector<stats::Simulated> simulate_metrics(const std::vector<SurfacePatch>& patches,
                                                double correlation_length_m,
                                                bool has_blur,
                                                const MeasureOptions& options,
                                                const Evaluate& evaluate);
 
-// Standard deviation of each figure over surfaces moved by the vertices' sigma_bend, alike over
-// `alike_m`. Empty where no vertex has one.
+// Returns the standard deviation of each metric over surfaces moved by the vertices' sigma_bend, in
+// common over `alike_m`; empty if no vertex has a sigma_bend.
 std::vector<double> bend_deviations(
     const std::vector<SurfacePatch>& patches,
     double alike_m,

@@ -6,7 +6,7 @@
 namespace divemesh::reef {
 namespace {
 
-// Between two places one lattice step apart the correlation is 0.394, and 1/e at this many steps.
+// The correlation is 0.394 one lattice step apart, and 1/e at this many steps.
 constexpr double kCorrelationLength_steps = 1.04;
 
 std::uint64_t hash64(std::uint64_t value) {  // finaliser of splitmix64 (Steele et al. 2014)
@@ -16,7 +16,8 @@ std::uint64_t hash64(std::uint64_t value) {  // finaliser of splitmix64 (Steele 
     return value ^ (value >> 31);
 }
 
-// Variance 1: the sum of four uniform numbers (Irwin and Hall), of which 27 are summed again.
+// Returns a number of variance 1: the sum of four uniform numbers (Irwin and Hall), of which 27 are
+// summed again.
 double normal_at(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int64_t z) {
     std::uint64_t bits =
         hash64(seed ^ hash64(static_cast<std::uint64_t>(x) * 0xd6e8feb86659fd93ULL ^
@@ -27,7 +28,8 @@ double normal_at(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int64_
     return (sum / 65535.0 - 2.0) * std::sqrt(3.0);
 }
 
-// Of a quadratic B-spline for the node nearest to `place`, the one before and the one after.
+// Returns the weights of a quadratic B-spline for the node nearest to `place`, the one before and
+// the one after.
 std::array<double, 3> weights(double offset) {  // from the nearest, [-0.5, 0.5]
     return {0.5 * (0.5 - offset) * (0.5 - offset),
             0.75 - offset * offset,

@@ -20,7 +20,8 @@ Box bounds_of(const Polygon& outline, double margin_m) {
     return {box.min().array() - margin_m, box.max().array() + margin_m};
 }
 
-// An upright rectangle is filled by its bounds: what lies within them need not be cut.
+// Returns whether the outline is an upright rectangle, so that parts within its bounds need no
+// clipping.
 bool fills(const Polygon& outline, const Box& bounds) {
     return outline.size() == 4 && area_m2(outline) > (1.0 - 1e-9) * bounds.volume();
 }
@@ -43,7 +44,7 @@ double known_or_zero(const std::vector<float>& sigmas_m, std::uint32_t vertex) {
     return std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0;
 }
 
-// Takes vertices over as triangles ask for them.
+// Copies vertices into the patch as triangles need them.
 class PatchBuilder {
 public:
     PatchBuilder(const types::Mesh& mesh, const Eigen::Isometry3d& T_plane_world)

@@ -7,19 +7,19 @@
 
 namespace divemesh::reef {
 
-// One standard deviation of each figure for what is no noise of the vertices:
-// - hidden ground: what it would change to go on at its lower end instead of being bridged;
-// - steps, of figures that blurring is not asked of: a disparity puts them anywhere in its support,
-//   so that all may lie 1 / sqrt(12) of `detail_m` farther out or in;
-// - what bends lose and poses move (the vertices' sigma less its noise): a field of that size,
-// alike
-//   over `detail_m`, put on the surface time and again.
+// Returns one standard deviation of each metric for what is not noise of the vertices:
+// - hidden ground: the change if it continued at its lower end instead of being bridged;
+// - steps, for metrics without blurring: a disparity puts them anywhere in its support, so that all
+//   may lie 1 / sqrt(12) of `detail_m` farther out or in;
+// - bends and poses (the vertices' sigma without its noise): random fields of that size, in common
+//   over `detail_m`, put on the surface.
 std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
                                            const std::vector<MetricKind>& kinds,
                                            const std::vector<stats::Simulated>& simulated,
                                            const MeasureOptions& options);
 
-// The figure; a direction as the turn of 360 degrees nearest to `near`. NaN: cannot be taken.
+// Returns the metric's value; for a direction the equivalent angle (mod 360 degrees) nearest to
+// `near`. NaN: not measurable.
 double value_of(const MetricKind& kind, const Ground& ground, double near);
 
 }  // namespace divemesh::reef

@@ -28,7 +28,7 @@ double curvature(const HeightGrid& grid, int column, int row) {
     return (4.0 * grid.at(column, row) - around) / (grid.shape.spacing_m * grid.shape.spacing_m);
 }
 
-// Of the windows around each node; zero where not all of it is seen.
+// Returns the normals of the windows around each node; zero if part of a window is unseen.
 std::vector<Eigen::Vector3d> normals_of(const HeightGrid& grid) {
     std::vector<Eigen::Vector3d> normals(grid.shape.num_nodes(), Eigen::Vector3d::Zero());
     for (int row = 1; row + 1 < grid.shape.num_rows; ++row)

@@ -6,7 +6,7 @@
 namespace divemesh::reef {
 namespace {
 
-constexpr double kStep_m = 0.005;  // of which every spacing of the options is a multiple
+constexpr double kStep_m = 0.005;  // every spacing of the options is a multiple of it
 
 }  // namespace
 
@@ -78,7 +78,7 @@ Profile blurred(const Profile& profile, double side_m) {
 }
 
 Profile gaps_filled(Profile profile) {
-    std::size_t last = profile.size();  // seen
+    std::size_t last = profile.size();  // last seen index
     for (std::size_t i = 0; i < profile.size(); ++i) {
         if (!(profile[i].height_m > kUnseen_m)) continue;
         for (std::size_t k = last + 1; k < i; ++k) {

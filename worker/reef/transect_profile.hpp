@@ -10,33 +10,35 @@
 
 namespace divemesh::reef {
 
-// A straight piece of the line with the mesh around it; samples at whole steps of the line.
+// A straight segment of the line with the mesh around it; samples at whole steps of the line.
 struct TransectSegment {
     AreaPlane plane;
     GridShape shape;  // one row
     double first_along_m = 0.0;
-    double datum_m = 0.0;  // of its heights, against the first piece's
+    double datum_m = 0.0;  // of its heights, relative to the first segment's
 };
 
+// Splits a line, m, at its points into straight segments; heights are along `normal`.
 std::vector<TransectSegment> segments_of(const std::vector<Eigen::Vector3d>& line,
                                          const Eigen::Vector3d& normal);
 
 using Profile = std::vector<ProfilePoint>;  // kUnseen_m: no surface there
 
-// The highest surface along all pieces, every 5 mm, with the patches' vertices at these places.
+// Returns the highest surface along all segments, every 5 mm, with the patches' vertices at these
+// places.
 Profile profile_of(const std::vector<TransectSegment>& segments,
                    const std::vector<SurfacePatch>& patches,
                    const Places& places);
 
-// What sampling at that spacing, a multiple of 5 mm, would have given.
+// Returns what sampling at that spacing, a multiple of 5 mm, would give.
 Profile every(const Profile& profile, double spacing_m);
 
-// Means of the seen heights within this length around each seen point.
+// Returns the means of the seen heights within this length around each seen point.
 Profile blurred(const Profile& profile, double side_m);
 
-// The straight line over every gap between what was seen.
+// Fills every gap between seen points with a straight line.
 Profile gaps_filled(Profile profile);
 
-double coverage_of(const Profile& profile);  // share that was seen
+double coverage_of(const Profile& profile);  // share of seen points
 
 }  // namespace divemesh::reef

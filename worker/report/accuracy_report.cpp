@@ -75,7 +75,7 @@ json make_accuracy_report(const AccuracyReportRequest& request,
     const ReportMeasurements measured = measure_for_report(inputs, request, progress);
     const json report = report_document(request, requirements, inputs, measured);
     std::filesystem::create_directories(request.out);
-    // A name in a dive may be no UTF-8: it must not cost the report.
+    // A name in a dive may be invalid UTF-8, which must not fail the report.
     const auto replace = json::error_handler_t::replace;
     base::write_file(request.out / "report.json", report.dump(2, ' ', false, replace) + "\n");
     base::write_file(request.out / "report.csv", report_csv(report));

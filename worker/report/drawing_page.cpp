@@ -53,7 +53,7 @@ std::string image_url(const std::filesystem::path& file) {
            encode_base64({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
 
-// Picked, not averaged: 0 says that nothing is there.
+// Takes nodes without averaging, because 0 means that there is no surface.
 json height_grid(const std::filesystem::path& file, const json& elevation, double width_m) {
     const cv::Mat steps = no_larger(
         read_png(file, cv::IMREAD_UNCHANGED, CV_16UC1), kMaxHeightSide_px, cv::INTER_NEAREST);
@@ -67,7 +67,7 @@ json height_grid(const std::filesystem::path& file, const json& elevation, doubl
                  {reinterpret_cast<const char*>(steps.data), steps.total() * steps.elemSize()})}};
 }
 
-// In a script nothing may look like the end of it.
+// Returns JSON for a script, where no text may look like the script's end.
 std::string for_script(const json& data) {
     std::string text;
     for (const char c : data.dump(-1, ' ', true))

@@ -6,9 +6,10 @@
 
 namespace divemesh::report {
 
-// A page in one file on which areas are drawn over the mosaic of a reconstruction, and saved as
-// what `divemesh measure --areas` reads: each point with the height of the surface there. Throws
-// Error{NotFound} when the reconstruction has no mosaic, Error{BadData} for one that is damaged.
+// Returns a page in one file on which a user draws areas over the mosaic of a reconstruction. It
+// saves them as `divemesh measure --areas` reads them: each point with the height of the surface
+// there. Throws Error{NotFound} if the reconstruction has no mosaic, Error{BadData} if that is
+// damaged.
 std::string drawing_page(const io::ReconstructionFolder& model);
 
 }  // namespace divemesh::report

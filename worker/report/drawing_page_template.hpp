@@ -4,7 +4,8 @@
 
 namespace divemesh::report {
 
-// The template beside this file, for fill_template(): `data` is JSON that is safe in a script.
+// Returns the template beside this file, for fill_template(): `data` is JSON that is safe in a
+// script.
 std::string_view drawing_page_template_html();
 
 }  // namespace divemesh::report

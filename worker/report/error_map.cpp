@@ -70,7 +70,7 @@ private:
     std::optional<evaluation::SurfaceIndex> surface_;
 };
 
-// Of each pixel that shows surface within range; NaN elsewhere.
+// Returns the distance of each pixel that shows surface within range, m; NaN elsewhere.
 cv::Mat distances_m(const mosaic::Mosaic& image,
                     const types::Mesh& reference,
                     const evaluation::SurfaceErrorInput& input) {

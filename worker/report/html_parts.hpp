@@ -9,19 +9,19 @@
 
 namespace divemesh::report {
 
-// What the pages for a person have in common, as templates by name: {{>page_head}} up to </head>,
-// of `title`; {{>rows}}, {{>grid}} and {{>findings}} of the values below.
+// Returns the common templates of all pages by name: {{>page_head}} up to </head>, of `title`;
+// {{>rows}}, {{>grid}} and {{>findings}} of the values below.
 const std::map<std::string, std::string_view>& html_parts();
 
 using HtmlRows = std::vector<std::pair<std::string, std::string>>;  // name, value
 
-// For {{>rows}}, a table of names and values; null when there is no row.
+// Returns the values for {{>rows}}, a table of names and values; null without rows.
 nlohmann::json rows_values(const HtmlRows& rows);
 
-// For {{>grid}}, a table whose first row is its head; null when there is no other.
+// Returns the values for {{>grid}}, a table whose first row is its head; null without further rows.
 nlohmann::json grid_values(const std::vector<std::vector<std::string>>& rows);
 
-// For {{>findings}}, as they are in metrics.json.
+// Returns the values for {{>findings}}, as they are in metrics.json.
 nlohmann::json findings_values(const nlohmann::json& findings);
 
 }  // namespace divemesh::report

@@ -32,7 +32,7 @@ mustache::data to_data(const json& value) {
     }
 }
 
-// Mustache leaves out what is missing; here it is a mistake in the program.
+// Throws for a missing name. Mustache leaves it out, but here it is a bug.
 class StrictContext : public mustache::context<std::string> {
 public:
     explicit StrictContext(const mustache::data& values) : context(&values) {

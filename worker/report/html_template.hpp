@@ -6,12 +6,12 @@
 
 namespace divemesh::report {
 
-// Fills a mustache template: {{name}} is replaced by the escaped value, {{{name}}} by a value that
-// is HTML or SVG already. {{#name}}...{{/name}} is repeated for each item of a list, stands once
-// for true or an object, whose names it sees, and not at all for an empty list, false or null;
+// Fills a mustache template. {{name}} is replaced by the escaped value, {{{name}}} by a value that
+// already is HTML or SVG. {{#name}}...{{/name}} is repeated for each item of a list, appears once
+// for true or an object, whose names it can use, and is left out for an empty list, false or null;
 // {{^name}}...{{/name}} is the opposite. {{.}} is the item itself, {{>name}} one of the parts in
-// html_parts.hpp. Throws std::logic_error for a name that `values` lack, for an unknown part and
-// for a template that is malformed.
+// html_parts.hpp. Throws std::logic_error for a name that is not in `values`, an unknown part and a
+// malformed template.
 std::string fill_template(std::string_view text, const nlohmann::json& values);
 
 }  // namespace divemesh::report

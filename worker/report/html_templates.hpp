@@ -4,7 +4,7 @@
 
 namespace divemesh::report {
 
-// The templates beside this file, for fill_template().
+// Return the templates beside this file, for fill_template().
 std::string_view accuracy_page_html();
 std::string_view findings_html();
 std::string_view grid_html();

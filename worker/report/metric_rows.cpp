@@ -7,7 +7,8 @@ namespace {
 
 using nlohmann::json;
 
-// A figure by its path in metrics.json, scaled to what a person reads; no row when it is not there.
+// Adds a row for a metric by its path in metrics.json, scaled to a readable unit; no row if it is
+// missing.
 class MetricReader {
 public:
     explicit MetricReader(const json& metrics) : metrics_(metrics) {}

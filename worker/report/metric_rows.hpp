@@ -6,9 +6,9 @@
 
 namespace divemesh::report {
 
-// Figures of metrics.json in the words and units of a person; what is not there is left out.
+// Return metrics of metrics.json in readable words and units; missing metrics are left out.
 HtmlRows accuracy_rows(const nlohmann::json& metrics);
-HtmlRows expected_rows(const nlohmann::json& metrics);  // what the result expects of itself
+HtmlRows expected_rows(const nlohmann::json& metrics);  // the result's own uncertainty
 HtmlRows dive_rows(const nlohmann::json& metrics);
 HtmlRows result_rows(const nlohmann::json& metrics);
 

@@ -11,7 +11,7 @@ constexpr char kEstimateColor[] = "#0b6fa4";
 constexpr char kErrorColor[] = "#b3541e";
 
 struct Paths {
-    std::vector<Eigen::Vector3d> truth;  // empty: none
+    std::vector<Eigen::Vector3d> truth;  // empty: no truth
     std::vector<Eigen::Vector3d> estimate;
 };
 

@@ -5,14 +5,14 @@
 
 namespace divemesh::report {
 
-// Truth and aligned estimate where `error` is given, else the path as it is.
+// Plot truth and aligned estimate if `error` is given, otherwise the path as it is.
 Plot path_from_above(const evaluation::TrajectoryError* error, const types::Trajectory& path);
 Plot path_from_the_side(const evaluation::TrajectoryError* error, const types::Trajectory& path);
 
-// With truth: the error over time. Without: how high the rig was.
+// Plots the error over time if `error` is given, otherwise the height of the rig.
 Plot error_over_time(const evaluation::TrajectoryError* error, const types::Trajectory& path);
 
-// Relative error of translation over length of segment.
+// Plots the relative error of translation over the length of segments.
 Plot error_by_segment(const evaluation::TrajectoryError& error);
 
 }  // namespace divemesh::report

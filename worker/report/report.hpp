@@ -13,11 +13,11 @@ struct ReportInput {
     const nlohmann::json& metrics;        // metrics.json
     const types::Trajectory& trajectory;  // final
     const evaluation::Evaluation& evaluation;
-    std::string image_png;  // of the result, at most some 100 kB; "" for none
+    std::string image_png;  // of the result, at most about 100 kB; "": no image
 };
 
-// report.html: one self-contained page for a person. Figures, two plots, the picture, the
-// findings; whatever came from the dive is escaped, no script, nothing is loaded.
+// Returns report.html: one self-contained page with metrics, two plots, the image and the findings.
+// All text from the dive is escaped; there are no scripts and no external resources.
 std::string report_html(const ReportInput& input);
 
 }  // namespace divemesh::report

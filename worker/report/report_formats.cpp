@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-// As short as reads back the same.
+// Returns the shortest text that reads back as the same number.
 std::string number_text(const json& value) {
     if (!value.is_number()) return "";
     std::array<char, 40> text{};
@@ -19,7 +19,7 @@ std::string number_text(const json& value) {
     return {text.data(), end};
 }
 
-// Characters that XML 1.0 does not know are left out.
+// Leaves out characters that XML 1.0 does not allow.
 std::string escaped(const std::string& text) {
     std::string result;
     for (const char c : text) {

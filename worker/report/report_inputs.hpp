@@ -14,12 +14,12 @@
 
 namespace divemesh::report {
 
-// What an accuracy report is made of: the reconstruction, and whatever is known from elsewhere,
-// files of the request before what the dive brings.
+// The inputs of an accuracy report: the reconstruction and the known truth, where files of the
+// request override those of the dive.
 struct ReportInputs {
     io::ReconstructionFolder reconstruction;
-    std::unique_ptr<dive::Dive> dive;         // none: not given
-    std::optional<io::TrajectoryFile> truth;  // nothing: none
+    std::unique_ptr<dive::Dive> dive;         // null: not given
+    std::optional<io::TrajectoryFile> truth;  // nullopt: no truth
     std::string truth_source;                 // "dive" or the name of the file
     std::optional<types::Mesh> reference;     // without triangles: a cloud
     std::vector<dive::KnownDistance> known_distances;
@@ -27,12 +27,12 @@ struct ReportInputs {
     std::vector<Finding> findings;
 };
 
-// measurements.json; adds what is wrong with single distances. Throws Error{BadData} when nothing
-// of it can be read, Error{TooLarge} beyond 16 MiB.
+// Reads measurements.json; adds findings for faulty single distances. Throws Error{BadData} if the
+// file is unreadable, Error{TooLarge} beyond 16 MiB.
 std::vector<dive::KnownDistance> read_known_distances(const std::filesystem::path& file,
                                                       std::vector<Finding>& findings);
 
-// Throws Error{BadData} when the dive is another one than that of the reconstruction.
+// Throws Error{BadData} if the dive is not that of the reconstruction.
 ReportInputs read_report_inputs(const AccuracyReportRequest& request,
                                 const base::ProgressCallback& progress);
 

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-// The frames of the piece that has most of them, by metrics.json.
+// Returns the frames of the segment with the most frames, by metrics.json.
 types::Trajectory largest_segment(types::Trajectory trajectory, const json& metrics) {
     const json segments = metrics.value("pieces", json::array());
     const auto largest =
@@ -45,7 +45,7 @@ evaluation::RegisteredTruth register_for(const types::Trajectory& path,
     return registered;
 }
 
-// All that is compared with one truth.
+// Compares a reconstruction with one truth.
 class Measuring {
 public:
     Measuring(const ReportInputs& inputs,
@@ -93,7 +93,7 @@ void Measuring::compare_trajectories() try {
     result_.trajectory = evaluation::trajectory_error(result_.path, poses, options);
     result_.has_orientation = registration.has_orientation;
     const auto known_sections = [&](json metrics) {
-        // Nothing to take it over is not a drift of zero.
+        // Without segments the drift is unknown, not zero.
         if (metrics.at("segments").empty()) metrics["drift_percent"] = nullptr;
         return registration.has_orientation ? metrics
                                             : evaluation::without_rotations(std::move(metrics));
@@ -155,7 +155,7 @@ void Measuring::compare_surfaces(const base::ProgressCallback& progress) try {
            "check that both the mesh and the reference contain triangles or points");
 }
 
-// The truth of the rig's body, whatever the tracker followed.
+// Returns the truth of the rig's body, whatever point the tracker followed.
 types::Trajectory Measuring::true_body_path() const {
     const Eigen::Isometry3d T_marker_body = registered_.options.T_referencebody_estimatebody;
     types::Trajectory path = registered_.poses;
@@ -167,7 +167,7 @@ void Measuring::measure_distances() {
     const bool all_marked = std::all_of(inputs_.known_distances.begin(),
                                         inputs_.known_distances.end(),
                                         [](const dive::KnownDistance& d) { return d.is_marked(); });
-    // A reconstruction of the path alone leaves no keyframes to mark the ends in.
+    // A reconstruction of the trajectory only has no keyframes in which the ends could be marked.
     const bool has_truth =
         result_.trajectory && inputs_.reference && !inputs_.reference->triangles.empty() &&
         inputs_.reconstruction.has_surface() && !registered_.options.pair_by_index;

@@ -12,19 +12,20 @@
 
 namespace divemesh::report {
 
-// What was measured anew, and what the page shows of it.
+// New measurements, and what the page shows of them.
 struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON throws nothing
-    nlohmann::json document;  // metrics.json with the sections that were measured anew
-    types::Trajectory path;   // final, its largest piece
+    nlohmann::json document;  // metrics.json with the sections that were measured again
+    types::Trajectory path;   // final, its largest segment
     std::optional<evaluation::TrajectoryError> trajectory;
     bool has_orientation = true;  // of the truth
     std::optional<evaluation::SurfaceError> surface;
-    std::string error_map_png;     // "": none
-    double error_map_end_m = 0.0;  // what its last colour stands for
-    nlohmann::json reef;           // as measure_areas() answers; null: no areas were given
+    std::string error_map_png;     // "": no map
+    double error_map_end_m = 0.0;  // the distance of its last colour
+    nlohmann::json reef;           // as measure_areas() returns it; null: no areas were given
     std::vector<Finding> findings;
 };
 
+// Measures what the inputs allow; a measurement that is not possible becomes a finding.
 ReportMeasurements measure_for_report(const ReportInputs& inputs,
                                       const AccuracyReportRequest& request,
                                       const base::ProgressCallback& progress);

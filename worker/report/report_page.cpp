@@ -75,7 +75,7 @@ json distances(const json& metrics) {
     return grid_values(grid);
 }
 
-// Scale bars and printed sizes, then where each tag is.
+// Returns scale bars and printed sizes, then the place of each tag.
 json markers(const json& metrics) {
     const json section = metrics.value("markers", json::object());
     Grid bars = {{"Length between tags",

@@ -7,8 +7,8 @@
 
 namespace divemesh::report {
 
-// report.html of an accuracy report: one self-contained page for a person. Whatever came from
-// files is escaped, no script, nothing is loaded.
+// Returns report.html of an accuracy report: one self-contained page. All text from files is
+// escaped; there are no scripts and no external resources.
 std::string report_page(const nlohmann::json& report, const ReportMeasurements& measured);
 
 }  // namespace divemesh::report

@@ -8,12 +8,12 @@
 
 namespace divemesh::report {
 
-// What measure_areas() answers as figures of a report: "reef.rugosity[quadrat 1][0.05]" by area,
-// label where there is one, and resolution in m, its interval as ".low" and ".high". One that is
-// refused has no value, and its method says why. Of null: none.
+// Returns the result of measure_areas() as metrics of a report: "reef.rugosity[quadrat 1][0.05]" by
+// area, label if there is one, and resolution in m, with its interval as ".low" and ".high". A
+// refused metric has no value, and its method says why. Null gives an empty list.
 std::vector<Metric> reef_metrics(const nlohmann::json& reef);
 
-// The same for {{>grid}} of the page; null of null.
+// Returns the same for {{>grid}} of the page; null for null.
 nlohmann::json reef_table(const nlohmann::json& reef);
 
 }  // namespace divemesh::report

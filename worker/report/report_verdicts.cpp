@@ -47,8 +47,8 @@ bool contains_any(const std::string& name, std::initializer_list<const char*> wo
     });
 }
 
-// What a dive is like (its length, its calibration, how many keyframes) is no verdict on it, and
-// how fast it went is the machine's.
+// Properties of a dive (its length, its calibration, the number of keyframes) are not judged, and
+// its speed depends on the machine.
 Better better(const std::string& name) {
     const std::string last = name.substr(name.rfind('.') + 1);
     if (name.starts_with("speed.") || name.starts_with("calibration.")) return Better::Neither;

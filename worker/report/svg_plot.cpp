@@ -44,7 +44,7 @@ struct Range {
     }
 };
 
-// Where values lie on the picture.
+// Maps values to pixels of the plot.
 struct Axes {
     Range x;
     Range y;
@@ -81,7 +81,7 @@ Axes axes_of(const Plot& plot) {
     return axes;
 }
 
-// 1, 2 or 5 times a power of ten, at most eight of them on an axis.
+// Returns 1, 2 or 5 times a power of ten, for at most eight ticks on an axis.
 double tick_step(const Range& range) {
     const double power = std::pow(10.0, std::floor(std::log10(range.size() / 8.0)));
     for (const double factor : {1.0, 2.0, 5.0})
@@ -89,7 +89,7 @@ double tick_step(const Range& range) {
     return 10.0 * power;
 }
 
-// The multiples of the step within the range; zero is a plain 0.
+// Returns the multiples of the step within the range; zero is never -0.
 std::vector<double> ticks(const Range& range, double step) {
     std::vector<double> values;
     const auto last = static_cast<long>(std::floor(range.high / step));
@@ -98,7 +98,7 @@ std::vector<double> ticks(const Range& range, double step) {
     return values;
 }
 
-// What is shown of a tick at `at_px` along its axis.
+// Returns the tick at `at_px` along its axis.
 json tick(double at_px, double value, double step) {
     const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
     return {{"at", number(at_px, 1)}, {"value", number(value, digits)}};
@@ -148,7 +148,7 @@ json named(const PlotLine& line, double x, double y) {
             {"baseline", number(y + 4.0, 1)}};
 }
 
-// In a row above the plot; what has no room there in a column at its lower right.
+// Puts entries in a row above the plot; those without room there in a column at its lower right.
 json legend(const Plot& plot) {
     double row = 0.0, column = 0.0;
     for (const PlotLine& line : plot.lines) {

@@ -5,6 +5,7 @@
 
 namespace divemesh::report {
 
+// One line of a plot; `x` and `y` have the same length.
 struct PlotLine {
     std::string name;
     std::string color;  // CSS
@@ -18,11 +19,11 @@ struct Plot {
     std::string x_label;
     std::string y_label;
     std::vector<PlotLine> lines;
-    bool equal_scale = false;  // a metre is as long on both axes
+    bool equal_scale = false;  // a metre has the same length on both axes
 };
 
-// One inline <svg> with axes, ticks and a legend. Long lines are thinned to what the eye can tell
-// apart. Texts are escaped.
+// Returns one inline <svg> with axes, ticks and a legend. Long lines are thinned to what is
+// visible. Texts are escaped.
 std::string svg_plot(const Plot& plot);
 
 }  // namespace divemesh::report

@@ -7,7 +7,7 @@
 
 namespace divemesh::report {
 
-// Why a report cannot read a file of truth; "" when it can.
+// Returns why a report cannot read a file of truth; "" if it can.
 std::string problem_of_truth(TruthKind kind, const std::filesystem::path& file);
 
 }  // namespace divemesh::report
