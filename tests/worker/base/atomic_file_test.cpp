@@ -8,7 +8,7 @@
 namespace divemesh::base {
 namespace {
 
-class AtomicFileTest : public FileTest {};
+class AtomicFileTest : public io::FileTest {};
 
 // Limits the size of files that this process may write, during its life: imitates a full disk
 // without a mount.
@@ -51,14 +51,15 @@ TEST_F(AtomicFileTest, LeavesTheOldFileAloneWhenItIsGivenUp) {
 TEST_F(AtomicFileTest, AFullDiskIsToldAsSuchAndLeavesTheOldFile) {
     write("a.txt", "old");
     const FileSizeLimit limit(100'000);
-    const Error error = error_of([&] { write_file(file("a.txt"), std::string(3'000'000, 'x')); });
+    const Error error =
+        io::error_of([&] { write_file(file("a.txt"), std::string(3'000'000, 'x')); });
     EXPECT_EQ(error.code(), ErrorCode::OutOfSpace);
     EXPECT_EQ(read(file("a.txt")), "old");
     EXPECT_FALSE(std::filesystem::exists(file("a.txt.partial")));
 }
 
 TEST_F(AtomicFileTest, AMissingFolderIsNamed) {
-    const Error error = error_of([&] { write_file(file("no/such/a.txt"), "x"); });
+    const Error error = io::error_of([&] { write_file(file("no/such/a.txt"), "x"); });
     EXPECT_EQ(error.code(), ErrorCode::Unavailable);
     EXPECT_NE(std::string(error.what()).find("no/such/a.txt"), std::string::npos);
 }

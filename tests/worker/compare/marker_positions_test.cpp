@@ -5,7 +5,7 @@
 namespace divemesh::compare {
 namespace {
 
-class MarkerPositionsTest : public FileTest {
+class MarkerPositionsTest : public io::FileTest {
 protected:
     std::vector<MarkerPosition> positions(const std::string& metrics) {
         write("metrics.json", metrics);
@@ -34,8 +34,8 @@ TEST_F(MarkerPositionsTest, AReconstructionWithoutMarkersHasNone) {
 }
 
 TEST_F(MarkerPositionsTest, ABrokenSectionNamesItsFile) {
-    const Error error =
-        error_of([&] { positions(R"({"pieces": [], "markers": {"markers": [{"id": "x"}]}})"); });
+    const Error error = io::error_of(
+        [&] { positions(R"({"pieces": [], "markers": {"markers": [{"id": "x"}]}})"); });
 
     EXPECT_EQ(error.code(), ErrorCode::BadData);
     EXPECT_NE(std::string(error.what()).find("metrics.json, markers"), std::string::npos);

@@ -12,8 +12,8 @@ namespace {
 class FuseOnThreads : public testing::TestWithParam<int> {
 protected:
     FuseOnThreads() {
-        for (const auto& pose : views_from_above(4, 1.2)) {
-            auto view = render_view(bump_on_floor, small_rig(), pose);
+        for (const auto& pose : fusion::views_from_above(4, 1.2)) {
+            auto view = fusion::render_view(fusion::bump_on_floor, fusion::small_rig(), pose);
             view.keyframe.frame_index = static_cast<int>(frames_.size());
             store_.write(view.keyframe.frame_index, view.images.depth);
             images_.push_back(view.images.left_color);
@@ -24,7 +24,8 @@ protected:
     }
 
     FusedMap fuse(const base::ProgressCallback& progress) const {
-        return pipeline::fuse(small_rig(), frames_, 1.2, options_, store_, folder_ / "", progress);
+        return pipeline::fuse(
+            fusion::small_rig(), frames_, 1.2, options_, store_, folder_ / "", progress);
     }
 
     TemporaryFolder folder_;
