@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
     app.add_option("--year", year, "1 or 2")->check(CLI::Range(1, 2))->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     const divemesh::bench::ComparedPlace place(seed, num_vertices);
-    const types::Mesh mesh = place.model(year);
+    const divemesh::types::Mesh mesh = place.model(year);
     divemesh::synthetic::write_reconstruction(out, mesh);
     std::ofstream(out / "keyframes.json") << keyframes_of(place, year);
     std::cout << json{{"num_vertices", mesh.vertices.size()},

@@ -84,7 +84,7 @@ TEST(MisalignedTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     rotation.time_offset_s = 0.004;
     const Eigen::Quaterniond q_i = base::rotation_from_vector({0.4, 0.1, 0.9});
     const Eigen::Vector3d m(0.01, -0.02, 0.015);
-    const Eigen::Quaterniond M = MisalignedGyroRotationCost::small(m);
+    const Eigen::Quaterniond M = base::rotation_from_small_vector<double>(m);
     const Eigen::Quaterniond q_j = q_i * (M * rotation.integral.q_from_to * M.conjugate());
     const CostFunction cost(MisalignedGyroRotationCost::create(rotation));
 
