@@ -22,7 +22,7 @@
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"
 
-namespace divemesh::runner {
+namespace divemesh {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,9 +127,9 @@ void wait_once(const fs::path& marker, const base::ProgressCallback& progress) {
 
 }  // namespace
 
-dive::IntakeReport examine_dive(const fs::path&,
-                                const fs::path&,
-                                const base::ProgressCallback& progress) {
+dive::IntakeReport dive::examine_dive(const fs::path&,
+                                      const fs::path&,
+                                      const base::ProgressCallback& progress) {
     progress({.stage = "intake", .fraction = 1.0});
     return {.findings = {{.severity = Severity::Info, .code = "fake"}},
             .name = "fake",
@@ -139,8 +139,8 @@ dive::IntakeReport examine_dive(const fs::path&,
             .thumbnail_jpeg = "jpeg"};
 }
 
-nlohmann::json reconstruct_dive(const pipeline::ReconstructionRequest& request,
-                                const base::ProgressCallback& progress) {
+nlohmann::json pipeline::reconstruct_dive(const pipeline::ReconstructionRequest& request,
+                                          const base::ProgressCallback& progress) {
     const Script script = read_script(request.dive);
     progress({.stage = "track", .fraction = 0.1});
     if (script.word == "wait-once") wait_once(script.marker, progress);
@@ -173,8 +173,8 @@ nlohmann::json reconstruct_dive(const pipeline::ReconstructionRequest& request,
             {"calibration", {{"sha256", "fake calibration"}}}};
 }
 
-nlohmann::json compare_reconstructions(const compare::CompareRequest& request,
-                                       const base::ProgressCallback&) {
+nlohmann::json compare::compare_reconstructions(const compare::CompareRequest& request,
+                                                const base::ProgressCallback&) {
     if (!fs::exists(request.a / "mesh.ply") || !fs::exists(request.b / "mesh.ply"))
         throw Error(ErrorCode::Unavailable, "a mesh is missing");
     if (request.options.reach_m > 10.0) throw Error(ErrorCode::Conflict, "other ground");
@@ -182,13 +182,13 @@ nlohmann::json compare_reconstructions(const compare::CompareRequest& request,
     return {};
 }
 
-std::string problem_of_truth(TruthKind, const fs::path& file) {
+std::string report::problem_of_truth(TruthKind, const fs::path& file) {
     return fs::file_size(file) == 0 ? "the truth is empty" : "";
 }
 
 // Writes what it was given: the mesh, the truth, the findings, the history.
-nlohmann::json make_accuracy_report(const report::AccuracyReportRequest& request,
-                                    const base::ProgressCallback&) {
+nlohmann::json report::make_accuracy_report(const report::AccuracyReportRequest& request,
+                                            const base::ProgressCallback&) {
     if (request.ground_truth && fs::file_size(*request.ground_truth) == 0)
         throw Error(ErrorCode::BadData, "the truth is empty");
     std::ofstream file(request.out / "report.json");
@@ -211,4 +211,4 @@ nlohmann::json make_accuracy_report(const report::AccuracyReportRequest& request
             {"regressions", nlohmann::json::array()}};
 }
 
-}  // namespace divemesh::runner
+}  // namespace divemesh

@@ -15,18 +15,19 @@ using std::chrono::milliseconds;
 
 int run_worker(char** arguments) {
     const milliseconds lease(std::stol(arguments[5]));
-    const runner::WorkerConfig config{.catalog_url = arguments[2],
-                                      .blobs_url = arguments[3],
-                                      .work_folder = arguments[4],
-                                      .cache_folder = std::string(arguments[4]) + "-cache",
-                                      .cache_bytes = 12345,
-                                      .lease = lease,
-                                      .renew_every = lease / 5,
-                                      .poll_every = milliseconds(100),
-                                      .deadline = milliseconds(std::stol(arguments[6])),
-                                      .cancel_grace = milliseconds(1000),
-                                      .scratch_bytes = std::stol(arguments[8]),
-                                      .min_free_bytes = std::stol(arguments[9])};
+    const divemesh::runner::WorkerConfig config{
+        .catalog_url = arguments[2],
+        .blobs_url = arguments[3],
+        .work_folder = arguments[4],
+        .cache_folder = std::string(arguments[4]) + "-cache",
+        .cache_bytes = 12345,
+        .lease = lease,
+        .renew_every = lease / 5,
+        .poll_every = milliseconds(100),
+        .deadline = milliseconds(std::stol(arguments[6])),
+        .cancel_grace = milliseconds(1000),
+        .scratch_bytes = std::stol(arguments[8]),
+        .min_free_bytes = std::stol(arguments[9])};
     rlimit limit{};
     getrlimit(RLIMIT_FSIZE, &limit);
     limit.rlim_cur = std::stoul(arguments[7]);
@@ -42,7 +43,7 @@ int run_worker(char** arguments) {
         sigwait(&ending, &signal);
         stop.request_stop();
     }).detach();
-    runner::run_worker(config, stop.get_token());
+    divemesh::runner::run_worker(config, stop.get_token());
     return 0;
 }
 
@@ -50,7 +51,7 @@ int run_worker(char** arguments) {
 
 int main(int argc, char** argv) {
     const std::string command = argc > 1 ? argv[1] : "";
-    if (command == "attempt" && argc == 3) return attempt::run_attempt(argv[2]);
+    if (command == "attempt" && argc == 3) return divemesh::attempt::run_attempt(argv[2]);
     if (command == "worker" && argc == 10) return run_worker(argv);
     return 2;
 }
