@@ -44,11 +44,12 @@ TEST(AreaSet, WhatIsWrongIsSaidWithTheAreasName) {
     std::swap(crossing["corners"][0], crossing["corners"][1]);
     EXPECT_NE(refusal(one(crossing)).find("area 'q1' has no area"), std::string::npos);
     crossing["normal"] = {0, 0, 1};
-    EXPECT_NE(refusal(one(crossing)).find("area 'q1': sides cross"), std::string::npos);
+    EXPECT_NE(refusal(one(crossing)).find("area 'q1': its sides cross"), std::string::npos);
     json few = square();
     few["corners"].erase(0);
     few["corners"].erase(0);
-    EXPECT_NE(refusal(one(few)).find("area 'q1': fewer than three points"), std::string::npos);
+    EXPECT_NE(refusal(one(few)).find("area 'q1': it needs at least three points"),
+              std::string::npos);
     json flat = square();
     flat["corners"] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     EXPECT_NE(refusal(one(flat)).find("area 'q1' has no area"), std::string::npos);
