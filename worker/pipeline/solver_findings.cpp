@@ -50,7 +50,7 @@ std::string fixed(double value, int num_digits) {
 
 std::string lost_frames(const types::TrackStatistics& track) {
     const std::int64_t num_lost = track.num_frames - track.num_frames_tracked;
-    return std::to_string(num_lost) + " of " + std::to_string(track.num_frames - 1) +
+    return std::to_string(num_lost) + " of " + std::to_string(num_motions(track)) +
            " motions from frame to frame (" + fixed(100.0 * (1.0 - share_tracked(track)), 1) +
            " %) could not be measured by vision";
 }
