@@ -33,7 +33,7 @@ public:
     // not begun runs it itself. It never runs another task: wait() of a TBB task group would run
     // any task in the arena, however long.
     void run(std::function<void()> work);
-    void wait();
+    void wait();  // returns at once if there is no task
     // Returns true if another thread is running the task, so that waiting now would be idle time.
     bool is_running() const;
 

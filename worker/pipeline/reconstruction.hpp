@@ -61,7 +61,7 @@ struct Reconstruction {
 
     // mesh
     Surface surface;
-    mesh::MeshBorders borders;
+    mesh::MeshBorders borders;  // valid after border_finder.wait(), which the next stage calls
 
     // texture
     std::string thumbnail_png;
@@ -71,8 +71,9 @@ struct Reconstruction {
 
     std::vector<StageTime> stages;  // finished stages
 
-    // Background tasks: the cloud is written during meshing, and the mesh while its images are
-    // made. Declared last, so that they end before the data that they read is destroyed.
+    // Background tasks: the cloud is written during meshing, the mesh while its images are made,
+    // and its borders are found meanwhile. Declared last, so that they end before the data that
+    // they read is destroyed.
     base::TaskPool task_pool;
     base::BackgroundTask cloud_writer{task_pool};
     base::BackgroundTask mesh_writer{task_pool};

@@ -14,10 +14,11 @@ struct StageSpec {
     // The stage that progress reports instead of this one, which is then not listed among the
     // stages of a job; empty: this stage itself.
     std::string part_of = {};
-    double share = 0.0;  // of the progress if every stage runs
+    double share = 0.0;  // of the progress if every stage runs; the shares of a table sum to 1
     // The options that this stage is the first to read: a run with another value starts here.
     std::vector<std::string> reads = {};
-    // Returns true if the `reads` options affect the result; null: they always do.
+    // Returns true if the `reads` options affect the result; null: they always do. Returns false
+    // for an option that only decides whether the stage runs: later stages then stay as they are.
     bool (*reads_count)(const ReconstructionOptions& options) = nullptr;
     // Its files and folders in the scratch folder: an entry of the stage store.
     std::vector<std::string> files = {};
@@ -33,7 +34,8 @@ struct Stage {
     // or was made for another key. Null: the stage always runs.
     bool (*load)(State& state, const std::string& key) = nullptr;
     void (*run)(State& state, const base::ProgressCallback& progress) = nullptr;
-    // Writes `spec.files`, the one with `key` last. Null if `load` is null.
+    // Writes those of `spec.files` that run() has not written, the one with `key` last. Null if
+    // `load` is null.
     void (*save)(State& state, const std::string& key) = nullptr;
     // Runs after the result was loaded or made; null: not needed.
     void (*finish)(State& state) = nullptr;
