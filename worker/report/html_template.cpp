@@ -37,7 +37,7 @@ class StrictContext : public mustache::context<std::string> {
 public:
     explicit StrictContext(const mustache::data& values) : context(&values) {
         for (const auto& [name, text] : html_parts())
-            x_parts.emplace(name, mustache::data(std::string(text)));
+            parts_.emplace(name, mustache::data(std::string(text)));
     }
 
     const mustache::data* get(const std::string& name) const override {
@@ -46,13 +46,13 @@ public:
     }
 
     const mustache::data* get_partial(const std::string& name) const override {
-        const auto found = x_parts.find(name);
-        if (found != x_parts.end()) return &found->second;
+        const auto found = parts_.find(name);
+        if (found != parts_.end()) return &found->second;
         throw std::logic_error("there is no part {{>" + name + "}}");
     }
 
 private:
-    std::map<std::string, mustache::data> x_parts;
+    std::map<std::string, mustache::data> parts_;
 };
 
 }  // namespace
