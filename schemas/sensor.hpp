@@ -85,7 +85,7 @@ struct SensorAnswer {
 
 // A range of the history in equal steps of time, without steps that have no status.
 struct SensorHistory {
-    // Of one field in one step. Keeps min and max, so that thinning hides no peak.
+    // One field in one step. Keeps min and max, so that thinning hides no peak.
     struct Value {
         double least = 0.0;
         double mean = 0.0;

@@ -43,7 +43,7 @@ struct Incoming {
     std::size_t num_bytes = 0;
 };
 
-// What is written together.
+// The reports that one transaction writes.
 struct Batch {
     SensorReport report;
     std::vector<std::string> refusals;

@@ -31,8 +31,8 @@ constexpr double kMinWalk = 1e-6;   // rad/s
 constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
-// Of a step between keyframes: so wide that it has no effect where anything else constrains the
-// step.
+// The prior of a step between keyframes. It is so wide that it has no effect where anything else
+// constrains the step.
 constexpr double kStepSigma_m = 10.0;
 constexpr double kStepSigma_rad = 3.0;
 // Tracked features drift together, and the images of a dive cannot tell that drift from another

@@ -14,7 +14,7 @@ namespace {
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr double kMinDiagonal = 1e-6;  // before damping
-// Of a landmark's H, relative to a sphere's with the same trace.
+// The limit of the determinant of a landmark's H, relative to a sphere's with the same trace.
 constexpr double kMinDeterminant = 1e-12;
 
 struct Robust {

@@ -34,7 +34,7 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .volume_memory_bytes = made.volume_memory_bytes};
 }
 
-// Of the dive as it is, then of what was made of it.
+// Returns the findings about the dive, then those about its reconstruction.
 std::vector<Finding> findings(const Reconstruction& made) {
     std::vector<Finding> all = made.dive.findings();
     const std::vector<Finding>& later = made.optimised.findings;

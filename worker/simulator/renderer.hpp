@@ -19,7 +19,7 @@
 
 namespace divemesh::simulator {
 
-// What is rendered besides the scene.
+// The options of an image besides the scene.
 struct RenderOptions {
     Water water;
     bool caustics = false;

@@ -10,13 +10,13 @@ namespace divemesh::types {
 
 // The calibration estimated from the whole dive, and which parts of it are applied.
 struct RefinedCalibration {
-    // Of the IMU; the sigmas are 0 without a gyroscope.
+    // The IMU; its sigmas are 0 without a gyroscope.
     ImuAlignment imu;
     double time_offset_sigma_s = 0.0;
     Eigen::Vector3d rotation_sigma_rad = Eigen::Vector3d::Zero();  // of q_body_imu, axes of body
     bool time_offset_applied = false;
     bool rotation_applied = false;
-    // Of the two lenses, left and right.
+    // The two lenses, left and right.
     std::array<LensChange, 2> lenses;
     std::array<LensChange::Vector, 2> lens_sigmas = {LensChange::Vector::Zero(),
                                                      LensChange::Vector::Zero()};

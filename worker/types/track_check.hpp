@@ -8,7 +8,7 @@ struct TrackAgreement {
     bool finite = true;
     // Over the observations made during tracking, each error limited to 10 px.
     double reprojection_rms_px = 0.0;
-    // Of the motions between neighbouring keyframes against the odometry.
+    // The deviation of the motions between neighbouring keyframes from the odometry.
     double odometry_rms_sigmas = 0.0;
 };
 

@@ -169,7 +169,7 @@ TEST(ImageNoise, IsThatOfTheSensorNotOfTheTexture) {
     }
 }
 
-// Of the disparities with a stated standard deviation s, about two thirds must be within s. The
+// About two thirds of the disparities must err by less than their stated sigma. The
 // formula includes image noise alone, so matches may be slightly better or worse.
 TEST(DisparitySigma, TellsTheOrderOfTheRealError) {
     WarpedPairOptions options;
