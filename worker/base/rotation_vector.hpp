@@ -41,11 +41,11 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 // Returns the right Jacobian J of SO(3): exp(w + dw) = exp(w) exp(J dw).
 inline Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
     const double angle = w.norm();
-    const Eigen::Matrix3d W = cross_matrix(w);
-    if (angle < 1e-5) return Eigen::Matrix3d::Identity() - 0.5 * W;
+    const Eigen::Matrix3d cross = cross_matrix(w);
+    if (angle < 1e-5) return Eigen::Matrix3d::Identity() - 0.5 * cross;
     const double squared = angle * angle;
-    return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / squared * W +
-           (angle - std::sin(angle)) / (squared * angle) * W * W;
+    return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / squared * cross +
+           (angle - std::sin(angle)) / (squared * angle) * cross * cross;
 }
 
 }  // namespace divemesh::base

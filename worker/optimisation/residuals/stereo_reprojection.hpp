@@ -56,9 +56,9 @@ struct StereoReprojection {
         const Eigen::Map<const Eigen::Quaterniond> q(q_world_imu);
         const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(p_world) -
                                   Eigen::Map<const Eigen::Vector3d>(p_world_imu);
-        const Eigen::Matrix3d U = -base::cross_matrix(q.vec());
+        const Eigen::Matrix3d cross = -base::cross_matrix(q.vec());
         jacobian_world = jacobian_of_point(q.conjugate() * d) *
-                         (Eigen::Matrix3d::Identity() + 2.0 * q.w() * U + 2.0 * U * U);
+                         (Eigen::Matrix3d::Identity() + 2.0 * q.w() * cross + 2.0 * cross * cross);
         return true;
     }
 
