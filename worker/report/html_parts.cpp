@@ -7,10 +7,13 @@ namespace divemesh::report {
 using nlohmann::json;
 
 const std::map<std::string, std::string_view>& html_parts() {
-    static const std::map<std::string, std::string_view> kParts = {{"findings", findings_html()},
-                                                                   {"grid", grid_html()},
-                                                                   {"page_head", page_head_html()},
-                                                                   {"rows", rows_html()}};
+    static const std::map<std::string, std::string_view> kParts = {
+        {"accuracy_rows", accuracy_rows_html()},
+        {"dive_rows", dive_rows_html()},
+        {"findings", findings_html()},
+        {"grid", grid_html()},
+        {"page_head", page_head_html()},
+        {"rows", rows_html()}};
     return kParts;
 }
 

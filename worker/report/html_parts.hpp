@@ -10,7 +10,9 @@
 namespace divemesh::report {
 
 // Returns the common templates of all pages by name: {{>page_head}} up to </head>, of `title`;
-// {{>rows}}, {{>grid}} and {{>findings}} of the values below.
+// {{>accuracy_rows}} of `accuracy` and `expected`, {{>dive_rows}} of `dive` and `result`, the four
+// of them made by rows_values(); {{>rows}}, {{>grid}} and {{>findings}} of the values below. A part
+// ends with a line break, so what follows it in a page stands on the line of its name.
 const std::map<std::string, std::string_view>& html_parts();
 
 using HtmlRows = std::vector<std::pair<std::string, std::string>>;  // name, value
