@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <gmock/gmock.h>
+#include <sstream>
+#include <string>
+#include <unistd.h>
+
+#include "tests/worker/runner/job_runner_fixture.hpp"
+
+namespace divemesh::runner {
+namespace {
+
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+// A14
+TEST_F(JobRunnerTest, BeginsNothingOnADiskThatIsNearlyFull) {
+    const Job job = make_job("ok");
+    {
+        Process worker = start_worker("600000", "1000000000", "1000000000", "4000000000000000000");
+        ASSERT_TRUE(wait_until(seconds(10), [&] {
+            return worker.stdout_text().find("disk_nearly_full") != std::string::npos;
+        }));
+        EXPECT_EQ(jobs_.get(job.id).state, JobState::Held);
+        EXPECT_EQ(dives_.get(job.dive_id).state, DiveState::Checking);
+    }
+    Process worker = start_worker();
+    EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+}
+
+// Q5
+TEST_F(JobRunnerTest, AnAttemptPastItsDeadlineIsEnded) {
+    const Job job = make_job("deaf " + marker_.string(), 1);
+    Process worker = start_worker("500");
+
+    EXPECT_TRUE(reaches(job, JobState::Dead));
+    EXPECT_THAT(jobs_.get(job.id).failure.message, HasSubstr("deadline"));
+}
+
+TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
+    const Job job = make_job("large", 1);
+    Process worker = start_worker("600000", "33554432");
+
+    ASSERT_TRUE(reaches(job, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
+    EXPECT_TRUE(jobs_.artifacts(job.id).empty());
+    EXPECT_EQ(num_blobs_of_jobs(), 0u);
+}
+
+// S19
+TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
+    const Job killed = make_job("killed", 10);
+    const Job greedy = make_job("greedy " + marker_.string(), 10);
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(killed, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(killed.id).failure.code, ErrorCode::OutOfMemory);
+    EXPECT_EQ(jobs_.attempts(killed.id).size(), 2u);
+    ASSERT_TRUE(reaches(greedy, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(greedy.id).failure.code, ErrorCode::OutOfMemory);
+    EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second: one thread
+}
+
+// Q13, S19
+TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
+    const Job job = make_job("fill", 1);
+    Process worker = start_worker("600000", "1000000000", "4194304");
+
+    ASSERT_TRUE(reaches(job, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
+}
+
+// Q13, S19
+TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
+    const Job job = make_job("limits");
+    Process worker = start_worker("600000", "1000000000", "123456789");
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+
+    std::istringstream limits(
+        read_text(blobs_->local_copy(jobs_.artifact(job.id, "limits.txt").blob, folder_.path())));
+    std::int64_t memory = 0, file = 0, open_files = 0, cpu_s = 0, cache = 0;
+    std::string cache_name;
+    std::string network;
+    std::string processes;
+    limits >> memory >> file >> open_files >> cpu_s >> cache >> cache_name;
+    std::getline(limits >> std::ws, network);
+    std::getline(limits >> std::ws, processes);
+
+    EXPECT_GT(memory, 0);
+    EXPECT_LT(memory, sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE));
+    EXPECT_EQ(file, 123456789);
+    EXPECT_EQ(open_files, 1024);
+    EXPECT_GE(cpu_s, 600);
+    EXPECT_EQ(cache, 12345);
+    EXPECT_EQ(cache_name, "work-cache");
+    const bool cut = worker.stderr_text().find("have network access") == std::string::npos &&
+                     worker.stdout_text().find("have network access") == std::string::npos;
+    EXPECT_EQ(network, cut ? "no network" : "network");
+    EXPECT_EQ(processes, "no processes");
+}
+
+}  // namespace
+}  // namespace divemesh::runner
