@@ -2,12 +2,9 @@
 
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
-#include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
-#include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
-#include "api/job_options.hpp"
 #include "api/target.hpp"
 #include "api/uploads/make_dive.hpp"
 #include "api/uploads/upload_metadata.hpp"
@@ -16,7 +13,6 @@
 #include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "storage/dive_store.hpp"
-#include "storage/job_store.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -60,39 +56,6 @@ DiveRequest dive_request(const Request& request) {
         require_scope(request.token, "jobs:write");
     }
     return wanted;
-}
-
-// Checks a comparison requested from its earlier dive: "with" is the later one.
-void check_options(storage::NewJob& job) {
-    switch (job.kind) {
-        case JobKind::Reconstruct: make_options(job.preset, job.options); return;
-        case JobKind::Compare: check_compare_options(job.options); break;
-        case JobKind::AccuracyReport: check_report_options(job.options); break;
-        case JobKind::Intake:
-            throw InvalidInput({{"an intake job is created only with its dive", "/kind", ""}});
-    }
-    preset_options(job.preset);
-    if (job.options.value("fresh", false)) job.fresh_version = DIVEMESH_VERSION;
-    job.options.erase("fresh");
-}
-
-storage::NewJob job_request(const Request& request, const Dive& dive) {
-    const auto body = json_body(request, {"kind", "preset", "options", "priority", "parents"});
-    storage::NewJob job;
-    job.project = dive.project;
-    job.dive_id = dive.id;
-    job.kind = job_kind_from_string(value_or<std::string>(body, "kind", "reconstruct"));
-    job.preset = value_or<std::string>(body, "preset", "standard");
-    job.options = body.value("options", nlohmann::json::object());
-    try {
-        check_options(job);
-    } catch (const InvalidInput& error) {
-        throw error.below("/options");
-    }
-    job.parents = value_or<std::vector<std::string>>(body, "parents", {});
-    job.priority = value_or<int>(body, "priority", 0);
-    job.request_key = request_key(request);
-    return job;
 }
 
 }  // namespace
@@ -145,20 +108,6 @@ Awaitable<Response> list_findings(Request request, Services services) {
         return storage::DiveStore(catalog).findings(visible_dive(asked, catalog).id);
     };
     return get_list(std::move(request), services, read);
-}
-
-Awaitable<Response> create_job(Request request, Services services) {
-    auto work = [services, request] {
-        require_room(services);
-        const Dive dive = visible_dive(request, services.catalog);
-        auto catalog = audited(services, request);
-        return storage::JobStore(catalog).enqueue(job_request(request, dive));
-    };
-    const auto made = co_await in_pool(services.pool, std::move(work));
-    Response response =
-        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
-    response.set("Location", "/api/v1/jobs/" + made.job.id);
-    co_return response;
 }
 
 }  // namespace divemesh::api

@@ -9,6 +9,5 @@ Awaitable<Response> list_dives(Request request, Services services);
 Awaitable<Response> create_dive(Request request, Services services);
 Awaitable<Response> get_dive(Request request, Services services);
 Awaitable<Response> list_findings(Request request, Services services);
-Awaitable<Response> create_job(Request request, Services services);
 
 }  // namespace divemesh::api

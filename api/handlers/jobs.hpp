@@ -6,6 +6,7 @@
 namespace divemesh::api {
 
 Awaitable<Response> list_jobs(Request request, Services services);
+Awaitable<Response> create_job(Request request, Services services);
 Awaitable<Response> get_job(Request request, Services services);
 Awaitable<Response> change_job(Request request, Services services);
 Awaitable<Response> cancel_job(Request request, Services services);
