@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdio>
+#include <limits>
 #include <string>
 
 namespace divemesh::base {
 
 // Returns a number as text with `places` decimals, the same on every machine.
 inline std::string fixed(double value, int places) {
-    char text[64];
+    char text[std::numeric_limits<double>::max_exponent10 + 64];
     std::snprintf(text, sizeof text, "%.*f", places, value);
     return text;
 }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "schemas/base64.hpp"
+#include "worker/base/text.hpp"
 #include "worker/compare/change_images.hpp"
 #include "worker/compare/comparison_page.hpp"
 #include "worker/report/html_parts.hpp"
@@ -17,21 +17,15 @@ namespace {
 
 using nlohmann::json;
 
-std::string number(double value, int digits) {
-    char text[48];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
-    return text;
-}
-
 double at(const json& document, const char* path) {
     return document.at(json::json_pointer(path)).get<double>();
 }
 
 // Returns a volume in litres or an area in cm2 with its bounds.
 std::string bounds(const json& interval, double factor, int digits) {
-    return number(factor * interval.at("value").get<double>(), digits) + " (" +
-           number(factor * interval.at("low").get<double>(), digits) + " to " +
-           number(factor * interval.at("high").get<double>(), digits) + ")";
+    return base::fixed(factor * interval.at("value").get<double>(), digits) + " (" +
+           base::fixed(factor * interval.at("low").get<double>(), digits) + " to " +
+           base::fixed(factor * interval.at("high").get<double>(), digits) + ")";
 }
 
 std::string jpeg(const cv::Mat& image) {
@@ -46,35 +40,35 @@ json totals(const json& document) {
         rows.emplace_back(name + ", patches", std::to_string(total.at("num_patches").get<int>()));
         rows.emplace_back(name + ", volume, litres (95 %)", bounds(total.at("volume_m3"), 1e3, 2));
         rows.emplace_back(name + ", of it undetected at most, litres",
-                          number(1e3 * total.at("undetected_m3").get<double>(), 2));
+                          base::fixed(1e3 * total.at("undetected_m3").get<double>(), 2));
         rows.emplace_back(name + ", area, cm² (95 %)", bounds(total.at("area_m2"), 1e4, 0));
     }
     rows.emplace_back("rest: rise less fall, litres (95 %)",
                       bounds(document.at("rest").at("volume_m3"), 1e3, 2));
     rows.emplace_back("rest: beyond its level of detection",
-                      number(100.0 * at(document, "/rest/beyond_share"), 1) + " %");
+                      base::fixed(100.0 * at(document, "/rest/beyond_share"), 1) + " %");
     return report::rows_values(rows);
 }
 
 json ground(const json& document) {
     report::HtmlRows rows;
-    rows.emplace_back("seen by both", number(at(document, "/ground/both_m2"), 2) + " m²");
+    rows.emplace_back("seen by both", base::fixed(at(document, "/ground/both_m2"), 2) + " m²");
     rows.emplace_back("by the earlier dive alone",
-                      number(at(document, "/ground/only_a_m2"), 2) + " m²");
+                      base::fixed(at(document, "/ground/only_a_m2"), 2) + " m²");
     rows.emplace_back("by the later dive alone",
-                      number(at(document, "/ground/only_b_m2"), 2) + " m²");
+                      base::fixed(at(document, "/ground/only_b_m2"), 2) + " m²");
     rows.emplace_back("hidden from one of them",
-                      number(at(document, "/ground/hidden_m2"), 2) + " m²");
+                      base::fixed(at(document, "/ground/hidden_m2"), 2) + " m²");
     rows.emplace_back("level of detection, median",
-                      number(1e3 * at(document, "/distances/median_lod95_m"), 1) + " mm");
+                      base::fixed(1e3 * at(document, "/distances/median_lod95_m"), 1) + " mm");
     rows.emplace_back("M3C2 distance, median",
-                      number(1e3 * at(document, "/distances/median_m"), 2) + " mm");
+                      base::fixed(1e3 * at(document, "/distances/median_m"), 2) + " mm");
     rows.emplace_back("M3C2 distance, median size",
-                      number(1e3 * at(document, "/distances/median_abs_m"), 2) + " mm");
+                      base::fixed(1e3 * at(document, "/distances/median_abs_m"), 2) + " mm");
     rows.emplace_back("cell, cylinder, normals over",
-                      number(1e3 * at(document, "/options/cell_m"), 1) + ", " +
-                          number(1e3 * at(document, "/options/cylinder_m"), 0) + ", " +
-                          number(1e3 * at(document, "/options/normal_scale_m"), 0) + " mm");
+                      base::fixed(1e3 * at(document, "/options/cell_m"), 1) + ", " +
+                          base::fixed(1e3 * at(document, "/options/cylinder_m"), 0) + ", " +
+                          base::fixed(1e3 * at(document, "/options/normal_scale_m"), 0) + " mm");
     return report::rows_values(rows);
 }
 
@@ -83,18 +77,18 @@ json registration(const json& document) {
     report::HtmlRows rows;
     rows.emplace_back("found by", fit.at("method").get<std::string>());
     rows.emplace_back("of the later dive over ground of the earlier",
-                      number(100.0 * at(fit, "/overlap"), 0) + " %");
-    rows.emplace_back("of that within " + number(1e3 * at(fit, "/tolerance_m"), 0) + " mm",
-                      number(100.0 * at(fit, "/agreement"), 0) + " %");
+                      base::fixed(100.0 * at(fit, "/overlap"), 0) + " %");
+    rows.emplace_back("of that within " + base::fixed(1e3 * at(fit, "/tolerance_m"), 0) + " mm",
+                      base::fixed(100.0 * at(fit, "/agreement"), 0) + " %");
     rows.emplace_back("residual on stable surface, RMS",
-                      number(1e3 * at(fit, "/residual_rms_m"), 2) + " mm");
+                      base::fixed(1e3 * at(fit, "/residual_rms_m"), 2) + " mm");
     rows.emplace_back("uncertainty (95 %), x, y, z",
-                      number(1e3 * at(fit, "/uncertainty95/x_m"), 2) + ", " +
-                          number(1e3 * at(fit, "/uncertainty95/y_m"), 2) + ", " +
-                          number(1e3 * at(fit, "/uncertainty95/z_m"), 2) + " mm");
+                      base::fixed(1e3 * at(fit, "/uncertainty95/x_m"), 2) + ", " +
+                          base::fixed(1e3 * at(fit, "/uncertainty95/y_m"), 2) + ", " +
+                          base::fixed(1e3 * at(fit, "/uncertainty95/z_m"), 2) + " mm");
     rows.emplace_back("uncertainty (95 %), tilt, heading",
-                      number(at(fit, "/uncertainty95/tilt_deg"), 3) + "°, " +
-                          number(at(fit, "/uncertainty95/heading_deg"), 3) + "°");
+                      base::fixed(at(fit, "/uncertainty95/tilt_deg"), 3) + "°, " +
+                          base::fixed(at(fit, "/uncertainty95/heading_deg"), 3) + "°");
     rows.emplace_back("patches that err independently",
                       std::to_string(fit.at("num_patches").get<int>()));
     return report::rows_values(rows);
@@ -108,21 +102,19 @@ json patches(const json& document) {
                         {"volume", bounds(patch.at("volume_m3"), 1e3, 2)},
                         {"area", bounds(patch.at("area_m2"), 1e4, 0)},
                         {"changes",
-                         number(1e3 * at(patch, "/mean_change_m"), 0) + ", " +
-                             number(1e3 * at(patch, "/largest_change_m"), 0) + " mm"},
+                         base::fixed(1e3 * at(patch, "/mean_change_m"), 0) + ", " +
+                             base::fixed(1e3 * at(patch, "/largest_change_m"), 0) + " mm"},
                         {"center",
-                         number(at(patch, "/center_m/0"), 2) + ", " +
-                             number(at(patch, "/center_m/1"), 2) + " m"},
-                        {"hidden", number(1e4 * at(patch, "/hidden_m2"), 0) + " cm²"}});
+                         base::fixed(at(patch, "/center_m/0"), 2) + ", " +
+                             base::fixed(at(patch, "/center_m/1"), 2) + " m"},
+                        {"hidden", base::fixed(1e4 * at(patch, "/hidden_m2"), 0) + " cm²"}});
     if (list.empty()) return nullptr;
     return {{"list", list}};
 }
 
-// Returns a number with three or four significant digits.
+// Returns a number with three significant digits; a rounding error of 0 is 0.
 std::string significant(double value) {
-    char text[48];
-    std::snprintf(text, sizeof text, "%.3g", std::abs(value) < 1e-9 ? 0.0 : value);
-    return text;
+    return base::significant(std::abs(value) < 1e-9 ? 0.0 : value, 3);
 }
 
 std::string estimate_text(const json& metric, const char* time, double factor) {
@@ -190,8 +182,8 @@ json outline_changes(const json& areas) {
             area.at("dive"),
             area.value("label", std::string()),
             area.value("same_as", std::string()),
-            number(1e4 * area.at("area_m2").get<double>(), 0),
-            number(100.0 * area.at("coverage").get<double>(), 0) + " %"};
+            base::fixed(1e4 * area.at("area_m2").get<double>(), 0),
+            base::fixed(100.0 * area.at("coverage").get<double>(), 0) + " %"};
         const auto& of_outline = metrics.at({area.at("dive"), area.at("name")});
         for (const char* name : {"grown_volume", "lost_volume", "net_volume"}) {
             const json& metric = of_outline.at(name);
@@ -207,7 +199,7 @@ json areas(const json& document) {
     const auto found = document.find("areas");
     if (found == document.end()) return nullptr;
     return {{"labels", label_changes(found->at("figures"))},
-            {"surveyed", number(found->at("surveyed_m2").get<double>(), 2) + " m²"},
+            {"surveyed", base::fixed(found->at("surveyed_m2").get<double>(), 2) + " m²"},
             {"outlines", outline_changes(*found)}};
 }
 
@@ -240,7 +232,7 @@ std::string compare_report(const CompareReportInput& input) {
     return report::fill_template(
         comparison_page_html(),
         {{"title", title_of(document.at("a")) + " → " + title_of(document.at("b"))},
-         {"full_change", number(1e3 * input.full_change_m, 0) + " mm"},
+         {"full_change", base::fixed(1e3 * input.full_change_m, 0) + " mm"},
          {"change", jpeg(input.difference)},
          {"earlier", jpeg(input.surface_a)},
          {"later", jpeg(input.surface_b)},

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <numbers>
-#include <sstream>
 
+#include "worker/base/text.hpp"
 #include "worker/evaluation/path_length.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
@@ -52,11 +51,7 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
     expected.ate_expected_m = scale * std::sqrt(path.mean_square_m2);
 }
 
-std::string percent(double share) {
-    std::ostringstream text;
-    text << std::fixed << std::setprecision(1) << 100.0 * share;
-    return text.str() + " %";
-}
+std::string percent(double share) { return base::fixed(100.0 * share, 1) + " %"; }
 
 // Returns the error of distant positions: they err independently, each by a third of the mean
 // square along a line.
@@ -159,13 +154,12 @@ void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& exp
     if (!expected.end_bound_m) return;
     const double path_m = path_length_m(input.trajectory);
     if (*expected.end_bound_m <= std::max(kLarge_m, kLargeShareOfPath * path_m)) return;
-    std::ostringstream message;
-    message << std::fixed << std::setprecision(2) << "the position at the end may be off by up to "
-            << *expected.end_bound_m << " m after " << path_m << " m of path (95 %)";
     expected.findings.push_back({Severity::Warning,
                                  "drift_may_be_large",
                                  "",
-                                 message.str(),
+                                 "the position at the end may be off by up to " +
+                                     base::fixed(*expected.end_bound_m, 2) + " m after " +
+                                     base::fixed(path_m, 2) + " m of path (95 %)",
                                  "return to a place that you passed before, stay closer to "
                                  "textured ground, or place markers"});
 }

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <map>
 #include <set>
-#include <sstream>
 #include <utility>
 
+#include "worker/base/text.hpp"
 #include "worker/camera/rectifier.hpp"
 #include "worker/markers/find_tags.hpp"
 #include "worker/markers/measure_bars.hpp"
@@ -123,13 +122,11 @@ private:
     void tell_inconsistent() {
         for (const BarMetrics& bar : metrics_.bars) {
             if (bar.leave_one_out_sigmas() <= 3.0) continue;
-            std::ostringstream message;
-            message << std::fixed << std::setprecision(1) << "'" << bar.name << "', stated as "
-                    << 1e3 * bar.known_m << " mm, is off by " << 1e3 * *bar.leave_one_out_error_m
-                    << " mm when the other known distances set the scale (standard deviation "
-                    << 1e3 * bar.leave_one_out_sigma_m << " mm)";
             warn("scale_bar_inconsistent",
-                 message.str(),
+                 "'" + bar.name + "', stated as " + base::fixed(1e3 * bar.known_m, 1) +
+                     " mm, is off by " + base::fixed(1e3 * *bar.leave_one_out_error_m, 1) +
+                     " mm when the other known distances set the scale (standard deviation " +
+                     base::fixed(1e3 * bar.leave_one_out_sigma_m, 1) + " mm)",
                  "measure it again, and the printed sizes, and state the uncertainty of the "
                  "distances as sigma_m");
         }
@@ -140,13 +137,11 @@ private:
         const double error = 1.0 / metrics_.scale->factor - 1.0;
         const double sigma = std::hypot(metrics_.scale->sigma, metrics_.systematic_scale_sigma);
         if (std::abs(error) <= 3.0 * sigma) return;
-        std::ostringstream message;
-        message << std::fixed << std::setprecision(2)
-                << "compared with the known distances, measured lengths are "
-                << 100.0 * std::abs(error) << " % too " << (error > 0.0 ? "long" : "short")
-                << " (standard deviation " << 100.0 * sigma << " %)";
         warn("scale_off",
-             message.str(),
+             "compared with the known distances, measured lengths are " +
+                 base::fixed(100.0 * std::abs(error), 2) + " % too " +
+                 (error > 0.0 ? "long" : "short") + " (standard deviation " +
+                 base::fixed(100.0 * sigma, 2) + " %)",
              "calibrate the rig again in water, above all its baseline, or use --set "
              "correct_scale=true to scale the result by the known distances");
     }

@@ -3,14 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <iomanip>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "schemas/content_hash.hpp"
 #include "schemas/json.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
 
 namespace divemesh::pipeline {
@@ -290,14 +289,13 @@ std::optional<Finding> find_too_near(const MetricsInput& input) {
     const double share =
         static_cast<double>(dense.num_too_near) / static_cast<double>(dense.num_patches);
     if (share <= kTolerated) return std::nullopt;
-    std::ostringstream message;
-    message << std::fixed << std::setprecision(0) << 100.0 * share
-            << " % of the scene was too close for the disparity search range ("
-            << input.options.num_disparities_px << " px) and is missing from the mesh";
     return Finding{Severity::Warning,
                    "scene_too_near",
                    "",
-                   message.str(),
+                   base::fixed(100.0 * share, 0) +
+                       " % of the scene was too close for the disparity search range (" +
+                       std::to_string(input.options.num_disparities_px) +
+                       " px) and is missing from the mesh",
                    "reconstruct again with a larger num_disparities_px, and keep more distance on "
                    "the next dive"};
 }

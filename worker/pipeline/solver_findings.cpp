@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "schemas/error.hpp"
+#include "worker/base/text.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -42,16 +41,10 @@ double share_tracked(const types::TrackStatistics& track) {
                    : 1.0;
 }
 
-std::string fixed(double value, int num_digits) {
-    std::ostringstream text;
-    text << std::fixed << std::setprecision(num_digits) << value;
-    return text.str();
-}
-
 std::string lost_frames(const types::TrackStatistics& track) {
     const std::int64_t num_lost = track.num_frames - track.num_frames_tracked;
     return std::to_string(num_lost) + " of " + std::to_string(num_motions(track)) +
-           " motions from frame to frame (" + fixed(100.0 * (1.0 - share_tracked(track)), 1) +
+           " motions from frame to frame (" + base::fixed(100.0 * (1.0 - share_tracked(track)), 1) +
            " %) could not be measured by vision";
 }
 
@@ -144,7 +137,7 @@ std::vector<Finding> solver_findings(const types::SolverOutcome& outcome,
              "",
              what + " stopped after " + std::to_string(outcome.num_iterations) +
                  " iterations while its cost was still falling by " +
-                 fixed(100.0 * outcome.last_decrease, 1) + " % a step: " + outcome.message,
+                 base::fixed(100.0 * outcome.last_decrease, 1) + " % a step: " + outcome.message,
              "compare the result with what is known about the place before it is used"}};
 }
 
@@ -153,15 +146,15 @@ void require_converged(const types::Track& track, const types::OptimisedTrack& r
         if (!pose.T_world_imu.matrix().allFinite()) diverged("a pose is not finite");
     const double reprojection_px = result.statistics.check.after.reprojection_rms_px;
     if (!(reprojection_px <= kDiverged_px))
-        diverged("landmarks lie " + fixed(reprojection_px, 1) +
+        diverged("landmarks lie " + base::fixed(reprojection_px, 1) +
                  " px from where they were seen (root mean square)");
     if (result.trajectory.size() != track.odometry.size()) return;
     const std::vector<bool> jumps = jumps_of(result);
     const double final_m = path_m(result.trajectory, jumps);
     const double odometry_m = path_m(track.odometry, jumps);
     if (!(final_m <= kDivergedPath * odometry_m + kPathSlack_m))
-        diverged("the path is " + fixed(final_m, 2) +
-                 " m long, by the motion from frame to frame " + fixed(odometry_m, 2) + " m");
+        diverged("the path is " + base::fixed(final_m, 2) +
+                 " m long, by the motion from frame to frame " + base::fixed(odometry_m, 2) + " m");
 }
 
 }  // namespace divemesh::pipeline

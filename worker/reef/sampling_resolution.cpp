@@ -1,16 +1,13 @@
 #include "worker/reef/sampling_resolution.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "worker/base/text.hpp"
 
 namespace divemesh::reef {
-std::string length_text(double length_m) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.1f mm", 1000.0 * length_m);
-    return text.data();
-}
+
+std::string length_text(double length_m) { return base::fixed(1000.0 * length_m, 1) + " mm"; }
 
 SamplingResolution sampling_resolution_of(const SurfacePatch& patch,
                                           const std::vector<Eigen::Vector3d>& cameras_plane,

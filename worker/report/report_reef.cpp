@@ -1,7 +1,6 @@
 #include "worker/report/report_reef.hpp"
 
-#include <cstdio>
-
+#include "worker/base/text.hpp"
 #include "worker/report/html_parts.hpp"
 
 namespace divemesh::report {
@@ -10,10 +9,7 @@ namespace {
 using nlohmann::json;
 
 std::string number_text(const json& value) {
-    if (!value.is_number()) return "";
-    char text[40];
-    std::snprintf(text, sizeof text, "%.5g", value.get<double>());
-    return text;
+    return value.is_number() ? base::significant(value.get<double>(), 5) : "";
 }
 
 std::string name_of(const json& metric) {

@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 
+#include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
-
-std::string number_text(double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
 
 const Metric* find(const std::vector<Metric>& metrics, const std::string& name) {
     const auto found = std::find_if(
@@ -102,7 +96,7 @@ json judge_requirements(const std::vector<Requirement>& requirements,
             verdict["value"] = *metric->value;
             verdict["met"] = met;
             verdict["reason"] = met ? ""
-                                    : "it is " + number_text(*metric->value) +
+                                    : "it is " + base::significant(*metric->value, 6) +
                                           (metric->unit == "1" ? "" : " " + metric->unit);
         }
         verdicts.push_back(std::move(verdict));

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "worker/base/text.hpp"
 #include "worker/report/html_template.hpp"
 #include "worker/report/html_templates.hpp"
 
@@ -21,12 +21,6 @@ constexpr double kRight_px = 14.0;
 constexpr double kTop_px = 46.0;
 constexpr double kBottom_px = 44.0;
 constexpr std::size_t kMaxPoints = 1500;
-
-std::string number(double value, int digits) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
-    return text;
-}
 
 struct Range {
     double low = std::numeric_limits<double>::infinity();
@@ -101,7 +95,7 @@ std::vector<double> ticks(const Range& range, double step) {
 // Returns the tick at `at_px` along its axis.
 json tick(double at_px, double value, double step) {
     const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
-    return {{"at", number(at_px, 1)}, {"value", number(value, digits)}};
+    return {{"at", base::fixed(at_px, 1)}, {"value", base::fixed(value, digits)}};
 }
 
 json x_ticks(const Axes& axes) {
@@ -117,7 +111,7 @@ json y_ticks(const Axes& axes) {
     const double step = tick_step(axes.y);
     for (const double value : ticks(axes.y, step)) {
         list.push_back(tick(axes.y_px(value), value, step));
-        list.back()["baseline"] = number(axes.y_px(value) + 4.0, 1);
+        list.back()["baseline"] = base::fixed(axes.y_px(value) + 4.0, 1);
     }
     return list;
 }
@@ -127,12 +121,13 @@ json polyline(const PlotLine& line, const Axes& axes) {
     const std::size_t step = std::max<std::size_t>(1, (count + kMaxPoints - 1) / kMaxPoints);
     std::string points;
     for (std::size_t i = 0; i < count; i += step)
-        points += number(axes.x_px(line.x[i]), 1) + "," + number(axes.y_px(line.y[i]), 1) + " ";
+        points +=
+            base::fixed(axes.x_px(line.x[i]), 1) + "," + base::fixed(axes.y_px(line.y[i]), 1) + " ";
     json filled;
     if (line.filled && count > 0)
-        filled = {{"first", number(axes.x_px(line.x[0]), 1)},
-                  {"last", number(axes.x_px(line.x[count - 1]), 1)},
-                  {"zero", number(axes.y_px(0.0), 1)}};
+        filled = {{"first", base::fixed(axes.x_px(line.x[0]), 1)},
+                  {"last", base::fixed(axes.x_px(line.x[count - 1]), 1)},
+                  {"zero", base::fixed(axes.y_px(0.0), 1)}};
     return {{"color", line.color}, {"points", points}, {"filled", filled}};
 }
 
@@ -141,11 +136,11 @@ double width_px(const PlotLine& line) { return 40.0 + 7.0 * static_cast<double>(
 json named(const PlotLine& line, double x, double y) {
     return {{"name", line.name},
             {"color", line.color},
-            {"x", number(x, 1)},
-            {"x_end", number(x + 18.0, 1)},
-            {"x_name", number(x + 23.0, 1)},
-            {"y", number(y, 1)},
-            {"baseline", number(y + 4.0, 1)}};
+            {"x", base::fixed(x, 1)},
+            {"x_end", base::fixed(x + 18.0, 1)},
+            {"x_name", base::fixed(x + 23.0, 1)},
+            {"y", base::fixed(y, 1)},
+            {"baseline", base::fixed(y + 4.0, 1)}};
 }
 
 // Puts entries in a row above the plot; those without room there in a column at its lower right.
@@ -178,17 +173,17 @@ std::string svg_plot(const Plot& plot) {
                    {"x_ticks", x_ticks(axes)},
                    {"y_ticks", y_ticks(axes)},
                    {"legend", legend(plot)},
-                   {"width", number(kWidth_px, 0)},
-                   {"height", number(kHeight_px, 0)},
-                   {"left", number(kLeft_px, 1)},
-                   {"right", number(kWidth_px - kRight_px, 1)},
-                   {"top", number(kTop_px, 1)},
-                   {"bottom", number(bottom, 1)},
-                   {"below", number(bottom + 15.0, 1)},
-                   {"beside", number(kLeft_px - 6.0, 1)},
-                   {"foot", number(kHeight_px - 8.0, 1)},
-                   {"x_label_at", number(0.5 * (kLeft_px + kWidth_px), 1)},
-                   {"y_label_at", number(0.5 * (kTop_px + bottom), 0)}};
+                   {"width", base::fixed(kWidth_px, 0)},
+                   {"height", base::fixed(kHeight_px, 0)},
+                   {"left", base::fixed(kLeft_px, 1)},
+                   {"right", base::fixed(kWidth_px - kRight_px, 1)},
+                   {"top", base::fixed(kTop_px, 1)},
+                   {"bottom", base::fixed(bottom, 1)},
+                   {"below", base::fixed(bottom + 15.0, 1)},
+                   {"beside", base::fixed(kLeft_px - 6.0, 1)},
+                   {"foot", base::fixed(kHeight_px - 8.0, 1)},
+                   {"x_label_at", base::fixed(0.5 * (kLeft_px + kWidth_px), 1)},
+                   {"y_label_at", base::fixed(0.5 * (kTop_px + bottom), 0)}};
     values["lines"] = json::array();
     for (const PlotLine& line : plot.lines) values["lines"].push_back(polyline(line, axes));
     return fill_template(plot_svg(), values);
